@@ -1,0 +1,149 @@
+"""From a block layout to a meshed gmsh model with named physical groups; the only file that calls gmsh."""
+
+from contextlib import contextmanager
+
+import gmsh
+import numpy as np
+
+from .tags import BODIES, FACETS
+
+
+@contextmanager
+def session(name):
+    """A gmsh model of our own; a session that was open before stays open, with its current model."""
+    before = bool(gmsh.isInitialized())
+    current = gmsh.model.getCurrent() if before else None
+    if not before:
+        gmsh.initialize(interruptible=False)
+    terminal = gmsh.option.getNumber("General.Terminal")
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.model.add(name)
+    try:
+        yield gmsh.model
+    finally:
+        gmsh.model.remove()
+        gmsh.option.setNumber("General.Terminal", terminal)
+        if not before:
+            gmsh.finalize()
+        elif current:
+            gmsh.model.setCurrent(current)
+
+
+def generate(layout, cell, degree):
+    """Build and mesh the layout in the current gmsh model; `cell` is a DOLFINx cell name, `degree` 1 or 2."""
+    dim, structured = layout.dim, cell in ("quadrilateral", "hexahedron")
+    simplices_follow = layout.structured and not structured
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 1)
+    gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 0)
+    gmsh.option.setNumber("Mesh.RandomSeed", 1)
+    geo = gmsh.model.geo
+
+    def as_3d(x):
+        return (*x, 0.0) if dim == 2 else tuple(x)
+
+    points = [geo.addPoint(*as_3d(x), s) for x, s in zip(layout.points, layout.sizes)]
+    centres = {}
+
+    def centre_of(x):
+        key = tuple(np.round(x / layout.tolerance).astype(np.int64))
+        if key not in centres:
+            centres[key] = geo.addPoint(*as_3d(x))
+        return centres[key]
+
+    lines = {}
+    for (p, q), (number, first, last) in layout.divisions().items():
+        centre = layout.arcs.get(frozenset((p, q)))
+        if centre is None:
+            line = geo.addLine(points[p], points[q])
+        else:
+            line = geo.addCircleArc(points[p], centre_of(centre), points[q])
+        lines[(p, q)] = line
+        if structured or simplices_follow:
+            fixed = (p, q) in layout.cells
+            ratio = 1.0 if number == 1 or fixed else (last / first) ** (1.0 / (number - 1))
+            geo.mesh.setTransfiniteCurve(line, number + 1, "Progression", ratio)
+
+    def loop(corners):
+        pairs = zip(corners, corners[1:] + corners[:1])
+        return geo.addCurveLoop([lines[(p, q)] if p < q else -lines[(q, p)] for p, q in pairs])
+
+    surfaces = {}
+
+    def surface(corners):
+        key = frozenset(corners)
+        if key not in surfaces:
+            if dim == 2 and signed_area(layout.points, corners) < 0:
+                corners = corners[::-1]
+            if dim == 2 or is_plane(layout, corners):
+                surfaces[key] = geo.addPlaneSurface([loop(corners)])
+            else:
+                centre = layout.spheres.get(key)
+                surfaces[key] = geo.addSurfaceFilling(
+                    [loop(corners)], sphereCenterTag=-1 if centre is None else centre_of(centre)
+                )
+            if structured or simplices_follow:
+                geo.mesh.setTransfiniteSurface(surfaces[key], cornerTags=[points[p] for p in corners])
+                if structured:
+                    geo.mesh.setRecombine(2, surfaces[key])
+        return surfaces[key]
+
+    members = {}
+    for body in layout.bodies:
+        for block in body.blocks:
+            faces = [surface(tuple(corners)) for corners in layout.faces_of(block)]
+            if dim == 2:
+                entity = faces[0]
+            else:
+                entity = geo.addVolume([geo.addSurfaceLoop(faces)])
+                if structured or simplices_follow:
+                    geo.mesh.setTransfiniteVolume(entity, [points[p] for p in block])
+            members.setdefault(body.name, []).append(entity)
+    geo.synchronize()
+    groups = {}
+    for name, entities in members.items():
+        groups[name] = gmsh.model.addPhysicalGroup(dim, entities, BODIES[name], name)
+    for name, facets in layout.outer_facets().items():
+        entities = [surfaces[frozenset(c)] if dim == 3 else lines[(min(c), max(c))] for c in facets]
+        groups[name] = gmsh.model.addPhysicalGroup(dim - 1, entities, FACETS[name], name)
+
+    gmsh.model.mesh.generate(dim)
+    for body in layout.bodies:
+        for function, straight in body.maps:
+            if straight:
+                move(dim, groups[body.name], function)
+    if degree > 1:
+        gmsh.model.mesh.setOrder(degree)
+    for body in layout.bodies:
+        for function, straight in body.maps:
+            if not straight:
+                move(dim, groups[body.name], function)
+    for name, function in layout.snap.items():
+        if name in groups:
+            move(dim - 1, groups[name], function)
+
+
+def move(dim, group, function):
+    """Move the nodes of a physical group: x -> function(x), arrays of shape (n, 3)."""
+    nodes, x = gmsh.model.mesh.getNodesForPhysicalGroup(dim, group)
+    nodes, unique = np.unique(nodes, return_index=True)
+    x = x.reshape(-1, 3)[unique]
+    for node, old, new in zip(nodes, x, function(x.copy())):
+        if not np.array_equal(old, new):
+            gmsh.model.mesh.setNode(node, new, [])
+
+
+def signed_area(points, corners):
+    """Shoelace area of a polygon in 2D."""
+    x = np.array([points[p] for p in corners])
+    return 0.5 * float(np.sum(x[:, 0] * np.roll(x[:, 1], -1) - np.roll(x[:, 0], -1) * x[:, 1]))
+
+
+def is_plane(layout, corners):
+    """Whether a face in 3D, with the centres of its arcs, lies in one plane."""
+    x = [layout.points[p] for p in corners]
+    for p, q in zip(corners, corners[1:] + corners[:1]):
+        if frozenset((p, q)) in layout.arcs:
+            x.append(layout.arcs[frozenset((p, q))])
+    x = np.array(x) - x[0]
+    values = np.linalg.svd(x, compute_uv=False)
+    return values[2] <= 1e-9 * values[0]
