@@ -1,0 +1,169 @@
+#pragma once
+#include <cmath>
+
+/// What generated kernels need of their scalar type T: double, or a vector of doubles that holds one cell per lane.
+/// The vectors are the compiler's own (GCC and Clang vector extensions): arithmetic and comparison work as on double.
+namespace impact::kernels
+{
+template <int N>
+struct Lanes
+{
+  typedef double type __attribute__((vector_size(N * sizeof(double))));
+};
+template <>
+struct Lanes<1>
+{
+  typedef double type;
+};
+
+template <typename T>
+inline T splat(double x)
+{
+  return T{} + x;
+}
+template <>
+inline double splat<double>(double x)
+{
+  return x;
+}
+template <typename T>
+inline T splat(T x)
+  requires(!__is_same(T, double))
+{
+  return x;
+}
+
+template <typename T>
+inline double select(bool condition, double a, double b)
+  requires(__is_same(T, double))
+{
+  return condition ? a : b;
+}
+template <typename T, typename Mask, typename U, typename V>
+inline T select(Mask condition, U a, V b)
+  requires(!__is_same(T, double))
+{
+  return condition ? splat<T>(a) : splat<T>(b);
+}
+
+namespace math
+{
+using std::acos;
+using std::acosh;
+using std::asin;
+using std::asinh;
+using std::atan;
+using std::atan2;
+using std::atanh;
+using std::cos;
+using std::cosh;
+using std::erf;
+using std::exp;
+using std::log;
+using std::pow;
+using std::sin;
+using std::sinh;
+using std::sqrt;
+using std::tan;
+using std::tanh;
+inline double abs(double x) { return std::fabs(x); }
+inline double min(double a, double b) { return std::fmin(a, b); }
+inline double max(double a, double b) { return std::fmax(a, b); }
+
+template <typename T>
+concept Vector = !__is_same(T, double) && requires(T x) { x[0]; };
+
+/// One call per lane: for functions without a vector instruction or library routine.
+template <Vector T, typename F>
+inline T each(T x, F f)
+{
+  T y;
+  for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
+    y[i] = f(x[i]);
+  return y;
+}
+template <Vector T, typename F>
+inline T each(T x, T y, F f)
+{
+  T z;
+  for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
+    z[i] = f(x[i], y[i]);
+  return z;
+}
+#define IMPACT_EACH(name)                                                                                              \
+  template <Vector T>                                                                                                  \
+  inline T name(T x)                                                                                                   \
+  {                                                                                                                    \
+    return each(x, [](double a) { return std::name(a); });                                                             \
+  }
+IMPACT_EACH(sqrt)
+IMPACT_EACH(sin)
+IMPACT_EACH(cos)
+IMPACT_EACH(tan)
+IMPACT_EACH(acos)
+IMPACT_EACH(asin)
+IMPACT_EACH(atan)
+IMPACT_EACH(cosh)
+IMPACT_EACH(sinh)
+IMPACT_EACH(tanh)
+IMPACT_EACH(acosh)
+IMPACT_EACH(asinh)
+IMPACT_EACH(atanh)
+IMPACT_EACH(erf)
+#undef IMPACT_EACH
+
+// The C library's vector logarithm and exponential (libmvec, at most 4 units in the last place off).
+#if defined(__GLIBC__) && defined(__AVX2__)
+extern "C" Lanes<4>::type _ZGVdN4v_log(Lanes<4>::type);
+extern "C" Lanes<4>::type _ZGVdN4v_exp(Lanes<4>::type);
+inline Lanes<4>::type log(Lanes<4>::type x) { return _ZGVdN4v_log(x); }
+inline Lanes<4>::type exp(Lanes<4>::type x) { return _ZGVdN4v_exp(x); }
+#endif
+#if defined(__GLIBC__) && defined(__AVX512F__)
+extern "C" Lanes<8>::type _ZGVeN8v_log(Lanes<8>::type);
+extern "C" Lanes<8>::type _ZGVeN8v_exp(Lanes<8>::type);
+inline Lanes<8>::type log(Lanes<8>::type x) { return _ZGVeN8v_log(x); }
+inline Lanes<8>::type exp(Lanes<8>::type x) { return _ZGVeN8v_exp(x); }
+#endif
+template <Vector T>
+inline T log(T x)
+{
+  return each(x, [](double a) { return std::log(a); });
+}
+template <Vector T>
+inline T exp(T x)
+{
+  return each(x, [](double a) { return std::exp(a); });
+}
+template <Vector T>
+inline T pow(T x, double p)
+{
+  return each(x, [p](double a) { return std::pow(a, p); });
+}
+template <Vector T>
+inline T pow(T x, T p)
+{
+  return each(x, p, [](double a, double b) { return std::pow(a, b); });
+}
+template <Vector T>
+inline T atan2(T y, T x)
+{
+  return each(y, x, [](double a, double b) { return std::atan2(a, b); });
+}
+template <Vector T>
+inline T abs(T x)
+{
+  return x < 0.0 ? -x : x;
+}
+template <Vector T>
+inline T min(T a, T b)
+{
+  return a < b ? a : b;
+}
+template <Vector T>
+inline T max(T a, T b)
+{
+  return a > b ? a : b;
+}
+} // namespace math
+} // namespace impact::kernels

@@ -1,0 +1,151 @@
+"""Last stage: LNodes -> C++ templated on the scalar type T (double, or a vector of doubles with one cell per lane)."""
+
+import ffcx.codegeneration.lnodes as L
+import numpy as np
+
+_TYPES = {L.DataType.SCALAR: "T", L.DataType.REAL: "double", L.DataType.INT: "int", L.DataType.BOOL: "bool"}
+
+_MATH = {
+    "power": "pow",
+    "ln": "log",
+    "atan_2": "atan2",
+    "min_value": "min",
+    "max_value": "max",
+}
+
+
+class Unrolled(L.ForRange):
+    """A short loop that the compiler is told to unroll."""
+
+
+class CxxFormatter:
+    """Formats LNodes as C++."""
+
+    def __call__(self, node):
+        return getattr(self, "_" + type(node).__name__)(node)
+
+    @staticmethod
+    def _number(x):
+        if isinstance(x, (int, np.integer)):
+            return str(int(x))
+        text = repr(float(x))
+        return text if any(ch in text for ch in ".en") else text + ".0"
+
+    def _values(self, values):
+        if values.ndim == 1:
+            return "{" + ", ".join(self._number(v) for v in values) + "}"
+        return "{" + ",\n   ".join(self._values(v) for v in values) + "}"
+
+    def _StatementList(self, s):
+        return "".join(self(x) for x in s.statements)
+
+    def _Section(self, s):
+        body = "".join(self(x) for x in list(s.declarations) + list(s.statements))
+        return f"\n// {s.name}\n{body}"
+
+    def _Comment(self, c):
+        return f"// {c.comment}\n"
+
+    def _Statement(self, s):
+        return self(s.expr)
+
+    def _ArrayDecl(self, a):
+        sizes = "".join(f"[{n}]" for n in a.sizes)
+        name, kind = self(a.symbol), _TYPES[a.symbol.dtype]
+        if a.values is None:
+            return f"{kind} {name}{sizes};\n"
+        if not a.const:  # our generator only zeroes arrays
+            return f"{kind} {name}{sizes} = {{}};\n"
+        return f"static constexpr {kind} {name}{sizes}\n  = {self._values(np.asarray(a.values))};\n"
+
+    def _VariableDecl(self, v):
+        kind = _TYPES[v.symbol.dtype]
+        if kind == "T" and not _is_scalar(v.value):
+            return f"const T {self(v.symbol)} = splat<T>({self(v.value)});\n"
+        return f"const {kind} {self(v.symbol)} = {self(v.value)};\n"
+
+    def _assign(self, a):
+        right = self(a.rhs)
+        if a.op == "=" and a.lhs.dtype == L.DataType.SCALAR and not _is_scalar(a.rhs):
+            right = f"splat<T>({right})"
+        return f"{self(a.lhs)} {a.op} {right};\n"
+
+    _Assign = _AssignAdd = _AssignSub = _assign
+
+    def _ForRange(self, r, pragma=""):
+        i = self(r.index)
+        body = "".join(f"  {line}\n" for line in self(r.body).splitlines())
+        return f"{pragma}for (int {i} = {self(r.begin)}; {i} < {self(r.end)}; ++{i})\n{{\n{body}}}\n"
+
+    def _Unrolled(self, r):
+        return self._ForRange(r, "#pragma GCC unroll 32\n")
+
+    def _binary(self, e):
+        left, right = self(e.lhs), self(e.rhs)
+        if e.lhs.precedence > e.precedence:
+            left = f"({left})"
+        if e.rhs.precedence >= e.precedence:
+            right = f"({right})"
+        return f"{left} {e.op} {right}"
+
+    _Add = _Sub = _Mul = _Div = _binary
+    _LT = _LE = _GT = _GE = _EQ = _NE = _binary
+
+    def _logic(self, e):
+        return f"({self(e.lhs)}) {e.op} ({self(e.rhs)})"
+
+    _And = _Or = _logic
+
+    def _Not(self, e):
+        return f"!({self(e.arg)})"
+
+    def _Neg(self, e):
+        arg = self(e.arg)
+        return f"-({arg})" if e.arg.precedence >= e.precedence else f"-{arg}"
+
+    def _Sum(self, e):
+        return " + ".join(self(a) if a.precedence < e.precedence else f"({self(a)})" for a in e.args)
+
+    def _Product(self, e):
+        return " * ".join(self(a) if a.precedence < e.precedence else f"({self(a)})" for a in e.args)
+
+    def _Conditional(self, e):
+        kind = _TYPES[e.dtype]
+        return f"select<{kind}>({self(e.condition)}, {self(e.true)}, {self(e.false)})"
+
+    def _MathFunction(self, e):
+        kind = _TYPES[e.dtype]
+        args = ", ".join(f"splat<{kind}>({self(a)})" if kind == "T" and not _is_scalar(a) else self(a) for a in e.args)
+        name = _MATH.get(e.function, e.function)
+        if e.function == "power" and isinstance(e.args[1], L.LiteralFloat):
+            return f"math::{name}({self(e.args[0])}, {self(e.args[1])})"
+        return f"math::{name}({args})"
+
+    def _ArrayAccess(self, a):
+        return self(a.array) + "".join(f"[{self(i)}]" for i in a.indices)
+
+    def _MultiIndex(self, m):
+        return self(m.global_index)
+
+    def _Symbol(self, s):
+        return s.name
+
+    def _LiteralFloat(self, x):
+        text = self._number(float(x.value))
+        return f"({text})" if text.startswith("-") else text
+
+    def _LiteralInt(self, x):
+        return str(int(x.value))
+
+
+def _is_scalar(e):
+    """Does the expression have type T (rather than double, which T would not be initialised from)?"""
+    if isinstance(e, (L.Symbol, L.ArrayAccess, L.MathFunction, L.Conditional)):
+        return e.dtype == L.DataType.SCALAR
+    if isinstance(e, L.Neg):
+        return _is_scalar(e.arg)
+    if isinstance(e, L.BinOp):
+        return _is_scalar(e.lhs) or _is_scalar(e.rhs)
+    if isinstance(e, L.NaryOp):
+        return any(_is_scalar(a) for a in e.args)
+    return False

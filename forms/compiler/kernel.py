@@ -1,0 +1,255 @@
+"""Writes one integral as an LNodes tree: tables, values at the points, pointwise algebra, element tensor.
+
+Signature of the kernel (see kernels/Kernel.h for the layout of the arrays when T has several lanes):
+    void kernel(T* A, const T* w, const double* c, const T* coordinate_dofs, int entity)
+"""
+
+import basix
+import ffcx.codegeneration.lnodes as L
+import numpy as np
+import ufl
+
+from . import algebra as alg
+from . import tensor
+from .arguments import ElementTensor
+from .cxx import CxxFormatter
+from .schedule import Schedule
+from .sumfactorisation import evaluate_field
+
+INT, REAL, SCALAR = L.DataType.INT, L.DataType.REAL, L.DataType.SCALAR
+A, W, C = L.Symbol("A", SCALAR), L.Symbol("w", SCALAR), L.Symbol("c", REAL)
+X, ENTITY = L.Symbol("coordinate_dofs", SCALAR), L.Symbol("entity", INT)
+AXES = ("q0", "q1", "q2")
+
+
+def _int(name):
+    return L.Symbol(name, INT)
+
+
+class Rule:
+    """State of one quadrature rule (or set of evaluation points) while its kernel code is collected."""
+
+    def __init__(self, number, rule, data, tensor_points):
+        self.number, self.data = number, data
+        self.points, self.weights = rule.points, rule.weights
+        self.num_points = len(rule.points)
+        self.grid = tensor_points  # 1D points of a product rule, or None
+        self.fields = {}  # field -> {(component, derivatives)} evaluated by sum factorisation
+        self.tests = {}  # (dof offset, derivatives) -> value, integrated by sum factorisation
+
+    def indices(self, dim):
+        return [_int(n) for n in AXES[:dim]] if self.grid is not None else [_int("iq")]
+
+    def flat(self, dim):
+        """Point number as an index expression."""
+        if self.grid is None:
+            return _int("iq")
+        return L.MultiIndex(self.indices(dim), [len(self.grid)] * dim)
+
+
+class KernelWriter:
+    """Generates the body of one kernel.
+
+    Args:
+        integral: frontend.Integral.
+    """
+
+    def __init__(self, integral):
+        self.integral, self.ir = integral, integral.ir
+        self.cell = integral.coordinate_element.cell_type
+        self.tdim = len(basix.topology(self.cell)) - 1
+        self.algebra = alg.Algebra()
+        self.tables = {}  # name -> array, in order of use
+        self.rules = []
+        self.schedule = Schedule(self._access)
+        self.rule = None
+
+    # -- terminals: what the algebra's symbols mean ------------------------------------------------------------------
+    def _access(self, key):
+        """LNodes expression that reads a symbol of the algebra."""
+        kind = key[0]
+        if kind == "dof":
+            _, field, index = key
+            return X[index] if field == "x" else W[index]
+        if kind == "constant":
+            return C[key[1]]
+        if kind == "quadrature":
+            _, rule, begin, stride = key
+            return W[L.as_lexpr(begin) + L.as_lexpr(stride) * self.rules[rule].flat(self.tdim)]
+        if kind == "table":
+            _, name, rule, entity, column = key
+            first = ENTITY if entity else L.LiteralInt(0)
+            point = L.LiteralInt(0) if rule is None else self.rules[rule].flat(self.tdim)
+            return L.Symbol(name, REAL)[first][point][column]
+        if kind == "weight":
+            rule = self.rules[key[1]]
+            return L.Symbol(f"weights_{rule.number}", REAL)[rule.flat(self.tdim)]
+        if kind == "facet":
+            _, name, *component = key
+            access = L.Symbol(name, REAL)[ENTITY]
+            for i in component:
+                access = access[i]
+            return access
+        if kind == "field":
+            _, rule, field, component, derivatives = key
+            access = L.Symbol(self.field_name(rule, field, derivatives), SCALAR)[component]
+            factor = self._factors(field, self.rules[rule])
+            for q, d in zip(self.rules[rule].indices(self.tdim), derivatives):
+                access = access[0 if factor.constant(d) else q]
+            return access
+        if kind == "accumulator":
+            return L.Symbol(key[1], SCALAR)
+        raise RuntimeError(f"unknown symbol {key}")
+
+    @staticmethod
+    def field_name(rule, field, derivatives):
+        return f"{field}_D{''.join(map(str, derivatives))}_{rule}"
+
+    def _element_of(self, field):
+        if field == "x":
+            return self.integral.coordinate_element
+        return self.integral.coefficients[int(field[1:])].element
+
+    def _factors(self, field, rule):
+        return tensor.factors(self._element_of(field), rule.points) if rule.grid is not None else None
+
+    def _terminal(self, mt, tr):
+        t = mt.terminal
+        if mt.restriction or mt.averaged or mt.global_derivatives:
+            raise ValueError(f"{self.integral.name}: {mt.expr} (restricted, averaged or global) is not supported")
+        if isinstance(t, ufl.Constant):
+            offset = self.ir.original_constant_offsets[t]
+            return self.algebra.symbol(("constant", int(offset + mt.flat_component)), alg.CONSTANT)
+        if isinstance(t, (ufl.geometry.Jacobian, ufl.geometry.SpatialCoordinate)):
+            counts = [0] * self.tdim
+            for d in mt.local_derivatives + (mt.component[1:] if isinstance(t, ufl.geometry.Jacobian) else ()):
+                counts[d] += 1
+            return self._evaluate("x", mt.component[0], tr, tuple(counts), lambda i: 3 * i + mt.component[0])
+        if isinstance(t, ufl.Coefficient):
+            k = self.ir.coefficient_numbering[t]
+            offset = int(self.ir.coefficient_offsets[t])
+            counts = [0] * self.tdim
+            for d in mt.local_derivatives:
+                counts[d] += 1
+            begin, stride = int(tr.offset), int(tr.block_size)
+            return self._evaluate(f"w{k}", begin, tr, tuple(counts), lambda i: offset + begin + stride * i)
+        if isinstance(t, ufl.geometry.ReferenceNormal):
+            return self._facet_table("reference_normals", basix.cell.facet_outward_normals(self.cell), mt.component)
+        if isinstance(t, ufl.geometry.CellFacetJacobian):
+            return self._facet_table("facet_jacobians", basix.cell.facet_jacobians(self.cell), mt.component)
+        if isinstance(t, ufl.geometry.FacetOrientation):
+            return self._facet_table("facet_orientations", np.array(basix.cell.facet_orientations(self.cell)), ())
+        if isinstance(t, ufl.geometry.ReferenceCellVolume):
+            return self.algebra.number(basix.cell.volume(self.cell))
+        if isinstance(t, ufl.geometry.ReferenceFacetVolume):
+            return self.algebra.number(basix.cell.facet_reference_volumes(self.cell)[0])
+        raise ValueError(f"{self.integral.name}: {type(t).__name__} is not supported in kernels")
+
+    def _facet_table(self, name, values, component):
+        self.tables[name] = np.asarray(values, dtype=float)
+        return self.algebra.symbol(("facet", name, *map(int, component)), alg.CONSTANT)
+
+    def _dof(self, field, index):
+        return self.algebra.symbol(("dof", field, index), alg.CELL)
+
+    def _evaluate(self, field, component, tr, derivatives, dof):
+        """Value of a field at the points: sum over its dofs of table times dof."""
+        rule, algebra = self.rule, self.algebra
+        table = np.asarray(tr.values)[0]  # entities, points, dofs
+        if tr.ttype == "ones" and table.shape[2] == 1:
+            return self._dof(field, dof(0))
+        uniform, piecewise = tr.is_uniform or table.shape[0] == 1, tr.is_piecewise
+        if uniform and piecewise:
+            return algebra.add(*((c, self._dof(field, dof(i))[1]) for i, c in enumerate(table[0, 0]) if c))
+        if uniform and table.shape[1] == table.shape[2] and np.array_equal(table[0], np.eye(table.shape[1])):
+            return algebra.symbol(("quadrature", rule.number, dof(0), dof(1) - dof(0)), alg.POINT)
+        factor = self._factors(field, rule)
+        if uniform and factor is not None and tensor.matches(factor, derivatives, table[0]):
+            rule.fields.setdefault(field, {})[(component, derivatives)] = dof
+            return algebra.symbol(("field", rule.number, field, component, derivatives), alg.POINT)
+        if uniform:
+            basis, reduction = tensor.reduce_columns(table[0])
+            name = self._table(tr.name, basis[None])
+            combined = [
+                algebra.add(*((s, self._dof(field, dof(i))[1]) for i, s in enumerate(row) if s)) for row in reduction
+            ]
+        else:
+            name = self._table(tr.name, table)
+            combined = [self._dof(field, dof(i)) for i in range(table.shape[2])]
+        at = None if piecewise else rule.number
+        level = alg.CELL if piecewise else alg.POINT
+        terms = []
+        for column, value in enumerate(combined):
+            entry = algebra.symbol(("table", name, at, not uniform, column), level)
+            terms.append(algebra.multiply(entry, value))
+        return algebra.add(*terms)
+
+    def _table(self, name, values):
+        self.tables[name] = np.asarray(values)
+        return name
+
+    # -- assembly of the tree ---------------------------------------------------------------------------------------
+    def write(self):
+        """The kernel body as an LNodes StatementList."""
+        self.targets = []
+        for number, (rule, data) in enumerate(self.ir.integrand.items()):
+            tensor_cell = self.integral.integral_type == "cell" and self.cell.name in ("quadrilateral", "hexahedron")
+            grid = tensor.grid_of_points(rule.points) if tensor_cell and self.integral.rank < 2 else None
+            if grid is not None and len(grid) < 2:
+                grid = None
+            self.rule = Rule(number, rule, data, grid)
+            self.rules.append(self.rule)
+            values = alg.GraphReader(self.algebra, data["factorization"], self._terminal).read()
+            self.targets.append(self._targets(values))
+        wanted = [v for per_rule in self.targets for _, v in per_rule]
+        self.schedule.prepare(wanted)
+        body = [L.Section("values that depend on constants only", self.schedule.declare(wanted, alg.CONSTANT), [])]
+        body.append(L.Section("values that depend on the cell only", self.schedule.declare(wanted, alg.CELL), []))
+        for rule, targets in zip(self.rules, self.targets):
+            self.rule = rule
+            body += self._rule_code(rule, targets)
+        tables = [
+            L.ArrayDecl(L.Symbol(n, REAL), values=v, const=True) for n, v in self.tables.items() if n in self._used(body)
+        ]
+        sections = [s for s in body if not isinstance(s, L.Section) or s.statements or s.declarations]
+        return L.StatementList(([L.Section("tables: [entity][point][dof]", [], tables)] if tables else []) + sections)
+
+    def _used(self, body):
+        text = "".join(CxxFormatter()(b) for b in body)
+        return {n for n in self.tables if n in text}
+
+    def _weight(self, rule):
+        if self.integral.integral_type == "expression":
+            return self.algebra.number(1.0)
+        if np.ptp(rule.weights) < 1e-15 * np.max(np.abs(rule.weights)):
+            return self.algebra.number(rule.weights[0])
+        self.tables[f"weights_{rule.number}"] = np.asarray(rule.weights)
+        return self.algebra.symbol(("weight", rule.number), alg.POINT)
+
+    def _targets(self, values):
+        """Pairs (block, weighted factor): what is multiplied with the tables of test and trial functions."""
+        rule = self.rule
+        weight = self._weight(rule)
+        targets = []
+        for _, contributions in sorted(rule.data["block_contributions"].items()):
+            for block in contributions:
+                for index, component in block.factor_indices_comp_indices:
+                    factor = values[index]
+                    targets.append(((block, component), self.algebra.multiply(weight, factor)))
+        return targets
+
+    def _rule_code(self, rule, targets):
+        element_tensor = ElementTensor(self, rule, targets)
+        before = [evaluate_field(self, rule, field, needed) for field, needed in sorted(rule.fields.items())]
+        before += element_tensor.before()
+        declarations = self.schedule.declare([v for _, v in targets], alg.POINT)
+        inner = declarations + element_tensor.inside()
+        if rule.num_points == 1 or not inner:
+            loop = [L.VariableDecl(_int("iq"), L.LiteralInt(0))] + inner if rule.num_points == 1 else []
+        else:
+            loop = inner
+            sizes = [len(rule.grid)] * self.tdim if rule.grid is not None else [rule.num_points]
+            for index, size in reversed(list(zip(rule.indices(self.tdim), sizes))):
+                loop = [L.ForRange(index, 0, size, loop)]
+        return before + [L.Section(f"points of rule {rule.number}", loop, [])] + element_tensor.after()
+

@@ -1,0 +1,227 @@
+"""Third stage: shared scalar expressions -> LNodes declarations, each placed at the level it depends on.
+
+Products become chains whose common heads are shared (factors used most come first), negative powers become one
+reciprocal, and every value used twice, or used at a deeper level than its own, becomes a variable.
+"""
+
+from collections import Counter
+
+import ffcx.codegeneration.lnodes as L
+
+from . import algebra as alg
+
+REAL, SCALAR, BOOL = L.DataType.REAL, L.DataType.SCALAR, L.DataType.BOOL
+
+
+class Schedule:
+    """Orders and names the scalar expressions of one integral.
+
+    Args:
+        access: function (symbol key) -> LNodes expression that reads the symbol.
+        prefix: of the variables declared.
+    """
+
+    def __init__(self, access, prefix="t"):
+        self.access, self.prefix = access, prefix
+        self._low = {}  # hash-consed low-level nodes: key -> index
+        self._key, self._level, self._args = [], [], []
+        self._of = {}  # algebra node -> low index
+        self._frequency = Counter()
+        self._variable = {}  # low index -> LNodes symbol
+        self._uses = Counter()
+        self._deeper = set()
+
+    # -- lowering ---------------------------------------------------------------------------------------------------
+    def prepare(self, values):
+        """Lower the values (pairs of number and node) that will be asked for with `expression`."""
+        roots = [n for _, n in values if n is not None]
+        seen, stack = set(), list(roots)
+        while stack:
+            node = stack.pop()
+            if node in seen:
+                continue
+            seen.add(node)
+            if node.kind == "product":
+                self._frequency.update(n for n, _ in node.data)
+            stack.extend(alg.children(node))
+        self._roots = {v: self._root(v) for v in values if v[1] is not None}
+        self._uses, self._deeper = Counter(), set()
+        visited, stack = set(), [low for _, low in self._roots.values()]
+        self._uses.update(stack)
+        while stack:
+            i = stack.pop()
+            if i in visited:
+                continue
+            visited.add(i)
+            for j in self._args[i]:
+                self._uses[j] += 1
+                if self._level[j] < self._level[i]:
+                    self._deeper.add(j)
+                stack.append(j)
+
+    def _make(self, key, args, level):
+        i = self._low.get(key)
+        if i is None:
+            i = self._low[key] = len(self._key)
+            self._key.append(key)
+            self._args.append(args)
+            self._level.append(level)
+        return i
+
+    def _lower(self, node):
+        done = self._of.get(node)
+        if done is not None:
+            return done
+        if node.kind == "symbol":
+            i = self._make(("symbol", node.data), (), node.level)
+        elif node.kind == "product":
+            i = self._chain(node)
+        elif node.kind == "sum":
+            terms = tuple((c, None if n is None else self._lower(n)) for c, n in node.data)
+            i = self._make(("sum", terms), tuple(n for _, n in terms if n is not None), node.level)
+        elif node.kind == "call":
+            name, args = node.data
+            low = tuple((c, None if n is None else self._lower(n)) for c, n in args)
+            i = self._make(("call", name, low), tuple(n for _, n in low if n is not None), node.level)
+        else:
+            condition, a, b = node.data
+            args = []
+            key = ("select", self._condition(condition, args), self._pair(a, args), self._pair(b, args))
+            i = self._make(key, tuple(args), node.level)
+        self._of[node] = i
+        return i
+
+    def _root(self, value):
+        """(sign, low) of a value asked for from outside: its number joins the product, so that it can be shared."""
+        c, node = value
+        if node.kind != "product" or abs(c) == 1.0:
+            return (c, self._lower(node))
+        number = (alg.CONSTANT, 0, -1, self._make(("number", abs(c)), (), alg.CONSTANT))
+        return (1.0 if c > 0 else -1.0, self._chain(node, [number]))
+
+    def _pair(self, value, args):
+        c, n = value
+        if n is not None:
+            args.append(self._lower(n))
+            return (c, args[-1])
+        return (c, None)
+
+    def _condition(self, c, args):
+        return (c[0],) + tuple(
+            self._condition(x, args) if isinstance(x[0], str) else self._pair(x, args) for x in c[1:]
+        )
+
+    def _chain(self, node, numbers=()):
+        factors = list(numbers)
+        for base, p in node.data:
+            low = self._lower(base)
+            level = base.level
+            if p < 0:
+                low = self._make(("reciprocal", low), (low,), level)
+            factors += [(level, -self._frequency[base], base.number, low)] * abs(p)
+        factors.sort()
+        head = factors[0][3]
+        for level, _, _, low in factors[1:]:
+            head = self._make(("multiply", head, low), (head, low), level)
+        return head
+
+    # -- writing ----------------------------------------------------------------------------------------------------
+    def level_of(self, value):
+        return alg.CONSTANT if value[1] is None else value[1].level
+
+    def declare(self, values, level):
+        """Declarations of all variables of one level that the values need; call for each level in turn."""
+        statements = []
+        for value in values:
+            if value[1] is not None:
+                self._declare(self._roots[value][1], level, statements, set())
+        return statements
+
+    def _declare(self, i, level, statements, visiting):
+        stack = [(i, False)]
+        while stack:
+            j, ready = stack.pop()
+            if j in self._variable or (not ready and j in visiting):
+                continue
+            if not ready:
+                visiting.add(j)
+                stack.append((j, True))
+                stack.extend((k, False) for k in reversed(self._args[j]))
+                continue
+            if self._level[j] == level and self._needs_variable(j):
+                symbol = L.Symbol(f"{self.prefix}{len(self._variable)}", SCALAR if level > alg.CONSTANT else REAL)
+                value = self._expression(j)
+                self._variable[j] = symbol
+                statements.append(L.VariableDecl(symbol, value))
+
+    def _needs_variable(self, j):
+        if self._key[j][0] in ("symbol", "number"):
+            return False
+        return self._uses[j] > 1 or j in self._deeper
+
+    def expression(self, value):
+        """LNodes expression of a value whose variables have been declared."""
+        c, node = value
+        if node is None:
+            return L.LiteralFloat(c)
+        sign, low = self._roots[value]
+        return self._times(sign, self._read(low))
+
+    def _read(self, j):
+        return self._variable.get(j) or self._expression(j)
+
+    def _times(self, c, e):
+        if c == 1.0:
+            return e
+        if c == -1.0:
+            return L.Neg(e)
+        return L.Mul(L.LiteralFloat(float(c)), e)
+
+    def _value(self, pair):
+        c, j = pair
+        return L.LiteralFloat(float(c)) if j is None else self._times(c, self._read(j))
+
+    def _expression(self, j):
+        key = self._key[j]
+        kind = key[0]
+        if kind == "symbol":
+            return self.access(key[1])
+        if kind == "number":
+            return L.LiteralFloat(key[1])
+        if kind == "multiply":
+            return L.Mul(self._read(key[1]), self._read(key[2]))
+        if kind == "reciprocal":
+            return L.Div(L.LiteralFloat(1.0), self._read(key[1]))
+        if kind == "sum":
+            return self._sum(key[1])
+        if kind == "call":
+            call = L.MathFunction(key[1], [self._value(a) for a in key[2]])
+            call.dtype = SCALAR if self._level[j] > alg.CONSTANT else REAL
+            return call
+        _, condition, a, b = key
+        result = L.Conditional(self._test(condition), self._value(a), self._value(b))
+        result.dtype = SCALAR if self._level[j] > alg.CONSTANT else REAL
+        return result
+
+    def _sum(self, terms):
+        # A positive term first, so that the line does not begin with a minus sign.
+        order = sorted(range(len(terms)), key=lambda k: (terms[k][0] < 0, k))
+        result = None
+        for k in order:
+            c, j = terms[k]
+            term = L.LiteralFloat(abs(c)) if j is None else self._times(abs(c), self._read(j))
+            if result is None:
+                result = term if c > 0 else L.Neg(term)
+                continue
+            result = L.Add(result, term) if c > 0 else L.Sub(result, term)
+        return result
+
+    def _test(self, c):
+        operator, *operands = c
+        args = [self._test(x) if isinstance(x[0], str) else self._value(x) for x in operands]
+        if operator == "!":
+            return L.Not(args[0])
+        return _COMPARE[operator](*args)
+
+
+_COMPARE = {"<": L.LT, "<=": L.LE, ">": L.GT, ">=": L.GE, "==": L.EQ, "!=": L.NE, "&&": L.And, "||": L.Or}

@@ -1,0 +1,136 @@
+"""Sum factorisation on quadrilaterals and hexahedra.
+
+A table of a Lagrange element at the points of a product rule is a product of 1D tables. FFCx's own option needs special
+elements; here the factors are found for the ordinary ones, from the positions of nodes and points, and are verified
+against the table before they are used.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+TOLERANCE = 1e-13  # of a table against the product of its factors: round-off of basis values of order one
+
+
+def _axis(values):
+    """Sorted distinct coordinates."""
+    values = np.sort(values)
+    return values[np.concatenate([[True], np.diff(values) > 1e-10])]
+
+
+def grid_of_points(points):
+    """1D coordinates of a product rule whose points run lexicographically, first coordinate slowest; or None."""
+    points = np.asarray(points)
+    if points.ndim != 2 or points.shape[1] < 2:
+        return None
+    axes = [_axis(points[:, a]) for a in range(points.shape[1])]
+    if any(len(a) != len(axes[0]) for a in axes) or np.prod([len(a) for a in axes]) != len(points):
+        return None
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(len(points), -1)
+    return axes[0] if np.allclose(grid, points, atol=1e-12, rtol=0) else None
+
+
+@dataclass(frozen=True)
+class Factors:
+    """1D tables and node numbering of a scalar Lagrange element on a product rule."""
+
+    num_points: int  # per direction
+    num_nodes: int  # per direction
+    node: tuple  # element dof of lattice node (i0, i1, ...), flattened lexicographically
+    tables: tuple  # (values, derivatives), each num_points x num_nodes as nested tuples
+
+    def table(self, derivative):
+        return np.array(self.tables[derivative])
+
+    def constant(self, derivative):
+        """Is the 1D table the same at every point (the derivative of a linear function)?"""
+        t = self.table(derivative)
+        return self.num_points > 1 and bool(np.all(np.abs(t - t[0]) < TOLERANCE))
+
+
+def _lagrange(nodes, x, derivative):
+    n = len(nodes)
+    out = np.zeros((len(x), n))
+    for i in range(n):
+        p = np.poly1d([1.0])
+        for j in range(n):
+            if j != i:
+                p *= np.poly1d([1.0, -nodes[j]]) / (nodes[i] - nodes[j])
+        out[:, i] = (p.deriv() if derivative else p)(x)
+    out[np.abs(out) < 1e-15] = 0.0
+    return out
+
+
+def factors(element, rule_points):
+    """Factors of a (blocked or scalar) Lagrange element on a product rule, or None."""
+    x = grid_of_points(rule_points)
+    if x is None:
+        return None
+    scalar = element.sub_elements[0] if element.block_size > 1 else element
+    basix_element = getattr(scalar, "basix_element", None)
+    if basix_element is None or getattr(scalar, "family_name", "") != "P" or scalar.embedded_superdegree < 1:
+        return None
+    return _factors(basix_element.points.tobytes(), basix_element.points.shape, x.tobytes())
+
+
+@lru_cache(maxsize=None)
+def _factors(nodes, shape, x):
+    nodes, x = np.frombuffer(nodes).reshape(shape), np.frombuffer(x)
+    axes = [_axis(nodes[:, a]) for a in range(shape[1])]
+    n = len(axes[0])
+    if any(len(a) != n or not np.allclose(a, axes[0]) for a in axes) or n ** shape[1] != len(nodes):
+        return None
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(len(nodes), -1)
+    order = tuple(int(np.argmin(np.abs(nodes - p).sum(axis=1))) for p in grid)
+    if len(set(order)) != len(order):
+        return None
+    tables = tuple(tuple(map(tuple, _lagrange(axes[0], x, d))) for d in (0, 1))
+    return Factors(len(x), n, order, tables)
+
+
+def matches(factor, derivatives, table):
+    """Does the product of the 1D tables give `table` (num_points x num_dofs) for these derivative counts?"""
+    if max(derivatives) > 1:
+        return False
+    product = np.ones((1, 1))
+    for d in derivatives:
+        product = np.kron(product, factor.table(d))
+    if product.shape != table.shape:
+        return False
+    return bool(np.max(np.abs(product - table[:, list(factor.node)])) < TOLERANCE)
+
+
+def reduce_columns(table):
+    """Write a table as basis times reduction: table = basis @ reduction, reduction with entries 0, 1, -1 only.
+
+    Columns that are zero drop out and columns that are sums or differences of two others are expressed by them, so that
+    fewer products are made per point. Args: table (num_points, num_dofs). Returns (basis, reduction).
+    """
+    num_dofs = table.shape[1]
+    basis, rows = [], []
+    for j in range(num_dofs):
+        column = table[:, j]
+        if np.max(np.abs(column)) < TOLERANCE:
+            continue
+        found = None
+        for a in range(len(basis)):
+            for s in (1.0, -1.0):
+                if np.max(np.abs(s * basis[a] - column)) < TOLERANCE:
+                    found = {a: s}
+        if found is None:
+            for a in range(len(basis)):
+                for b in range(a):
+                    for s in (1.0, -1.0):
+                        for t in (1.0, -1.0):
+                            if np.max(np.abs(s * basis[a] + t * basis[b] - column)) < TOLERANCE:
+                                found = found or {a: s, b: t}
+        if found is None:
+            found = {len(basis): 1.0}
+            basis.append(column)
+        rows.append((j, found))
+    reduction = np.zeros((len(basis), num_dofs))
+    for j, combination in rows:
+        for a, s in combination.items():
+            reduction[a, j] = s
+    return np.array(basis).T.reshape(table.shape[0], len(basis)), reduction

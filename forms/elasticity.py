@@ -1,0 +1,23 @@
+"""Internal virtual work, its tangent and its energy for the laws of materials.py; seed (3.17)-(3.30)."""
+
+import ufl
+
+from .materials import weight
+
+
+def internal_energy(u, law, dx=ufl.dx):
+    """Strain energy, integral of psi(u) [F L]."""
+    mesh = ufl.domain.extract_unique_domain(u)
+    return law.energy_density(u) * weight(mesh, law.hypothesis) * dx
+
+
+def internal_force(u, v, law, dx=ufl.dx):
+    """Internal virtual work, integral of stress(u) : grad v, seed (3.27), total Lagrangian for finite strain."""
+    mesh = ufl.domain.extract_unique_domain(u)
+    return ufl.inner(law.stress(u), law.gradient(v)) * weight(mesh, law.hypothesis) * dx
+
+
+def tangent(u, du, v, law, dx=ufl.dx):
+    """Derivative of the internal virtual work at u in the direction du, seed (3.25), (3.65)."""
+    mesh = ufl.domain.extract_unique_domain(v)
+    return ufl.inner(law.stress_derivative(u, du), law.gradient(v)) * weight(mesh, law.hypothesis) * dx

@@ -1,0 +1,40 @@
+"""Degrees of the quadrature rules the forms use by default; one place, so that both routes of a kernel agree."""
+
+SIMPLICES = ("triangle", "tetrahedron")
+
+
+def _dimension(cell):
+    return 2 if cell in ("triangle", "quadrilateral") else 3
+
+
+def stiffness_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
+    """Degree for internal virtual work: exact for linear elasticity on affine cells.
+
+    Simplices: gradients have degree p - 1 (geometry of degree 2 adds two). Quadrilaterals and hexahedra: p + 1 points per
+    direction, full integration. Axisymmetric: the radius adds one, and the hoop strain keeps the full degree p.
+    """
+    p, g = degree, geometry_degree
+    if cell in SIMPLICES:
+        return 2 * p + 2 * (g - 1) if hypothesis == "axisymmetric" else 2 * (p - 1) + 2 * (g - 1)
+    return 2 * max(p, g)
+
+
+def mass_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
+    """Degree that integrates density times two shape functions exactly, det J of the cell included."""
+    p, g, dim = degree, geometry_degree, _dimension(cell)
+    jacobian = dim * (g - 1) if cell in SIMPLICES else g * dim - 1
+    return 2 * p + jacobian + (g if hypothesis == "axisymmetric" else 0)
+
+
+def facet_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
+    """Degree that integrates a constant or linear traction against a shape function over straight facets exactly."""
+    p, g = degree, geometry_degree
+    return p + 1 + _dimension(cell) * (g - 1) + (g if hypothesis == "axisymmetric" else 0)
+
+
+def metadata(degree, rule=None):
+    """Metadata of a UFL measure. rule: None (Basix's default) or a name such as "Gauss-Jacobi" or "GLL"."""
+    data = {"quadrature_degree": int(degree)}
+    if rule is not None:
+        data["quadrature_rule"] = rule
+    return data
