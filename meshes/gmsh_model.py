@@ -107,6 +107,8 @@ def generate(layout, cell, degree):
         groups[name] = gmsh.model.addPhysicalGroup(dim - 1, entities, FACETS[name], name)
 
     gmsh.model.mesh.generate(dim)
+    if simplices_follow and dim == 3:
+        match_diagonals(surfaces.values())
     for body in layout.bodies:
         for function, straight in body.maps:
             if straight:
@@ -120,6 +122,22 @@ def generate(layout, cell, degree):
     for name, function in layout.snap.items():
         if name in groups:
             move(dim - 1, groups[name], function)
+
+
+def match_diagonals(surfaces):
+    """Turn the diagonals of transfinite surfaces whose triangles are not faces of the structured tetrahedra."""
+    tets = np.sort(gmsh.model.mesh.getElementsByType(4)[1].reshape(-1, 4), axis=1)
+    faces = {tuple(face) for skip in range(4) for face in np.delete(tets, skip, axis=1)}
+    wrong = []
+    for tag in surfaces:
+        triangles = np.sort(gmsh.model.mesh.getElementsByType(2, tag)[1].reshape(-1, 3), axis=1)
+        if any(tuple(triangle) not in faces for triangle in triangles):
+            wrong.append(tag)
+    if wrong:
+        gmsh.model.mesh.clear()
+        for tag in wrong:
+            gmsh.model.mesh.setTransfiniteSurface(tag, "Right")
+        gmsh.model.mesh.generate(3)
 
 
 def move(dim, group, function):

@@ -213,3 +213,25 @@ class Layout:
                             copies[-1].facet(names[edge], new[p][k], new[q][k], new[p][k - 1], new[q][k - 1])
         out.bodies = copies
         return out
+
+    def merge(self, other, glued=False):
+        """Add the bodies of another layout of the same dimension, with their own nodes or `glued` to those here."""
+        assert self.dim == other.dim
+        new = {}
+        for body in other.bodies:
+            nodes = self.bodies[0].nodes if glued else len(self.bodies)
+            copy = Body(self, body.name, nodes)
+            copy.rules, copy.maps = list(body.rules), list(body.maps)
+            self.bodies.append(copy)
+            for block in body.blocks:
+                for p in block:
+                    new[p] = copy.point(other.points[p], other.sizes[p])
+                copy.block(*(new[p] for p in block))
+        for mine, theirs in ((self.arcs, other.arcs), (self.spheres, other.spheres), (self.named, other.named)):
+            for key, value in theirs.items():
+                mine[frozenset(new[p] for p in key)] = value
+        for (p, q), number in other.cells.items():
+            self.set_cells(new[p], new[q], number)
+        for (p, q), sizes in other.edge_sizes.items():
+            p, q, sizes = (new[p], new[q], sizes) if new[p] < new[q] else (new[q], new[p], sizes[::-1])
+            self.edge_sizes[(p, q)] = sizes
