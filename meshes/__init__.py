@@ -71,8 +71,8 @@ def layout(name, cell=None, degree=1, **parameters):
 def make(name, comm=MPI.COMM_WORLD, cell=None, degree=1, partitioner=None, **parameters):
     """Mesh the recipe `name` on rank 0 of `comm` and distribute it. Collective.
 
-    `cell`: "quadrilateral" or "triangle", "hexahedron" or "tetrahedron" (default: the first); `degree`: geometry degree,
-    1 or 2; `partitioner`: as in dolfinx.mesh.create_mesh; all other parameters are those of the recipe.
+    `cell`: "quadrilateral" or "triangle", "hexahedron" or "tetrahedron" (default: the first); `degree`: geometry
+    degree, 1 or 2; `partitioner`: as in dolfinx.mesh.create_mesh; all other parameters are those of the recipe.
     A bad parameter raises ValueError, a mesh gmsh cannot make RuntimeError, on every rank.
     """
     from dolfinx.io import gmshio

@@ -9,9 +9,14 @@ def two_bars(
 ):
     """A striker (slave body, left) and a target (master body, right) along x, separate nodes.
 
-    lengths: of striker and target [m]; section: height, or (depth, height) which makes it 3D [m]; striker_cells,
-    target_cells: numbers of cells along x and across; different ones across do not match at the contact [1]; gap: between
-    the bars [m]; target_section: as section, default the same, centred [m]. The contact faces meet around x = 0.
+    lengths: of striker and target [m]
+    section: height, or (depth, height) which makes it 3D [m]
+    striker_cells, target_cells: numbers of cells along x and across; different ones across do not match at the
+        contact [1]
+    gap: between the bars [m]
+    target_section: as section, default the same, centred [m]
+
+    The contact faces meet around x = 0.
     """
     require(len(lengths) == 2, f"lengths = {lengths!r}: two are needed")
     positive(**{f"lengths[{i}]": v for i, v in enumerate(lengths)})

@@ -39,9 +39,11 @@ def tag_sides(body, low, high, slave=False):
 def block(size=(1.0, 1.0), cells=(8, 8), origin=None, distortion=0.0, seed=1):
     """A box: bottom, top, left, right (front, back).
 
-    size: lengths along x, y (and z: then 3D) [m]; cells: numbers of cells along the same axes [1];
-    origin: lower corner, default zero [m]; distortion: random displacement of the inner vertices as a fraction of the
-    cell size, 0 to 0.3 [1]; seed: of that randomness [1].
+    size: lengths along x, y (and z: then 3D) [m]
+    cells: numbers of cells along the same axes [1]
+    origin: lower corner, default zero [m]
+    distortion: random displacement of the inner vertices as a fraction of the cell size, 0 to 0.3 [1]
+    seed: of that randomness [1]
     """
     dim = _dimension(size, cells)
     low = np.zeros(dim) if origin is None else np.array(origin, dtype=float)
@@ -72,17 +74,20 @@ def two_blocks(
 ):
     """A block on another, separate nodes: the patch test (matching or not), sliding block, square block on a wider one.
 
-    lower, upper: lengths along x, y (and z: then 3D) of the master and of the slave block [m]; lower_cells, upper_cells:
-    numbers of cells along the same axes [1]; offset: of the upper block's lower corner in the horizontal directions,
-    default centred [m]; gap: vertical distance between the blocks, negative to overlap [m]; incline: angle of the
-    interface with the x axis, the outer faces staying straight [rad].
+    lower, upper: lengths along x, y (and z: then 3D) of the master and of the slave block [m]
+    lower_cells, upper_cells: numbers of cells along the same axes [1]
+    offset: of the upper block's lower corner in the horizontal directions, default centred [m]
+    gap: vertical distance between the blocks, negative to overlap [m]
+    incline: angle of the interface with the x axis, the outer faces staying straight [rad]
     """
     dim = _dimension(lower, lower_cells)
     require(_dimension(upper, upper_cells) == dim, f"upper = {upper!r} and lower = {lower!r}: not the same dimension")
     lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
     offset = (lower - upper)[:-1] / 2 if offset is None else np.atleast_1d(np.array(offset, dtype=float))
     require(offset.shape == (dim - 1,), f"offset = {offset!r}: {dim - 1} horizontal distances are needed")
-    require(math.isfinite(gap) and gap > -min(lower[-1], upper[-1]), f"gap = {gap!r}: a finite number, or a small overlap")
+    require(
+        math.isfinite(gap) and gap > -min(lower[-1], upper[-1]), f"gap = {gap!r}: a finite number, or a small overlap"
+    )
     rise = math.tan(incline) * max(lower[0], upper[0]) / 2
     room = 0.95 * min(lower[-1], upper[-1])
     require(abs(incline) < 1.5 and abs(rise) < room, f"incline = {incline!r}: the interface would cut the outer faces")

@@ -1,5 +1,6 @@
 """From a block layout to a meshed gmsh model with named physical groups; the only file that calls gmsh."""
 
+from collections import Counter
 from contextlib import contextmanager
 
 import gmsh
@@ -89,15 +90,22 @@ def generate(layout, cell, degree):
 
     members = {}
     for body in layout.bodies:
+        entities = members.setdefault(body.name, [])
+        if dim == 3 and not structured and not simplices_follow:
+            # Free tetrahedra do without the faces between blocks: one volume inside the body's own skin.
+            faces = [face for block in body.blocks for face in layout.faces_of(block)]
+            owners = Counter(frozenset(face) for face in faces)
+            skin = [surface(tuple(face)) for face in faces if owners[frozenset(face)] == 1]
+            entities.append(geo.addVolume([geo.addSurfaceLoop(skin)]))
+            continue
         for block in body.blocks:
             faces = [surface(tuple(corners)) for corners in layout.faces_of(block)]
             if dim == 2:
-                entity = faces[0]
-            else:
-                entity = geo.addVolume([geo.addSurfaceLoop(faces)])
-                if structured or simplices_follow:
-                    geo.mesh.setTransfiniteVolume(entity, [points[p] for p in block])
-            members.setdefault(body.name, []).append(entity)
+                entities.append(faces[0])
+                continue
+            entities.append(geo.addVolume([geo.addSurfaceLoop(faces)]))
+            if structured or simplices_follow:
+                geo.mesh.setTransfiniteVolume(entities[-1], [points[p] for p in block])
     geo.synchronize()
     groups = {}
     for name, entities in members.items():

@@ -1,4 +1,4 @@
-"""Round on flat, graded to the contact: cylinder on a half-plane (also the axisymmetric sphere), sphere on a half-space.
+"""Round on flat, graded to the contact: cylinder on half-plane (also the axisymmetric sphere), sphere on half-space.
 
 The contact point is the origin. A fine zone of half-width `core` with cells of size `h` is surrounded by blocks whose
 cells grow outwards; the same building blocks serve the cone and the wheel on rail.
@@ -58,7 +58,8 @@ def graded_disc(body, radius, gap, h, core, sides, whole, coarse=None):
         p = {}
         for name, (x, y), size in (
             ("a", (0, 0), h), ("b", (radius * math.sin(t), radius * (1 - math.cos(t))), h), ("c", (core, core), h),
-            ("d", (0, core), h), ("e", (radius, radius), far), ("f", (radius / 2, radius), far), ("g", (0, radius), far),
+            ("d", (0, core), h), ("e", (radius, radius), far), ("f", (radius / 2, radius), far),
+            ("g", (0, radius), far),
             ("h", (radius / 2, 1.4 * radius), far), ("i", (0, 1.5 * radius), far), ("k", (0, 2 * radius), far),
             ("j", (radius * math.sqrt(0.5), radius * (1 + math.sqrt(0.5))), far),
         ):  # fmt: skip
@@ -81,11 +82,17 @@ def cylinder_on_half_plane(
 ):
     """A long cylinder on a block, plane; with symmetry="half" also a sphere on a half-space, x being the radius.
 
-    radius: of the cylinder [m]; a: expected half-width of the contact [m]; h: cell size in the contact, default a/10 [m];
-    core: half-width of the fine zone, default 1.5 a [m]; width: half-width of the block [m]; height: of the block [m];
-    gap: between the bodies [m]; symmetry: "half" (x >= 0) or "none"; whole: the whole disc with "load" as its uppermost
-    quarter, else the lower half disc with "top" as its flat side; coarse: largest cell size, default a quarter of the
-    radius and of the block [m].
+    radius: of the cylinder [m]
+    a: expected half-width of the contact [m]
+    h: cell size in the contact, default a/10 [m]
+    core: half-width of the fine zone, default 1.5 a [m]
+    width: half-width of the block [m]
+    height: of the block [m]
+    gap: between the bodies [m]
+    symmetry: "half" (x >= 0) or "none"
+    whole: the whole disc with "load" as its uppermost quarter, else the lower half disc with "top" as its flat
+        side
+    coarse: largest cell size, default a quarter of the radius and of the block [m]
     """
     positive(radius=radius, width=width, height=height)
     require(symmetry in SIDES, f"symmetry = {symmetry!r}: one of {', '.join(SIDES)}")
@@ -200,15 +207,29 @@ def graded_ball(body, radius, gap, h, core, quarters, whole, coarse=None):
 
 
 def sphere_on_half_space(
-    radius=0.01, a=1.0e-3, h=None, core=None, width=0.01, height=0.01, gap=0.0, symmetry="quarter", whole=False, coarse=None
+    radius=0.01,
+    a=1.0e-3,
+    h=None,
+    core=None,
+    width=0.01,
+    height=0.01,
+    gap=0.0,
+    symmetry="quarter",
+    whole=False,
+    coarse=None,
 ):
     """A sphere on a block, 3D.
 
-    radius: of the sphere [m]; a: expected radius of the contact [m]; h: cell size in the contact, default a/4 [m]; core:
-    half-width of the fine zone, default 1.5 a [m]; width: half-width of the block [m]; height: of the block [m]; gap:
-    between the bodies [m]; symmetry: "quarter" (x, y >= 0), "half" (y >= 0) or "none"; whole: the whole ball with "load"
-    as its uppermost part, else the lower half with "top" as its flat side; coarse: largest cell size, default a quarter
-    of the radius and of the block [m].
+    radius: of the sphere [m]
+    a: expected radius of the contact [m]
+    h: cell size in the contact, default a/4 [m]
+    core: half-width of the fine zone, default 1.5 a [m]
+    width: half-width of the block [m]
+    height: of the block [m]
+    gap: between the bodies [m]
+    symmetry: "quarter" (x, y >= 0), "half" (y >= 0) or "none"
+    whole: the whole ball with "load" as its uppermost part, else the lower half with "top" as its flat side
+    coarse: largest cell size, default a quarter of the radius and of the block [m]
     """
     positive(radius=radius, width=width, height=height)
     require(symmetry in QUARTERS, f"symmetry = {symmetry!r}: one of {', '.join(QUARTERS)}")

@@ -53,10 +53,16 @@ def punch(
 ):  # fmt: skip
     """A punch with a square corner on a block; with symmetry="half" also a round punch, x being the radius.
 
-    half_width, height: of the punch [m]; block_width: half-width of the block [m]; block_height: of the block [m];
-    h: cell size at the corner, default half_width/20 [m]; fillet: radius of the punch's corner, 0 for a square one [m];
-    gap: between the bodies [m]; coarse: largest cell size, default half_width/4 [m]; symmetry: "half" (x >= 0) or "none";
-    depth: thickness along y, which makes it 3D [m]; depth_cells: number of cells along y [1].
+    half_width, height: of the punch [m]
+    block_width: half-width of the block [m]
+    block_height: of the block [m]
+    h: cell size at the corner, default half_width/20 [m]
+    fillet: radius of the punch's corner, 0 for a square one [m]
+    gap: between the bodies [m]
+    coarse: largest cell size, default half_width/4 [m]
+    symmetry: "half" (x >= 0) or "none"
+    depth: thickness along y, which makes it 3D [m]
+    depth_cells: number of cells along y [1]
     """
     positive(half_width=half_width, height=height, block_width=block_width, block_height=block_height)
     h = half_width / 20 if h is None else h
@@ -70,7 +76,9 @@ def punch(
     master, slave = layout.body("master_body"), layout.body("slave_body")
     coarse = max(coarse, h)
     for s in SIDES[symmetry]:
-        xs = sorted((s * x, size) for x, size in [*_rows(0, a - f, a - f, h, coarse), *_rows(a, a, block_width, h, coarse)])
+        xs = sorted(
+            (s * x, size) for x, size in [*_rows(0, a - f, a - f, h, coarse), *_rows(a, a, block_width, h, coarse)]
+        )
         xs = sorted({round(x / h * 1e9): (x, size) for x, size in xs}.values())
         _grid(master, xs, _rows(-block_height, 0.0, 0.0, h, coarse))
         xs = sorted((s * x, size) for x, size in _rows(0, a - f, a - f, h, coarse))
@@ -114,11 +122,19 @@ def wedge(
 ):  # fmt: skip
     """A wedge on a block; with symmetry="half" also a cone on a half-space, x being the radius.
 
-    angle: between the axis and the flank, near pi/2 for a blunt wedge [rad]; a: expected half-width of the contact [m];
-    width: half-width of the wedge [m]; height: from tip to top, default the rise of the flank plus 0.8 widths [m];
-    block_width: half-width of the block [m]; block_height: of the block [m]; h: cell size in the contact, default a/10
-    [m]; core: half-width of the fine zone, default 1.5 a [m]; gap: between tip and block [m]; coarse: largest cell size
-    [m]; symmetry: "half" or "none"; depth: thickness along y, which makes it 3D [m]; depth_cells: cells along y [1].
+    angle: between the axis and the flank, near pi/2 for a blunt wedge [rad]
+    a: expected half-width of the contact [m]
+    width: half-width of the wedge [m]
+    height: from tip to top, default the rise of the flank plus 0.8 widths [m]
+    block_width: half-width of the block [m]
+    block_height: of the block [m]
+    h: cell size in the contact, default a/10 [m]
+    core: half-width of the fine zone, default 1.5 a [m]
+    gap: between tip and block [m]
+    coarse: largest cell size [m]
+    symmetry: "half" or "none"
+    depth: thickness along y, which makes it 3D [m]
+    depth_cells: cells along y [1]
     """
     positive(width=width, block_width=block_width, block_height=block_height, angle=angle)
     require(angle < math.pi / 2, f"angle = {angle!r}: between 0 and pi/2")
@@ -156,22 +172,32 @@ def wedge(
 
 
 def cone(
-    angle=math.radians(80), a=2.0e-3, width=0.012, height=0.012, block_width=0.016, block_height=0.016, h=None, core=None,
-    gap=0.0, coarse=None, symmetry="quarter",
+    angle=math.radians(80), a=2.0e-3, width=0.012, height=0.012, block_width=0.016, block_height=0.016, h=None,
+    core=None, gap=0.0, coarse=None, symmetry="quarter",
 ):  # fmt: skip
     """A cone, cut out of a square prism, on a block, 3D (for the axisymmetric cone in 2D take `wedge`).
 
-    angle: between the axis and the flank [rad]; a: expected radius of the contact [m]; width: half-width of the prism
-    [m]; height: from tip to top [m]; block_width: half-width of the block [m]; block_height: of the block [m]; h: cell
-    size in the contact, default a/4 [m]; core: half-width of the fine zone, default 1.5 a [m]; gap: between tip and block
-    [m]; coarse: largest cell size [m]; symmetry: "quarter", "half" or "none".
+    angle: between the axis and the flank [rad]
+    a: expected radius of the contact [m]
+    width: half-width of the prism [m]
+    height: from tip to top [m]
+    block_width: half-width of the block [m]
+    block_height: of the block [m]
+    h: cell size in the contact, default a/4 [m]
+    core: half-width of the fine zone, default 1.5 a [m]
+    gap: between tip and block [m]
+    coarse: largest cell size [m]
+    symmetry: "quarter", "half" or "none"
     """
     positive(width=width, height=height, block_width=block_width, block_height=block_height, angle=angle)
     require(angle < math.pi / 2, f"angle = {angle!r}: between 0 and pi/2")
     require(symmetry in QUARTERS, f"symmetry = {symmetry!r}: one of {', '.join(QUARTERS)}")
     h, core = fine_zone(a, h, core, 4)
     cot = 1 / math.tan(angle)
-    require(height > math.sqrt(2) * width * cot, f"height = {height!r}: lower than the flank, {math.sqrt(2) * width * cot!r}")
+    require(
+        height > math.sqrt(2) * width * cot,
+        f"height = {height!r}: lower than the flank, {math.sqrt(2) * width * cot!r}",
+    )
     layout = Layout(3, max(block_width, block_height, width))
     master, slave = layout.body("master_body"), layout.body("slave_body")
     graded_half_space(master, block_width, block_height, h, core, QUARTERS[symmetry], coarse)

@@ -74,7 +74,7 @@ class Body:
 
     def block(self, *corners):
         """Add a block: four corners around a quadrilateral, or the lower four then the upper four of a hexahedron."""
-        assert len(corners) == 2**self.layout.dim and len(set(corners)) == len(corners)
+        assert len(corners) == 2 ** self.layout.dim and len(set(corners)) == len(corners)
         self.blocks.append(tuple(corners))
 
     def tag(self, name, predicate=lambda corners: True):
@@ -91,7 +91,10 @@ class Body:
 
 
 class Layout:
-    """Bodies made of blocks. `structured`: simplices, too, follow the blocks. `snap`: name -> map onto the true surface."""
+    """Bodies made of blocks.
+
+    `structured`: simplices, too, follow the blocks; `snap`: facet name -> map of its nodes onto the true surface.
+    """
 
     def __init__(self, dim, scale, structured=False):
         self.dim, self.structured = dim, structured
@@ -176,7 +179,7 @@ class Layout:
         return names
 
     def extruded(self, place, levels, sizes, ends=("front", "back")):
-        """3D layout: this plan at every level, place(plan point, level) -> 3D point; `sizes` of the cells at the levels.
+        """3D layout: this plan at every level, place(plan point, level) -> 3D point, cells of size `sizes` there.
 
         `ends` are the names of the first and last face, or a function of the body giving them.
         """

@@ -10,7 +10,10 @@ from .wheel_rail import HEAD_HALF_WIDTH, RAIL_HEIGHT, rail_plan, wheel_plan
 def _spans(length, gap, h, coarse, end_post):
     """(body name, start, end, size at start, size at end) along x: left rail, end post, right rail."""
     post = min(h, gap)
-    spans = [("master_body", -length - gap / 2, -gap / 2, coarse, h), ("second_rail", gap / 2, length + gap / 2, h, coarse)]
+    spans = [
+        ("master_body", -length - gap / 2, -gap / 2, coarse, h),
+        ("second_rail", gap / 2, length + gap / 2, h, coarse),
+    ]
     return spans + ([("end_post", -gap / 2, gap / 2, post, post)] if end_post != "none" else [])
 
 
@@ -26,10 +29,17 @@ def rail_joint_2d(
 ):  # fmt: skip
     """Rail joint in the longitudinal plane. The running surface is y = 0, the joint is at x = 0.
 
-    rail_length: of each rail [m]; rail_height: [m]; gap: between the rail ends [m]; end_post: "glued" (shares the nodes of
-    the rail ends), "loose" (separate nodes) or "none"; h: cell size at the joint [m]; coarse: at the far ends [m]; wheel:
-    whether there is a wheel above; wheel_x: position of its lowest point [m]; wheel_gap: height of that point [m];
-    wheel_radius, hub_radius: [m]; a: expected half-width of the contact, the wheel's cells there are a/4 [m].
+    rail_length: of each rail [m]
+    rail_height: [m]
+    gap: between the rail ends [m]
+    end_post: "glued" (shares the nodes of the rail ends), "loose" (separate nodes) or "none"
+    h: cell size at the joint [m]
+    coarse: at the far ends [m]
+    wheel: whether there is a wheel above
+    wheel_x: position of its lowest point [m]
+    wheel_gap: height of that point [m]
+    wheel_radius, hub_radius: [m]
+    a: expected half-width of the contact, the wheel's cells there are a/4 [m]
     """
     _common(rail_length, gap, h, coarse, end_post)
     positive(rail_height=rail_height)
@@ -62,7 +72,9 @@ def _tag_rail(body, x0, x1, vertical, bottom):
 def add_wheel(layout, x, gap, radius, hub_radius, a, cells):
     """A wheel of 2D blocks above the point (x, 0)."""
     positive(wheel_radius=radius, hub_radius=hub_radius, a=a)
-    require(gap >= 0 and math.isfinite(x), f"wheel_gap = {gap!r}, wheel_x = {x!r}: a height of at least 0 and a position")
+    require(
+        gap >= 0 and math.isfinite(x), f"wheel_gap = {gap!r}, wheel_x = {x!r}: a height of at least 0 and a position"
+    )
     wheel = layout.body("slave_body")
     wheel_plan(wheel, radius, hub_radius, gap, a / cells, 1.5 * a, SIDES["none"], None)
 
@@ -80,11 +92,18 @@ def rail_joint_3d(
 ):  # fmt: skip
     """Rail joint in 3D, the rail section of `wheel_on_rail_3d`, all hexahedra or tetrahedra. The joint is at x = 0.
 
-    rail_length: of each rail [m]; rail_height: [m]; crown_radius: transverse radius of the head [m]; gap: between the rail
-    ends [m]; end_post: "glued", "loose" or "none"; h: cell size at the running surface of the joint [m]; coarse: at the far
-    ends [m]; symmetry: "half" (y >= 0) or "none"; wheel: whether there is a wheel above, its fine zone with cells of size
-    h; wheel_x: position of its lowest point [m]; wheel_gap: height of that point [m]; wheel_radius, hub_radius,
-    wheel_width: [m].
+    rail_length: of each rail [m]
+    rail_height: [m]
+    crown_radius: transverse radius of the head [m]
+    gap: between the rail ends [m]
+    end_post: "glued", "loose" or "none"
+    h: cell size at the running surface of the joint [m]
+    coarse: at the far ends [m]
+    symmetry: "half" (y >= 0) or "none"
+    wheel: whether there is a wheel above, its fine zone with cells of size h
+    wheel_x: position of its lowest point [m]
+    wheel_gap: height of that point [m]
+    wheel_radius, hub_radius, wheel_width: [m]
     """
     _common(rail_length, gap, h, coarse, end_post)
     positive(rail_height=rail_height, crown_radius=crown_radius, wheel_width=wheel_width)

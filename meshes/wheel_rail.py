@@ -1,7 +1,7 @@
 """Wheel on rail: in the longitudinal plane, and in 3D with a rail of standard height and a crowned head.
 
-x is the rolling direction, y (3D) the transverse one, the last axis is vertical; the contact point is the origin, the rail
-lies below it. Wheel and rail are separate bodies with separate nodes.
+x is the rolling direction, y (3D) the transverse one, the last axis is vertical; the contact point is the origin, the
+rail lies below it. Wheel and rail are separate bodies with separate nodes.
 """
 
 import math
@@ -26,7 +26,7 @@ FOOT_DEPTH = 0.030
 def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
     """Blocks of a wheel (annulus) whose lowest point is (0, gap), fine at that point."""
     require(hub_radius < 0.5 * radius, f"hub_radius = {hub_radius!r}: not less than half the radius, {radius!r}")
-    require(core < 0.3 * radius, f"core = {core!r}: not smaller than 0.3 of the wheel radius, {radius!r}")
+    require(core <= 0.08 * radius, f"core = {core!r}: larger than 0.08 of the wheel radius, {radius!r}")
     centre = np.array((0.0, radius + gap))
     far, t = max(h, radius / 8 if coarse is None else coarse), core / radius
 
@@ -34,23 +34,24 @@ def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
         angle = math.radians(degrees)
         return body.point((s * r * math.sin(angle), centre[1] - r * math.cos(angle)), size)
 
+    near = min(far, h + 0.03 * radius)
     for s in sides:
         a, d = body.point((0, gap), h), body.point((0, core + gap), h)
         b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, core + gap), h)
+        e, f = polar(s, radius, 15, near), body.point((s * 0.13 * radius, 0.15 * radius + gap), near)
+        g, lowest = body.point((0, 0.185 * radius + gap), near), polar(s, hub_radius, 0, far)
         rim, bore = [], []
-        for outer, inner in ((60, 32), (105, 90), (145, 135), (180, 180)):
+        for outer, inner in ((60, 50), (105, 100), (145, 140), (180, 180)):
             rim.append(polar(s, radius, outer, far))
             bore.append(polar(s, hub_radius, inner, far))
-        lowest = polar(s, hub_radius, 0, far)
-        body.block(a, b, c, d)
-        body.block(b, rim[0], bore[0], c)
-        body.block(d, c, bore[0], lowest)
+        for block in ((a, b, c, d), (b, e, f, c), (d, c, f, g), (e, rim[0], bore[0], f), (g, f, bore[0], lowest)):
+            body.block(*block)
         for k in range(3):
             body.block(rim[k], rim[k + 1], bore[k + 1], bore[k])
-        arcs = [(a, b), (b, rim[0]), *zip(rim, rim[1:])]
+        arcs = [(a, b), (b, e), (e, rim[0]), *zip(rim, rim[1:])]
         for k, (p, q) in enumerate(arcs):
             body.arc(p, q, centre)
-            body.facet("slave_surface" if k < 2 else "free", p, q)
+            body.facet("slave_surface" if k < 3 else "free", p, q)
         for p, q in [(lowest, bore[0]), *zip(bore, bore[1:])]:
             body.arc(p, q, centre)
             body.facet("hub", p, q)
@@ -63,10 +64,16 @@ def wheel_on_rail_2d(
 ):  # fmt: skip
     """Wheel on rail in the longitudinal plane (plane strain or stress), quadrilaterals or triangles.
 
-    radius: of the wheel [m]; hub_radius: of its bore, tagged "hub" [m]; a: expected half-width of the contact [m]; h: cell
-    size in the contact, default a/6 [m]; core: half-width of the fine zone, default 1.5 a [m]; rail_length: [m];
-    rail_height: [m]; gap: between wheel and rail [m]; symmetry: "none" or "half" (x >= 0); coarse: largest cell size,
-    default radius/8 in the wheel and rail_height/4 in the rail [m].
+    radius: of the wheel [m]
+    hub_radius: of its bore, tagged "hub" [m]
+    a: expected half-width of the contact [m]
+    h: cell size in the contact, default a/6 [m]
+    core: half-width of the fine zone, default 1.5 a [m]
+    rail_length: [m]
+    rail_height: [m]
+    gap: between wheel and rail [m]
+    symmetry: "none" or "half" (x >= 0)
+    coarse: largest cell size, default radius/8 in the wheel and rail_height/4 in the rail [m]
     """
     positive(radius=radius, hub_radius=hub_radius, rail_length=rail_length, rail_height=rail_height)
     require(symmetry in SIDES, f"symmetry = {symmetry!r}: one of {', '.join(SIDES)}")
@@ -141,12 +148,20 @@ def wheel_on_rail_3d(
 ):  # fmt: skip
     """Wheel on rail in 3D, hexahedra or tetrahedra.
 
-    radius: of the wheel [m]; hub_radius: of its bore, tagged "hub" [m]; crown_radius: transverse radius of the rail head
-    [m]; wheel_crown_radius: transverse radius of the tread, default flat [m]; a: expected half-axis of the contact [m]; h:
-    cell size in the contact, default a/3 [m]; core: half-width of the fine zone, default 1.5 a [m]; rail_length: [m];
-    rail_height: [m]; wheel_width: along y [m]; gap: between wheel and rail [m]; symmetry: "half" (y >= 0), "quarter"
-    (x, y >= 0) or "none"; coarse: largest cell size, default radius/8 in the wheel, 20 mm in the rail section, rail_length/
-    12 along the rail [m].
+    radius: of the wheel [m]
+    hub_radius: of its bore, tagged "hub" [m]
+    crown_radius: transverse radius of the rail head [m]
+    wheel_crown_radius: transverse radius of the tread, default flat [m]
+    a: expected half-axis of the contact [m]
+    h: cell size in the contact, default a/3 [m]
+    core: half-width of the fine zone, default 1.5 a [m]
+    rail_length: [m]
+    rail_height: [m]
+    wheel_width: along y [m]
+    gap: between wheel and rail [m]
+    symmetry: "half" (y >= 0), "quarter" (x, y >= 0) or "none"
+    coarse: largest cell size, default radius/8 in the wheel, 20 mm in the rail section, rail_length/ 12 along
+        the rail [m]
     """
     positive(radius=radius, hub_radius=hub_radius, crown_radius=crown_radius, rail_length=rail_length)
     positive(rail_height=rail_height, wheel_width=wheel_width)
