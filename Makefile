@@ -1,0 +1,51 @@
+# The commands a person types. Every one enters the environment by env/run, which makes what is missing.
+SHELL := /bin/sh
+RUN := env/run
+DEMO ?= wheel_on_rail
+PYTEST ?= python3 -m pytest
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test verify bench shell lint format clean lint-here test-here slow-here
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+
+demo: ## the flagship run with its figures (another one: make demo DEMO=name)
+	$(RUN) dolfinx-impact demo $(DEMO)
+
+test: lint ## the gates, then the whole test suite without the slow studies (a part: make test ARGS="-k name")
+	$(RUN) make test-here
+
+verify: ## generated kernels against the hand-written solver, then the slow studies; writes results/verify.json
+	mkdir -p results
+	$(RUN) dolfinx-impact verify --json results/verify.json
+	$(RUN) make slow-here
+
+bench: ## the benchmarks; writes results/bench.json
+	mkdir -p results
+	$(RUN) dolfinx-impact bench --json results/bench.json
+
+shell: ## an interactive shell inside the environment
+	$(RUN) bash
+
+lint: ## formatters in check mode and flake8
+	$(RUN) --no-build make lint-here
+
+format: ## rewrite the sources as the formatters want them
+	$(RUN) --no-build sh -c 'find cpp demos -name "*.h" -o -name "*.cpp" | xargs -r clang-format-19 -i && black -q .'
+
+clean: ## remove what builds and runs wrote in the checkout (the cached environment stays)
+	rm -rf build results .pytest_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# Inside the environment already. The gates are tested on broken files: tests/architecture/test_gates.py.
+lint-here:
+	find cpp demos -name '*.h' -o -name '*.cpp' | xargs -r clang-format-19 --dry-run -Werror
+	black --check --quiet . || { black --check .; exit 1; }
+	python3 -m flake8
+
+test-here:
+	$(PYTEST) -m "not slow" $(ARGS)
+
+slow-here: # status 5: no slow test was found
+	$(PYTEST) -m slow $(ARGS) || [ $$? -eq 5 ]
