@@ -93,7 +93,6 @@ def write(name, path, cell=None, degree=1, binary=False, **parameters):
     import gmsh
 
     def save(model):
-        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
         gmsh.option.setNumber("Mesh.Binary", int(binary))
         gmsh.write(str(path))
 

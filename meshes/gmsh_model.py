@@ -9,21 +9,35 @@ import numpy as np
 from .tags import BODIES, FACETS
 
 
+OPTIONS = {
+    "General.Terminal": 0,
+    "Mesh.MeshSizeExtendFromBoundary": 1,
+    "Mesh.SecondOrderIncomplete": 0,  # 9 and 27 nodes
+    "Mesh.RandomSeed": 1,
+    "Mesh.OptimizeThreshold": 0.6,  # fewer flat tetrahedra than with gmsh's 0.3
+    "Mesh.MshFileVersion": 4.1,
+    "Mesh.Binary": 0,
+    "Mesh.SaveAll": 0,
+}
+
+
 @contextmanager
 def session(name):
-    """A gmsh model of our own; a session that was open before stays open, with its current model."""
+    """A gmsh model of our own; an open session of the caller keeps its current model and its options."""
     before = bool(gmsh.isInitialized())
     current = gmsh.model.getCurrent() if before else None
     if not before:
         gmsh.initialize(interruptible=False)
-    terminal = gmsh.option.getNumber("General.Terminal")
-    gmsh.option.setNumber("General.Terminal", 0)
+    options = {key: gmsh.option.getNumber(key) for key in OPTIONS}
+    for key, value in OPTIONS.items():
+        gmsh.option.setNumber(key, value)
     gmsh.model.add(name)
     try:
         yield gmsh.model
     finally:
         gmsh.model.remove()
-        gmsh.option.setNumber("General.Terminal", terminal)
+        for key, value in options.items():
+            gmsh.option.setNumber(key, value)
         if not before:
             gmsh.finalize()
         elif current:
@@ -34,9 +48,6 @@ def generate(layout, cell, degree):
     """Build and mesh the layout in the current gmsh model; `cell` is a DOLFINx cell name, `degree` 1 or 2."""
     dim, structured = layout.dim, cell in ("quadrilateral", "hexahedron")
     simplices_follow = layout.structured and not structured
-    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 1)
-    gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 0)
-    gmsh.option.setNumber("Mesh.RandomSeed", 1)
     geo = gmsh.model.geo
 
     def as_3d(x):

@@ -51,16 +51,16 @@ def graded_half_plane(body, width, height, h, core, sides, coarse=None):
 def graded_disc(body, radius, gap, h, core, sides, whole, coarse=None):
     """Blocks of a disc whose lowest point is (0, gap): the lower half, or the `whole`."""
     far = max(h, radius / 4 if coarse is None else coarse)
-    require(core < radius / 2, f"core = {core!r}: not smaller than half the radius, {radius!r}")
+    require(core <= 0.35 * radius, f"core = {core!r}: larger than 0.35 of the radius, {radius!r}")
     t = core / radius
     centre = (0, radius + gap)
     for s in sides:
         p = {}
         for name, (x, y), size in (
             ("a", (0, 0), h), ("b", (radius * math.sin(t), radius * (1 - math.cos(t))), h), ("c", (core, core), h),
-            ("d", (0, core), h), ("e", (radius, radius), far), ("f", (radius / 2, radius), far),
+            ("d", (0, core), h), ("e", (radius, radius), far), ("f", (0.62 * radius, radius), far),
             ("g", (0, radius), far),
-            ("h", (radius / 2, 1.4 * radius), far), ("i", (0, 1.5 * radius), far), ("k", (0, 2 * radius), far),
+            ("h", (0.52 * radius, 1.45 * radius), far), ("i", (0, 1.57 * radius), far), ("k", (0, 2 * radius), far),
             ("j", (radius * math.sqrt(0.5), radius * (1 + math.sqrt(0.5))), far),
         ):  # fmt: skip
             if whole or name in "abcdefg":
@@ -158,7 +158,7 @@ def graded_ball(body, radius, gap, h, core, quarters, whole, coarse=None):
     """Blocks of a ball whose lowest point is (0, 0, gap): the lower half, or the `whole`."""
     layout = body.layout
     far = max(h, radius / 4 if coarse is None else coarse)
-    require(core < radius / 2, f"core = {core!r}: not smaller than half the radius, {radius!r}")
+    require(core <= 0.35 * radius, f"core = {core!r}: larger than 0.35 of the radius, {radius!r}")
     centre = np.array((0, 0, radius + gap))
     for sx, sy in quarters:
 
@@ -178,7 +178,7 @@ def graded_ball(body, radius, gap, h, core, quarters, whole, coarse=None):
             x, y = core * np.array((i, j)) / (1.0 if i + j < 2 else math.sqrt(1.3))
             inner[(i, j, 0)] = p(x, y, radius - math.sqrt(radius**2 - x**2 - y**2), h)
             inner[(i, j, 1)] = p(x, y, core, h)
-            outer[(i, j, 1)] = p(*(0.5 * radius * np.array((i, j)) / (1.0 if i + j < 2 else 1.25)), radius, far)
+            outer[(i, j, 1)] = p(*(0.62 * radius * np.array((i, j)) / (1.0 if i + j < 2 else 1.25)), radius, far)
             if (i, j) != (0, 0):
                 outer[(i, j, 0)] = p(*(radius * flat), radius, far)
         cube_in_cube(body, inner, outer)
@@ -195,7 +195,7 @@ def graded_ball(body, radius, gap, h, core, quarters, whole, coarse=None):
             for i, j in ring:
                 direction = np.array((i, j, 1)) / math.sqrt(i + j + 1)
                 side = (1.0, 0.9, 0.85)[i + j]
-                core_top[(i, j)] = p(*(0.5 * radius * side * np.array((i, j))), radius * (1 + 0.5 * side), far)
+                core_top[(i, j)] = p(*(0.58 * radius * side * np.array((i, j))), radius * (1 + 0.55 * side), far)
                 shell[(i, j)] = p(*(radius * direction[:2]), radius * (1 + direction[2]), far)
             base, rim = {k: outer[(*k, 1)] for k in ring}, {k: outer[(*k, 0)] for k in ring[1:]}
             body.block(*(base[k] for k in ring), *(core_top[k] for k in ring))

@@ -43,6 +43,11 @@ def axis_cells(length, first, last):
     return max(1, math.ceil(cells - 1e-6))
 
 
+def between(a, b):
+    """Size of free simplices where the plan asks for a and the extrusion for b: nearer to the larger of the two."""
+    return max(a, b) ** 0.75 * min(a, b) ** 0.25
+
+
 def at(axis, value, tolerance=1e-9):
     """A predicate: every corner of the facet has coordinate `axis` equal to `value`."""
     return lambda corners: bool(np.all(np.abs(corners[:, axis] - value) <= tolerance * max(1.0, abs(value))))
@@ -193,7 +198,7 @@ class Layout:
             new = {}
             for p in {p for block in body.blocks for p in block}:
                 new[p] = [
-                    copies[-1].point(place(self.points[p], t), max(self.sizes[p], s)) for t, s in zip(levels, sizes)
+                    copies[-1].point(place(self.points[p], t), between(self.sizes[p], s)) for t, s in zip(levels, sizes)
                 ]
                 for k in range(len(levels) - 1):
                     out.edge_sizes[(new[p][k], new[p][k + 1])] = (sizes[k], sizes[k + 1])

@@ -42,7 +42,7 @@ def rail_joint_2d(
     a: expected half-width of the contact, the wheel's cells there are a/4 [m]
     """
     _common(rail_length, gap, h, coarse, end_post)
-    positive(rail_height=rail_height)
+    positive(rail_height=rail_height, a=a)
     layout = Layout(2, max(rail_length, rail_height))
     deep = max(h, min(coarse, rail_height / 6))
     left = None
@@ -58,7 +58,7 @@ def rail_joint_2d(
         _tag_rail(body, x0, x1, 1, -rail_height)
         body.tag("master_surface", at(1, 0.0))
     if wheel:
-        add_wheel(layout, wheel_x, wheel_gap, wheel_radius, hub_radius, a, 4)
+        add_wheel(layout, wheel_x, wheel_gap, wheel_radius, hub_radius, a / 4, 1.5 * a)
     return layout
 
 
@@ -69,14 +69,14 @@ def _tag_rail(body, x0, x1, vertical, bottom):
     body.tag("bottom", at(vertical, bottom))
 
 
-def add_wheel(layout, x, gap, radius, hub_radius, a, cells):
+def add_wheel(layout, x, gap, radius, hub_radius, h, core):
     """A wheel of 2D blocks above the point (x, 0)."""
-    positive(wheel_radius=radius, hub_radius=hub_radius, a=a)
+    positive(wheel_radius=radius, hub_radius=hub_radius)
     require(
         gap >= 0 and math.isfinite(x), f"wheel_gap = {gap!r}, wheel_x = {x!r}: a height of at least 0 and a position"
     )
     wheel = layout.body("slave_body")
-    wheel_plan(wheel, radius, hub_radius, gap, a / cells, 1.5 * a, SIDES["none"], None)
+    wheel_plan(wheel, radius, hub_radius, gap, h, core, SIDES["none"], None)
 
     def move(points):
         points[:, 0] += x
@@ -126,7 +126,7 @@ def rail_joint_3d(
             layout.merge(part, glued=end_post == "glued")
     if wheel:
         plan = Layout(2, wheel_radius)
-        add_wheel(plan, 0.0, wheel_gap, wheel_radius, hub_radius, 4 * h, 4)
+        add_wheel(plan, 0.0, wheel_gap, wheel_radius, hub_radius, h, core)
         half = wheel_width / 2
         ys = (0.0, core, half) if symmetry == "half" else (-half, -core, core, half)
         sizes = (h, h, max(h, half / 4)) if symmetry == "half" else (max(h, half / 4), h, h, max(h, half / 4))

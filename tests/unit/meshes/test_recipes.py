@@ -1,0 +1,171 @@
+"""Every recipe: valid cells, the right size, all promised tags, curved nodes on the true surface; bad parameters."""
+
+import numpy as np
+import pytest
+from dolfinx import fem
+from mesh_modules import CASES, exact, mesh_input, meshes, quality, volumes
+from mpi4py import MPI
+
+RECIPES = {name for name, _, _ in CASES.values()}
+QUALITY = {"quadrilateral": 0.3, "hexahedron": 0.3, "triangle": 0.25, "tetrahedron": 0.01}
+CUBE = {"block_3d", "two_blocks_3d", "two_bars_3d", "sphere", "sphere_whole", "cone", "wheel_3d"}
+CUBE |= {"punch_3d", "wedge_3d", "joint_3d", "joint_3d_wheel"}
+
+
+def cells_of(case):
+    return ("hexahedron", "tetrahedron") if case in CUBE else ("quadrilateral", "triangle")
+
+
+EVERY = [(case, cell, degree) for case in CASES for cell in cells_of(case) for degree in (1, 2)]
+
+
+def test_names_are_complete():
+    assert set(meshes.names()) == RECIPES
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("case, cell, degree", EVERY, ids=["-".join(map(str, e)) for e in EVERY])
+def test_cells_size_and_tags(case, cell, degree):
+    name, parameters, curved = CASES[case]
+    m = meshes.make(name, MPI.COMM_SELF, cell=cell, degree=degree, **parameters)
+    assert m.mesh.topology.cell_name() == cell and m.mesh.geometry.cmap.degree == degree
+    assert quality(m.mesh) > QUALITY[cell]
+    found, wanted = volumes(m.mesh, m.cell_tags), exact(name, m.parameters)
+    assert set(found) == {meshes.BODIES[body] for body in wanted}
+    tolerance = 1e-9 if not curved else (2e-2 if degree == 1 else 2e-3)
+    for body, size in wanted.items():
+        assert found[meshes.BODIES[body]] == pytest.approx(size, rel=tolerance), body
+    report = mesh_input.check_mesh(m.mesh, m.cell_tags, m.facet_tags)
+    numbers = {m.tags[key] for key in m.tags if key in meshes.FACETS}
+    assert set(report.facet_counts) == numbers and set(report.cell_counts) == set(found)
+    assert cell in ("triangle", "tetrahedron") or report.num_negative == 0
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_outer_facet_has_one_tag(case):
+    name, parameters, _ = CASES[case]
+    m = meshes.make(name, MPI.COMM_SELF, **parameters)
+    dim = m.mesh.topology.dim
+    m.mesh.topology.create_connectivity(dim - 1, dim)
+    connectivity = m.mesh.topology.connectivity(dim - 1, dim)
+    outer = np.flatnonzero(np.diff(connectivity.offsets) == 1)
+    assert np.array_equal(np.sort(m.facet_tags.indices), outer)
+
+
+PROMISED = {
+    "block_3d": "bottom top left right front back",
+    "two_blocks_3d": "bottom top left right front back slave_left slave_right slave_front slave_back slave_surface "
+    "master_surface",
+    "cylinder": "symmetry_x top bottom right slave_surface master_surface",
+    "cylinder_whole": "load bottom left right slave_surface master_surface free",
+    "sphere": "symmetry_x symmetry_y top bottom right back slave_surface master_surface",
+    "punch": "symmetry_x top bottom right slave_right slave_surface master_surface",
+    "wedge_3d": "symmetry_x top bottom right slave_right slave_surface master_surface front back slave_front slave_back",
+    "cone": "symmetry_x symmetry_y top bottom right back slave_surface master_surface slave_right slave_back",
+    "two_bars": "slave_left slave_surface master_surface right bottom free",
+    "wheel_2d": "hub slave_surface master_surface bottom left right free",
+    "wheel_3d": "hub slave_surface master_surface bottom left right free symmetry_y slave_back",
+    "joint_2d": "left right bottom master_surface",
+    "joint_2d_wheel": "left right bottom master_surface joint_left joint_right post_left post_right hub slave_surface free",
+    "joint_3d": "left right bottom master_surface free symmetry_y",
+}
+
+
+@pytest.mark.parametrize("case", PROMISED)
+def test_promised_tags(case):
+    name, parameters, _ = CASES[case]
+    plan, _, _ = meshes.layout(name, **parameters)
+    assert set(plan.outer_facets()) == set(PROMISED[case].split())
+
+
+def test_separate_bodies_share_no_node():
+    m = meshes.make("wheel_on_rail_2d", MPI.COMM_SELF)
+    nodes = [set(m.mesh.geometry.dofmap[m.cell_tags.find(tag)].ravel()) for tag in (1, 2)]
+    assert not nodes[0] & nodes[1]
+    glued = meshes.make("rail_joint_2d", MPI.COMM_SELF, end_post="glued")
+    nodes = [set(glued.mesh.geometry.dofmap[glued.cell_tags.find(tag)].ravel()) for tag in (1, 3)]
+    assert len(nodes[0] & nodes[1]) > 2
+
+
+def contact_nodes(m, name):
+    """Coordinates of all geometry nodes on a tagged surface."""
+    space = fem.functionspace(m.mesh, ("Lagrange", m.mesh.geometry.cmap.degree))
+    dofs = fem.locate_dofs_topological(space, m.mesh.topology.dim - 1, m.facet_tags.find(m.tags[name]))
+    return space.tabulate_dof_coordinates()[dofs]
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_nodes_lie_on_the_true_surface(degree):
+    m = meshes.make("cylinder_on_half_plane", MPI.COMM_SELF, degree=degree, gap=1e-3)
+    x = contact_nodes(m, "slave_surface")
+    assert np.allclose(np.hypot(x[:, 0], x[:, 1] - 0.051), 0.05, rtol=1e-12)
+    m = meshes.make("sphere_on_half_space", MPI.COMM_SELF, degree=degree)
+    assert np.allclose(np.linalg.norm(contact_nodes(m, "slave_surface") - (0, 0, 0.01), axis=1), 0.01, rtol=1e-12)
+    m = meshes.make(
+        "wheel_on_rail_3d", MPI.COMM_SELF, degree=degree, wheel_crown_radius=0.33, symmetry="quarter", a=0.01
+    )
+    x = contact_nodes(m, "slave_surface")
+    tread = 0.46 - (0.33 - np.sqrt(0.33**2 - x[:, 1] ** 2))
+    assert np.allclose(np.hypot(x[:, 0], x[:, 2] - 0.46), tread, rtol=1e-9)
+    x = contact_nodes(m, "master_surface")
+    assert np.allclose(np.hypot(x[:, 1], x[:, 2] + 0.30), 0.30, rtol=1e-12)
+
+
+def test_curved_volumes_converge():
+    errors = {1: [], 2: []}
+    for degree in errors:
+        for h in (2e-3, 1e-3):
+            m = meshes.make("cylinder_on_half_plane", MPI.COMM_SELF, degree=degree, h=h, coarse=10 * h)
+            disc = np.pi * 0.05**2 / 4
+            errors[degree].append(abs(volumes(m.mesh, m.cell_tags)[2] / disc - 1))
+    assert errors[1][0] / errors[1][1] > 3 and errors[2][0] / errors[2][1] > 8, errors
+
+
+def test_contact_is_graded():
+    m = meshes.make("cylinder_on_half_plane", MPI.COMM_SELF, a=5e-3, h=2.5e-4)
+    x = contact_nodes(m, "slave_surface")
+    steps = np.diff(np.sort(x[x[:, 0] < 5e-3, 0]))
+    assert np.all(steps <= 2.5e-4 * (1 + 1e-6)) and np.all(steps > 1e-4)
+
+
+def test_rail_section_is_close_to_60e1():
+    m = meshes.make("wheel_on_rail_3d", MPI.COMM_SELF, a=0.01, rail_length=0.2)
+    area = 2 * volumes(m.mesh, m.cell_tags)[1] / 0.2
+    assert area == pytest.approx(76.7e-4, rel=0.05)
+    assert m.parameters["radius"] == 0.46 and m.parameters["crown_radius"] == 0.30
+    z = m.mesh.geometry.x[m.mesh.geometry.dofmap[m.cell_tags.find(1)].ravel(), 2]
+    assert np.ptp(z) == pytest.approx(0.172)
+
+
+@pytest.mark.parametrize(
+    "name, parameters, words",
+    [
+        ("wheel", {}, "no mesh recipe 'wheel'; there are: block"),
+        ("block", {"widht": 1.0}, "no parameter ['widht']; it takes cell, degree, size"),
+        ("block", {"cell": "wedge"}, "quadrilateral or triangle"),
+        ("block", {"cell": "hexahedron"}, "block in 2D"),
+        ("block", {"degree": 3}, "degree = 3"),
+        ("block", {"size": (1.0, -1.0)}, "size[1] = -1.0"),
+        ("block", {"cells": (4, 2.5)}, "cells[1] = 2.5"),
+        ("block", {"size": (1, 1, 1)}, "as many as lengths"),
+        ("block", {"distortion": 0.6}, "distortion = 0.6"),
+        ("two_blocks", {"incline": 1.2}, "incline = 1.2"),
+        ("two_blocks", {"gap": float("nan")}, "gap = nan"),
+        ("cylinder_on_half_plane", {"radius": -1.0}, "radius = -1.0"),
+        ("cylinder_on_half_plane", {"radius": "big"}, "radius = 'big'"),
+        ("cylinder_on_half_plane", {"symmetry": "third"}, "one of none, half"),
+        ("cylinder_on_half_plane", {"a": 0.2}, "core ="),
+        ("sphere_on_half_space", {"h": 0.0}, "h = 0.0"),
+        ("punch", {"fillet": 0.5}, "fillet = 0.5"),
+        ("wedge", {"angle": 2.0}, "between 0 and pi/2"),
+        ("cone", {"height": 1e-3}, "lower than the flank"),
+        ("two_bars", {"gap": -1.0}, "gap = -1.0"),
+        ("wheel_on_rail_2d", {"hub_radius": 0.4}, "hub_radius = 0.4"),
+        ("wheel_on_rail_3d", {"crown_radius": 0.01}, "crown_radius = 0.01"),
+        ("rail_joint_2d", {"end_post": "welded"}, "one of glued, loose, none"),
+    ],
+)
+def test_bad_parameters(name, parameters, words):
+    with pytest.raises(ValueError) as caught:
+        meshes.make(name, MPI.COMM_SELF, **parameters)
+    assert words in str(caught.value)
