@@ -1,0 +1,77 @@
+#pragma once
+#include "Csr.h"
+#include "element.h"
+#include <map>
+
+namespace impact::reference
+{
+/// A body (or several) of hand-written elements. Vectors of degrees of freedom are node-major over field().points with
+/// the component fastest. Integration rules are arguments: whoever calls decides.
+class Model
+{
+public:
+  /// @param mesh cells in own node order (see node_vertices), cell_tags one per cell if there are several materials
+  /// @param materials by tag; a single entry serves all cells when the mesh has no tags
+  /// @param degree polynomial degree of the field, 1 or 2
+  /// @throws std::invalid_argument for anything geometry(), check() or the element routines refuse, for a tag without a
+  /// material and for materials of different hypotheses
+  Model(const plain::Mesh& mesh, const std::map<int, Material>& materials, int degree);
+
+  const Geometry& geometry() const { return geometry_; }
+  const Field& field() const { return field_; }
+  Hypothesis hypothesis() const { return hypothesis_; }
+  bool linear() const { return linear_; } ///< true if every material is linear elastic
+  int gdim() const { return int(geometry_.points.cols()); }
+  std::int64_t num_dofs() const { return gdim() * field_.points.rows(); }
+
+  Csr stiffness(const Rule& rule) const;                                                 ///< seed (3.26) [F/L]
+  Csr mass(const Rule& rule) const;                                                      ///< consistent [M]
+  Vector lumped_mass(const Rule& rule, const std::string& scheme) const;                 ///< diagonal [M]
+  Csr damping(const Rule& rule, const Rule& mass_rule, double alpha, double beta) const; ///< alpha M + beta K, (3.67)
+  double energy(const Rule& rule, const Vector& u) const;                                ///< [F L]
+  Vector internal_force(const Rule& rule, const Vector& u) const;                        ///< [F]
+  Csr tangent(const Rule& rule, const Vector& u) const;                                  ///< [F/L]
+  /// Stress at the points of every cell, rows cell-major, and the positions of these points.
+  std::array<Matrix, 2> stress(const Rule& rule, const Vector& u) const;
+
+  Vector body_force(const Rule& rule, const Vector& f) const; ///< [F]
+  /// @param facets geometry nodes, one facet per row; vertices suffice
+  Vector traction(const Rule& facet_rule, const Cells& facets, const Vector& t) const; ///< [F]
+  /// Force and tangent of a pressure that follows the facets, which must lie on the boundary.
+  std::pair<Vector, Csr> follower_pressure(const Rule& facet_rule, const Cells& facets, const Vector& u,
+                                           double p) const;
+
+  Csr gyroscopic(const Rule& rule, const Vector& spin, const Vector& centre) const;  ///< seed (3.56) [M/T]
+  Csr ale_inertia(const Rule& rule, const Vector& spin, const Vector& centre) const; ///< seed (3.57) [M/T^2]
+  Vector ale_load(const Rule& rule, const Vector& spin, const Vector& centre) const; ///< [F]
+  Csr poisson(const Rule& rule, double k) const;                                     ///< scalar field on the same nodes
+
+  /// Displacements that cost no energy: columns; 3 in the plane, 6 in space, 1 (along z) if axisymmetric. Rotations are
+  /// about the centre of all nodes.
+  Matrix rigid_modes() const;
+
+private:
+  Sampler sampler(const Rule& rule) const;
+  FacetSampler facet_sampler(const Rule& rule) const;
+  Matrix cell_points(std::int64_t cell) const;
+  std::vector<std::int64_t> cell_nodes(std::int64_t cell) const;
+  Vector gather(const Vector& u, std::int64_t cell) const;
+  void scatter(Vector& global, int block, std::int64_t cell, const Vector& element) const;
+  void check_vector(const Vector& u) const;
+  const Material& material(std::int64_t cell) const { return materials_[material_of_cell_[cell]]; }
+  FacetPlace locate(const Cells& facets, std::int64_t row) const;
+  template <typename F>
+  Csr assemble(int block, F&& element) const;
+  template <typename F>
+  Vector assemble_vector(int block, F&& element) const;
+
+  Geometry geometry_;
+  Field field_;
+  Pattern pattern_;
+  FacetIndex facets_;
+  std::vector<Material> materials_;
+  std::vector<int> material_of_cell_;
+  Hypothesis hypothesis_;
+  bool linear_;
+};
+} // namespace impact::reference

@@ -1,0 +1,35 @@
+#pragma once
+#include "solve.h"
+#include <nanobind/eigen/dense.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+namespace impact::reference
+{
+using Integers = Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>;
+
+/// indptr, indices, data of a matrix as arrays.
+inline nanobind::tuple arrays(const Csr& m)
+{
+  const auto integers = [](const std::vector<std::int64_t>& v)
+  { return Integers(Eigen::Map<const Integers>(v.data(), v.size())); };
+  return nanobind::make_tuple(integers(m.indptr), integers(m.indices),
+                              Vector(Eigen::Map<const Vector>(m.data.data(), m.data.size())));
+}
+
+/// Matrix of arrays.
+inline Csr csr(const Integers& indptr, const Integers& indices, const Vector& data)
+{
+  return {indptr.size() - 1,
+          {indptr.data(), indptr.data() + indptr.size()},
+          {indices.data(), indices.data() + indices.size()},
+          {data.data(), data.data() + data.size()}};
+}
+
+void bind_elements(nanobind::module_& m);
+void bind_model(nanobind::module_& m);
+} // namespace impact::reference

@@ -1,0 +1,93 @@
+#include "solve.h"
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <stdexcept>
+
+namespace impact::reference
+{
+namespace
+{
+using Sparse = Eigen::SparseMatrix<double>;
+using Dense = Eigen::MatrixXd;
+
+// Deterministic start vectors without structure: a linear congruential sequence.
+Dense start_vectors(Eigen::Index rows, int columns)
+{
+  Dense X(rows, columns);
+  std::uint64_t state = 88172645463325252ull;
+  for (int j = 0; j < columns; ++j)
+    for (Eigen::Index i = 0; i < rows; ++i)
+    {
+      state = state * 6364136223846793005ull + 1442695040888963407ull;
+      X(i, j) = double(state >> 11) / double(1ull << 53) - 0.5;
+    }
+  return X;
+}
+} // namespace
+
+Frequencies frequencies(const Csr& K, const Csr* M, const Vector& lumped, int n,
+                        const std::vector<std::int64_t>& fixed_dofs)
+{
+  const std::vector<std::int64_t> numbers = free_numbers(K.size, fixed_dofs);
+  const Sparse k = reduce(K, numbers);
+  if (n < 1 or n > k.rows())
+    throw std::invalid_argument(std::to_string(n) + " frequencies were asked for, but the model has " +
+                                std::to_string(k.rows()) + " free degrees of freedom");
+  Sparse m;
+  if (M)
+    m = reduce(*M, numbers);
+  else
+  {
+    Vector diagonal(k.rows());
+    for (std::int64_t i = 0; i < K.size; ++i)
+      if (numbers[i] >= 0)
+        diagonal(numbers[i]) = lumped(i);
+    m = Sparse(diagonal.asDiagonal());
+  }
+  const Vector masses = m.diagonal();
+  if (not(masses.minCoeff() > 0))
+    throw std::runtime_error("a nodal mass is not positive: choose the lumping scheme hrz or auto");
+
+  // The shift sits far below the lowest elastic eigenvalue of any sensible mesh, yet K + shift M is safely regular.
+  const double shift = 1e-9 * (k.diagonal().array() / masses.array()).maxCoeff();
+  Eigen::SimplicialLDLT<Sparse> solver(Sparse(k + shift * m));
+  if (solver.info() != Eigen::Success)
+    throw std::runtime_error("the shifted stiffness could not be factorised: check the mesh for degenerate cells");
+
+  const int q = int(std::min<std::int64_t>(k.rows(), std::max(2 * n, n + 8)));
+  Dense X = start_vectors(k.rows(), q);
+  Vector values = Vector::Zero(q), before = Vector::Constant(q, -1);
+  for (int iteration = 0; iteration < 500; ++iteration)
+  {
+    // X^T (K + shift M) X = X^T Y without the cancellation of forming it (Bathe eq. 11.113).
+    const Dense Y = m * X;
+    X = solver.solve(Y);
+    const Dense a = X.transpose() * Y, b = X.transpose() * (m * X);
+    // Scaling the columns keeps the small problem well conditioned when rigid modes dominate.
+    const Vector s = b.diagonal().cwiseSqrt().cwiseInverse();
+    const Dense as = s.asDiagonal() * (0.5 * (a + a.transpose())) * s.asDiagonal();
+    const Dense bs = s.asDiagonal() * (0.5 * (b + b.transpose())) * s.asDiagonal();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Dense> small(as, bs);
+    if (small.info() != Eigen::Success)
+      throw std::runtime_error(
+          "subspace iteration broke down: the vectors became dependent; ask for fewer frequencies");
+    values = small.eigenvalues().array() - shift;
+    X = X * s.asDiagonal() * small.eigenvectors();
+    const Vector change = (values - before).cwiseAbs();
+    before = values;
+    bool done = iteration > 2;
+    const double tolerance = iteration < 60 ? 1e-11 : 1e-8; // rounding may keep the last digits moving
+    for (int i = 0; i < n; ++i)
+      done = done and change(i) <= tolerance * (std::abs(values(i)) + shift);
+    if (not done)
+      continue;
+    Frequencies result{values.head(n).cwiseMax(0).cwiseSqrt(), Matrix::Zero(K.size, n)};
+    for (std::int64_t i = 0; i < K.size; ++i)
+      if (numbers[i] >= 0)
+        result.modes.row(i) = X.row(numbers[i]).head(n);
+    return result;
+  }
+  throw std::runtime_error("subspace iteration did not converge in 500 iterations: ask for a few more frequencies");
+}
+} // namespace impact::reference
