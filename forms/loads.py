@@ -21,10 +21,10 @@ def follower_pressure(p, u, v, hypothesis="3d", ds=ufl.ds):
     """Virtual work of a pressure p >= 0 that pushes on the deformed surface: - integral of p J F^-T n . v (Nanson)."""
     mesh = ufl.domain.extract_unique_domain(v)
     H = gradient(u, hypothesis)
-    F = ufl.Identity(len(H)) + H
-    area = ufl.cofac(F).T if len(F) == 2 else _cofactor(F)
+    F = ufl.Identity(H.ufl_shape[0]) + H
+    area = ufl.as_tensor([[F[1, 1], -F[1, 0]], [-F[0, 1], F[0, 0]]]) if F.ufl_shape[0] == 2 else _cofactor(F)
     n = ufl.FacetNormal(mesh)
-    normal = n if len(F) == len(n) else ufl.as_vector([n[0], n[1], 0])
+    normal = n if F.ufl_shape[0] == len(n) else ufl.as_vector([n[0], n[1], 0])
     pushed = area * normal
     return -p * sum(pushed[i] * v[i] for i in range(len(v))) * weight(mesh, hypothesis) * ds
 

@@ -91,7 +91,7 @@ class LinearElastic(Law):
 
     def stress(self, u):
         eps = self.strain(u)
-        return self._lambda * ufl.tr(eps) * ufl.Identity(len(eps)) + 2 * self.mu * eps
+        return self._lambda * ufl.tr(eps) * ufl.Identity(eps.ufl_shape[0]) + 2 * self.mu * eps
 
     def stress_derivative(self, u, du):
         return self.stress(du)
@@ -109,17 +109,17 @@ class StVenantKirchhoff(Law):
 
     def _second(self, H):
         E = ufl.sym(H) + H.T * H / 2
-        return self._lambda * ufl.tr(E) * ufl.Identity(len(E)) + 2 * self.mu * E
+        return self._lambda * ufl.tr(E) * ufl.Identity(E.ufl_shape[0]) + 2 * self.mu * E
 
     def stress(self, u):
         H = self.gradient(u)
-        return (ufl.Identity(len(H)) + H) * self._second(H)
+        return (ufl.Identity(H.ufl_shape[0]) + H) * self._second(H)
 
     def stress_derivative(self, u, du):
         H, dH = self.gradient(u), self.gradient(du)
-        F = ufl.Identity(len(H)) + H
+        F = ufl.Identity(H.ufl_shape[0]) + H
         dE = ufl.sym(F.T * dH)
-        dS = self._lambda * ufl.tr(dE) * ufl.Identity(len(dE)) + 2 * self.mu * dE
+        dS = self._lambda * ufl.tr(dE) * ufl.Identity(dE.ufl_shape[0]) + 2 * self.mu * dE
         return dH * self._second(H) + F * dS
 
 
@@ -143,7 +143,7 @@ class NeoHookean(Law):
 
     def _state(self, u):
         H = self.gradient(u)
-        F = ufl.Identity(len(H)) + H
+        F = ufl.Identity(H.ufl_shape[0]) + H
         log_J2 = ufl.ln(ufl.det(F))
         y = self._log_Czz(log_J2) if self.hypothesis == "plane_stress" else None
         return F, log_J2 if y is None else log_J2 + y / 2, y

@@ -81,21 +81,17 @@ def _text(s):
 
 
 def _element(element):
-    basix_hash = element.basix_hash() or 0
+    scalar = element.sub_elements[0] if element.block_size > 1 else element
+    basix_hash = scalar.basix_hash() or 0  # of the scalar element: DOLFINx keeps the block size apart
     return (
         f"{{{_text(repr(element))}, {_text(_kind(element))}, {basix_hash & (2**64 - 1)}ull, "
         f"{int(element.embedded_superdegree)}, {int(element.block_size)}, {int(element.dim)}}}"
     )
 
 
-def signature(integrals, extra=""):
-    """Hash over forms, elements and compiler version: the kernels' identity in tables and caches."""
-    text = VERSION + extra
-    for i in integrals:
-        text += i.signature + i.name + i.integral_type + repr(i.subdomains) + repr(i.coordinate_element)
-        text += "".join(f"{c.name}{c.element!r}" for c in i.coefficients) + "".join(c.name for c in i.constants)
-        text += "" if i.points is None else repr(i.points.tolist())
-    return hashlib.sha256(text.encode()).hexdigest()[:20]
+def signature(form_signature):
+    """Identity of a form's kernels in tables and caches: UFL's signature (names do not count) and compiler version."""
+    return hashlib.sha256(f"{VERSION} {form_signature}".encode()).hexdigest()[:24]
 
 
 def source(integrals, prefix):
@@ -104,7 +100,7 @@ def source(integrals, prefix):
     Returns:
         (source, list of descriptor names)
     """
-    out, names = [HEADER], []
+    out, names, group = [HEADER], [], signature(integrals[0].signature)
     for k, integral in enumerate(integrals):
         symbol = f"{prefix}_{k}"
         tree = KernelWriter(integral).write()
@@ -113,12 +109,12 @@ def source(integrals, prefix):
         out.append(TEMPLATE.format(title=title, symbol=symbol + "_kernel", body=body))
         for lanes, guard in GUARDS.items():
             out.append(INSTANCE.format(symbol=symbol + "_kernel", lanes=lanes, guard=guard))
-        out.append(_descriptor(integral, symbol, flops(tree)))
+        out.append(_descriptor(integral, symbol, flops(tree), group))
         names.append(symbol)
     return "".join(out), names
 
 
-def _descriptor(integral, symbol, count):
+def _descriptor(integral, symbol, count, group):
     i = integral
     coordinate = i.coordinate_element
     shape = list(i.shape) + [1] * (2 - len(i.shape))
@@ -131,7 +127,7 @@ def _descriptor(integral, symbol, count):
             f"static const impact_element {symbol}_arguments[] = {{{', '.join(map(_element, i.argument_elements))}}};"
         )
     if i.coefficients:
-        rows = ", ".join(f"{{{_text(c.name)}, {_element(c.element)}, {c.offset}}}" for c in i.coefficients)
+        rows = ", ".join(f"{{{_text(c.name)}, {_element(c.element)}, {c.offset}, {c.position}}}" for c in i.coefficients)
         lines.append(f"static const impact_coefficient {symbol}_coefficients[] = {{{rows}}};")
     if i.constants:
         rows = ", ".join(f"{{{_text(c.name)}, {c.size}, {c.offset}}}" for c in i.constants)
@@ -144,12 +140,13 @@ def _descriptor(integral, symbol, count):
     fields = [
         "IMPACT_KERNEL_ABI",
         _text(i.name),
-        _text(signature([i])),
+        _text(group),
         _text(i.integral_type),
         _text(coordinate.cell_type.name),
         str(int(coordinate.embedded_superdegree)),
         str(int(coordinate.lagrange_variant)),
         str(int(coordinate.block_size)),
+        _text(i.hypothesis),
         str(i.rank),
         f"{{{shape[0]}, {shape[1]}}}",
         f"{symbol}_arguments" if i.argument_elements else "nullptr",

@@ -33,6 +33,7 @@ class Coefficient:
     block_size: int
     num_dofs: int  # per cell, blocked
     offset: int  # of its dofs inside the packed array w
+    position: int  # in form.coefficients()
 
 
 @dataclass
@@ -61,6 +62,7 @@ class Integral:
     signature: str
     points: np.ndarray | None = None
     entity_type: str = "cell"
+    hypothesis: str = ""
 
 
 def _kind(element):
@@ -77,7 +79,7 @@ def _kind(element):
     return "other"
 
 
-def _coefficient(name, element, offset):
+def _coefficient(name, element, offset, position):
     return Coefficient(
         name=name,
         kind=_kind(element),
@@ -86,6 +88,7 @@ def _coefficient(name, element, offset):
         block_size=int(element.block_size),
         num_dofs=int(element.dim),
         offset=int(offset),
+        position=int(position),
     )
 
 
@@ -97,13 +100,14 @@ def _names(objects, given, letter):
     return names
 
 
-def form_integrals(form, name, names):
+def form_integrals(form, name, names, hypothesis=""):
     """Integrals of a UFL form.
 
     Args:
         form: rank 0, 1 or 2 UFL form.
         name: name of the form.
         names: dict from coefficient or constant (or its id) to its name.
+        hypothesis: for the kernel's description.
 
     Returns:
         list of Integral.
@@ -140,8 +144,10 @@ def form_integrals(form, name, names):
                 rank=representation.rank,
                 shape=tuple(int(n) for n in expression.tensor_shape),
                 coefficients=[
-                    _coefficient(n, e, offsets[c])
-                    for n, e, c in zip(all_names, data.coefficient_elements, coefficients)
+                    _coefficient(n, e, offsets[c], p)
+                    for n, e, c, p in zip(
+                        all_names, data.coefficient_elements, coefficients, data.original_coefficient_positions
+                    )
                 ],
                 constants=[
                     Constant(n, int(np.prod(c.ufl_shape, dtype=int)), int(expression.original_constant_offsets[c]))
@@ -150,9 +156,20 @@ def form_integrals(form, name, names):
                 argument_elements=tuple(data.argument_elements),
                 coordinate_element=itg.domain.ufl_coordinate_element(),
                 signature=signature,
+                hypothesis=hypothesis,
             )
         )
     return result
+
+
+def expression_signature(expression, points):
+    """Signature of an expression at points; like UFL's for forms it does not depend on names or object numbers."""
+    domain = ufl.domain.extract_unique_domain(expression)
+    numbering = {domain: 0}
+    for group in (ufl.algorithms.extract_coefficients(expression), ufl.algorithms.analysis.extract_constants(expression)):
+        numbering.update({c: i for i, c in enumerate(group)})
+    text = ufl.algorithms.signature.compute_expression_signature(expression, numbering)
+    return text + repr(np.asarray(points, dtype=float).tolist())
 
 
 def expression_integral(expression, points, name, names, entity_type="cell"):
@@ -182,8 +199,8 @@ def expression_integral(expression, points, name, names, entity_type="cell"):
         rank=0,
         shape=(len(points), int(np.prod(expression.ufl_shape, dtype=int))),
         coefficients=[
-            _coefficient(n, c.ufl_function_space().ufl_element(), common.coefficient_offsets[c])
-            for n, c in zip(all_names, coefficients)
+            _coefficient(n, c.ufl_function_space().ufl_element(), common.coefficient_offsets[c], p)
+            for n, c, p in zip(all_names, coefficients, representation.original_coefficient_positions)
         ],
         constants=[
             Constant(n, int(np.prod(c.ufl_shape, dtype=int)), int(common.original_constant_offsets[c]))
@@ -191,9 +208,7 @@ def expression_integral(expression, points, name, names, entity_type="cell"):
         ],
         argument_elements=(),
         coordinate_element=domain.ufl_coordinate_element(),
-        signature=ufl.algorithms.signature.compute_expression_signature(
-            expression, {c: i for i, c in enumerate(list(coefficients) + list(constants) + [domain])}
-        ),
+        signature=expression_signature(expression, points),
         points=np.asarray(points, dtype=float),
         entity_type=entity_type,
     )

@@ -78,8 +78,8 @@ def read_mesh(path, comm=MPI.COMM_WORLD, gdim=None, required_cell_tags=(), requi
         found = result.report.facet_counts.get(tag, 0)
         if found != expected:
             raise ValueError(
-                f"{path}: of the {expected} facets tagged {label(tag, result.facet_names)} only {found} are facets of a "
-                "cell and in no other group; remesh so that tagged surfaces bound the tagged bodies, and tag a facet once"
+                f"{path}: of the {expected} facets tagged {label(tag, result.facet_names)} only {found} are facets "
+                "of a cell and in no other group; remesh so that tagged surfaces bound the bodies, and tag a facet once"
             )
     return result
 

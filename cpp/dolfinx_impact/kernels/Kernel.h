@@ -17,7 +17,7 @@ typedef struct
 {
   const char* description; ///< basix.ufl's description, complete
   const char* kind;        ///< "node", "cell", "quadrature" or "other"
-  unsigned long long hash; ///< Basix's hash of the (blocked) element, as DOLFINx's FiniteElement::hash gives it
+  unsigned long long hash; ///< Basix's hash of the scalar element; 0: unknown
   int degree;
   int block_size;
   int num_dofs; ///< per cell, blocked
@@ -27,7 +27,8 @@ typedef struct
 {
   const char* name;
   impact_element element;
-  int offset; ///< of its first entry in w
+  int offset;   ///< of its first entry in w
+  int position; ///< in the list of coefficients of the UFL form, form.coefficients()
 } impact_coefficient;
 
 typedef struct
@@ -53,6 +54,7 @@ typedef struct
   int geometry_degree;
   int geometry_variant; ///< of Basix's Lagrange elements
   int gdim;
+  const char* hypothesis; ///< of a form of the catalogue; "" for a form of the user
   int rank;
   int shape[2]; ///< of A; for an expression (points, components)
   const impact_element* arguments;

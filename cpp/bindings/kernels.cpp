@@ -1,0 +1,134 @@
+#include "dolfinx_impact/kernels/KernelTable.h"
+#include "dolfinx_impact/kernels/check.h"
+#include "module.h"
+#include <stdexcept>
+
+namespace nb = nanobind;
+using namespace impact::kernels;
+
+namespace
+{
+/// Handle of a kernel on the Python side; descriptors live as long as the process.
+struct Kernel
+{
+  const impact_kernel* k;
+};
+
+std::vector<Kernel> wrap(const std::vector<const impact_kernel*>& list)
+{
+  std::vector<Kernel> out;
+  for (auto* k : list)
+    out.push_back({k});
+  return out;
+}
+
+nb::dict element(const impact_element& e)
+{
+  nb::dict d;
+  d["description"] = e.description;
+  d["kind"] = e.kind;
+  d["degree"] = e.degree;
+  d["block_size"] = e.block_size;
+  d["num_dofs"] = e.num_dofs;
+  return d;
+}
+
+typedef nb::ndarray<const double, nb::c_contig, nb::device::cpu> In;
+typedef nb::ndarray<double, nb::c_contig, nb::device::cpu> InOut;
+} // namespace
+
+void impact::bindings::kernels(nb::module_& m)
+{
+  nb::class_<Kernel>(m, "Kernel", "A compiled integral")
+      .def_prop_ro("name", [](const Kernel& s) { return s.k->name; })
+      .def_prop_ro("signature", [](const Kernel& s) { return s.k->signature; })
+      .def_prop_ro("integral_type", [](const Kernel& s) { return s.k->integral_type; })
+      .def_prop_ro("cell", [](const Kernel& s) { return s.k->cell; })
+      .def_prop_ro("hypothesis", [](const Kernel& s) { return s.k->hypothesis; })
+      .def_prop_ro("geometry_degree", [](const Kernel& s) { return s.k->geometry_degree; })
+      .def_prop_ro("gdim", [](const Kernel& s) { return s.k->gdim; })
+      .def_prop_ro("rank", [](const Kernel& s) { return s.k->rank; })
+      .def_prop_ro("shape", [](const Kernel& s) { return std::pair(s.k->shape[0], s.k->shape[1]); })
+      .def_prop_ro("flops", [](const Kernel& s) { return s.k->flops; })
+      .def_prop_ro("subdomains", [](const Kernel& s)
+                   { return std::vector<int>(s.k->subdomains, s.k->subdomains + s.k->num_subdomains); })
+      .def_prop_ro("arguments",
+                   [](const Kernel& s)
+                   {
+                     nb::list out;
+                     for (int i = 0; s.k->arguments && i < s.k->rank; ++i)
+                       out.append(element(s.k->arguments[i]));
+                     return out;
+                   })
+      .def_prop_ro("coefficients",
+                   [](const Kernel& s)
+                   {
+                     nb::list out;
+                     for (int i = 0; i < s.k->num_coefficients; ++i)
+                     {
+                       nb::dict d = element(s.k->coefficients[i].element);
+                       d["name"] = s.k->coefficients[i].name;
+                       d["offset"] = s.k->coefficients[i].offset;
+                       d["position"] = s.k->coefficients[i].position;
+                       out.append(d);
+                     }
+                     return out;
+                   })
+      .def_prop_ro("constants",
+                   [](const Kernel& s)
+                   {
+                     nb::list out;
+                     for (int i = 0; i < s.k->num_constants; ++i)
+                     {
+                       nb::dict d;
+                       d["name"] = s.k->constants[i].name;
+                       d["size"] = s.k->constants[i].size;
+                       d["offset"] = s.k->constants[i].offset;
+                       out.append(d);
+                     }
+                     return out;
+                   })
+      .def_prop_ro("widths",
+                   [](const Kernel& s)
+                   {
+                     std::vector<int> out;
+                     for (int w : {1, 4, 8})
+                       if (width(*s.k, w) == w)
+                         out.push_back(w);
+                     return out;
+                   })
+      .def(
+          "tabulate",
+          [](const Kernel& s, InOut A, In w, In c, In x, int entity, int lanes)
+          {
+            const std::size_t n = std::size_t(s.k->shape[0]) * s.k->shape[1] * lanes;
+            if (width(*s.k, lanes) != lanes)
+              throw std::invalid_argument("this machine runs no kernel of " + std::to_string(lanes) + " lanes");
+            if (A.size() != n || w.size() != std::size_t(s.k->size_w) * lanes || c.size() != std::size_t(s.k->size_c)
+                || x.size() % (3 * lanes) != 0)
+              throw std::invalid_argument("arrays do not have the sizes of the kernel (kernels/Kernel.h)");
+            if (lanes > 1)
+              for (const void* p : {static_cast<const void*>(A.data()), static_cast<const void*>(w.data()),
+                                    static_cast<const void*>(x.data())})
+                if (reinterpret_cast<std::uintptr_t>(p) % (8 * lanes))
+                  throw std::invalid_argument("arrays of several lanes must be aligned to their vectors");
+            tabulate(*s.k, lanes)(A.data(), w.data(), c.data(), x.data(), entity);
+          },
+          nb::arg("A"), nb::arg("w"), nb::arg("c"), nb::arg("x"), nb::arg("entity") = 0, nb::arg("lanes") = 1,
+          "Element tensor of `lanes` cells, added to A; layout in kernels/Kernel.h")
+      .def(
+          "check_mesh", [](const Kernel& s, const dolfinx::mesh::Mesh<double>& mesh) { check_mesh(*s.k, mesh); },
+          nb::arg("mesh"), "Raise RuntimeError unless the kernel was compiled for this kind of mesh")
+      .def_prop_ro("address", [](const Kernel& s) { return reinterpret_cast<std::uintptr_t>(s.k); });
+  m.def("table", [] { return wrap({table().begin(), table().end()}); }, "Kernels built with the package");
+  m.def(
+      "find", [](const std::string& name, const std::string& cell, int degree, int geometry_degree,
+                 const std::string& hypothesis) { return wrap(find({name, cell, degree, geometry_degree, hypothesis})); },
+      nb::arg("name"), nb::arg("cell"), nb::arg("degree"), nb::arg("geometry_degree") = 1, nb::arg("hypothesis") = "");
+  m.def(
+      "find_signature", [](const std::string& s) { return wrap(find_signature(s)); }, nb::arg("signature"));
+  m.def(
+      "load", [](const std::string& path, const std::vector<std::string>& symbols) { return wrap(load(path, symbols)); },
+      nb::arg("path"), nb::arg("symbols"));
+  m.def("processor_width", &processor_width, "Widest vector of doubles of this processor that is used: 1, 4 or 8");
+}

@@ -1,0 +1,15 @@
+#pragma once
+// The one header for nanobind and DOLFINx's casters (their names changed after 0.9).
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+namespace impact::bindings
+{
+void kernels(nanobind::module_& m);
+void operators(nanobind::module_& m);
+} // namespace impact::bindings

@@ -1,0 +1,118 @@
+#include "KernelTable.h"
+#include <cstddef>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <stdexcept>
+
+namespace impact::kernels
+{
+extern const impact_kernel* const generated_table[];
+extern const std::size_t generated_table_size;
+
+namespace
+{
+int degree_of(const impact_kernel& k)
+{
+  return k.rank > 0 ? k.arguments[0].degree : k.num_coefficients > 0 ? k.coefficients[0].element.degree : 0;
+}
+
+int slot(int width) { return width == 8 ? 2 : width == 4 ? 1 : 0; }
+
+int default_width()
+{
+  static const int value = []
+  {
+    const char* text = std::getenv("IMPACT_SIMD_WIDTH");
+    if (!text || !*text)
+      return 4 < processor_width() ? 4 : processor_width(); // wider gained nothing where it was measured
+    const std::string w = text;
+    if (w != "1" && w != "4" && w != "8")
+      throw std::runtime_error("IMPACT_SIMD_WIDTH is '" + w + "': use 1, 4 or 8 cells per vector");
+    return std::stoi(w);
+  }();
+  return value;
+}
+} // namespace
+
+std::span<const impact_kernel* const> table() { return {generated_table, generated_table_size}; }
+
+std::vector<const impact_kernel*> find(const Key& key)
+{
+  std::vector<const impact_kernel*> found;
+  std::string names, others;
+  for (const impact_kernel* k : table())
+  {
+    if (k->name != key.name)
+      continue;
+    const std::string row = std::string(k->cell) + " degree " + std::to_string(degree_of(*k)) + " geometry "
+                            + std::to_string(k->geometry_degree) + " " + k->hypothesis;
+    others += (others.empty() ? "" : "; ") + row;
+    if (k->cell == key.cell && degree_of(*k) == key.degree && k->geometry_degree == key.geometry_degree
+        && (key.hypothesis.empty() || k->hypothesis == key.hypothesis))
+    {
+      if (!found.empty() && std::string(found[0]->hypothesis) != k->hypothesis)
+        throw std::runtime_error("kernel " + key.name + " was compiled for several hypotheses: name one");
+      found.push_back(k);
+    }
+  }
+  if (found.empty())
+    throw std::runtime_error("no kernel " + key.name + " for " + key.cell + ", degree " + std::to_string(key.degree)
+                             + ", geometry degree " + std::to_string(key.geometry_degree) + " "  + key.hypothesis
+                             + " was compiled with the package; "
+                             + (others.empty() ? "the name is unknown" : "there are: " + others)
+                             + ". Add a row to forms/registry.py, or compile the form at run time from Python");
+  return found;
+}
+
+std::vector<const impact_kernel*> find_signature(const std::string& signature)
+{
+  std::vector<const impact_kernel*> found;
+  for (const impact_kernel* k : table())
+    if (k->signature == signature)
+      found.push_back(k);
+  return found;
+}
+
+std::vector<const impact_kernel*> load(const std::string& path, const std::vector<std::string>& symbols)
+{
+  void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle)
+    throw std::runtime_error(std::string("kernels cannot be loaded: ") + dlerror());
+  std::vector<const impact_kernel*> found;
+  for (const std::string& s : symbols)
+  {
+    auto* kernel = static_cast<const impact_kernel*>(dlsym(handle, s.c_str()));
+    if (!kernel)
+      throw std::runtime_error(path + " holds no kernel " + s + ": delete the file, it is compiled again");
+    if (kernel->abi != IMPACT_KERNEL_ABI)
+      throw std::runtime_error(path + " was compiled for another version of dolfinx_impact: delete the file");
+    found.push_back(kernel);
+  }
+  return found;
+}
+
+int processor_width()
+{
+#if defined(__x86_64__)
+  static const int value = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")
+                                   && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")
+                               ? 8
+                           : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? 4
+                                                                                             : 1;
+  return value;
+#else
+  return 4; // the compiler lowers vectors of four to what the machine has
+#endif
+}
+
+int width(const impact_kernel& kernel, int limit)
+{
+  const int wanted = limit > 0 ? limit : default_width();
+  for (int w : {8, 4})
+    if (w <= wanted && w <= processor_width() && kernel.tabulate[slot(w)])
+      return w;
+  return 1;
+}
+
+impact_tabulate tabulate(const impact_kernel& kernel, int width) { return kernel.tabulate[slot(width)]; }
+} // namespace impact::kernels

@@ -1,0 +1,46 @@
+#pragma once
+#include "Kernel.h"
+#include <span>
+#include <string>
+#include <vector>
+
+/// First stage: kernels generated from UFL forms, built with the package or loaded at run time.
+namespace impact::kernels
+{
+/// Kernels built with the package, in the order of forms/registry.py.
+std::span<const impact_kernel* const> table();
+
+/// What to look for in the table.
+struct Key
+{
+  std::string name;          ///< for example "linear_elastic.force"
+  std::string cell;          ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
+  int degree = 1;            ///< of the test function (of the first coefficient for an energy)
+  int geometry_degree = 1;
+  std::string hypothesis = ""; ///< "3d", "plane_strain", ...; empty: the only one, or an error
+};
+
+/// Kernels of one form (one per integral).
+/// @throws std::runtime_error if the table has no such form; the message lists the nearest
+std::vector<const impact_kernel*> find(const Key& key);
+
+/// Kernels built with the package whose form has this signature (forms/compiler/emit.py), or an empty list.
+std::vector<const impact_kernel*> find_signature(const std::string& signature);
+
+/// Load kernels compiled at run time from a shared library. The library stays loaded until the process ends.
+/// @param[in] path shared library
+/// @param[in] symbols names of the descriptors
+/// @throws std::runtime_error if it cannot be opened, a name is missing, or it was made for another version
+std::vector<const impact_kernel*> load(const std::string& path, const std::vector<std::string>& symbols);
+
+/// Cells per call on this machine: the widest the processor has and the kernel was compiled for, at most `limit`.
+/// @param[in] kernel
+/// @param[in] limit 0: the default of this machine (IMPACT_SIMD_WIDTH=1|4|8 in the environment overrides it)
+int width(const impact_kernel& kernel, int limit = 0);
+
+/// Widest vector of doubles of this processor that kernels are compiled for: 1, 4 or 8.
+int processor_width();
+
+/// The function for a width that `width` returned.
+impact_tabulate tabulate(const impact_kernel& kernel, int width);
+} // namespace impact::kernels

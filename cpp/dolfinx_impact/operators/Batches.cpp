@@ -1,0 +1,181 @@
+#include "Batches.h"
+#include "../kernels/KernelTable.h"
+#include "../kernels/check.h"
+#include <algorithm>
+#include <dolfinx/fem/DofMap.h>
+#include <dolfinx/mesh/cell_types.h>
+#include <stdexcept>
+
+namespace impact::operators
+{
+namespace
+{
+constexpr std::size_t alignment = 64;
+
+double* aligned(double* p)
+{
+  const auto address = reinterpret_cast<std::uintptr_t>(p);
+  return reinterpret_cast<double*>((address + alignment - 1) / alignment * alignment);
+}
+
+/// Entries of an array rounded up to whole cache lines.
+std::size_t rounded(std::size_t n) { return (n + 7) / 8 * 8; }
+
+/// Node numbers of padded cells, lane by lane.
+template <typename Dofs>
+void number_nodes(const Dofs& dofs_of, std::span<const std::int32_t> cells, int width, int num_nodes,
+                  std::vector<std::int32_t>& out)
+{
+  const std::size_t start = out.size();
+  out.resize(start + cells.size() * num_nodes);
+  for (std::size_t k = 0; k < cells.size(); ++k)
+  {
+    auto dofs = dofs_of(cells[k]);
+    const std::size_t batch = k / width, lane = k % width;
+    for (int i = 0; i < num_nodes; ++i)
+      out[start + (batch * num_nodes + i) * width + lane] = dofs[i];
+  }
+}
+} // namespace
+
+Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
+                 const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width)
+    : _kernel(integral.kernel), _mesh(std::move(mesh))
+{
+  const impact_kernel& k = *_kernel;
+  kernels::check_mesh(k, *_mesh);
+  if (k.rank > 1)
+    throw std::invalid_argument(std::string("kernel ") + k.name + " is of rank " + std::to_string(k.rank)
+                                + "; this operator takes energies (rank 0) and vectors (rank 1)");
+  if ((k.rank == 1) != bool(test))
+    throw std::invalid_argument(std::string("kernel ") + k.name + " of rank " + std::to_string(k.rank)
+                                + (k.rank ? " needs a test space" : " takes no test space"));
+  _width = kernels::width(k, width);
+  _tabulate = kernels::tabulate(k, _width);
+  set_constants(integral.constants);
+
+  _x.num_nodes = _mesh->geometry().dofmap().extent(1);
+  _x.block_size = 3;
+  _x.gather = gather(_width, 3, 3);
+  if (test)
+  {
+    kernels::check_space(k, k.arguments[0], *test, "test space");
+    if (test->mesh() != _mesh)
+      throw std::invalid_argument(std::string("kernel ") + k.name + ": the test space is on another mesh");
+    _test.block_size = test->dofmap()->bs();
+    _test.num_nodes = k.shape[0] / _test.block_size;
+    _test_space = test;
+    _scatter = scatter(_width, _test.block_size);
+  }
+  for (int i = 0; i < k.num_coefficients; ++i)
+  {
+    const impact_coefficient& c = k.coefficients[i];
+    auto found = coefficients.find(c.name);
+    if (found == coefficients.end() || !found->second)
+      throw std::invalid_argument(std::string("kernel ") + k.name + " needs a coefficient named '" + c.name + "'");
+    const auto& V = found->second->function_space();
+    kernels::check_space(k, c.element, *V, std::string("coefficient ") + c.name);
+    if (V->mesh() != _mesh)
+      throw std::invalid_argument(std::string("kernel ") + k.name + ": coefficient " + c.name + " is on another mesh");
+    Array a;
+    a.block_size = V->dofmap()->bs();
+    a.num_nodes = c.element.num_dofs / a.block_size;
+    a.gather = gather(_width, a.block_size, a.block_size);
+    a.function = found->second;
+    a.offset = c.offset;
+    _coefficients.push_back(std::move(a));
+  }
+
+  const bool facets = std::string(k.integral_type) == "exterior_facet";
+  const auto imap = _mesh->topology()->index_map(_mesh->topology()->dim());
+  const std::int32_t num_cells = imap->size_local() + imap->num_ghosts();
+  for (std::size_t i = 0; i < integral.entities.size(); i += facets ? 2 : 1)
+    if (integral.entities[i] < 0 || integral.entities[i] >= num_cells)
+      throw std::invalid_argument(std::string("kernel ") + k.name + ": cell " + std::to_string(integral.entities[i])
+                                  + " is not on this rank, which has cells 0 to " + std::to_string(num_cells - 1));
+  if (!facets)
+    add_group(integral.entities, 0);
+  else
+  {
+    if (integral.entities.size() % 2)
+      throw std::invalid_argument("facet integrals take pairs (cell, local facet)");
+    const int tdim = _mesh->topology()->dim();
+    const int num_facets = dolfinx::mesh::cell_num_entities(_mesh->geometry().cmap().cell_shape(), tdim - 1);
+    std::vector<std::vector<std::int32_t>> by_facet(num_facets); // all lanes of a batch share the local facet
+    for (std::size_t i = 0; i < integral.entities.size(); i += 2)
+    {
+      const std::int32_t f = integral.entities[i + 1];
+      if (f < 0 || f >= num_facets)
+        throw std::invalid_argument("local facet " + std::to_string(f) + " does not exist");
+      by_facet[f].push_back(integral.entities[i]);
+    }
+    for (int f = 0; f < num_facets; ++f)
+      add_group(by_facet[f], f);
+  }
+
+  const std::size_t entries = rounded(std::size_t(k.shape[0]) * _width) + rounded(std::size_t(k.size_w) * _width)
+                              + rounded(std::size_t(3) * _x.num_nodes * _width) + 8;
+  _buffer.resize(entries);
+}
+
+void Batches::add_group(std::span<const std::int32_t> cells, int facet)
+{
+  if (cells.empty())
+    return;
+  _num_entities += cells.size();
+  std::vector<std::int32_t> padded(cells.begin(), cells.end());
+  while (padded.size() % _width)
+    padded.push_back(padded.back());
+  for (std::size_t k = 0; k < padded.size(); k += _width)
+  {
+    _used.push_back(std::min<std::size_t>(_width, cells.size() - k));
+    _facet.push_back(facet);
+  }
+  auto x_dofmap = _mesh->geometry().dofmap();
+  number_nodes([&](std::int32_t c) { return &x_dofmap(c, 0); }, padded, _width, _x.num_nodes, _x.dofs);
+  if (_test_space)
+  {
+    const auto& map = *_test_space->dofmap();
+    number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _width, _test.num_nodes, _test.dofs);
+  }
+  for (Array& a : _coefficients)
+  {
+    auto& map = *a.function->function_space()->dofmap();
+    number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _width, a.num_nodes, a.dofs);
+  }
+}
+
+void Batches::set_constants(std::span<const double> c)
+{
+  if (int(c.size()) != _kernel->size_c)
+    throw std::invalid_argument(std::string("kernel ") + _kernel->name + " takes " + std::to_string(_kernel->size_c)
+                                + " values of constants, found " + std::to_string(c.size()));
+  _constants.assign(c.begin(), c.end());
+}
+
+double Batches::run(double* b) const
+{
+  const impact_kernel& k = *_kernel;
+  const std::size_t size_A = std::size_t(k.shape[0]) * _width;
+  double* A = aligned(_buffer.data());
+  double* w = A + rounded(size_A);
+  double* x = w + rounded(std::size_t(k.size_w) * _width);
+  const double* nodes = _mesh->geometry().x().data();
+  double sum = 0.0;
+  for (std::size_t batch = 0; batch < _used.size(); ++batch)
+  {
+    _x.gather(nodes, _x.dofs.data() + batch * _x.num_nodes * _width, _x.num_nodes, x);
+    for (const Array& a : _coefficients)
+      a.gather(a.function->x()->array().data(), a.dofs.data() + batch * a.num_nodes * _width, a.num_nodes,
+               w + std::size_t(a.offset) * _width);
+    std::fill_n(A, size_A, 0.0);
+    _tabulate(A, w, _constants.data(), x, _facet[batch]);
+    if (k.rank == 1)
+      _scatter(A, _test.dofs.data() + batch * _test.num_nodes * _width, _test.num_nodes, _used[batch], b);
+    else
+      for (int l = 0; l < _used[batch]; ++l)
+        sum += A[l];
+  }
+  return sum;
+}
+} // namespace impact::operators

@@ -1,0 +1,58 @@
+#include "InternalForce.h"
+#include <algorithm>
+#include <dolfinx/fem/DofMap.h>
+#include <functional>
+#include <stdexcept>
+
+namespace impact::operators
+{
+InternalForce::InternalForce(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
+                             const std::vector<Integral>& integrals,
+                             const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width)
+    : _test(std::move(test))
+{
+  if (width != 0 && width != 1 && width != 4 && width != 8)
+    throw std::invalid_argument("width is " + std::to_string(width) + ": use 1, 4 or 8 cells per call, or 0 for the default");
+  for (const Integral& i : integrals)
+    _batches.emplace_back(i, mesh, _test, coefficients, width);
+}
+
+void InternalForce::assemble(std::span<double> b) const
+{
+  if (!_test)
+    throw std::invalid_argument("a form of rank 0 has a value, not a vector");
+  const auto& map = *_test->dofmap();
+  const std::size_t size = std::size_t(map.index_map->size_local() + map.index_map->num_ghosts()) * map.index_map_bs();
+  if (b.size() != size)
+    throw std::invalid_argument("the vector has " + std::to_string(b.size()) + " entries on this rank, the test space has "
+                                + std::to_string(size));
+  for (const Batches& batches : _batches)
+    batches.run(b.data());
+}
+
+void InternalForce::apply(dolfinx::la::Vector<double>& b) const
+{
+  b.set(0.0);
+  assemble(b.mutable_array());
+  b.scatter_rev(std::plus<double>());
+  b.scatter_fwd();
+}
+
+double InternalForce::value() const
+{
+  if (_test)
+    throw std::invalid_argument("a form of rank 1 has no value: use apply or assemble");
+  double sum = 0.0;
+  for (const Batches& batches : _batches)
+    sum += batches.run(nullptr);
+  return sum;
+}
+
+double InternalForce::flops() const
+{
+  double count = 0.0;
+  for (const Batches& batches : _batches)
+    count += batches.kernel().flops * batches.num_cells();
+  return count;
+}
+} // namespace impact::operators

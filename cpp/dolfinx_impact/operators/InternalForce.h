@@ -1,0 +1,49 @@
+#pragma once
+#include "Batches.h"
+#include <dolfinx/la/Vector.h>
+
+namespace impact::operators
+{
+/// A vector f(u) of a form of rank 1, computed cell by cell without a matrix, several cells at once; or, for a form of rank
+/// 0, its value. Materials that differ by cell tag are integrals of their own.
+class InternalForce
+{
+public:
+  /// @param[in] mesh of all integrals
+  /// @param[in] test space of the result; null for a form of rank 0
+  /// @param[in] integrals kernels with the entities they act on
+  /// @param[in] coefficients by name; their values are read anew at every call
+  /// @param[in] width cells per kernel call: 1, 4, 8, or 0 for the machine's default
+  /// @throws std::runtime_error if a kernel is not for this mesh or these spaces (kernels/check.h)
+  /// @throws std::invalid_argument if a coefficient or constant is missing
+  InternalForce(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
+                const std::vector<Integral>& integrals,
+                const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width = 0);
+
+  /// Add the contributions of this rank's cells to b, as dolfinx::fem::assemble_vector does.
+  /// @pre coefficients have up-to-date ghost values
+  /// @param[in,out] b owned and ghost entries of the test space
+  void assemble(std::span<double> b) const;
+
+  /// b = f, complete: ghost contributions are sent to their owners and the ghosts of b are refreshed.
+  /// @pre coefficients have up-to-date ghost values
+  void apply(dolfinx::la::Vector<double>& b) const;
+
+  /// Value of a form of rank 0 over this rank's cells; sum over ranks for the total.
+  double value() const;
+
+  /// Replace the constants of integral i.
+  void set_constants(std::size_t i, std::span<const double> c) { _batches.at(i).set_constants(c); }
+
+  /// Cells per kernel call of integral i.
+  int width(std::size_t i = 0) const { return _batches.at(i).width(); }
+  std::size_t num_integrals() const { return _batches.size(); }
+
+  /// Floating-point operations of one application on this rank.
+  double flops() const;
+
+private:
+  std::shared_ptr<const FunctionSpace> _test;
+  std::vector<Batches> _batches;
+};
+} // namespace impact::operators

@@ -1,0 +1,96 @@
+#include "gather.h"
+#include <stdexcept>
+#include <string>
+
+namespace impact::operators
+{
+namespace
+{
+template <int W, int BS, int S>
+void gather_nodes(const double* __restrict u, const std::int32_t* __restrict dofs, int num_nodes, double* __restrict w)
+{
+  for (int i = 0; i < num_nodes; ++i, w += W * BS, dofs += W)
+#pragma GCC unroll 8
+    for (int l = 0; l < W; ++l)
+    {
+      const double* node = u + S * std::int64_t(dofs[l]);
+#pragma GCC unroll 3
+      for (int c = 0; c < BS; ++c)
+        w[c * W + l] = node[c];
+    }
+}
+
+template <int W, int BS>
+void scatter_nodes(const double* __restrict A, const std::int32_t* __restrict dofs, int num_nodes, int used,
+                   double* __restrict b)
+{
+  if (used == W)
+  {
+    for (int i = 0; i < num_nodes; ++i, A += W * BS, dofs += W)
+#pragma GCC unroll 8
+      for (int l = 0; l < W; ++l)
+      {
+        double* node = b + BS * std::int64_t(dofs[l]);
+#pragma GCC unroll 3
+        for (int c = 0; c < BS; ++c)
+          node[c] += A[c * W + l];
+      }
+    return;
+  }
+  for (int i = 0; i < num_nodes; ++i, A += W * BS, dofs += W)
+    for (int l = 0; l < used; ++l)
+      for (int c = 0; c < BS; ++c)
+        b[BS * std::int64_t(dofs[l]) + c] += A[c * W + l];
+}
+
+template <int W>
+gather_function pick_gather(int bs, int stride)
+{
+  const int key = 10 * bs + stride;
+  switch (key)
+  {
+  case 11:
+    return gather_nodes<W, 1, 1>;
+  case 22:
+    return gather_nodes<W, 2, 2>;
+  case 33:
+    return gather_nodes<W, 3, 3>;
+  case 44:
+    return gather_nodes<W, 4, 4>;
+  case 66:
+    return gather_nodes<W, 6, 6>;
+  case 99:
+    return gather_nodes<W, 9, 9>;
+  default:
+    throw std::runtime_error("spaces with " + std::to_string(bs) + " components per node are not supported: use 1, 2, 3, "
+                             "4, 6 or 9");
+  }
+}
+
+template <int W>
+scatter_function pick_scatter(int bs)
+{
+  switch (bs)
+  {
+  case 1:
+    return scatter_nodes<W, 1>;
+  case 2:
+    return scatter_nodes<W, 2>;
+  case 3:
+    return scatter_nodes<W, 3>;
+  default:
+    throw std::runtime_error("test spaces with " + std::to_string(bs) + " components per node are not supported: use 1, 2 or 3");
+  }
+}
+} // namespace
+
+gather_function gather(int lanes, int bs, int stride)
+{
+  return lanes == 8 ? pick_gather<8>(bs, stride) : lanes == 4 ? pick_gather<4>(bs, stride) : pick_gather<1>(bs, stride);
+}
+
+scatter_function scatter(int lanes, int bs)
+{
+  return lanes == 8 ? pick_scatter<8>(bs) : lanes == 4 ? pick_scatter<4>(bs) : pick_scatter<1>(bs);
+}
+} // namespace impact::operators

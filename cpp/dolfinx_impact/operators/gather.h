@@ -1,0 +1,19 @@
+#pragma once
+#include <cstdint>
+
+/// Moves values between nodes (arrays as DOLFINx keeps them) and the lanes of a batch of cells.
+namespace impact::operators
+{
+/// w[(node*bs + component)*lanes + lane] = u[stride*dofs[node*lanes + lane] + component]
+typedef void (*gather_function)(const double* u, const std::int32_t* dofs, int num_nodes, double* w);
+
+/// b[bs*dofs[node*lanes + lane] + component] += A[(node*bs + component)*lanes + lane] for lanes below `used`
+typedef void (*scatter_function)(const double* A, const std::int32_t* dofs, int num_nodes, int used, double* b);
+
+/// @param[in] lanes 1, 4 or 8
+/// @param[in] bs components per node: 1, 2 or 3 have their own code, others a loop
+/// @param[in] stride entries per node in u; bs, or 3 for coordinates
+gather_function gather(int lanes, int bs, int stride);
+
+scatter_function scatter(int lanes, int bs);
+} // namespace impact::operators

@@ -1,0 +1,47 @@
+#include "lump.h"
+#include "../kernels/KernelTable.h"
+#include "../kernels/check.h"
+#include <algorithm>
+#include <dolfinx/fem/DofMap.h>
+#include <stdexcept>
+
+namespace impact::operators
+{
+void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> diagonal)
+{
+  const impact_kernel& k = *mass.kernel;
+  const auto& mesh = *V.mesh();
+  kernels::check_mesh(k, mesh);
+  kernels::check_space(k, k.arguments[0], V, "space");
+  if (k.rank != 2 || k.num_coefficients != 0 || int(mass.constants.size()) != k.size_c)
+    throw std::invalid_argument(std::string("kernel ") + k.name + " is not a mass matrix with its constants");
+  const impact_tabulate tabulate = kernels::tabulate(k, 1);
+  const auto x_dofmap = mesh.geometry().dofmap();
+  const auto x = mesh.geometry().x();
+  const int bs = V.dofmap()->bs(), n = k.shape[0];
+  std::vector<double> M(std::size_t(n) * n), nodes(3 * x_dofmap.extent(1));
+  for (std::int32_t cell : mass.entities)
+  {
+    for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
+      std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes.data() + 3 * i);
+    std::fill(M.begin(), M.end(), 0.0);
+    tabulate(M.data(), nullptr, mass.constants.data(), nodes.data(), 0);
+    const auto dofs = V.dofmap()->cell_dofs(cell);
+    for (int c = 0; c < bs; ++c)
+    {
+      double total = 0.0, trace = 0.0;
+      for (int i = c; i < n; i += bs)
+      {
+        trace += M[std::size_t(n) * i + i];
+        for (int j = c; j < n; j += bs)
+          total += M[std::size_t(n) * i + j];
+      }
+      if (!(total > 0.0) || !(trace > 0.0))
+        throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(total)
+                                 + ": check the density and the shape of the cell");
+      for (int i = c; i < n; i += bs)
+        diagonal[std::size_t(bs) * dofs[i / bs] + c] += total / trace * M[std::size_t(n) * i + i];
+    }
+  }
+}
+} // namespace impact::operators

@@ -1,0 +1,13 @@
+#pragma once
+#include "Batches.h"
+
+namespace impact::operators
+{
+/// Diagonal mass by Hinton, Rock and Zienkiewicz (1976): the diagonal of the consistent mass matrix of each cell, scaled so
+/// that the cell's mass is kept in every direction. Positive on every cell, for simplices of degree 2 as well.
+/// @param[in] mass kernel of rank 2 (form "mass") with its cells and constants
+/// @param[in] V displacement space
+/// @param[in,out] diagonal owned and ghost entries; this rank's contributions are added
+/// @throws std::runtime_error if the kernel is not for this mesh or space, or a cell has no mass
+void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> diagonal);
+} // namespace impact::operators

@@ -1,0 +1,66 @@
+"""Build driver: writes the C++ sources of the registry's table into a folder, and the table itself.
+
+Usage: python3 -m forms.compiler.build --list | --output DIR
+"""
+
+import argparse
+import multiprocessing
+from pathlib import Path
+
+from ..registry import TABLE
+from . import emit, frontend
+
+
+def _write(path, text):
+    """Write only what changed, so that the build tool recompiles only what changed."""
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+
+
+def _generate(job):
+    number, folder = job
+    row = TABLE[number]
+    built = row.build()
+    integrals = frontend.form_integrals(built.form, row.name, built.names, row.hypothesis)
+    text, names = emit.source(integrals, row.symbol)
+    _write(folder / f"{row.symbol}.cpp", text)
+    return names
+
+
+def table_source(names):
+    """C++ source of the table of descriptors."""
+    out = ['#include "dolfinx_impact/kernels/Kernel.h"\n#include <cstddef>\n']
+    out += [f'extern "C" const impact_kernel {n};' for n in names]
+    listed = ",\n  ".join("&" + n for n in names)
+    out.append(f"namespace impact::kernels\n{{\nextern const impact_kernel* const generated_table[] = {{\n  {listed}}};")
+    out.append(f"extern const std::size_t generated_table_size = {len(names)};\n}} // namespace impact::kernels\n")
+    return "\n".join(out)
+
+
+def generate(folder):
+    """Write all sources; returns the names of the descriptors."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs = [(i, folder) for i in range(len(TABLE))]
+    with multiprocessing.Pool(min(2, multiprocessing.cpu_count())) as pool:
+        names = [n for group in pool.map(_generate, jobs, chunksize=4) for n in group]
+    _write(folder / "table.cpp", table_source(names))
+    (folder / "stamp").write_text("generated\n")
+    return names
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--list", action="store_true", help="print the file names and stop")
+    parser.add_argument("--output", help="folder for the sources")
+    args = parser.parse_args()
+    if args.list:
+        print(";".join(f"{row.symbol}.cpp" for row in TABLE), end="")
+    elif args.output:
+        generate(args.output)
+    else:
+        parser.error("--list or --output is needed")
+
+
+if __name__ == "__main__":
+    main()

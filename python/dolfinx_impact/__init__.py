@@ -1,0 +1,40 @@
+"""Contact-impact for DOLFINx: UFL forms compiled to verified C++ kernels.
+
+The classes a user composes are here; the stages they stand on are modules of their own (jit, operators, materials,
+loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
+"""
+
+from . import _cpp, forms, verify
+from .jit import cache_folder, compile_expression, compile_form
+from .loads import BodyForce, FollowerPressure, Traction
+from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
+from .mesh_input import check_mesh, read_mesh
+from .operators import Energy, InternalForce, PointValues, Tangent, lumped_mass
+from .problem import StaticProblem
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "BodyForce",
+    "Energy",
+    "FollowerPressure",
+    "InternalForce",
+    "LinearElastic",
+    "MaterialMap",
+    "NeoHookean",
+    "PointValues",
+    "Rayleigh",
+    "StVenantKirchhoff",
+    "StaticProblem",
+    "Tangent",
+    "Traction",
+    "_cpp",
+    "cache_folder",
+    "check_mesh",
+    "compile_expression",
+    "compile_form",
+    "forms",
+    "lumped_mass",
+    "read_mesh",
+    "verify",
+]

@@ -1,0 +1,204 @@
+"""From a UFL form to kernels: those built with the package when the form is one of them, else compiled now and cached.
+
+The cache is a folder of shared libraries, safe under concurrent ranks and processes: a library is compiled under a name of
+its own and renamed into place.
+"""
+
+import functools
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import ufl
+from mpi4py import MPI
+
+from . import _cpp
+from .forms.compiler import emit, frontend
+
+FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
+
+
+@dataclass
+class Compiled:
+    """Kernels of a UFL form: one per integral, and the form's own objects in the order the kernels number them.
+
+    Attributes:
+        kernels: list of _cpp.kernels.Kernel.
+        coefficients: list of UFL coefficients (form.coefficients()).
+        constants: list of UFL constants.
+        source: "package" or the path of the library in the cache.
+    """
+
+    kernels: list
+    coefficients: list
+    constants: list
+    source: str
+
+
+def cache_folder():
+    """Folder of kernels compiled at run time: IMPACT_JIT_CACHE, else dolfinx_impact/kernels in the user's cache folder."""
+    own = os.environ.get("IMPACT_JIT_CACHE")
+    if own:
+        return Path(own)
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(base) / "dolfinx_impact" / "kernels"
+
+
+def compile_form(form, names=None, comm=None):
+    """Kernels of a UFL form of rank 0, 1 or 2 over cells and exterior facets.
+
+    Collective over `comm`.
+
+    Args:
+        form: UFL form; its functions and constants may be DOLFINx's or plain UFL.
+        names: dict from coefficient or constant to a name; DOLFINx functions bring their own.
+        comm: MPI communicator whose ranks compile together; None: the mesh's.
+
+    Returns:
+        Compiled.
+
+    Raises:
+        TypeError: `form` is not a UFL form.
+        ValueError: two coefficients of one name, an integral or operator that kernels do not support.
+        RuntimeError: no compiler, compilation failed, or the cache cannot be written; the same on all ranks.
+    """
+    if not isinstance(form, ufl.Form):
+        raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
+    names = _names(form, names)
+    key = emit.signature(form.signature())
+    built_in = _cpp.kernels.find_signature(key)
+    objects = list(form.coefficients()), list(form.constants())
+    if built_in:
+        return Compiled(built_in, *objects, "package")
+
+    def integrals():
+        return frontend.form_integrals(form, "form", names)
+
+    kernels, path = _from_cache(key, integrals, comm or _comm(form))
+    return Compiled(kernels, *objects, str(path))
+
+
+def compile_expression(expression, points, names=None, comm=None):
+    """Kernel that evaluates a UFL expression at reference points of a cell.
+
+    Args:
+        expression: UFL expression without test or trial functions.
+        points: shape (num_points, tdim), reference coordinates [1].
+        names, comm: as for compile_form.
+
+    Returns:
+        Compiled with one kernel of rank 0 and shape (points, components).
+    """
+    key = emit.signature(frontend.expression_signature(expression, points))
+    coefficients = ufl.algorithms.extract_coefficients(expression)
+    constants = ufl.algorithms.analysis.extract_constants(expression)
+    given = _names_of(list(coefficients) + list(constants), names)
+
+    def integrals():
+        return [frontend.expression_integral(expression, points, "expression", given)]
+
+    kernels, path = _from_cache(key, integrals, comm or _comm(ufl.domain.extract_unique_domain(expression)))
+    return Compiled(kernels, coefficients, constants, str(path))
+
+
+def _names_of(objects, names):
+    given = dict(names or {})
+    for o in objects:
+        own = getattr(o, "name", None)
+        if o not in given and isinstance(own, str) and own != "f":  # DOLFINx calls a function without a name "f"
+            given[o] = own
+    return given
+
+
+def _names(form, names):
+    return _names_of(list(form.coefficients()) + list(form.constants()), names)
+
+
+def _comm(form_or_domain):
+    domain = form_or_domain.ufl_domain() if isinstance(form_or_domain, ufl.Form) else form_or_domain
+    mesh = domain.ufl_cargo()
+    return mesh.comm if mesh is not None else MPI.COMM_SELF
+
+
+@functools.lru_cache(maxsize=None)
+def _compiler():
+    """(path, hash of everything that decides what the compiler makes)."""
+    wanted = os.environ.get("CXX")
+    path = shutil.which(wanted) if wanted else shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
+    if path is None:
+        what = f"CXX={wanted}" if wanted else "none of c++, g++, clang++"
+        raise RuntimeError(
+            f"no C++ compiler was found ({what}): kernels of your own forms are compiled at run time. Install one "
+            "(Debian: g++) or set CXX; forms of the catalogue's table work without"
+        )
+    version = subprocess.run([path, "--version"], capture_output=True, text=True).stdout
+    processor = platform.machine()
+    try:
+        processor += next(line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("flags"))
+    except (OSError, StopIteration):
+        pass
+    text = path + version + " ".join(FLAGS) + processor + emit.VERSION
+    return path, hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+_LOADED = {}
+
+
+def _from_cache(key, integrals, comm):
+    """Load the library of `key`, compiling it first on rank 0 if need be; errors are raised on all ranks."""
+    error, path, names = None, None, None
+    if comm.rank == 0:
+        try:
+            path, names = _library(key, integrals)
+        except Exception as e:  # told to all ranks below, whatever it is
+            error = e
+    error = comm.bcast(error, root=0)
+    if error is not None:
+        raise error
+    path, names = comm.bcast((path, names), root=0)
+    if path not in _LOADED:
+        _LOADED[path] = _cpp.kernels.load(str(path), names)
+    return _LOADED[path], path
+
+
+def _library(key, integrals):
+    compiler, fingerprint = _compiler()
+    folder = cache_folder()
+    path = folder / f"{key}-{fingerprint}.so"
+    listing = path.with_suffix(".txt")
+    if path.exists() and listing.exists():
+        return path, listing.read_text().split()
+    text, names = emit.source(integrals(), f"impact_{key}")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        work = Path(tempfile.mkdtemp(prefix="build-", dir=folder))
+    except OSError as e:
+        raise RuntimeError(_cache_message(folder, e)) from e
+    try:
+        (work / "kernel.cpp").write_text(text)
+        (work / "kernel.txt").write_text("\n".join(names) + "\n")
+        include = Path(__file__).parent / "include"
+        command = [compiler, *FLAGS, f"-I{include}", str(work / "kernel.cpp"), "-o", str(work / "kernel.so"), "-lmvec", "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"the compiler failed on a generated kernel ({' '.join(command)}):\n{done.stderr[-3000:]}")
+        (work / "kernel.cpp").replace(path.with_suffix(".cpp"))
+        (work / "kernel.txt").replace(listing)
+        (work / "kernel.so").replace(path)
+    except OSError as e:
+        raise RuntimeError(_cache_message(folder, e)) from e
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    return path, names
+
+
+def _cache_message(folder, error):
+    return (
+        f"kernels compiled at run time cannot be written to {folder} ({error.strerror or error}): make room there, or set "
+        "IMPACT_JIT_CACHE to a folder that can be written"
+    )

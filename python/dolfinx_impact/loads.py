@@ -1,0 +1,115 @@
+"""Loads with checked input; their virtual work is in forms/loads.py."""
+
+import numpy as np
+import ufl
+from dolfinx import default_scalar_type, fem
+
+from .forms import loads, quadrature
+
+
+def _vector(name, value, gdim):
+    array = np.asarray(value, dtype=float)
+    if array.shape != (gdim,):
+        raise ValueError(f"{name} has shape {array.shape}: on this mesh it needs {gdim} components")
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} is {array.tolist()}: give finite numbers")
+    return array
+
+
+def check_tag(tags, tag, mesh, what):
+    """Raise ValueError, on all ranks alike, unless some facet or cell of the mesh carries the tag."""
+    here = np.unique(tags.values)
+    everywhere = sorted({int(t) for part in mesh.comm.allgather(here) for t in part})
+    if int(tag) not in everywhere:
+        raise ValueError(f"{what}: no facet carries the tag {tag}; the tags of the mesh are {everywhere}")
+
+
+class _Load:
+    """Common part: value as a constant that can be changed between solves (`.constant.value`)."""
+
+    def _prepare(self, mesh, value):
+        if getattr(self, "constant", None) is None or self._mesh is not mesh:
+            self._mesh = mesh
+            self.constant = fem.Constant(mesh, np.asarray(value, dtype=default_scalar_type))
+        return self.constant
+
+
+class BodyForce(_Load):
+    """Force per volume.
+
+    Args:
+        vector: components [F/L^3], or acceleration [L/T^2] when `per_mass`.
+        per_mass: multiply with the material's density (gravity).
+    """
+
+    def __init__(self, vector, per_mass=True):
+        self.vector, self.per_mass = vector, bool(per_mass)
+
+    def form(self, u, v, material):
+        """External virtual work."""
+        V = u.function_space
+        mesh = V.mesh
+        f = self._prepare(mesh, _vector("body force", self.vector, mesh.geometry.dim))
+        hypothesis = material.hypothesis_on(mesh)
+        degree = quadrature.mass_degree(
+            mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis
+        )
+        dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
+        return sum(
+            loads.body_force(m.density_constant(mesh) * f if self.per_mass else f, v, hypothesis, dx if t is None else dx(t))
+            for t, m in material.parts()
+        )
+
+
+class _FacetLoad(_Load):
+    def _measure(self, u, material, extra=0):
+        V = u.function_space
+        mesh = V.mesh
+        check_tag(self.facet_tags, self.tag, mesh, type(self).__name__)
+        p, g = V.element.basix_element.degree, mesh.geometry.cmap.degree
+        degree = quadrature.facet_degree(mesh.topology.cell_name(), p, g, material.hypothesis_on(mesh)) + extra
+        metadata = quadrature.metadata(degree)
+        return ufl.Measure("ds", domain=mesh, subdomain_data=self.facet_tags, metadata=metadata)(self.tag)
+
+
+class Traction(_FacetLoad):
+    """Dead traction on facets.
+
+    Args:
+        facet_tags: dolfinx MeshTags over facets. tag: of the loaded facets.
+        vector: components per reference area [F/L^2], or a function of the mesh (UFL expression) for a varying one.
+
+    Raises:
+        ValueError: the tag does not exist, wrong number of components; on all ranks.
+    """
+
+    def __init__(self, facet_tags, tag, vector):
+        self.facet_tags, self.tag, self.vector = facet_tags, int(tag), vector
+
+    def form(self, u, v, material):
+        """External virtual work."""
+        mesh = u.function_space.mesh
+        if isinstance(self.vector, ufl.core.expr.Expr):
+            t, ds = self.vector, self._measure(u, material, extra=2)
+        else:
+            t = self._prepare(mesh, _vector("traction", self.vector, mesh.geometry.dim))
+            ds = self._measure(u, material)
+        return loads.traction(t, v, material.hypothesis_on(mesh), ds)
+
+
+class FollowerPressure(_FacetLoad):
+    """Pressure that stays normal to the deformed surface.
+
+    Args:
+        facet_tags, tag: where. pressure: positive pushes on the body [F/L^2].
+    """
+
+    def __init__(self, facet_tags, tag, pressure):
+        self.facet_tags, self.tag, self.pressure = facet_tags, int(tag), float(pressure)
+
+    def form(self, u, v, material):
+        """External virtual work; depends on u."""
+        mesh = u.function_space.mesh
+        p = self._prepare(mesh, self.pressure)
+        ds = self._measure(u, material, extra=(mesh.geometry.dim - 1) * (u.function_space.element.basix_element.degree))
+        return loads.follower_pressure(p, u, v, material.hypothesis_on(mesh), ds)

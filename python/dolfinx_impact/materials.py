@@ -1,0 +1,189 @@
+"""Materials with checked parameters; their physics is in forms/materials.py."""
+
+import math
+
+import numpy as np
+import ufl
+from dolfinx import default_scalar_type, fem
+
+from .forms import materials as laws
+
+
+def _number(name, value, low=None, unit=""):
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number, found {value!r}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{name} is {number}: give a finite number{unit}")
+    if low is not None and not number > low:
+        raise ValueError(f"{name} is {number}: it must be greater than {low}{unit}")
+    return number
+
+
+class _Material:
+    """Isotropic solid.
+
+    Args:
+        E: Young's modulus, positive [F/L^2].
+        nu: Poisson's ratio, between -1 and 0.5, both excluded [1].
+        density: positive; None where no mass is asked for [M/L^3].
+        hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric" (x is the radius).
+
+    Raises:
+        ValueError: a value outside its range; the message says which and what to do.
+        TypeError: a value that is not a number.
+    """
+
+    law_class = None
+
+    def __init__(self, E, nu, density=None, hypothesis=None):
+        self.E = _number("Young's modulus E", E, 0.0, " [F/L^2]")
+        self.nu = _number("Poisson's ratio nu", nu)
+        if self.nu == 0.5:
+            raise ValueError("Poisson's ratio nu is 0.5: an incompressible solid has no finite Lame constant. Use 0.499, or a mixed form of your own")
+        if not -1.0 < self.nu < 0.5:
+            raise ValueError(f"Poisson's ratio nu is {self.nu}: it must lie between -1 and 0.5")
+        self.density = None if density is None else _number("density", density, 0.0, " [M/L^3]")
+        if hypothesis is not None and hypothesis not in laws.HYPOTHESES:
+            raise ValueError(f"hypothesis {hypothesis!r} is unknown: use one of {', '.join(laws.HYPOTHESES)}")
+        self.hypothesis = hypothesis
+        self.cell_tags = None
+        self._constants = {}
+
+    def __repr__(self):
+        return f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r})"
+
+    def hypothesis_on(self, mesh):
+        """The hypothesis on a given mesh; "3d" when none was given and the mesh is 3D.
+
+        Raises:
+            ValueError: none was given on a 2D mesh, or it does not fit the mesh.
+        """
+        hypothesis = self.hypothesis
+        if hypothesis is None:
+            if mesh.geometry.dim != 3:
+                raise ValueError("the mesh is 2D: give the material a hypothesis, plane_strain, plane_stress or axisymmetric")
+            hypothesis = "3d"
+        laws.check_hypothesis(hypothesis, mesh.geometry.dim)
+        return hypothesis
+
+    def parts(self):
+        """Pairs (cell tag or None, material)."""
+        return [(None, self)]
+
+    def _constant(self, mesh, name, value):
+        key = (mesh.ufl_id() if hasattr(mesh, "ufl_id") else id(mesh), name)
+        if key not in self._constants:
+            self._constants[key] = fem.Constant(mesh, default_scalar_type(value))
+        return self._constants[key]
+
+    def law(self, mesh):
+        """The law in UFL with parameters as constants of the mesh (forms/materials.py)."""
+        E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
+        return self.law_class(E, nu, self.hypothesis_on(mesh))
+
+    def density_constant(self, mesh):
+        """Density as a constant of the mesh.
+
+        Raises:
+            ValueError: the material has none.
+        """
+        if self.density is None:
+            raise ValueError(f"{self!r} has no density: a mass was asked for")
+        return self._constant(mesh, "density", self.density)
+
+    def stress(self, u):
+        """Stress of the displacement u in UFL: Cauchy for small strain, first Piola-Kirchhoff for finite strain."""
+        mesh = u.function_space.mesh if isinstance(u, fem.Function) else ufl.domain.extract_unique_domain(u)
+        return self.law(mesh).stress(u)
+
+    @property
+    def lame(self):
+        """Lame's constants (lambda, mu) [F/L^2]."""
+        return laws.lame(self.E, self.nu)
+
+    @property
+    def wave_speed(self):
+        """Dilatational wave speed [L/T]: seed (3.80), plane waves in 3D and plane strain; sheets in plane stress."""
+        if self.density is None:
+            raise ValueError(f"{self!r} has no density: a wave speed was asked for")
+        lmbda, mu = self.lame
+        if self.hypothesis == "plane_stress":
+            lmbda = laws.plane_stress_lambda(lmbda, mu)
+        return float(np.sqrt((lmbda + 2 * mu) / self.density))
+
+
+class LinearElastic(_Material):
+    __doc__ = "Small-strain elasticity, sigma = lambda tr(eps) I + 2 mu eps. " + _Material.__doc__
+    law_class = laws.LinearElastic
+
+
+class StVenantKirchhoff(_Material):
+    __doc__ = "Green's strain and second Piola-Kirchhoff stress in Hooke's law. " + _Material.__doc__
+    law_class = laws.StVenantKirchhoff
+
+
+class NeoHookean(_Material):
+    __doc__ = "Compressible neo-Hookean solid (Bonet & Wood 2008, 6.27). " + _Material.__doc__
+    law_class = laws.NeoHookean
+
+
+class MaterialMap:
+    """Several materials by cell tag.
+
+    Args:
+        cell_tags: dolfinx MeshTags over cells; every owned cell must carry one of the tags.
+        materials: dict tag -> material, all of one hypothesis.
+
+    Raises:
+        ValueError: a tag without material or without cells anywhere, cells without tag, mixed hypotheses; on all ranks.
+    """
+
+    def __init__(self, cell_tags, materials):
+        if not materials:
+            raise ValueError("MaterialMap needs at least one material")
+        hypotheses = {m.hypothesis for m in materials.values()}
+        if len(hypotheses) > 1:
+            raise ValueError(f"materials of one body share one hypothesis, found {sorted(map(str, hypotheses))}")
+        self.cell_tags = cell_tags
+        self.materials = {int(t): m for t, m in materials.items()}
+        topology = cell_tags.topology
+        comm, num_owned = topology.comm, topology.index_map(topology.dim).size_local
+        owned = cell_tags.indices < num_owned
+        here = np.unique(cell_tags.values[owned])
+        everywhere = {int(t) for part in comm.allgather(here) for t in part}
+        missing = sorted(everywhere - set(self.materials))
+        empty = sorted(set(self.materials) - everywhere)
+        untagged = sum(comm.allgather(int(num_owned - np.count_nonzero(owned))))
+        if missing:
+            raise ValueError(f"cells carry the tags {missing}, which have no material; there are materials for {sorted(self.materials)}")
+        if empty:
+            raise ValueError(f"no cell carries the tags {empty}; the mesh has {sorted(everywhere)}")
+        if untagged:
+            raise ValueError(f"{untagged} cells carry no tag: every cell needs a material")
+
+    def hypothesis_on(self, mesh):
+        return next(iter(self.materials.values())).hypothesis_on(mesh)
+
+    def parts(self):
+        return sorted(self.materials.items())
+
+    @property
+    def wave_speed(self):
+        """Largest of the materials' wave speeds [L/T]."""
+        return max(m.wave_speed for m in self.materials.values())
+
+
+class Rayleigh:
+    """Rayleigh damping C = alpha M + beta K, seed (3.67).
+
+    Args:
+        alpha: mass factor, not negative [1/T]. beta: stiffness factor, not negative [T].
+    """
+
+    def __init__(self, alpha=0.0, beta=0.0):
+        self.alpha = _number("Rayleigh factor alpha", alpha)
+        self.beta = _number("Rayleigh factor beta", beta)
+        if self.alpha < 0 or self.beta < 0:
+            raise ValueError(f"Rayleigh factors alpha={alpha}, beta={beta} must not be negative: they would feed energy in")

@@ -1,0 +1,1 @@
+"""Cross-verification of the UFL side against the hand-written solver."""
