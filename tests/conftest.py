@@ -53,7 +53,7 @@ def seed(pytestconfig):
 
 @pytest.fixture
 def rng(request, seed):
-    """NumPy generator of this test: from the run's seed and the test's name, so that the order of tests is of no account."""
+    """NumPy generator of this test, from the run's seed and the test's name: their order is of no account."""
     print(f"rng: --seed {seed}")  # pytest shows it when the test fails
     return np.random.default_rng([seed, zlib.crc32(request.node.nodeid.encode())])
 
@@ -117,9 +117,9 @@ def run_guarded(command, timeout, log, env=None, cwd=None):
 def mpirun(tmp_path):
     """mpirun(n, script_or_code, *args, timeout=120, status=0, env=None, cwd=None) -> output of all ranks.
 
-    Starts `mpirun -n N python3 -m mpi4py ...` (an exception on one rank ends them all). A path, or one line that ends in
-    .py, is a script; any other text is code, which may be indented. Fails the test, with the output, on a timeout and on
-    any other exit status than `status` (None: any). Nothing of the run outlives the call.
+    Starts `mpirun -n N python3 -m mpi4py ...` (an exception on one rank ends them all). A path, or one line that ends
+    in .py, is a script; any other text is code, which may be indented. Fails the test, with the output, on a timeout
+    and on any other exit status than `status` (None: any). Nothing of the run outlives the call.
     """
     count = 0
 
