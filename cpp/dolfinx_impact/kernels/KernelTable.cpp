@@ -24,7 +24,7 @@ int default_width()
   {
     const char* text = std::getenv("IMPACT_SIMD_WIDTH");
     if (!text || !*text)
-      return 4 < processor_width() ? 4 : processor_width(); // wider gained nothing where it was measured
+      return processor_width();
     const std::string w = text;
     if (w != "1" && w != "4" && w != "8")
       throw std::runtime_error("IMPACT_SIMD_WIDTH is '" + w + "': use 1, 4 or 8 cells per vector");

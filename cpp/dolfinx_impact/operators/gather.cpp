@@ -1,4 +1,5 @@
 #include "gather.h"
+#include "gather_x86.h"
 #include <stdexcept>
 #include <string>
 
@@ -43,6 +44,39 @@ void scatter_nodes(const double* __restrict A, const std::int32_t* __restrict do
         b[BS * std::int64_t(dofs[l]) + c] += A[c * W + l];
 }
 
+#if defined(__x86_64__) && defined(__GNUC__)
+template <int W, int BS>
+void scatter_x86(const double* A, const std::int32_t* dofs, int num_nodes, int used, double* b)
+{
+  if (used == W)
+    x86::scatter_whole<BS, W>(A, dofs, num_nodes, b);
+  else
+    scatter_nodes<W, BS>(A, dofs, num_nodes, used, b);
+}
+
+/// A width of 4 or 8 is in use only where the processor has AVX2 or AVX-512 (kernels::width).
+gather_function gather_x86(int lanes, int bs)
+{
+  if (lanes == 4)
+    return bs == 3 ? x86::gather4<3> : bs == 2 ? x86::gather4<2> : nullptr;
+  if (lanes == 8)
+    return bs == 3 ? x86::gather8<3> : bs == 2 ? x86::gather8<2> : nullptr;
+  return nullptr;
+}
+
+scatter_function scatter_x86(int lanes, int bs)
+{
+  if (lanes == 4)
+    return bs == 3 ? scatter_x86<4, 3> : bs == 2 ? scatter_x86<4, 2> : nullptr;
+  if (lanes == 8)
+    return bs == 3 ? scatter_x86<8, 3> : bs == 2 ? scatter_x86<8, 2> : nullptr;
+  return nullptr;
+}
+#else
+gather_function gather_x86(int, int) { return nullptr; }
+scatter_function scatter_x86(int, int) { return nullptr; }
+#endif
+
 template <int W>
 gather_function pick_gather(int bs, int stride)
 {
@@ -86,11 +120,15 @@ scatter_function pick_scatter(int bs)
 
 gather_function gather(int lanes, int bs, int stride)
 {
+  if (gather_function fast = gather_x86(lanes, bs); fast && bs == stride)
+    return fast;
   return lanes == 8 ? pick_gather<8>(bs, stride) : lanes == 4 ? pick_gather<4>(bs, stride) : pick_gather<1>(bs, stride);
 }
 
 scatter_function scatter(int lanes, int bs)
 {
+  if (scatter_function fast = scatter_x86(lanes, bs))
+    return fast;
   return lanes == 8 ? pick_scatter<8>(bs) : lanes == 4 ? pick_scatter<4>(bs) : pick_scatter<1>(bs);
 }
 } // namespace impact::operators
