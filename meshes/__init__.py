@@ -114,7 +114,7 @@ def _on_rank_0(comm, name, plan, cell, degree, use):
         try:
             generate(plan, cell, degree)
         except Exception as error:
-            problem = f"recipe {name!r}: gmsh could not make the mesh: {error} (are the sizes compatible?)"
+            problem = f"recipe {name!r}: gmsh could not make the mesh: {error}"
         comm.bcast(problem, root=0)
         if problem is not None:
             raise RuntimeError(problem)

@@ -141,6 +141,26 @@ def generate(layout, cell, degree):
     for name, function in layout.snap.items():
         if name in groups:
             move(dim - 1, groups[name], function)
+    check_cells(dim)
+    cell_nodes_first(dim)
+
+
+def check_cells(dim):
+    """Raise RuntimeError if a cell is folded; gmsh curves free simplices at a coarse boundary without looking."""
+    cells = np.concatenate(gmsh.model.mesh.getElements(dim)[1])
+    bounds = [np.array(gmsh.model.mesh.getElementQualities(cells, name)) for name in ("minDetJac", "maxDetJac")]
+    folded = np.flatnonzero(bounds[0] * bounds[1] <= 0)
+    if len(folded):
+        node = gmsh.model.mesh.getElement(cells[folded[0]])[1][0]
+        x = ", ".join(f"{v:.4g}" for v in gmsh.model.mesh.getNode(node)[0])
+        raise RuntimeError(f"{len(folded)} of {len(cells)} cells are folded, one at ({x}); take smaller cells there")
+
+
+def cell_nodes_first(dim):
+    """Number the nodes of the cells before those of no cell (centres of arcs): DOLFINx 0.9 aborts otherwise."""
+    nodes = gmsh.model.mesh.getNodes()[0]
+    used = np.unique(np.concatenate(gmsh.model.mesh.getElements(dim)[2]))
+    gmsh.model.mesh.renumberNodes(np.concatenate([used, np.setdiff1d(nodes, used)]), np.arange(1, len(nodes) + 1))
 
 
 def match_diagonals(surfaces):

@@ -34,16 +34,16 @@ def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
         angle = math.radians(degrees)
         return body.point((s * r * math.sin(angle), centre[1] - r * math.cos(angle)), size)
 
-    near = min(far, h + 0.03 * radius)
+    near, bore_size = min(far, h + 0.03 * radius), max(h, min(far, 0.35 * hub_radius))
     for s in sides:
         a, d = body.point((0, gap), h), body.point((0, core + gap), h)
         b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, core + gap), h)
         e, f = polar(s, radius, 15, near), body.point((s * 0.13 * radius, 0.15 * radius + gap), near)
-        g, lowest = body.point((0, 0.185 * radius + gap), near), polar(s, hub_radius, 0, far)
+        g, lowest = body.point((0, 0.185 * radius + gap), near), polar(s, hub_radius, 0, bore_size)
         rim, bore = [], []
         for outer, inner in ((60, 50), (105, 100), (145, 140), (180, 180)):
             rim.append(polar(s, radius, outer, far))
-            bore.append(polar(s, hub_radius, inner, far))
+            bore.append(polar(s, hub_radius, inner, bore_size))
         for block in ((a, b, c, d), (b, e, f, c), (d, c, f, g), (e, rim[0], bore[0], f), (g, f, bore[0], lowest)):
             body.block(*block)
         for k in range(3):

@@ -136,8 +136,7 @@ def _read_msh(path, comm, gdim):
             said = "; ".join(line for line in gmsh.logger.get() if line.startswith("Error")) or str(error)
             raise ValueError(f"{path}: gmsh cannot read it ({said}); it is damaged, write it again") from error
         found = _check_msh_model(gmsh.model, path, gdim)
-        gmsh.model.mesh.renumberNodes()
-        state["numbers"] = _element_numbers(gmsh.model)
+        state["numbers"] = _renumber(gmsh.model)
         return found
 
     try:
@@ -157,12 +156,18 @@ def _read_msh(path, comm, gdim):
     return MeshInput(mesh, cell_tags, facet_tags, cell_names, facet_names), facets, state.get("numbers")
 
 
-def _element_numbers(model):
-    """gmsh's element numbers in the order in which DOLFINx takes the cells."""
+def _renumber(model):
+    """Number the nodes without holes, those of tagged cells first: DOLFINx 0.9 aborts on a loose node before them.
+
+    Returns gmsh's element numbers in the order in which DOLFINx takes the cells.
+    """
     tdim = model.getDimension()
     groups = [tag for dim, tag in model.getPhysicalGroups() if dim == tdim]
     entities = [entity for tag in groups for entity in model.getEntitiesForPhysicalGroup(tdim, tag)]
-    return np.concatenate([model.mesh.getElements(tdim, entity)[1][0] for entity in entities])
+    elements = [model.mesh.getElements(tdim, entity) for entity in entities]
+    nodes, used = model.mesh.getNodes()[0], np.unique(np.concatenate([joined for _, _, (joined,) in elements]))
+    model.mesh.renumberNodes(np.concatenate([used, np.setdiff1d(nodes, used)]), np.arange(1, len(nodes) + 1))
+    return np.concatenate([numbers for _, (numbers,), _ in elements])
 
 
 def _check_msh_text(path):

@@ -25,7 +25,7 @@ wheel_rail = importlib.import_module(meshes.__name__ + ".wheel_rail")
 
 
 def jacobians(mesh, at_vertices):
-    """Jacobians (cells, points, gdim, tdim) of the owned cells and the weights, at quadrature points (or vertices too)."""
+    """Jacobians (cells, points, gdim, tdim) of the owned cells at quadrature points (and vertices), and the weights."""
     cell = getattr(basix.CellType, mesh.topology.cell_name())
     cmap, tdim, gdim = mesh.geometry.cmap, mesh.topology.dim, mesh.geometry.dim
     element = basix.create_element(basix.ElementFamily.P, cell, cmap.degree, basix.LagrangeVariant(cmap.variant))

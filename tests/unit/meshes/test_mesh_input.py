@@ -59,7 +59,7 @@ def test_a_consistent_orientation_is_no_fault(tmp_path):
 
 def test_warnings(tmp_path):
     nodes = [*bad_files.SQUARE, (1, 0, 0), (9, 9, 0)]
-    cracked = [bad_files.QUADS[0], (3, 1, (7, 5, 6, 3))]
+    cracked = [bad_files.QUADS[0], (3, 1, (7, 5, 6, 3)), (15, 9, (8,))]
     path = bad_files.msh(tmp_path / "loose.msh", nodes=nodes, elements=cracked)
     with pytest.warns(UserWarning) as caught:
         mesh_input.read_mesh(path, MPI.COMM_SELF)
