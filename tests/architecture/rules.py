@@ -1,0 +1,219 @@
+"""The rules of the tree as functions of a folder: each returns its complaints, so that a broken tree can be shown to it."""
+
+import ast
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "integrators", "output")
+CXX = (".h", ".cpp")
+SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
+MAX_LINES = 400
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+STANDARD_HEADER = re.compile(r"[a-z_0-9]+$")  # <vector>, <cmath>: no folder, no suffix
+
+
+def project_files(root):
+    """Files of the project: what git knows or would take in, or, without git, all but what builds write."""
+    root = pathlib.Path(root)
+    command = ["git", "-c", "safe.directory=*", "-C", str(root), "ls-files", "-z", "-co", "--exclude-standard"]
+    try:
+        names = subprocess.run(command, capture_output=True, check=True).stdout.decode().split("\0")
+    except (OSError, subprocess.CalledProcessError):
+        left_out = {".git", "build", "results", "__pycache__", ".pytest_cache", ".hypothesis"}
+        names = []
+        for folder, folders, files in os.walk(root):
+            folders[:] = [f for f in folders if f not in left_out]
+            names += [os.path.relpath(os.path.join(folder, f), root) for f in files]
+    return sorted(root / name for name in set(names) if name and (root / name).is_file())
+
+
+def text_of(path):
+    """Content of a text file; None for a binary one."""
+    data = path.read_bytes()
+    return None if b"\0" in data else data.decode(errors="replace")
+
+
+def sources(folder, suffixes):
+    return sorted(p for p in pathlib.Path(folder).rglob("*") if p.suffix in suffixes and p.is_file())
+
+
+def includes(path):
+    """(is it in angle brackets, name) of every include."""
+    return [(bracket == "<", name) for bracket, name in INCLUDE.findall(path.read_text())]
+
+
+def _resolve(path, name, roots):
+    """Where an include leads inside the project, or None."""
+    for folder in (path.parent, *roots):
+        target = (folder / name).resolve()
+        if target.is_file():
+            return target
+    return None
+
+
+def layer_violations(root):
+    """Rule 1: a stage of cpp/dolfinx_impact includes itself, earlier stages, common and plain."""
+    cpp = pathlib.Path(root).resolve() / "cpp"
+    library = cpp / "dolfinx_impact"
+    complaints = []
+    for path in sources(library, CXX):
+        stage = path.relative_to(library).parts[0]
+        if stage not in STAGES + ("common",):
+            complaints.append(f"{path.relative_to(cpp)}: not in the folder of a stage")
+            continue
+        earlier = () if stage == "common" else STAGES[: STAGES.index(stage) + 1]
+        allowed = {"common", "plain", *earlier}
+        for _, name in includes(path):
+            target = _resolve(path, name, (cpp, library))
+            if target and target.is_relative_to(library):
+                where = target.relative_to(library).parts[0]
+            elif target and target.is_relative_to(cpp):
+                where = target.relative_to(cpp).parts[0]
+            else:  # a header not in the tree: foreign, or made by the build
+                parts = [p for p in pathlib.PurePosixPath(name).parts if p not in ("..", ".")]
+                parts = parts[1:] if parts[0] == "dolfinx_impact" else parts
+                where = parts[0] if len(parts) > 1 and parts[0] in STAGES + ("bindings", "reference") else None
+            if where is not None and where not in allowed:
+                complaints.append(f"{path.relative_to(cpp)}: {stage} must not include {name}")
+    return complaints
+
+
+def reference_violations(root):
+    """Rule 2 by includes and imports: what the hand-written solver may see."""
+    root = pathlib.Path(root).resolve()
+    reference, plain = root / "cpp" / "reference", root / "cpp" / "plain"
+    complaints = []
+    for path in sources(reference, CXX):
+        binding = path.stem in ("module", "bindings") or path.stem.startswith("bind_")
+        for angle, name in includes(path):
+            target = _resolve(path, name, (root / "cpp", reference))
+            own = target is not None and (target.is_relative_to(reference) or target.is_relative_to(plain))
+            foreign = angle and (STANDARD_HEADER.match(name) or name.startswith("Eigen/"))
+            if not (own or foreign or (binding and angle and name.startswith("nanobind/"))):
+                complaints.append(f"{path.relative_to(root)}: includes {name}")
+    for path in sources(plain, CXX):
+        for angle, name in includes(path):
+            own = (path.parent / name).is_file() or name.startswith("plain/")
+            if not own and not (angle and STANDARD_HEADER.match(name)):
+                complaints.append(f"{path.relative_to(root)}: includes {name}")
+    allowed = {"numpy", "impact_reference", "__future__"} | set(sys.stdlib_module_names)
+    return complaints + import_violations(root / "python" / "impact_reference", allowed, root)
+
+
+def forms_violations(root):
+    """forms/ speaks UFL: ufl, basix.ufl and numpy besides itself and the standard library; forms/compiler is free."""
+    root = pathlib.Path(root).resolve()
+    allowed = {"ufl", "basix.ufl", "numpy"} | set(sys.stdlib_module_names)
+    return import_violations(root / "forms", allowed, root, left_out="compiler")
+
+
+def imported_modules(path):
+    """Absolute imports of a file, anywhere in it, with their line."""
+    for node in ast.walk(ast.parse(path.read_text(), str(path))):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            # `from basix import ufl` and `from basix.ufl import element` both mean basix.ufl
+            yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) in (
+            "__import__",
+            "import_module",
+        ):
+            yield node.lineno, node.args[0].value if isinstance(node.args[0], ast.Constant) else "(computed)"
+
+
+def import_violations(folder, allowed, root, left_out=None):
+    complaints = []
+    for path in sources(folder, (".py",)):
+        if left_out and path.is_relative_to(folder / left_out):
+            continue
+        for line, module in imported_modules(path):
+            if not any(module == a or module.startswith(a + ".") for a in allowed):
+                complaints.append(f"{path.relative_to(root)}:{line}: imports {module}")
+    return complaints
+
+
+def unsafe_flags(root):
+    """Compiler flags that break NaN checks and complementarity tests."""
+    flags = ("-f" + "fast-math", "-O" + "fast", "-f" + "finite-math-only", "-f" + "associative-math")
+    complaints = []
+    for path in project_files(root):
+        builds = path.suffix in (".cmake", ".json", ".toml", ".sh", ".py", "") or path.name == "CMakeLists.txt"
+        text = text_of(path) if builds else None
+        for number, line in enumerate((text or "").splitlines(), 1):
+            code = line.partition("#")[0]
+            complaints += [f"{path.relative_to(root)}:{number}: {flag}" for flag in flags if flag in code]
+    return complaints
+
+
+def unfinished_headers(root):
+    """Words that mark unfinished work, in headers a user includes."""
+    words = re.compile(r"\b(TO" + r"DO|FIX" + r"ME|XX" + r"X)\b")
+    complaints = []
+    for path in sources(pathlib.Path(root) / "cpp", (".h",)):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if words.search(line):
+                complaints.append(f"{path.relative_to(root)}:{number}: {line.strip()}")
+    return complaints
+
+
+def line_counts(root):
+    """Number of lines of every source file."""
+    files = [p for p in project_files(root) if p.suffix in SOURCES and p.suffix != ".txt" or p.name == "CMakeLists.txt"]
+    files = [p for p in files if p.name not in ("LICENSE",)]
+    return {p.relative_to(root): len(text.splitlines()) for p in files if (text := text_of(p)) is not None}
+
+
+def machine_paths(root):
+    """Folders and hosts that exist on somebody's machine only."""
+    folders = ("/wo" + "rk/", "/ro" + "ot/", "/home/" + r"\w", "/Us" + "ers/")
+    hosts = (
+        "deb.debian" + r"\.org",
+        "py" + r"pi\.org",
+        "pythonhosted" + r"\.org",
+        "anaconda" + r"\.org",
+        "gh" + r"cr\.io",
+    )
+    # A word before a folder makes it part of something else: build/root/x, $HOME/work/x.
+    pattern = re.compile(r"(?<![\w.$}\"'*-])(?:" + "|".join(folders) + r")|[\"'](?:" + "|".join(folders[:2]) + ")")
+    host = re.compile("|".join(hosts))
+    complaints = []
+    for path in project_files(root):
+        for number, line in enumerate((text_of(path) or "").splitlines(), 1):
+            if pattern.search(line) or host.search(line):
+                complaints.append(f"{path.relative_to(root)}:{number}: {line.strip()[:100]}")
+    return complaints
+
+
+def versions(root):
+    """The version as each file states it; only files that exist."""
+    root = pathlib.Path(root)
+    patterns = {
+        "pyproject.toml": r'^version = "([^"]+)"',
+        "CITATION.cff": r"^version: \"?([0-9][^\s\"]*)",
+        "CHANGELOG.md": r"^## \[?v?([0-9]+\.[0-9]+\.[0-9]+)",
+        "python/dolfinx_impact/__init__.py": r'^__version__ = "([^"]+)"',
+        "python/impact_reference/__init__.py": r'^__version__ = "([^"]+)"',
+    }
+    found = {}
+    for name, pattern in patterns.items():
+        if (root / name).is_file():
+            match = re.search(pattern, (root / name).read_text(), re.MULTILINE)
+            if match:
+                found[name] = match.group(1)
+    return found
+
+
+def demos_without_assert(root):
+    """Demos whose last statement asserts nothing. Files that begin with an underscore are no demos."""
+    complaints = []
+    for path in sources(pathlib.Path(root) / "demos", (".py",)):
+        if path.name.startswith("_"):
+            continue
+        body = ast.parse(path.read_text(), str(path)).body
+        if not body or not isinstance(body[-1], ast.Assert) or isinstance(body[-1].test, ast.Constant):
+            complaints.append(f"{path.relative_to(root)}: the last statement is no assert")
+    return complaints

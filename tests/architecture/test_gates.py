@@ -1,0 +1,125 @@
+"""The gates of `make lint` stop a broken file; the helpers of conftest stop a broken run."""
+
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+GOOD = {
+    "cpp/a.cpp": "int value = 1;\n",
+    "a.py": '"""Documented."""\n\nvalue = 1\n',
+}
+BROKEN = {
+    "clang-format": ("cpp/a.cpp", "int  value=1;\n"),
+    "clang-format in a header": ("cpp/deep/er/a.h", "struct A{int  a;};\n"),
+    "black": ("a.py", "value=1\n"),
+    "black, line length": ("a.py", "value = dict(" + ", ".join(f"name_{i}={i}" for i in range(12)) + ")\n"),
+    "flake8, unused import": ("a.py", "import os\n"),
+    "flake8, undefined name": ("a.py", "print(undefined)\n"),
+    "flake8, long comment": ("a.py", "# " + "x" * 120 + "\n"),
+}
+
+
+def lint(checkout, folder, files):
+    for name in ("Makefile", ".clang-format", ".flake8", "pyproject.toml"):
+        shutil.copy(checkout / name, folder)
+    (folder / "demos").mkdir()
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return subprocess.run(["make", "lint-here"], cwd=folder, capture_output=True, text=True)
+
+
+def test_the_gates_pass_good_files(checkout, tmp_path):
+    done = lint(checkout, tmp_path, GOOD)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("what", BROKEN)
+def test_the_gates_stop_a_broken_file(checkout, tmp_path, what):
+    name, text = BROKEN[what]
+    done = lint(checkout, tmp_path, {**GOOD, name: text})
+    assert done.returncode != 0
+    assert name in done.stdout + done.stderr  # stopped for this file, not for another reason
+
+
+def test_make_test_stops_at_the_gates(checkout):
+    """`test` needs `lint`, so make goes no further when a gate stops; .ci/run is `make test`."""
+    plan = subprocess.run(
+        ["make", "--dry-run", "test"], cwd=checkout, capture_output=True, text=True
+    ).stdout.splitlines()
+    lint_line = next(i for i, line in enumerate(plan) if "lint-here" in line)
+    test_line = next(i for i, line in enumerate(plan) if "test-here" in line)
+    assert lint_line < test_line
+    assert "make test" in (checkout / ".ci" / "run").read_text()
+
+
+def test_help_lists_the_commands(checkout):
+    text = subprocess.run(["make"], cwd=checkout, capture_output=True, text=True).stdout
+    for target in ("demo", "test", "verify", "bench", "shell", "lint", "format", "clean"):
+        assert f"make {target}" in text
+
+
+# The guarded mpirun of tests/conftest.py, on which all parallel tests rely.
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_mpirun_runs_n_ranks(mpirun, n):
+    output = mpirun(n, "from mpi4py import MPI; print('rank', MPI.COMM_WORLD.rank, 'of', MPI.COMM_WORLD.size)")
+    assert output.count(f"of {n}") == n
+
+
+@pytest.mark.mpi
+def test_mpirun_passes_arguments_and_scripts(mpirun, tmp_path):
+    script = tmp_path / "a script.py"
+    script.write_text("import sys\nprint(sys.argv[1:])\n")
+    assert "['a b', '']" in mpirun(1, script, "a b", "")
+    assert "set" in mpirun(1, "import os; print(os.environ['IMPACT_X'])", env={"IMPACT_X": "set"})
+
+
+@pytest.mark.mpi
+def test_mpirun_shows_the_error_of_one_rank(mpirun):
+    """One rank fails while the other waits for it: no hang, and the message is shown."""
+    code = """
+        from mpi4py import MPI
+        if MPI.COMM_WORLD.rank == 1:
+            raise ValueError("from rank one")
+        MPI.COMM_WORLD.barrier()
+    """
+    with pytest.raises(pytest.fail.Exception, match="from rank one"):
+        mpirun(2, code)
+    assert "from rank one" in mpirun(2, code, status=1)
+
+
+@pytest.mark.mpi
+def test_mpirun_kills_a_run_that_hangs(mpirun, tmp_path):
+    """Ranks that ignore the polite signal and wait for each other for ever are gone after the timeout."""
+    code = f"""
+        import os, pathlib, signal, time
+        from mpi4py import MPI
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        pathlib.Path({str(tmp_path)!r}, f"pid-{{MPI.COMM_WORLD.rank}}").write_text(str(os.getpid()))
+        print("so far", flush=True)
+        if MPI.COMM_WORLD.rank == 0:
+            MPI.COMM_WORLD.barrier()
+        time.sleep(1000)
+    """
+    with pytest.raises(pytest.fail.Exception, match="so far"):
+        mpirun(2, code, timeout=4)
+    pids = [int(p.read_text()) for p in tmp_path.glob("pid-*")]
+    assert len(pids) == 2
+    for pid in pids:
+        stat = pathlib.Path(f"/proc/{pid}/stat")
+        assert not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] == "Z"
+
+
+def test_rng_repeats(rng, request, seed):
+    import zlib
+
+    import numpy as np
+
+    again = np.random.default_rng([seed, zlib.crc32(request.node.nodeid.encode())])
+    assert np.array_equal(rng.random(5), again.random(5))

@@ -1,0 +1,143 @@
+"""A rule that cannot complain proves nothing: each is shown a tree that breaks it, and one that does not."""
+
+import pytest
+import rules
+
+
+@pytest.fixture
+def tree(tmp_path):
+    def write(files):
+        for name, text in files.items():
+            path = tmp_path / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return tmp_path
+
+    return write
+
+
+GOOD_LAYERS = {
+    "cpp/plain/Mesh.h": "#include <vector>\n",
+    "cpp/dolfinx_impact/common/mpi.h": "#include <mpi.h>\n",
+    "cpp/dolfinx_impact/kernels/Kernel.h": '#include "../common/mpi.h"\n#include <plain/Mesh.h>\n',
+    "cpp/dolfinx_impact/gap/update.h": '#include "../surface/normals.h"\n#include <dolfinx/mesh/Mesh.h>\n',
+    "cpp/dolfinx_impact/surface/normals.h": "#include <dolfinx_impact/kernels/Kernel.h>\n",
+    "cpp/reference/element.h": '#include "plain/Mesh.h"\n#include <Eigen/Dense>\n',
+}
+
+
+def test_layers_pass_a_good_tree(tree):
+    root = tree(GOOD_LAYERS)
+    assert rules.layer_violations(root) == [] and rules.reference_violations(root) == []
+
+
+@pytest.mark.parametrize(
+    "name, include",
+    [
+        ("surface/normals.h", '"../gap/update.h"'),  # a later stage, by a relative path
+        ("kernels/Kernel.h", "<dolfinx_impact/gap/update.h>"),  # by the installed name
+        ("kernels/Kernel.h", '"gap/made_by_the_build.h"'),  # a file that is not in the tree
+        ("common/mpi.h", '"../kernels/Kernel.h"'),  # common stands before all stages
+        ("gap/update.h", '"reference/element.h"'),  # the other solver
+        ("gap/update.h", '"../../bindings/module.h"'),
+        ("misc/helpers.h", "<vector>"),  # a folder that is no stage
+    ],
+)
+def test_layers_complain(tree, name, include):
+    root = tree({**GOOD_LAYERS, f"cpp/dolfinx_impact/{name}": f"#include {include}\n"})
+    (complaint,) = rules.layer_violations(root)
+    assert name in complaint
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        ("cpp/reference/element.cpp", "#include <dolfinx/mesh/Mesh.h>\n"),
+        ("cpp/reference/element.cpp", '#include "../dolfinx_impact/kernels/Kernel.h"\n'),
+        ("cpp/reference/element.cpp", "#include <petscmat.h>\n"),
+        ("cpp/reference/element.cpp", "  #  include <basix/finite-element.h>\n"),
+        ("cpp/reference/element.cpp", "#include <nanobind/nanobind.h>\n"),  # in the bindings only
+        ("cpp/plain/Mesh.h", "#include <Eigen/Dense>\n"),
+        ("python/impact_reference/model.py", "import dolfinx\n"),
+        ("python/impact_reference/model.py", "def f():\n    from basix import ufl\n"),
+        ("python/impact_reference/model.py", "import importlib\nimportlib.import_module('ufl')\n"),
+        ("python/impact_reference/model.py", "import scipy.sparse\n"),
+    ],
+)
+def test_independence_complains(tree, name, text):
+    root = tree({**GOOD_LAYERS, name: text})
+    (complaint,) = rules.reference_violations(root)
+    assert name in complaint
+
+
+def test_independence_passes_what_it_may_see(tree):
+    root = tree(
+        {
+            "cpp/reference/module.cpp": "#include <nanobind/nanobind.h>\n#include <cmath>\n",
+            "python/impact_reference/__init__.py": "import os.path\nimport numpy as np\nfrom . import _reference\n",
+        }
+    )
+    assert rules.reference_violations(root) == []
+
+
+@pytest.mark.parametrize(
+    "text", ["import dolfinx\n", "from dolfinx.fem import form\n", "import basix\n", "from petsc4py import PETSc\n"]
+)
+def test_forms_complain(tree, text):
+    root = tree({"forms/elasticity.py": text, "forms/compiler/emit.py": "import ffcx\n"})
+    (complaint,) = rules.forms_violations(root)
+    assert "forms/elasticity.py:1" in complaint
+
+
+def test_forms_pass_ufl(tree):
+    text = "import ufl\nimport basix.ufl\nfrom basix.ufl import element\nfrom basix import ufl as b\nfrom . import x\n"
+    assert rules.forms_violations(tree({"forms/a.py": text})) == []
+
+
+@pytest.mark.parametrize("flag", ["-f" + "fast-math", "-O" + "fast"])
+@pytest.mark.parametrize("name", ["cpp/CMakeLists.txt", "pyproject.toml", "Makefile", "forms/compiler/driver.py"])
+def test_unsafe_flags_complain(tree, name, flag):
+    assert len(rules.unsafe_flags(tree({name: f"flags = '{flag}'\n"}))) == 1
+    assert rules.unsafe_flags(tree({name: f"# never {flag}\n"})) == []
+
+
+def test_unfinished_headers_complain(tree):
+    root = tree({"cpp/dolfinx_impact/gap/update.h": "/// FIX" + "ME: sign\n", "cpp/a.cpp": "// TO" + "DO\n"})
+    assert len(rules.unfinished_headers(root)) == 1
+
+
+def test_line_counts(tree):
+    counts = rules.line_counts(tree({"a.py": "\n" * 401, "docs/b.md": "\n" * 900, "Makefile": "x\n"}))
+    assert {str(p): n for p, n in counts.items()} == {"a.py": 401, "Makefile": 1}
+
+
+BAD_PATHS = ["/wo" + "rk/x/y", "see /ro" + "ot/.cache", '"/wo' + 'rk/main"', "/home/" + "ada/src", "cd /Us" + "ers/ada"]
+BAD_PATHS += ["wget https://deb.debian" + ".org/debian"]
+
+
+@pytest.mark.parametrize("text", BAD_PATHS)
+def test_machine_paths_complain(tree, text):
+    assert len(rules.machine_paths(tree({"docs/a.md": f"fine\n{text}\n"}))) == 1
+
+
+def test_machine_paths_pass_ordinary_text(tree):
+    text = "$HOME/wo" + "rk/x\nbuild/ro" + "ot/y\n~/.cache/dolfinx_impact\nframework/root\n/usr/lib\n"
+    assert rules.machine_paths(tree({"docs/a.md": text, "a.bin": "\0/ro" + "ot/"})) == []
+
+
+def test_versions_are_found(tree):
+    root = tree(
+        {"pyproject.toml": '[project]\nversion = "1.2.3"\n', "CITATION.cff": "cff-version: 1.2.0\nversion: 1.2.4\n"}
+    )
+    assert rules.versions(root) == {"pyproject.toml": "1.2.3", "CITATION.cff": "1.2.4"}
+
+
+@pytest.mark.parametrize(
+    "text", ["", "print(1)\n", "assert x\nprint(1)\n", "assert True\n", "def f():\n    assert x\n"]
+)
+def test_demos_complain(tree, text):
+    assert len(rules.demos_without_assert(tree({"demos/a.py": text}))) == 1
+
+
+def test_demos_pass(tree):
+    assert rules.demos_without_assert(tree({"demos/a.py": "x = 1\nassert x == 1\n", "demos/__init__.py": ""})) == []

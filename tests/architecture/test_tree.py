@@ -1,0 +1,67 @@
+"""The rules of docs/architecture.md on this checkout."""
+
+import statistics
+import subprocess
+import sys
+
+import rules
+
+
+def test_a_stage_includes_earlier_stages_only(checkout):
+    assert rules.layer_violations(checkout) == []
+
+
+def test_the_hand_written_solver_shares_nothing(checkout):
+    assert rules.reference_violations(checkout) == []
+
+
+def test_forms_speak_ufl_only(checkout):
+    assert rules.forms_violations(checkout) == []
+
+
+def test_the_hand_written_solver_loads_nothing_foreign():
+    """By sys.modules and by the shared libraries in the process, after a stiffness matrix could be computed."""
+    code = """
+import sys
+import impact_reference
+foreign = {"dolfinx", "dolfinx_impact", "basix", "ufl", "ffcx", "petsc4py", "mpi4py", "slepc4py", "cffi"}
+found = sorted(foreign & {name.partition(".")[0] for name in sys.modules})
+assert not found, found
+libraries = open("/proc/self/maps").read().lower()
+found = [n for n in ("dolfinx", "basix", "petsc", "libmpi", "slepc", "dolfinx_impact/_cpp") if n in libraries]
+assert not found, found
+assert "_reference" in libraries  # its own compiled module is there: the search above looked at the right process
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_no_unsafe_floating_point_flags(checkout):
+    assert rules.unsafe_flags(checkout) == []
+
+
+def test_no_unfinished_words_in_public_headers(checkout):
+    assert rules.unfinished_headers(checkout) == []
+
+
+def test_files_stay_readable(checkout, record_property):
+    counts = rules.line_counts(checkout)
+    median = statistics.median(counts.values())
+    record_property("median_lines", median)
+    print(f"{len(counts)} source files, median {median:.0f} lines, longest {max(counts.values())}")
+    assert len(counts) > 20
+    assert {str(p): n for p, n in counts.items() if n > rules.MAX_LINES} == {}
+
+
+def test_no_machine_paths(checkout):
+    assert rules.machine_paths(checkout) == []
+
+
+def test_versions_agree(checkout):
+    found = rules.versions(checkout)
+    assert "pyproject.toml" in found and "CITATION.cff" in found
+    assert len(set(found.values())) == 1, found
+
+
+def test_demos_end_with_an_assert(checkout):
+    assert rules.demos_without_assert(checkout) == []
