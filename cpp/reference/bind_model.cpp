@@ -39,8 +39,10 @@ void bind_model(nb::module_& m)
                                     tags};
              new (self) Model(mesh, materials, degree);
            })
-      .def_prop_ro("field_points", [](const Model& s) { return s.field().points; })
-      .def_prop_ro("field_cells", [](const Model& s) { return s.field().cells; })
+      .def_prop_ro(
+          "field_points", [](const Model& s) { return s.field().points; }, nb::rv_policy::move)
+      .def_prop_ro(
+          "field_cells", [](const Model& s) { return s.field().cells; }, nb::rv_policy::move)
       .def("stiffness", [](const Model& s, P p, W w) { return s.stiffness({p, w}); })
       .def("mass", [](const Model& s, P p, W w) { return s.mass({p, w}); })
       .def("lumped_mass",

@@ -30,7 +30,8 @@ NB_MODULE(_reference, m)
       .def_ro("law", &Material::law)
       .def_prop_ro(
           "lame", [](const Material& s) { return nb::make_tuple(lame(s)[0], lame(s)[1]); }, "(lambda, mu) [F/L^2]")
-      .def_prop_ro("elasticity_matrix", &elasticity_matrix, "D of sigma = D eps, seed (3.19) [F/L^2]")
+      .def_prop_ro("elasticity_matrix", &elasticity_matrix, nb::rv_policy::move,
+                   "D of sigma = D eps, seed (3.19) [F/L^2]")
       .def("__repr__",
            [](const Material& s)
            {

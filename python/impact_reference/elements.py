@@ -100,7 +100,11 @@ def element_lumped_mass(cell_type, X, material, scheme="auto", degree=1, geometr
 def element_damping(cell_type, X, material, alpha, beta, degree=1, geometry_degree=1, rule=None):
     """Rayleigh damping alpha M + beta K of (3.67), alpha [1/T], beta [T]; shape (gdim n, gdim n) [F T/L]."""
     K = element_stiffness(cell_type, X, material, degree, geometry_degree, rule)
-    return beta * K if alpha == 0 else alpha * element_mass(cell_type, X, material, degree, geometry_degree, rule) + beta * K
+    return (
+        beta * K
+        if alpha == 0
+        else alpha * element_mass(cell_type, X, material, degree, geometry_degree, rule) + beta * K
+    )
 
 
 def element_body_force(cell_type, X, f, hypothesis=None, degree=1, geometry_degree=1, rule=None):
