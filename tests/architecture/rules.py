@@ -1,4 +1,4 @@
-"""The rules of the tree as functions of a folder: each returns its complaints, so that a broken tree can be shown to it."""
+"""The rules of the tree as functions of a folder that return complaints, so that a broken tree can be shown to them."""
 
 import ast
 import os

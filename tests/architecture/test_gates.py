@@ -17,7 +17,7 @@ BROKEN = {
     "black, line length": ("a.py", "value = dict(" + ", ".join(f"name_{i}={i}" for i in range(12)) + ")\n"),
     "flake8, unused import": ("a.py", "import os\n"),
     "flake8, undefined name": ("a.py", "print(undefined)\n"),
-    "flake8, long comment": ("a.py", "# " + "x" * 120 + "\n"),
+    "flake8, long comment": ("a.py", "#" + " xx" * 45 + "\n"),
 }
 
 
