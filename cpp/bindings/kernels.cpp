@@ -108,9 +108,9 @@ void impact::bindings::kernels(nb::module_& m)
                 || x.size() % (3 * lanes) != 0)
               throw std::invalid_argument("arrays do not have the sizes of the kernel (kernels/Kernel.h)");
             if (lanes > 1)
-              for (const void* p : {static_cast<const void*>(A.data()), static_cast<const void*>(w.data()),
-                                    static_cast<const void*>(x.data())})
-                if (reinterpret_cast<std::uintptr_t>(p) % (8 * lanes))
+              for (auto [p, size] : {std::pair{static_cast<const double*>(A.data()), A.size()},
+                                     std::pair{w.data(), w.size()}, std::pair{x.data(), x.size()}})
+                if (size > 0 && reinterpret_cast<std::uintptr_t>(p) % (8 * lanes))
                   throw std::invalid_argument("arrays of several lanes must be aligned to their vectors");
             tabulate(*s.k, lanes)(A.data(), w.data(), c.data(), x.data(), entity);
           },
