@@ -51,7 +51,7 @@ def graded_half_plane(body, width, height, h, core, sides, coarse=None):
 def graded_disc(body, radius, gap, h, core, sides, whole, coarse=None):
     """Blocks of a disc whose lowest point is (0, gap): the lower half, or the `whole`."""
     far = max(h, radius / 4 if coarse is None else coarse)
-    require(core <= 0.35 * radius, f"core = {core!r}: larger than 0.35 of the radius, {radius!r}")
+    require(core <= 0.36 * radius, f"core = {core!r}: larger than 0.36 of the radius, {radius!r}")
     t = core / radius
     centre = (0, radius + gap)
     for s in sides:
@@ -158,7 +158,7 @@ def graded_ball(body, radius, gap, h, core, quarters, whole, coarse=None):
     """Blocks of a ball whose lowest point is (0, 0, gap): the lower half, or the `whole`."""
     layout = body.layout
     far = max(h, radius / 4 if coarse is None else coarse)
-    require(core <= 0.35 * radius, f"core = {core!r}: larger than 0.35 of the radius, {radius!r}")
+    require(core <= 0.36 * radius, f"core = {core!r}: larger than 0.36 of the radius, {radius!r}")
     centre = np.array((0, 0, radius + gap))
     for sx, sy in quarters:
 

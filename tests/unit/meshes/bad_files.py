@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
-
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 0)]
 QUADS = [(3, 1, (1, 2, 3, 4)), (3, 1, (2, 5, 6, 3))]
 LINES = [(1, 3, (1, 2)), (1, 3, (2, 5)), (1, 4, (3, 4))]
@@ -99,10 +97,3 @@ def write_all(folder, committed_mesh):
     cases["missing.msh"] = (folder / "missing.msh", {}, FileNotFoundError, ["no such file", "empty.msh"])
     cases["bad_gdim"] = (folder / "inverted.msh", {"gdim": 5}, ValueError, ["gdim = 5"])
     return cases
-
-
-def spoil(points, cells, number, rng=np.random.default_rng(3)):
-    """Swap two nodes of the given cells of a quadrilateral mesh, so that they fold."""
-    cells = cells.copy()
-    cells[number, :2] = cells[number, 1::-1]
-    return points, cells

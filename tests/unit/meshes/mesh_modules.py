@@ -134,7 +134,7 @@ CASES = {
     "wedge_3d": ("wedge", {"depth": 0.01, "a": 8e-3}, False),
     "cone": ("cone", {}, True),
     "wheel_2d": ("wheel_on_rail_2d", {}, True),
-    "wheel_3d": ("wheel_on_rail_3d", {"a": 9e-3, "rail_length": 0.4, "coarse": 0.06}, True),
+    "wheel_3d": ("wheel_on_rail_3d", {"a": 0.011, "rail_length": 0.4, "coarse": 0.08}, True),
     "joint_2d": ("rail_joint_2d", {}, False),
     "joint_2d_wheel": ("rail_joint_2d", {"wheel": True, "end_post": "loose", "wheel_x": 0.1}, True),
     "joint_3d": ("rail_joint_3d", {"h": 8e-3}, True),
