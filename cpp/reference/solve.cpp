@@ -33,7 +33,8 @@ public:
     for (int iteration = 1; iteration <= options_.max_iterations; ++iteration)
     {
       const Csr K = model_.linear() ? model_.stiffness(rule_) : model_.tangent(rule_, u);
-      u += correction(K, load - internal, change);
+      if (not correct(u, K, load - internal, change))
+        return false;
       change.setZero();
       internal = model_.internal_force(rule_, u);
       const double scale = internal.norm() + load.norm();
@@ -63,27 +64,28 @@ public:
   double last_residual = 0;
 
 private:
-  Vector correction(const Csr& K, const Vector& residual, const Vector& change)
+  // Adds the correction K^-1 residual, with `change` on the fixed dofs. False if K is singular.
+  bool correct(Vector& u, const Csr& K, const Vector& residual, const Vector& change)
   {
+    u += change;
     const Vector right = free(residual - K.dot(change));
-    Vector result = change;
     if (right.size() == 0)
-      return result;
+      return true;
     const Sparse reduced = reduce(K, numbers_);
     if (not analysed_)
       solver_.analyzePattern(reduced);
     analysed_ = true;
     solver_.factorize(reduced);
-    if (solver_.info() != Eigen::Success or
-        solver_.vectorD().cwiseAbs().minCoeff() < 1e-15 * solver_.vectorD().cwiseAbs().maxCoeff())
-      throw std::runtime_error(
-          "the stiffness is singular although every rigid motion is held: the body buckles or yields "
-          "to a mechanism at this load; use smaller load steps");
+    if (solver_.info() != Eigen::Success)
+      return false;
+    const Vector pivots = solver_.vectorD().cwiseAbs();
+    if (not(pivots.minCoeff() > 1e-15 * pivots.maxCoeff()))
+      return false;
     const Vector solved = solver_.solve(right);
     for (std::size_t i = 0; i < numbers_.size(); ++i)
       if (numbers_[i] >= 0)
-        result(i) = solved(numbers_[i]);
-    return result;
+        u(i) += solved(numbers_[i]);
+    return true;
   }
 
   const Model& model_;
@@ -150,7 +152,7 @@ StaticSolution solve_static(const Model& model, const Rule& rule, const std::vec
   StaticSolution solution{Vector::Zero(model.num_dofs()), Vector::Zero(model.num_dofs()), {}, {}};
   double factor = 0, size = 1.0 / (model.linear() ? 1 : options.steps);
   const double smallest = size / 1024;
-  std::string why = "the residual did not fall";
+  std::string why = "the residual did not fall or the tangent became singular";
   while (factor < 1 - 1e-12)
   {
     const double next = std::min(1.0, factor + size);
@@ -170,6 +172,9 @@ StaticSolution solve_static(const Model& model, const Rule& rule, const std::vec
       factor = next;
       continue;
     }
+    if (model.linear())
+      throw std::runtime_error("the stiffness is singular although every rigid motion is held: use a rule with more "
+                               "points or check the mesh for nearly empty cells");
     size /= 2;
     if (size < smallest)
     {

@@ -26,6 +26,7 @@ from .elements import (
     element_stress,
     element_tangent,
     element_traction,
+    second_piola,
 )
 from .model import Model, StaticSolution
 from .rules import (
@@ -71,6 +72,7 @@ __all__ = [
     "quadrature",
     "reference_nodes",
     "rules",
+    "second_piola",
     "shape_functions",
     "sparse",
 ]

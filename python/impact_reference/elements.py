@@ -1,10 +1,10 @@
 """Matrices and vectors of one element.
 
 Common arguments: `cell_type` "triangle", "quadrilateral", "tetrahedron" or "hexahedron"; `X` the geometry nodes in own
-order, shape (num_geometry_nodes, gdim) [L]; `degree` and `geometry_degree` 1 or 2, independent of each other; `rule` None,
-a name for `quadrature`, or a pair (points, weights). Degrees of freedom: u0x u0y (u0z) u1x ...; a displacement may also
-be given with shape (num_nodes, gdim). Plane problems have thickness 1, axisymmetric ones are integrated over the full
-circumference. ValueError for bad material data, shapes, NaN and for cells that are inverted or have no volume.
+order, shape (num_geometry_nodes, gdim) [L]; `degree` and `geometry_degree` 1 or 2, independent of each other; `rule`
+None, a name for `quadrature`, or a pair (points, weights). Degrees of freedom: u0x u0y (u0z) u1x ...; a displacement
+may also be given with shape (num_nodes, gdim). Plane problems have thickness 1, axisymmetric ones are integrated over
+the full circumference. ValueError for bad material data, shapes, NaN and for cells that are inverted or without volume.
 """
 
 import numpy as np
@@ -81,6 +81,16 @@ def element_stress(cell_type, X, material, u, degree=1, geometry_degree=1, rule=
     return _reference.element_stress(cell, _array(X), material, _vector(u))
 
 
+def second_piola(material, F):
+    """Answer of a law to a deformation gradient F (3, 3); F[2, 2] is not read in plane stress.
+
+    Returns S (num_strains) [F/L^2], dS/dE (num_strains, num_strains) for engineering shears [F/L^2] and the energy per
+    reference volume [F/L^2]; for a linear law sigma, D and the energy of small strain. Bonet & Wood ch. 5, 6.
+    ValueError if a neo-Hookean material is turned inside out.
+    """
+    return _reference.second_piola(material, _array(F))
+
+
 def element_mass(cell_type, X, material, degree=1, geometry_degree=1, rule=None):
     """Consistent mass int rho N^T N dV (Hughes ch. 7); shape (gdim n, gdim n) [M]. ValueError if density is 0."""
     cell = _cell(cell_type, degree, geometry_degree, rule, "mass", material.hypothesis)
@@ -125,8 +135,9 @@ def element_traction(cell_type, X, facet, t, hypothesis=None, degree=1, geometry
 def element_follower_pressure(cell_type, X, u, facet, p, hypothesis=None, degree=1, geometry_degree=1, rule=None):
     """External force of a pressure p [F/L^2] that stays normal to the deformed facet, and its tangent.
 
-    f_i = - int p N_i J F^-T n0 dA0, p > 0 pushes on the surface (Bonet & Wood ch. 8.5). Returns f (gdim n) [F] and df/du
-    (gdim n, gdim n) [F/L]. Plane problems keep thickness 1 (plane stress too); axisymmetric ones use the current radius.
+    f_i = - int p N_i J F^-T n0 dA0, p > 0 pushes on the surface (Bonet & Wood ch. 8.5). Returns f (gdim n) [F] and
+    df/du (gdim n, gdim n) [F/L]. Plane problems keep thickness 1 (plane stress too); axisymmetric ones use the current
+    radius.
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "facet", hypothesis)
     return _reference.element_follower_pressure(cell, _array(X), _vector(u), _facet(cell_type, facet), float(p))

@@ -43,7 +43,7 @@ class Model:
 
     points: (num_points, gdim) [L]; cells: (num_cells, nodes per cell of geometry_degree) in own node order (see
     `reference_nodes`). `degree` of the displacement field defaults to the geometry's. If they differ, the model numbers
-    its own field nodes: `field_points` (num_nodes, gdim), `field_cells`. Degree of freedom = gdim * field node + component.
+    its own field nodes: `field_points` (num_nodes, gdim), `field_cells`. Degree of freedom = gdim * node + component.
     Several materials: cell_tags (num_cells) and materials={tag: Material}; `material` may then be None.
     `rule` is used for every integral over cells, `facet_rule` over facets; None takes the default of each purpose.
     Raises ValueError for data out of range, connectivity that does not fit, unused points, inverted or empty cells.
@@ -132,7 +132,7 @@ class Model:
         return self._matrix(self._model.tangent(*self._strain_rule(), _vector(u)))
 
     def stress(self, u, rule=None):
-        """Stress and position at the points of a rule: (num_cells, num_points, num_strains) [F/L^2], (..., gdim) [L]."""
+        """Stress (num_cells, num_points, num_strains) [F/L^2] and position (..., gdim) [L] at the points of a rule."""
         if rule is None:
             points, weights = self._rule("stiffness")
         else:
@@ -150,7 +150,7 @@ class Model:
         return self._model.traction(*self._rule("facet"), _integers(facets, "facets", 2), _vector(t))
 
     def follower_pressure(self, u, facets, p):
-        """Load of a pressure p > 0 [F/L^2] pushing on deformed boundary facets: force (num_dofs) [F], df/du Csr [F/L]."""
+        """Force (num_dofs) [F] and df/du (Csr) [F/L] of a pressure p [F/L^2] pushing on deformed boundary facets."""
         facets = _integers(facets, "facets", 2)
         force, tangent = self._model.follower_pressure(*self._rule("facet"), facets, _vector(u), float(p))
         return force, self._matrix(tangent)

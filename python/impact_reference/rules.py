@@ -34,8 +34,8 @@ def shape_functions(cell_type, degree, points):
 def quadrature(cell_type, rule):
     """Points (num_points, tdim) and weights (num_points) of a named rule on the reference cell.
 
-    "table:D": typed tables exact to degree D on simplices (all weights positive, all points inside; D <= 8 on triangles,
-    6 on tetrahedra), Gauss-Legendre on tensor cells and the interval. "gauss_jacobi:D": collapsed Gauss-Jacobi product
+    "table:D": typed tables exact to degree D on simplices (weights positive, points inside; D <= 8 on triangles, 6 on
+    tetrahedra), Gauss-Legendre on tensor cells and the interval. "gauss_jacobi:D": collapsed Gauss-Jacobi product
     with (D + 2) // 2 points per direction on simplices, Gauss-Legendre with as many on tensor cells.
     ValueError for an unknown name or a degree beyond the tables.
     """
