@@ -82,9 +82,9 @@ class CxxFormatter:
 
     def _binary(self, e):
         left, right = self(e.lhs), self(e.rhs)
-        if e.lhs.precedence > e.precedence:
+        if _precedence(e.lhs) > e.precedence:
             left = f"({left})"
-        if e.rhs.precedence >= e.precedence:
+        if _precedence(e.rhs) >= e.precedence:
             right = f"({right})"
         return f"{left} {e.op} {right}"
 
@@ -136,6 +136,11 @@ class CxxFormatter:
 
     def _LiteralInt(self, x):
         return str(int(x.value))
+
+
+def _precedence(e):
+    """Of the text that is written: a point number in two or three directions is a sum, which FFCx counts as a symbol."""
+    return e.global_index.precedence if isinstance(e, L.MultiIndex) else e.precedence
 
 
 def _is_scalar(e):

@@ -74,8 +74,9 @@ class KernelWriter:
         if kind == "constant":
             return C[key[1]]
         if kind == "quadrature":
-            _, rule, begin, stride = key
-            return W[L.as_lexpr(begin) + L.as_lexpr(stride) * self.rules[rule].flat(self.tdim)]
+            _, field, rule, begin, stride = key
+            array = X if field == "x" else W
+            return array[L.as_lexpr(begin) + L.as_lexpr(stride) * self.rules[rule].flat(self.tdim)]
         if kind == "table":
             _, name, rule, entity, column = key
             first = ENTITY if entity else L.LiteralInt(0)
@@ -162,7 +163,7 @@ class KernelWriter:
         if uniform and piecewise:
             return algebra.add(*((c, self._dof(field, dof(i))[1]) for i, c in enumerate(table[0, 0]) if c))
         if uniform and table.shape[1] == table.shape[2] and np.array_equal(table[0], np.eye(table.shape[1])):
-            return algebra.symbol(("quadrature", rule.number, dof(0), dof(1) - dof(0)), alg.POINT)
+            return algebra.symbol(("quadrature", field, rule.number, dof(0), dof(1) - dof(0)), alg.POINT)
         factor = self._factors(field, rule)
         if uniform and factor is not None and tensor.matches(factor, derivatives, table[0]):
             rule.fields.setdefault(field, {})[(component, derivatives)] = dof
@@ -245,7 +246,10 @@ class KernelWriter:
         declarations = self.schedule.declare([v for _, v in targets], alg.POINT)
         inner = declarations + element_tensor.inside()
         if rule.num_points == 1 or not inner:
-            loop = [L.VariableDecl(_int("iq"), L.LiteralInt(0))] + inner if rule.num_points == 1 else []
+            # One point needs no loop; its index is declared once, however many such rules there are.
+            first = not any(r.num_points == 1 for r in self.rules[: rule.number])
+            index = [L.VariableDecl(_int("iq"), L.LiteralInt(0))] if first else []
+            loop = index + inner if rule.num_points == 1 else []
         else:
             loop = inner
             sizes = [len(rule.grid)] * self.tdim if rule.grid is not None else [rule.num_points]

@@ -68,8 +68,11 @@ def factors(element, rule_points):
     if x is None:
         return None
     scalar = element.sub_elements[0] if element.block_size > 1 else element
-    basix_element = getattr(scalar, "basix_element", None)
-    if basix_element is None or getattr(scalar, "family_name", "") != "P" or scalar.embedded_superdegree < 1:
+    if getattr(scalar, "family_name", "") != "P" or scalar.embedded_superdegree < 1:
+        return None
+    try:
+        basix_element = scalar.basix_element
+    except (AttributeError, NotImplementedError):  # mixed elements have none
         return None
     return _factors(basix_element.points.tobytes(), basix_element.points.shape, x.tobytes())
 

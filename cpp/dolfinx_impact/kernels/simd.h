@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <type_traits>
 
 /// What generated kernels need of their scalar type T: double, or a vector of doubles that holds one cell per lane.
 /// The vectors are the compiler's own (GCC and Clang vector extensions): arithmetic and comparison work as on double.
@@ -28,20 +29,20 @@ inline double splat<double>(double x)
 }
 template <typename T>
 inline T splat(T x)
-  requires(!__is_same(T, double))
+  requires(!std::is_same_v<T, double>)
 {
   return x;
 }
 
 template <typename T>
 inline double select(bool condition, double a, double b)
-  requires(__is_same(T, double))
+  requires(std::is_same_v<T, double>)
 {
   return condition ? a : b;
 }
 template <typename T, typename Mask, typename U, typename V>
 inline T select(Mask condition, U a, V b)
-  requires(!__is_same(T, double))
+  requires(!std::is_same_v<T, double>)
 {
   return condition ? splat<T>(a) : splat<T>(b);
 }
@@ -71,7 +72,7 @@ inline double min(double a, double b) { return std::fmin(a, b); }
 inline double max(double a, double b) { return std::fmax(a, b); }
 
 template <typename T>
-concept Vector = !__is_same(T, double) && requires(T x) { x[0]; };
+concept Vector = !std::is_same_v<T, double> && requires(T x) { x[0]; };
 
 /// One call per lane: for functions without a vector instruction or library routine.
 template <Vector T, typename F>

@@ -50,7 +50,12 @@ def sample(specs):
 
     def facts(spec):
         name, cell, degree, geometry_degree, hypothesis = spec
-        return {("name", name), ("kind", cell, degree, geometry_degree), (name.split(".")[0], hypothesis), (name, cell[:3])}
+        return {
+            ("name", name),
+            ("kind", cell, degree, geometry_degree),
+            (name.split(".")[0], hypothesis),
+            (name, cell[:3]),
+        }
 
     open_facts = set().union(*map(facts, specs))
     chosen = []

@@ -42,7 +42,9 @@ void* oracle(int kind, int id)
   return 0;
 }}
 """
-ACCESS_EXPRESSION = "\nextern ufcx_expression {name};\nvoid* oracle(void) {{ return (void*){name}.tabulate_tensor_float64; }}\n"
+ACCESS_EXPRESSION = (
+    "\nextern ufcx_expression {name};\nvoid* oracle(void) {{ return (void*){name}.tabulate_tensor_float64; }}\n"
+)
 
 
 def _compile(compiler, flags, source, text):
@@ -94,22 +96,24 @@ def build_many(specs, folder, with_ours):
 
 
 class Oracle:
-    """FFCx's kernel from a library of `write_ffcx`."""
+    """FFCx's kernels from libraries of `write_ffcx`; those of several forms are added up."""
 
-    def __init__(self, library):
-        self.library = ctypes.CDLL(str(library))
-        self.library.oracle.restype = ctypes.c_void_p
+    def __init__(self, *libraries):
+        self.libraries = [ctypes.CDLL(str(path)) for path in libraries]
+        for library in self.libraries:
+            library.oracle.restype = ctypes.c_void_p
 
     def tensor(self, kernel, w, c, x, entity=0):
         """Element tensor of one cell by FFCx, for the integral that `kernel` (ours) belongs to."""
-        if kernel.integral_type == "expression":
-            address = self.library.oracle()
-        else:
-            address = self.library.oracle(KINDS.index(kernel.integral_type), kernel.subdomains[0])
-        assert address, "FFCx wrote no such integral"
+        which = ()
+        if kernel.integral_type != "expression":
+            which = KINDS.index(kernel.integral_type), kernel.subdomains[0]
+        addresses = [a for a in (library.oracle(*which) for library in self.libraries) if a]
+        assert addresses, "FFCx wrote no such integral"
         A, number = np.zeros(int(np.prod(kernel.shape))), np.array([entity], dtype=np.intc)
         doubles = [a.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for a in (A, w, c, x)]
-        FUNCTION(address)(*doubles, number.ctypes.data_as(ctypes.POINTER(ctypes.c_int)), None)
+        for address in addresses:
+            FUNCTION(address)(*doubles, number.ctypes.data_as(ctypes.POINTER(ctypes.c_int)), None)
         return A
 
 

@@ -26,7 +26,9 @@ def test_row_equals_ffcx(spec, libraries, rng):
     oracle = Oracle(libraries[spec][0])
     for kernel in kernels:
         # the radius of axisymmetric cells stays positive
-        assert difference(kernel, oracle, rng, shift=3.0 * (spec[4] == "axisymmetric")) < CANCELLING.get(spec[0], TOLERANCE)
+        assert difference(kernel, oracle, rng, shift=3.0 * (spec[4] == "axisymmetric")) < CANCELLING.get(
+            spec[0], TOLERANCE
+        )
 
 
 def test_table_holds_the_registry():

@@ -1,0 +1,138 @@
+"""A user's own forms: our kernels equal FFCx's where we support them, and there is an error where we do not."""
+
+import concurrent.futures
+
+import basix.ufl
+import numpy as np
+import pytest
+import ufl
+import user_forms
+from kernel_oracle import Oracle, difference, write_ffcx, write_ours
+
+from dolfinx_impact import _cpp
+from dolfinx_impact.forms.compiler import frontend
+
+CELLS = ("triangle", "hexahedron")
+EXTRA = [(user_forms.functions, "quadrilateral"), (user_forms.facet_geometry, "tetrahedron")]
+EXTRA += [(user_forms.rule_at_the_vertices, "tetrahedron"), (user_forms.coefficients_of_all_kinds, "quadrilateral")]
+CASES = [
+    (f, c) for f in user_forms.FORMS for c in CELLS if c == "triangle" or f is not user_forms.second_derivatives
+] + EXTRA
+
+# Fields are of order one and nothing cancels by more than one digit; the vector logarithm, exponential and power of the C
+# library are up to four units in the last place off, and weighted with 24 terms that is the largest difference seen.
+TOLERANCE = 2e-13
+pytestmark = pytest.mark.filterwarnings("ignore:Applying str:UserWarning")  # UFL, about the points of custom rules
+
+
+def label(case):
+    return f"{case[0].__name__}-{case[1]}"
+
+
+def _build(case, folder):
+    parts = case[0](case[1])
+    parts = parts if isinstance(parts, tuple) else (parts,)
+    stem = label(case).replace("-", "_")
+    path, names = write_ours(frontend.form_integrals(sum(parts), stem, {}), folder / f"ours_{stem}")
+    return [write_ffcx(part, folder / f"ffcx_{stem}_{i}") for i, part in enumerate(parts)], path, names
+
+
+@pytest.fixture(scope="module")
+def libraries(tmp_path_factory):
+    """Futures, two at a time: a form that cannot be compiled fails its own test only."""
+    folder = tmp_path_factory.mktemp("user_forms")
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        yield {case: pool.submit(_build, case, folder) for case in CASES}
+
+
+@pytest.mark.parametrize("case", CASES, ids=label)
+def test_form_equals_ffcx(case, libraries, rng):
+    ffcx_libraries, path, names = libraries[case].result()
+    kernels = _cpp.kernels.load(str(path), names)
+    oracle = Oracle(*ffcx_libraries)
+    for kernel in kernels:
+        assert difference(kernel, oracle, rng, low=0.5) < TOLERANCE
+
+
+def _scalar(cell="triangle"):
+    mesh = user_forms.mesh_of(cell)
+    V = user_forms.space(mesh)
+    return mesh, ufl.Coefficient(V), ufl.TestFunction(V)
+
+
+def _interior():
+    _, f, v = _scalar()
+    return ufl.avg(f) * ufl.avg(v) * ufl.dS
+
+
+def _bessel():
+    _, f, v = _scalar()
+    return ufl.bessel_J(1, f) * v * ufl.dx
+
+
+def _circumradius():
+    mesh, f, v = _scalar()
+    return ufl.Circumradius(mesh) * f * v * ufl.dx
+
+
+@pytest.mark.parametrize(
+    "form, words",
+    [(_interior, "interior_facet"), (_bessel, "(?i)bessel"), (_circumradius, "not supported")],
+    ids=["interior facets", "Bessel function", "circumradius"],
+)
+def test_unsupported_is_an_error(form, words, tmp_path):
+    with pytest.raises(ValueError, match=words):
+        write_ours(frontend.form_integrals(form(), "unsupported", {}), tmp_path / "unsupported")
+
+
+def test_names_used_twice_are_an_error():
+    mesh, f, v = _scalar()
+    g = ufl.Coefficient(f.ufl_function_space())
+    with pytest.raises(ValueError, match="two coefficients or constants of one name.*load"):
+        frontend.form_integrals(f * g * v * ufl.dx, "twice", {f: "load", g: "load"})
+
+
+def test_empty_form_is_an_error():
+    with pytest.raises(ValueError, match="zero"):
+        frontend.form_integrals(ufl.Form([]), "nothing", {})
+
+
+def test_not_a_form_is_an_error():
+    with pytest.raises(TypeError, match="UFL form.*str"):
+        frontend.form_integrals("u*v*dx", "text", {})
+
+
+POINTS = {"triangle": [[0.2, 0.3], [0.6, 0.1]], "hexahedron": [[0.2, 0.3, 0.9], [0.5, 0.5, 0.5], [1.0, 0.0, 0.25]]}
+
+
+def _stress(cell):
+    mesh = user_forms.mesh_of(cell, 2)
+    u = ufl.Coefficient(user_forms.space(mesh, degree=2, shape=(mesh.geometric_dimension(),)))
+    d, c = ufl.Coefficient(user_forms.space(mesh, "DG", 0)), ufl.Constant(mesh)
+    unused = ufl.Coefficient(user_forms.space(mesh))
+    F = 2 * ufl.Identity(mesh.geometric_dimension()) + ufl.grad(u) + 0 * unused * ufl.grad(u)
+    return d * ufl.inv(F).T + c * ufl.ln(ufl.det(F) ** 2) * F
+
+
+def _scalar_of_points(cell):
+    mesh = user_forms.mesh_of(cell)
+    f = ufl.Coefficient(ufl.FunctionSpace(mesh, basix.ufl.element("Lagrange", cell, 2)))
+    return ufl.sqrt(f) * ufl.SpatialCoordinate(mesh)[0]
+
+
+@pytest.mark.parametrize("make", [_stress, _scalar_of_points])
+@pytest.mark.parametrize("cell", POINTS)
+def test_expression_equals_ffcx(make, cell, tmp_path, rng):
+    expression, points = make(cell), np.array(POINTS[cell])
+    integral = frontend.expression_integral(expression, points, "expression", {})
+    path, names = write_ours([integral], tmp_path / "ours")
+    (kernel,) = _cpp.kernels.load(str(path), names)
+    assert kernel.shape == (len(points), int(np.prod(expression.ufl_shape, dtype=int)))
+    oracle = Oracle(write_ffcx((expression, points), tmp_path / "ffcx"))
+    assert difference(kernel, oracle, rng, low=0.5) < TOLERANCE
+
+
+def test_expression_with_arguments_is_an_error():
+    _, f, v = _scalar()
+    with pytest.raises(ValueError, match="test or trial functions"):
+        frontend.expression_integral(f * v, [[0.2, 0.2]], "expression", {})
