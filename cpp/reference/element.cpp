@@ -74,7 +74,10 @@ Matrix strain_matrix(Hypothesis h, const Sample& s)
       B.middleCols(3 * i, 3) << x, 0, 0, 0, y, 0, 0, 0, z, y, x, 0, 0, z, y, z, 0, x;
     }
     else if (h == Hypothesis::axisymmetric)
-      B.middleCols(2 * i, 2) << x, 0, 0, y, s.N(i) / hoop_radius(s), 0, y, x;
+    {
+      const double hoop = s.N(i) / hoop_radius(s);
+      B.middleCols(2 * i, 2) << x, 0, 0, y, hoop, 0, y, x;
+    }
     else
       B.middleCols(2 * i, 2) << x, 0, 0, y, y, x;
   }
