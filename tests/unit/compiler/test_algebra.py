@@ -1,0 +1,143 @@
+"""Pointwise algebra: canonical sums, common factors, shared reciprocals; and the schedule that writes them."""
+
+import ffcx.codegeneration.lnodes as L
+import pytest
+
+from dolfinx_impact.forms.compiler import algebra as alg
+from dolfinx_impact.forms.compiler.cxx import CxxFormatter
+from dolfinx_impact.forms.compiler.schedule import Schedule
+
+
+@pytest.fixture
+def algebra():
+    return alg.Algebra()
+
+
+def symbols(algebra, names, level=alg.POINT):
+    return [algebra.symbol((n,), level) for n in names]
+
+
+def minus(value):
+    return (-value[0], value[1])
+
+
+def test_sums_are_canonical(algebra):
+    a, b, c = symbols(algebra, "abc")
+    assert algebra.add(a, b, c) == algebra.add(c, a, b)
+    assert algebra.add(a, algebra.multiply(algebra.number(2), b)) == algebra.add(
+        algebra.multiply(b, algebra.number(2)), a
+    )
+
+
+def test_products_are_canonical(algebra):
+    a, b, c = symbols(algebra, "abc")
+    assert algebra.multiply(a, algebra.multiply(b, c)) == algebra.multiply(algebra.multiply(c, a), b)
+
+
+def test_like_terms_are_collected(algebra):
+    a, b = symbols(algebra, "ab")
+    assert algebra.add(a, b, a, minus(b)) == (2.0, a[1])
+    assert algebra.add(a, minus(a)) == (0.0, None)
+
+
+def test_common_factor_is_taken_out(algebra):
+    a, b, c = symbols(algebra, "abc")
+    value = algebra.add(algebra.multiply(a, b), algebra.multiply(a, c))
+    assert value == algebra.multiply(a, algebra.add(b, c))
+
+
+def test_common_reciprocal_is_taken_out(algebra):
+    a, b, j = symbols(algebra, "abj")
+    inverse = algebra.power(j, -1)
+    value = algebra.add(algebra.multiply(a, inverse), algebra.multiply(b, inverse))
+    assert value == algebra.multiply(algebra.add(a, b), inverse)
+
+
+def test_common_number_and_sign_are_taken_out(algebra):
+    a, b = symbols(algebra, "ab")
+    difference = algebra.add(a, minus(b))
+    opposite = algebra.add(b, minus(a))
+    assert opposite == minus(difference)  # one node serves both
+    halves = algebra.add(algebra.multiply(algebra.number(0.5), a), algebra.multiply(algebra.number(-0.5), b))
+    assert halves == (0.5, difference[1])
+
+
+def test_factor_and_reciprocal_cancel(algebra):
+    a, b = symbols(algebra, "ab")
+    assert algebra.multiply(algebra.multiply(a, b), algebra.power(a, -1)) == b
+
+
+@pytest.mark.parametrize("exponent", [0.5, -0.5, 1.5, -1.5])
+def test_half_powers_share_one_root(algebra, exponent):
+    (a,) = symbols(algebra, "a")
+    assert algebra.power(a, exponent) == algebra.power(algebra.call("sqrt", a), int(2 * exponent))
+
+
+def test_power_of_a_scaled_value(algebra):
+    (a,) = symbols(algebra, "a")
+    assert algebra.power((-2.0, a[1]), 3) == (-8.0, algebra.power(a, 3)[1])
+    assert algebra.power((-2.0, a[1]), -2) == (0.25, algebra.power(a, -2)[1])
+
+
+def test_literals_are_folded(algebra):
+    assert algebra.call("sqrt", algebra.number(9.0)) == (3.0, None)
+    assert algebra.multiply(algebra.number(0.0), symbols(algebra, "a")[0]) == (0.0, None)
+
+
+def test_levels_are_the_deepest_of_the_operands(algebra):
+    c, x, q = (algebra.symbol((n,), level) for n, level in zip("cxq", (alg.CONSTANT, alg.CELL, alg.POINT)))
+    assert algebra.multiply(c, x)[1].level == alg.CELL
+    assert algebra.add(c, algebra.multiply(x, q))[1].level == alg.POINT
+    assert algebra.select((">", c, q), c, x)[1].level == alg.POINT
+    assert algebra.select(("&&", (">", c, c), ("<", c, x)), c, c)[1].level == alg.CELL
+
+
+def written(values):
+    """C++ text of the declarations and of the values, with symbols by their names."""
+    schedule = Schedule(lambda key: L.Symbol(key[0], L.DataType.SCALAR))
+    schedule.prepare(values)
+    lines = [
+        CxxFormatter()(d) for level in (alg.CONSTANT, alg.CELL, alg.POINT) for d in schedule.declare(values, level)
+    ]
+    return lines, [CxxFormatter()(schedule.expression(v)) for v in values]
+
+
+def test_reciprocal_is_computed_once(algebra):
+    a, b, j = symbols(algebra, "abj")
+    inverse = algebra.power(j, -1)
+    values = [algebra.multiply(a, inverse), algebra.multiply(b, inverse), algebra.multiply(b, algebra.power(j, -2))]
+    lines, texts = written(values)
+    assert sum(line.count("1.0 / j") for line in lines) + sum(t.count("/ j") for t in texts) == 1
+
+
+def test_values_used_at_a_deeper_level_are_hoisted(algebra):
+    (x,), (q,) = symbols(algebra, "x", alg.CELL), symbols(algebra, "q")
+    lines, texts = written([algebra.multiply(algebra.call("exp", x), q)])
+    assert lines == ["const T t0 = math::exp(x);\n"] and "t0" in texts[0] and "exp" not in texts[0]
+
+
+def test_written_text_computes_the_value(algebra, rng):
+    """Evaluate the C++ text as Python: sums, products, powers and signs survive algebra, schedule and formatter."""
+    a, b, c, j = symbols(algebra, "abcj")
+    p, m = algebra.add(a, minus(b)), algebra.add(algebra.multiply((3.0, a[1]), c), algebra.number(-2.0))
+    wanted = [
+        algebra.add(algebra.multiply(p, m), minus(algebra.multiply(p, algebra.power(j, -2)))),
+        minus(algebra.multiply(algebra.power(m, 2), algebra.power(p, -1))),
+        algebra.add(algebra.multiply((-0.5, b[1]), c), minus(a), algebra.number(1.25)),
+    ]
+    scope = dict(zip("abcj", rng.uniform(0.5, 1.5, size=4)))
+    A, B, C, J = (scope[n] for n in "abcj")
+    lines, texts = written(wanted)
+    for line in lines:
+        exec(line.replace("const T ", "").rstrip(";\n"), scope)
+    P, M = A - B, 3 * A * C - 2
+    expected = [P * M - P / J**2, -(M**2) / P, -0.5 * B * C - A + 1.25]
+    # A handful of roundings, each relative to values of order one to ten.
+    assert [eval(t, scope) for t in texts] == pytest.approx(expected, rel=1e-12)
+
+
+def test_uses_are_counted(algebra):
+    a, b = symbols(algebra, "ab")
+    product = algebra.multiply(a, b)
+    total = algebra.add(product, a)
+    assert alg.uses([total[1], a[1]])[a[1]] >= 2

@@ -1,0 +1,89 @@
+"""The generated text: the same every time and in every process; counts of operations; descriptors that say the truth."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+import user_forms
+
+from dolfinx_impact import _cpp
+from dolfinx_impact.forms import registry
+from dolfinx_impact.forms.compiler import emit, frontend, kernel
+
+ROWS = [
+    ("neo_hookean.force", "hexahedron", 2, 1, "3d"),
+    ("linear_elastic.tangent", "tetrahedron", 2, 2, "3d"),
+    ("neo_hookean.energy", "triangle", 1, 1, "plane_stress"),
+    ("momentum_balance", "quadrilateral", 1, 2, "plane_strain"),
+]
+CODE = """
+import sys
+from dolfinx_impact.forms import registry
+from dolfinx_impact.forms.compiler import emit, frontend
+for row in {rows}:
+    built = registry.build(*row)
+    print(emit.source(frontend.form_integrals(built.form, row[0], built.names, row[4]), "impact_row")[0])
+"""
+
+
+def source(row):
+    built = registry.build(*row)
+    return emit.source(frontend.form_integrals(built.form, row[0], built.names, row[4]), "impact_row")[0]
+
+
+def test_same_text_twice():
+    assert [source(r) for r in ROWS] == [source(r) for r in ROWS]
+
+
+def test_same_text_in_processes_with_other_hashes():
+    texts = set()
+    for seed in ("1", "2"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        code = CODE.format(rows=ROWS)
+        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+        texts.add(done.stdout)
+    assert len(texts) == 1 and "impact_row_0_kernel" in texts.pop()
+
+
+def test_signature_does_not_depend_on_names_or_numbers():
+    first, second = (registry.build("momentum_balance", "triangle", 1, 1, "plane_strain") for _ in range(2))
+    assert first.form is not second.form and first.form.signature() == second.form.signature()
+
+
+def test_signatures_of_the_table_are_found():
+    for row in registry.TABLE[::7]:
+        found = _cpp.kernels.find_signature(emit.signature(row.build().form.signature()))
+        assert found and all((k.name, k.cell, k.hypothesis) == (row.name, row.cell, row.hypothesis) for k in found)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda r: r[0])
+def test_operations_are_counted(row):
+    built = registry.build(*row)
+    for integral in frontend.form_integrals(built.form, row[0], built.names, row[4]):
+        assert emit.flops(kernel.KernelWriter(integral).write()) > 0
+
+
+def test_operations_grow_with_the_element():
+    flops = [_cpp.kernels.find("linear_elastic.force", "hexahedron", degree, 1, "3d")[0].flops for degree in (1, 2)]
+    assert flops[1] > 2 * flops[0]
+
+
+def test_kinds_of_coefficients():
+    form = user_forms.coefficients_of_all_kinds("triangle")
+    (integral,) = frontend.form_integrals(form, "kinds", {})
+    kinds = [c.kind for c in integral.coefficients]
+    assert kinds == ["node", "node", "cell", "cell", "other", "quadrature", "quadrature"]
+    ends = [c.offset + c.num_dofs for c in integral.coefficients]
+    assert [c.offset for c in integral.coefficients] == [0, *ends[:-1]]  # packed without gaps
+
+
+def test_subdomains_are_kept():
+    import ufl
+
+    mesh = user_forms.mesh_of("triangle")
+    V = user_forms.space(mesh)
+    v = ufl.TestFunction(V)
+    form = v * ufl.dx + 2 * v * ufl.dx((1, 4)) + 3 * v * ufl.ds(2)
+    found = {(i.integral_type, s) for i in frontend.form_integrals(form, "tags", {}) for s in i.subdomains}
+    assert found == {("cell", -1), ("cell", 1), ("cell", 4), ("exterior_facet", 2)}
