@@ -92,8 +92,9 @@ def _coefficient(name, element, offset, position):
     )
 
 
-def _names(objects, given, letter):
-    names = [given.get(id(o)) or given.get(o) or f"{letter}{i}" for i, o in enumerate(objects)]
+def check_names(objects, given):
+    """Names of coefficients and constants: those given, w0, w1, ... for the others. ValueError where two are the same."""
+    names = [given.get(id(o)) or given.get(o) or f"w{i}" for i, o in enumerate(objects)]
     if len(set(names)) != len(names):
         twice = sorted({n for n in names if names.count(n) > 1})
         raise ValueError(f"the form has two coefficients or constants of one name, {twice}: give each its own")
@@ -128,7 +129,7 @@ def form_integrals(form, name, names, hypothesis=""):
     coefficients = data.reduced_coefficients
     originals = [data.original_form.coefficients()[i] for i in data.original_coefficient_positions]
     constants = data.original_form.constants()
-    all_names = _names(list(originals) + list(constants), names, "w")
+    all_names = check_names(list(originals) + list(constants), names)
     signature = form.signature()
     result = []
     for itg, representation in zip(data.integral_data, ir.integrals):
@@ -166,7 +167,10 @@ def expression_signature(expression, points):
     """Signature of an expression at points; like UFL's for forms it does not depend on names or object numbers."""
     domain = ufl.domain.extract_unique_domain(expression)
     numbering = {domain: 0}
-    for group in (ufl.algorithms.extract_coefficients(expression), ufl.algorithms.analysis.extract_constants(expression)):
+    for group in (
+        ufl.algorithms.extract_coefficients(expression),
+        ufl.algorithms.analysis.extract_constants(expression),
+    ):
         numbering.update({c: i for i, c in enumerate(group)})
     text = ufl.algorithms.signature.compute_expression_signature(expression, numbering)
     return text + repr(np.asarray(points, dtype=float).tolist())
@@ -189,7 +193,7 @@ def expression_integral(expression, points, name, names, entity_type="cell"):
     common = representation.expression
     coefficients = ufl.algorithms.extract_coefficients(analysis.expressions[0][0])
     constants = ufl.algorithms.analysis.extract_constants(expression)
-    all_names = _names(list(coefficients) + list(constants), names, "w")
+    all_names = check_names(list(coefficients) + list(constants), names)
     domain = ufl.domain.extract_unique_domain(expression)
     return Integral(
         name=name,

@@ -1,13 +1,15 @@
 """From a UFL form to kernels: those built with the package when the form is one of them, else compiled now and cached.
 
 The cache is a folder of shared libraries, safe under concurrent ranks and processes: a library is compiled under a name of
-its own and renamed into place.
+its own and renamed into place. Beside it stands a list of its kernels with the library's checksum: a file that was cut short
+or spoilt is compiled again.
 """
 
 import functools
 import hashlib
 import os
 import platform
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -20,6 +22,7 @@ from mpi4py import MPI
 from . import _cpp
 from .forms.compiler import emit, frontend
 
+INCLUDE = Path(__file__).parent / "include"
 FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
 
 
@@ -70,6 +73,7 @@ def compile_form(form, names=None, comm=None):
     if not isinstance(form, ufl.Form):
         raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
     names = _names(form, names)
+    frontend.check_names(list(form.coefficients()) + list(form.constants()), names)
     key = emit.signature(form.signature())
     built_in = _cpp.kernels.find_signature(key)
     objects = list(form.coefficients()), list(form.constants())
@@ -127,23 +131,26 @@ def _comm(form_or_domain):
 
 @functools.lru_cache(maxsize=None)
 def _compiler():
-    """(path, hash of everything that decides what the compiler makes)."""
+    """(command, hash of everything that decides what is made: compiler, flags, processor, generator and headers)."""
     wanted = os.environ.get("CXX")
-    path = shutil.which(wanted) if wanted else shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
-    if path is None:
+    command = shlex.split(wanted) if wanted else [c for c in ("c++", "g++", "clang++") if shutil.which(c)][:1]
+    if not command or shutil.which(command[0]) is None:
         what = f"CXX={wanted}" if wanted else "none of c++, g++, clang++"
         raise RuntimeError(
             f"no C++ compiler was found ({what}): kernels of your own forms are compiled at run time. Install one "
             "(Debian: g++) or set CXX; forms of the catalogue's table work without"
         )
-    version = subprocess.run([path, "--version"], capture_output=True, text=True).stdout
+    version = subprocess.run([*command, "--version"], capture_output=True, text=True).stdout
     processor = platform.machine()
     try:
         processor += next(line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("flags"))
     except (OSError, StopIteration):
         pass
-    text = path + version + " ".join(FLAGS) + processor + emit.VERSION
-    return path, hashlib.sha256(text.encode()).hexdigest()[:12]
+    digest = hashlib.sha256("\n".join([*command, version, *FLAGS, processor, emit.VERSION]).encode())
+    sources = [*Path(emit.__file__).parent.glob("*.py"), *INCLUDE.glob("dolfinx_impact/kernels/*.h")]
+    for source in sorted(sources):
+        digest.update(source.read_bytes())
+    return command, digest.hexdigest()[:12]
 
 
 _LOADED = {}
@@ -161,9 +168,24 @@ def _from_cache(key, integrals, comm):
     if error is not None:
         raise error
     path, names = comm.bcast((path, names), root=0)
-    if path not in _LOADED:
-        _LOADED[path] = _cpp.kernels.load(str(path), names)
+    try:
+        if path not in _LOADED:
+            _LOADED[path] = _cpp.kernels.load(str(path), names)
+    except RuntimeError as e:
+        error = f"rank {comm.rank} of {comm.size}: {e}"
+    errors = [e for e in comm.allgather(error) if e is not None]
+    if errors:
+        raise RuntimeError(f"{errors[0]}. The folder {path.parent} must be the same for all ranks (IMPACT_JIT_CACHE)")
     return _LOADED[path], path
+
+
+def _cached(path, listing):
+    """Names of the kernels in a cached library, or None unless it is whole."""
+    try:
+        checksum, *names = listing.read_text().split()
+        return names if hashlib.sha256(path.read_bytes()).hexdigest() == checksum else None
+    except (OSError, ValueError):
+        return None
 
 
 def _library(key, integrals):
@@ -171,8 +193,9 @@ def _library(key, integrals):
     folder = cache_folder()
     path = folder / f"{key}-{fingerprint}.so"
     listing = path.with_suffix(".txt")
-    if path.exists() and listing.exists():
-        return path, listing.read_text().split()
+    names = _cached(path, listing)
+    if names:
+        return path, names
     text, names = emit.source(integrals(), f"impact_{key}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -181,12 +204,15 @@ def _library(key, integrals):
         raise RuntimeError(_cache_message(folder, e)) from e
     try:
         (work / "kernel.cpp").write_text(text)
-        (work / "kernel.txt").write_text("\n".join(names) + "\n")
-        include = Path(__file__).parent / "include"
-        command = [compiler, *FLAGS, f"-I{include}", str(work / "kernel.cpp"), "-o", str(work / "kernel.so"), "-lmvec", "-lm"]
+        files = [str(work / "kernel.cpp"), "-o", str(work / "kernel.so")]
+        command = [*compiler, *FLAGS, f"-I{INCLUDE}", *files, "-lmvec", "-lm"]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
-            raise RuntimeError(f"the compiler failed on a generated kernel ({' '.join(command)}):\n{done.stderr[-3000:]}")
+            raise RuntimeError(
+                f"the compiler failed on a generated kernel ({' '.join(command)}):\n{done.stderr[-3000:]}"
+            )
+        checksum = hashlib.sha256((work / "kernel.so").read_bytes()).hexdigest()
+        (work / "kernel.txt").write_text("\n".join([checksum, *names]) + "\n")
         (work / "kernel.cpp").replace(path.with_suffix(".cpp"))
         (work / "kernel.txt").replace(listing)
         (work / "kernel.so").replace(path)

@@ -3,12 +3,19 @@
 import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
+from dolfinx.mesh import exterior_facet_indices
 
 from .forms import loads, quadrature
+from .materials import _number
 
 
 def _vector(name, value, gdim):
-    array = np.asarray(value, dtype=float)
+    try:
+        if any(isinstance(x, (str, bytes)) for x in np.ravel(np.asarray(value, dtype=object))):
+            raise TypeError
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be {gdim} numbers, found {value!r}") from None
     if array.shape != (gdim,):
         raise ValueError(f"{name} has shape {array.shape}: on this mesh it needs {gdim} components")
     if not np.all(np.isfinite(array)):
@@ -17,11 +24,29 @@ def _vector(name, value, gdim):
 
 
 def check_tag(tags, tag, mesh, what):
-    """Raise ValueError, on all ranks alike, unless some facet or cell of the mesh carries the tag."""
-    here = np.unique(tags.values)
-    everywhere = sorted({int(t) for part in mesh.comm.allgather(here) for t in part})
-    if int(tag) not in everywhere:
-        raise ValueError(f"{what}: no facet carries the tag {tag}; the tags of the mesh are {everywhere}")
+    """Raise ValueError, on all ranks alike, unless some facet of the boundary carries the tag."""
+    tdim = mesh.topology.dim
+    if tags.dim != tdim - 1:
+        raise ValueError(
+            f"{what}: loads need tags of facets (dimension {tdim - 1}), found tags of dimension {tags.dim}"
+        )
+    mesh.topology.create_connectivity(tdim - 1, tdim)
+    on_boundary = np.isin(tags.indices, exterior_facet_indices(mesh.topology))
+    here = np.unique(tags.values), np.unique(tags.values[on_boundary])
+    parts = mesh.comm.allgather(here)
+    everywhere, outside = ({int(t) for part in parts for t in part[i]} for i in (0, 1))
+    if tag not in everywhere:
+        raise ValueError(f"{what}: no facet carries the tag {tag}; the tags of the mesh are {sorted(everywhere)}")
+    if tag not in outside:
+        raise ValueError(
+            f"{what}: the facets with the tag {tag} lie inside the body; tags on the boundary: {sorted(outside)}"
+        )
+
+
+def _tag(tag):
+    if isinstance(tag, (bool, str, bytes)) or int(tag) != tag:
+        raise TypeError(f"a tag must be an integer, found {tag!r}")
+    return int(tag)
 
 
 class _Load:
@@ -56,7 +81,9 @@ class BodyForce(_Load):
         )
         dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
         return sum(
-            loads.body_force(m.density_constant(mesh) * f if self.per_mass else f, v, hypothesis, dx if t is None else dx(t))
+            loads.body_force(
+                m.density_constant(mesh) * f if self.per_mass else f, v, hypothesis, dx if t is None else dx(t)
+            )
             for t, m in material.parts()
         )
 
@@ -84,7 +111,7 @@ class Traction(_FacetLoad):
     """
 
     def __init__(self, facet_tags, tag, vector):
-        self.facet_tags, self.tag, self.vector = facet_tags, int(tag), vector
+        self.facet_tags, self.tag, self.vector = facet_tags, _tag(tag), vector
 
     def form(self, u, v, material):
         """External virtual work."""
@@ -105,7 +132,8 @@ class FollowerPressure(_FacetLoad):
     """
 
     def __init__(self, facet_tags, tag, pressure):
-        self.facet_tags, self.tag, self.pressure = facet_tags, int(tag), float(pressure)
+        self.facet_tags, self.tag = facet_tags, _tag(tag)
+        self.pressure = _number("pressure", pressure, unit=" [F/L^2]")
 
     def form(self, u, v, material):
         """External virtual work; depends on u."""

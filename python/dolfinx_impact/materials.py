@@ -11,6 +11,8 @@ from .forms import materials as laws
 
 def _number(name, value, low=None, unit=""):
     try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be a number, found {value!r}") from None
@@ -41,7 +43,9 @@ class _Material:
         self.E = _number("Young's modulus E", E, 0.0, " [F/L^2]")
         self.nu = _number("Poisson's ratio nu", nu)
         if self.nu == 0.5:
-            raise ValueError("Poisson's ratio nu is 0.5: an incompressible solid has no finite Lame constant. Use 0.499, or a mixed form of your own")
+            raise ValueError(
+                "Poisson's ratio nu is 0.5: an incompressible solid has no finite Lame constant. Use 0.499, or a mixed form of your own"
+            )
         if not -1.0 < self.nu < 0.5:
             raise ValueError(f"Poisson's ratio nu is {self.nu}: it must lie between -1 and 0.5")
         self.density = None if density is None else _number("density", density, 0.0, " [M/L^3]")
@@ -52,7 +56,9 @@ class _Material:
         self._constants = {}
 
     def __repr__(self):
-        return f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r})"
+        return (
+            f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r})"
+        )
 
     def hypothesis_on(self, mesh):
         """The hypothesis on a given mesh; "3d" when none was given and the mesh is 3D.
@@ -63,7 +69,9 @@ class _Material:
         hypothesis = self.hypothesis
         if hypothesis is None:
             if mesh.geometry.dim != 3:
-                raise ValueError("the mesh is 2D: give the material a hypothesis, plane_strain, plane_stress or axisymmetric")
+                raise ValueError(
+                    "the mesh is 2D: give the material a hypothesis, plane_strain, plane_stress or axisymmetric"
+                )
             hypothesis = "3d"
         laws.check_hypothesis(hypothesis, mesh.geometry.dim)
         return hypothesis
@@ -143,12 +151,19 @@ class MaterialMap:
     def __init__(self, cell_tags, materials):
         if not materials:
             raise ValueError("MaterialMap needs at least one material")
+        for tag, m in materials.items():
+            if not isinstance(m, _Material):
+                raise TypeError(f"tag {tag}: expected a material, found {type(m).__name__} {m!r:.60}")
         hypotheses = {m.hypothesis for m in materials.values()}
         if len(hypotheses) > 1:
             raise ValueError(f"materials of one body share one hypothesis, found {sorted(map(str, hypotheses))}")
         self.cell_tags = cell_tags
         self.materials = {int(t): m for t, m in materials.items()}
         topology = cell_tags.topology
+        if cell_tags.dim != topology.dim:
+            raise ValueError(
+                f"materials need tags of cells (dimension {topology.dim}), found tags of dimension {cell_tags.dim}"
+            )
         comm, num_owned = topology.comm, topology.index_map(topology.dim).size_local
         owned = cell_tags.indices < num_owned
         here = np.unique(cell_tags.values[owned])
@@ -157,7 +172,9 @@ class MaterialMap:
         empty = sorted(set(self.materials) - everywhere)
         untagged = sum(comm.allgather(int(num_owned - np.count_nonzero(owned))))
         if missing:
-            raise ValueError(f"cells carry the tags {missing}, which have no material; there are materials for {sorted(self.materials)}")
+            raise ValueError(
+                f"cells carry the tags {missing}, which have no material; there are materials for {sorted(self.materials)}"
+            )
         if empty:
             raise ValueError(f"no cell carries the tags {empty}; the mesh has {sorted(everywhere)}")
         if untagged:
@@ -186,4 +203,6 @@ class Rayleigh:
         self.alpha = _number("Rayleigh factor alpha", alpha)
         self.beta = _number("Rayleigh factor beta", beta)
         if self.alpha < 0 or self.beta < 0:
-            raise ValueError(f"Rayleigh factors alpha={alpha}, beta={beta} must not be negative: they would feed energy in")
+            raise ValueError(
+                f"Rayleigh factors alpha={alpha}, beta={beta} must not be negative: they would feed energy in"
+            )

@@ -33,7 +33,7 @@ class StaticProblem:
         material: material or MaterialMap; or give `residual`.
         residual: a UFL residual of your own in u (rank 1), instead of a material.
         bcs: list of DirichletBC. loads: list of loads (dolfinx_impact.Traction, ...).
-        options: dict of PETSc options for the linear solver, without prefix; default: MUMPS.
+        options: dict of PETSc options for the linear solver, without prefix; default: LU by MUMPS.
         prefix: of PETSc options for this problem's linear solver.
 
     Raises:
@@ -67,11 +67,15 @@ class StaticProblem:
         self._solver = PETSc.KSP().create(V.mesh.comm)
         self._solver.setOptionsPrefix(prefix)
         self._solver.setOperators(self._tangent.matrix)
-        database = PETSc.Options()
-        for key, value in {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps", **(options or {})}.items():
-            if not database.hasName(prefix + key):
-                database[prefix + key] = value
+        # What the command line says goes before; what is set here leaves the database again, for the next problem's sake.
+        database, defaults = PETSc.Options(), {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
+        wanted = {**defaults, **(options or {})}
+        mine = {prefix + k: v for k, v in wanted.items() if not database.hasName(prefix + k)}
+        for key, value in mine.items():
+            database[key] = value
         self._solver.setFromOptions()
+        for key in mine:
+            database.delValue(key)
 
     def _assemble_residual(self, constrain=True):
         self.u.x.scatter_forward()

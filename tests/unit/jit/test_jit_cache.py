@@ -1,0 +1,191 @@
+"""The run-time route: what is compiled, what is found again, and what happens when the cache or the compiler is not fit."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+import dolfinx_impact as di
+from dolfinx_impact import jit
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("IMPACT_JIT_CACHE", str(folder))
+    monkeypatch.setattr(jit, "_LOADED", {})
+    return folder
+
+
+def small_form(factor=1.0):
+    """A form that is not in the table and quick to compile; every factor makes another one."""
+    domain = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+    v = ufl.TestFunction(fem.functionspace(domain, ("Lagrange", 1)))
+    return factor * v * ufl.dx
+
+
+# Compiles small_form in a process of its own and prints the library's path.
+SCRIPT = """
+import sys, ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+import dolfinx_impact as di
+domain = mesh.create_unit_square(MPI.COMM_WORLD, 4, 4)
+v = ufl.TestFunction(fem.functionspace(domain, ("Lagrange", 1)))
+form = float(sys.argv[1]) * v * ufl.dx
+try:
+    b = di.InternalForce(form).apply()
+except RuntimeError as e:
+    print("refused:", e)
+    sys.exit(0)
+total = MPI.COMM_WORLD.allreduce(float(b.array[: b.index_map.size_local].sum()))
+assert abs(total - float(sys.argv[1])) < 1e-12, total  # the area of the square, 1
+print("computed")
+"""
+
+
+def test_compiled_once_and_found_again(cache):
+    first = jit.compile_form(small_form())
+    stamp = {p.name: p.stat().st_mtime_ns for p in cache.iterdir()}
+    assert sorted(p.suffix for p in cache.iterdir()) == [".cpp", ".so", ".txt"]  # and no folder of a build is left
+    again = jit.compile_form(small_form())
+    assert again.source == first.source and stamp == {p.name: p.stat().st_mtime_ns for p in cache.iterdir()}
+
+
+def test_another_form_is_another_library(cache):
+    assert jit.compile_form(small_form(1.0)).source != jit.compile_form(small_form(2.0)).source
+
+
+def test_forms_of_the_table_need_no_cache(cache):
+    domain = mesh.create_unit_cube(MPI.COMM_SELF, 1, 1, 1, mesh.CellType.hexahedron)
+    u = fem.Function(fem.functionspace(domain, ("Lagrange", 1, (3,))), name="u")
+    material = di.LinearElastic(1.0, 0.3)
+    compiled = jit.compile_form(di.operators.internal_force_form(u, ufl.TestFunction(u.function_space), material))
+    assert compiled.source == "package" and not cache.exists()
+
+
+@pytest.mark.parametrize("damage", ["truncated", "overwritten", "empty", "missing", "no list", "list spoilt"])
+def test_spoilt_library_is_compiled_again(cache, damage):
+    path = jit.Path(jit.compile_form(small_form()).source)
+    whole = path.read_bytes()
+    # Never in place: this process has the file mapped.
+    if damage in ("truncated", "overwritten", "empty"):
+        copy = path.with_suffix(".copy")
+        spoilt = whole[: len(whole) // 2] if damage == "truncated" else b"x" * len(whole) if damage != "empty" else b""
+        copy.write_bytes(spoilt)
+        copy.replace(path)
+    elif damage == "missing":
+        path.unlink()
+    else:
+        listing = path.with_suffix(".txt")
+        listing.unlink() if damage == "no list" else listing.write_text("nonsense\n")
+    run(cache, "1.0", expect="computed")
+    assert jit._cached(path, path.with_suffix(".txt"))
+
+
+def run(cache, factor, expect, environment=None, code=SCRIPT):
+    surroundings = {**os.environ, "IMPACT_JIT_CACHE": str(cache), **(environment or {})}
+    done = subprocess.run(
+        [sys.executable, "-c", code, factor], env=surroundings, capture_output=True, text=True, timeout=100
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout.startswith(expect), done.stdout
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    "environment, words",
+    [
+        ({"CXX": "/nonexistent"}, "no C.. compiler.*CXX=/nonexistent.*Install"),
+        ({"CXX": "", "PATH": ""}, "no C.. compiler.*g.."),
+    ],
+    ids=["CXX wrong", "PATH empty"],
+)
+def test_no_compiler(cache, environment, words):
+    assert re.search(words, run(cache, "3.0", "refused", environment), re.S)
+
+
+def test_compiler_that_fails(cache):
+    assert "the compiler failed" in run(cache, "3.0", "refused", {"CXX": "false"})
+    assert not list(cache.glob("*"))  # nothing half-made stays behind
+
+
+def test_compiler_with_arguments(cache):
+    run(cache, "3.0", "computed", {"CXX": "g++ -O1"})
+
+
+def test_cache_below_a_file(cache):
+    cache.write_text("a file, not a folder")
+    text = run(cache, "3.0", "refused")
+    assert str(cache) in text and "IMPACT_JIT_CACHE" in text
+    assert "IMPACT_JIT_CACHE" in run(cache / "below", "3.0", "refused")
+
+
+def test_cache_that_cannot_be_written(tmp_path):
+    assert "IMPACT_JIT_CACHE" in run("/proc/impact_kernels", "3.0", "refused")
+
+
+def test_cache_without_room(cache):
+    """A file size limit stands for a full disk."""
+    limit = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))\n"
+    text = run(cache, "3.0", "refused", code=SCRIPT.replace("\ntry:", "\n" + limit + "try:"))
+    assert str(cache) in text and "IMPACT_JIT_CACHE" in text
+    assert not list(cache.glob("*"))
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_ranks_compile_together(cache, mpirun, ranks):
+    output = mpirun(ranks, SCRIPT, "5.0", env={"IMPACT_JIT_CACHE": str(cache)})
+    assert output.count("computed") == ranks and len(list(cache.glob("*.so"))) == 1
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    "environment",
+    [{"CXX": "/nonexistent"}, {"IMPACT_JIT_CACHE": "/proc/impact_kernels"}],
+    ids=["no compiler", "no cache"],
+)
+def test_ranks_fail_together(cache, mpirun, environment):
+    output = mpirun(2, SCRIPT, "5.0", env={"IMPACT_JIT_CACHE": str(cache), **environment})
+    refusals = [line for line in output.splitlines() if line.startswith("refused")]
+    assert len(refusals) == 2 and len(set(refusals)) == 1
+
+
+def test_processes_compile_at_the_same_time(cache):
+    surroundings = {**os.environ, "IMPACT_JIT_CACHE": str(cache)}
+    command = [sys.executable, "-c", SCRIPT, "7.0"]
+    running = [subprocess.Popen(command, env=surroundings, stdout=subprocess.PIPE, text=True) for _ in range(4)]
+    assert [p.communicate(timeout=100)[0].strip() for p in running] == ["computed"] * 4
+    assert sorted(p.suffix for p in cache.iterdir()) == [".cpp", ".so", ".txt"]
+
+
+@pytest.mark.parametrize("wrong", ["u*v*dx", None, 3, ufl.Identity(2)], ids=["text", "None", "number", "tensor"])
+def test_not_a_form(wrong):
+    with pytest.raises(TypeError, match="expected a UFL form, found"):
+        jit.compile_form(wrong)
+
+
+def test_one_name_for_two(cache):
+    domain = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+    V = fem.functionspace(domain, ("Lagrange", 1))
+    f, g = fem.Function(V, name="heat"), fem.Function(V, name="heat")
+    form = f * g * ufl.TestFunction(V) * ufl.dx
+    for _ in range(2):
+        with pytest.raises(ValueError, match="two coefficients.*heat"):
+            jit.compile_form(form)
+    jit.compile_form(form, names={g: "other"})  # the cache now holds the form, and the first names are still wrong
+    with pytest.raises(ValueError, match="two coefficients.*heat"):
+        jit.compile_form(form)
+
+
+def test_interior_facets(cache):
+    domain = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+    v = ufl.TestFunction(fem.functionspace(domain, ("Lagrange", 1)))
+    with pytest.raises(ValueError, match="interior_facet.*only dx and ds"):
+        jit.compile_form(ufl.avg(v) * ufl.dS)
