@@ -2,8 +2,7 @@
 
 import numpy as np
 import ufl
-from dolfinx import fem, la
-from dolfinx.mesh import exterior_facet_indices
+from dolfinx import cpp, fem, la
 from mpi4py import MPI
 
 from . import _cpp
@@ -12,6 +11,9 @@ from .jit import compile_expression, compile_form
 
 
 def _domain(form):
+    """C++ mesh of a form."""
+    if not isinstance(form, ufl.Form):
+        raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
     mesh = form.ufl_domain().ufl_cargo()
     if mesh is None:
         raise ValueError("the form is on a symbolic mesh: use functions and constants of a DOLFINx mesh")
@@ -25,24 +27,24 @@ def _entities(mesh, integral_type, subdomain, data):
         num_owned = mesh.topology.index_map(tdim).size_local
         if subdomain == -1:
             return np.arange(num_owned, dtype=np.int32)
-        cells = _tagged(data, subdomain, "dx")
+        cells = _tagged(data, subdomain, "dx", tdim)
         return cells[cells < num_owned]
-    mesh.topology.create_connectivity(tdim - 1, tdim)
-    mesh.topology.create_connectivity(tdim, tdim - 1)
-    exterior = exterior_facet_indices(mesh.topology)
-    facets = exterior if subdomain == -1 else np.intersect1d(_tagged(data, subdomain, "ds"), exterior)
-    to_cell = mesh.topology.connectivity(tdim - 1, tdim)
-    to_facet = mesh.topology.connectivity(tdim, tdim - 1)
-    pairs = np.empty((len(facets), 2), dtype=np.int32)
-    for i, f in enumerate(facets):
-        cell = to_cell.links(f)[0]
-        pairs[i] = cell, np.flatnonzero(to_facet.links(cell) == f)[0]
-    return pairs.ravel()
+    topology = mesh.topology
+    topology.create_connectivity(tdim - 1, tdim)
+    topology.create_connectivity(tdim, tdim - 1)
+    facets = cpp.mesh.exterior_facet_indices(topology)
+    if subdomain != -1:
+        facets = np.intersect1d(_tagged(data, subdomain, "ds", tdim - 1), facets)
+    return cpp.fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets, tdim - 1)
 
 
-def _tagged(data, subdomain, measure):
+def _tagged(data, subdomain, measure, dim):
     if data is None:
         raise ValueError(f"the form integrates over {measure}({subdomain}), but the measure has no subdomain_data")
+    if not hasattr(data, "find"):
+        raise TypeError(f"subdomain_data of {measure} must be MeshTags, found {type(data).__name__}")
+    if data.dim != dim:
+        raise ValueError(f"{measure} needs tags of dimension {dim}, found tags of dimension {data.dim}")
     return data.find(subdomain).astype(np.int32)
 
 
@@ -72,6 +74,8 @@ class _Operator:
                     raise ValueError(f"two coefficients are called {c['name']!r}: give each function a name of its own")
             for subdomain in kernel.subdomains:
                 given = [d for d in data.get(kernel.integral_type, []) if d is not None]
+                if any(d is not given[0] for d in given):
+                    raise ValueError(f"the {kernel.integral_type} integrals of one form must share one subdomain_data")
                 entities = _entities(self.mesh, kernel.integral_type, subdomain, given[0] if given else None)
                 integrals.append(
                     _cpp.operators.Integral(
