@@ -61,7 +61,7 @@ def space(run, gathered, p0):
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.5, 5.2), layout="constrained")
     clim, near = (0.3, 700.0), (0.0, round(0.6 * p0 / 1e6, -1))
     scale = 300
-    image = plots.draw([_grid(gathered, scale)], clim, CMAP, (760, 760), view=((-1, -1.5, 0.45), (0, 0, 1), (0.14, 0, 0.375)), log=True, zoom=1.1)
+    image = plots.draw([_grid(gathered, scale)], clim, CMAP, (760, 760), view=((-1, -1.5, 0.45), (0, 0, 1), (0.14, 0, 0.365)), log=True, zoom=1.03)
     plots.show(left, image, title=f"a quarter of wheel and rail, displacement × {scale}")
     plots.colour_bar(figure, left, clim, "von Mises stress [MPa]", CMAP, log=True, shrink=0.85)
     r = 0.02

@@ -103,11 +103,19 @@ class StaticProblem:
         dofs = np.unique(np.concatenate(dofs)) if dofs else np.empty(0, dtype=np.int32)
         return dofs[dofs < owned]
 
+    def _tangent_force(self, A, fixed):
+        """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each other."""
+        product = A.createVecLeft()
+        A.mult(self.u.x.petsc_vec, product)
+        forces = product.array.copy()
+        forces[fixed] = 0.0
+        return np.sqrt(self.space.mesh.comm.allreduce(float(forces @ forces)))
+
     def solve(self, rtol=1e-10, atol=0.0, max_iterations=25):
         """Newton's method from the present u.
 
         Args:
-            rtol: of the free residual against the largest force seen (internal forces at the supports included) [1].
+            rtol: of the free residual against the largest force seen, at the supports and from the tangent times u [1].
             atol: of the free residual [F]. max_iterations: per solve.
 
         Returns:
@@ -122,7 +130,7 @@ class StaticProblem:
         target = self.u.copy()
         fem.set_bc(target.x.array, self.bcs)
         target.x.scatter_forward()
-        scale, norms = 0.0, []
+        scale, inner, norms = 0.0, 0.0, []
         comm = self.space.mesh.comm
         for iteration in range(max_iterations + 1):
             b = self._assemble_residual()
@@ -137,13 +145,14 @@ class StaticProblem:
                 raise RuntimeError(f"the residual is {norm} in Newton iteration {iteration}: the state cannot be evaluated (inverted cells?); apply the load in smaller parts")
             moved = iteration > 0 or not np.any(target.x.array != self.u.x.array)
             moved = comm.allreduce(int(moved)) == comm.size
-            if moved and norm <= max(atol, rtol * scale):
+            if moved and norm <= max(atol, rtol * max(scale, inner)):
                 report.iterations.append(iteration)
                 report.residual_norms.append(norms)
                 return report
             if iteration == max_iterations:
                 break
             A = self._tangent.assemble()
+            inner = self._tangent_force(A, fixed)
             jump = fem.Function(self.space)
             jump.x.array[:] = target.x.array - self.u.x.array
             with b.localForm() as local:  # ghosts were sent to their owners already: they must not be sent twice
