@@ -1,5 +1,6 @@
 #pragma once
 #include "numbering.h"
+#include <span>
 
 namespace impact::reference
 {
@@ -26,6 +27,12 @@ public:
 
   /// Adds an element matrix of the nodes `nodes` (block nodes.size() square), seed (3.26).
   void add(Csr& matrix, int block, const std::vector<std::int64_t>& nodes, const Matrix& element) const;
+
+  /// Nodes that share a cell with `node`, itself included.
+  std::span<const std::int64_t> neighbours(std::int64_t node) const
+  {
+    return {neighbours_.data() + offsets_[node], neighbours_.data() + offsets_[node + 1]};
+  }
 
 private:
   std::vector<std::int64_t> offsets_, neighbours_;

@@ -1,6 +1,7 @@
 #pragma once
 #include "Csr.h"
 #include "element.h"
+#include "ordering.h"
 #include <map>
 
 namespace impact::reference
@@ -21,6 +22,7 @@ public:
   const Field& field() const { return field_; }
   Hypothesis hypothesis() const { return hypothesis_; }
   bool linear() const { return linear_; } ///< true if every material is linear elastic
+  std::vector<std::int64_t> elimination_order() const { return dissection(field_, pattern_); }
   int gdim() const { return int(geometry_.points.cols()); }
   std::int64_t num_dofs() const { return gdim() * field_.points.rows(); }
 

@@ -8,13 +8,6 @@ void bind_model(nb::module_& m)
 {
   m.def("csr_dot", [](const Integers& indptr, const Integers& indices, const Vector& data, const Vector& x)
         { return csr(indptr, indices, data).dot(x); });
-  m.def("frequencies",
-        [](const std::vector<Csr*>& matrices, const Vector& lumped, int n, const std::vector<std::int64_t>& fixed)
-        {
-          const Frequencies result =
-              frequencies(*matrices.at(0), matrices.size() > 1 ? matrices[1] : nullptr, lumped, n, fixed);
-          return std::make_pair(result.omega, result.modes);
-        });
   nb::class_<Csr>(m, "Csr").def_prop_ro("arrays", &arrays);
 
   using P = const Matrix&;
@@ -62,6 +55,14 @@ void bind_model(nb::module_& m)
            [](const Model& s, P p, W w, V spin, V centre) { return s.ale_inertia({p, w}, spin, centre); })
       .def("ale_load", [](const Model& s, P p, W w, V spin, V centre) { return s.ale_load({p, w}, spin, centre); })
       .def("poisson", [](const Model& s, P p, W w, double k) { return s.poisson({p, w}, k); })
+      .def(
+          "frequencies",
+          [](const Model& s, const std::vector<Csr*>& matrices, V lumped, int n, const std::vector<std::int64_t>& fixed)
+          {
+            const Csr* mass = matrices.size() > 1 ? matrices[1] : nullptr;
+            const Frequencies result = frequencies(s, *matrices.at(0), mass, lumped, n, fixed);
+            return std::make_pair(result.omega, result.modes);
+          })
       .def("rigid_modes", &Model::rigid_modes)
       .def("solve_static",
            [](const Model& s, P p, W w, const std::vector<std::int64_t>& fixed, V values, V load, int steps,

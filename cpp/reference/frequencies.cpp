@@ -26,10 +26,10 @@ Dense start_vectors(Eigen::Index rows, int columns)
 }
 } // namespace
 
-Frequencies frequencies(const Csr& K, const Csr* M, const Vector& lumped, int n,
+Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Vector& lumped, int n,
                         const std::vector<std::int64_t>& fixed_dofs)
 {
-  const std::vector<std::int64_t> numbers = free_numbers(K.size, fixed_dofs);
+  const std::vector<std::int64_t> numbers = free_numbers(model.elimination_order(), model.gdim(), fixed_dofs);
   const Sparse k = reduce(K, numbers);
   if (n < 1 or n > k.rows())
     throw std::invalid_argument(std::to_string(n) + " frequencies were asked for, but the model has " +
@@ -51,7 +51,7 @@ Frequencies frequencies(const Csr& K, const Csr* M, const Vector& lumped, int n,
 
   // The shift sits far below the lowest elastic eigenvalue of any sensible mesh, yet K + shift M is safely regular.
   const double shift = 1e-9 * (k.diagonal().array() / masses.array()).maxCoeff();
-  Eigen::SimplicialLDLT<Sparse> solver(Sparse(k + shift * m));
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(Sparse(k + shift * m));
   if (solver.info() != Eigen::Success)
     throw std::runtime_error("the shifted stiffness could not be factorised: check the mesh for degenerate cells");
 
@@ -76,10 +76,10 @@ Frequencies frequencies(const Csr& K, const Csr* M, const Vector& lumped, int n,
     X = X * s.asDiagonal() * small.eigenvectors();
     const Vector change = (values - before).cwiseAbs();
     before = values;
+    // Rigid modes carry rounding of about machine epsilon times the largest eigenvalue, 1e-7 of the shift.
     bool done = iteration > 2;
-    const double tolerance = iteration < 60 ? 1e-11 : 1e-8; // rounding may keep the last digits moving
     for (int i = 0; i < n; ++i)
-      done = done and change(i) <= tolerance * (std::abs(values(i)) + shift);
+      done = done and change(i) <= 1e-11 * std::abs(values(i)) + 1e-6 * shift;
     if (not done)
       continue;
     Frequencies result{values.head(n).cwiseMax(0).cwiseSqrt(), Matrix::Zero(K.size, n)};

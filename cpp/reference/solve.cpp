@@ -19,7 +19,7 @@ public:
   Newton(const Model& model, const Rule& rule, const std::vector<std::int64_t>& fixed_dofs,
          const NewtonOptions& options)
       : model_(model), rule_(rule), fixed_(fixed_dofs), options_(options),
-        numbers_(free_numbers(model.num_dofs(), fixed_dofs))
+        numbers_(free_numbers(model.elimination_order(), model.gdim(), fixed_dofs))
   {
   }
 
@@ -93,27 +93,10 @@ private:
   const std::vector<std::int64_t>& fixed_;
   NewtonOptions options_;
   std::vector<std::int64_t> numbers_;
-  Eigen::SimplicialLDLT<Sparse> solver_;
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver_;
   bool analysed_ = false;
 };
 } // namespace
-
-std::vector<std::int64_t> free_numbers(std::int64_t num_dofs, const std::vector<std::int64_t>& fixed_dofs)
-{
-  std::vector<std::int64_t> numbers(num_dofs, 0);
-  for (std::int64_t dof : fixed_dofs)
-  {
-    if (dof < 0 or dof >= num_dofs)
-      throw std::invalid_argument("fixed degree of freedom " + std::to_string(dof) +
-                                  " is out of range: they are numbered 0 to " + std::to_string(num_dofs - 1));
-    numbers[dof] = -1;
-  }
-  std::int64_t count = 0;
-  for (std::int64_t& number : numbers)
-    if (number == 0)
-      number = count++;
-  return numbers;
-}
 
 Sparse reduce(const Csr& matrix, const std::vector<std::int64_t>& numbers)
 {
@@ -141,14 +124,14 @@ StaticSolution solve_static(const Model& model, const Rule& rule, const std::vec
     throw std::invalid_argument("a prescribed value or load is NaN or infinite");
   if (options.steps < 1 or options.max_iterations < 1 or not(options.tolerance > 0))
     throw std::invalid_argument("steps and max_iterations must be at least 1 and tolerance positive");
+  Newton newton(model, rule, fixed_dofs, options);
   std::vector<bool> fixed(model.num_dofs());
-  for (std::size_t i = 0; const std::int64_t number : free_numbers(model.num_dofs(), fixed_dofs))
-    fixed[i++] = number < 0;
+  for (std::int64_t dof : fixed_dofs)
+    fixed[dof] = true;
   if (const std::string loose = free_rigid_motions(model, fixed); not loose.empty())
     throw std::runtime_error("the stiffness is singular: these rigid motions are free: " + loose +
                              "; fix more degrees of freedom");
 
-  Newton newton(model, rule, fixed_dofs, options);
   StaticSolution solution{Vector::Zero(model.num_dofs()), Vector::Zero(model.num_dofs()), {}, {}};
   double factor = 0, size = 1.0 / (model.linear() ? 1 : options.steps);
   const double smallest = size / 1024;

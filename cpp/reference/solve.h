@@ -40,12 +40,8 @@ struct Frequencies
 /// @param M consistent mass, or nullptr to use `lumped`
 /// @throws std::invalid_argument if n is not between 1 and the number of free degrees of freedom
 /// @throws std::runtime_error if the iteration does not converge or a mass is not positive
-Frequencies frequencies(const Csr& K, const Csr* M, const Vector& lumped, int n,
+Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Vector& lumped, int n,
                         const std::vector<std::int64_t>& fixed_dofs);
-
-/// Free degrees of freedom: reduced number, or -1 where fixed.
-/// @throws std::invalid_argument for a number out of range
-std::vector<std::int64_t> free_numbers(std::int64_t num_dofs, const std::vector<std::int64_t>& fixed_dofs);
 
 /// Rows and columns of the free degrees of freedom.
 Eigen::SparseMatrix<double> reduce(const Csr& matrix, const std::vector<std::int64_t>& numbers);

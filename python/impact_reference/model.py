@@ -203,4 +203,4 @@ class Model:
             diagonal = self._model.lumped_mass(*self._rule("mass"), scheme)
         else:
             matrices.append(self._model.mass(*self._rule("mass")))
-        return _reference.frequencies(matrices, diagonal, n, fixed)
+        return self._model.frequencies(matrices, diagonal, n, fixed)

@@ -113,6 +113,43 @@ def test_loads(cell, degree, geometry):
     assert np.isclose(force @ model.field_points.reshape(-1), -d * 2.0**d, rtol=1e-12)
 
 
+@pytest.mark.parametrize("cell, degree, geometry", CASES)
+def test_traction_on_slanted_facets(cell, degree, geometry):
+    """Force and first moments on every facet of an affine cell, from the areas and centroids of its corners."""
+    d = ir.reference_nodes(cell, 1).shape[1]
+    A = np.array([[2, 0.3, 0.4], [0.5, 1.5, -0.2], [-0.3, 0.1, 1.2]])[:d, :d]
+    X, x = ir.reference_nodes(cell, geometry) @ A.T, ir.reference_nodes(cell, degree) @ A.T
+    t = np.arange(2.0, d + 2)
+    for number, facet in enumerate(ir.facets(cell)):
+        corners = X[facet]
+        if d == 2:
+            area = np.linalg.norm(corners[1] - corners[0])
+        else:
+            area = np.linalg.norm(np.cross(corners[1] - corners[0], corners[-1] - corners[0]))
+            area = area / 2 if cell == "tetrahedron" else area
+        load = ir.element_traction(cell, X, number, t, None, degree, geometry).reshape(-1, d)
+        assert np.allclose(load.sum(axis=0), area * t, rtol=1e-12)
+        assert np.allclose(x.T @ load, area * np.outer(corners.mean(axis=0), t), rtol=1e-12, atol=1e-12)
+        flux = ir.element_flux_load(cell, X, number, 3.0, degree, geometry)
+        assert np.allclose(flux * t[0], 3 * load[:, 0], rtol=1e-12, atol=1e-14)
+
+
+def test_traction_on_a_curved_edge():
+    """Quarter circle of radius 2 by one edge: quadratic edges err by h^4, and all of it is geometry."""
+    lengths = []
+    for n in (2, 4):
+        points, cells = box(
+            "quadrilateral", (1, n), 2, lambda x: (1 + x[0]) * np.array([np.cos(1.5 * x[1]), np.sin(1.5 * x[1])])
+        )
+        model = ir.Model(
+            points, cells, "quadrilateral", ir.Material(1, 0, hypothesis="plane_stress"), geometry_degree=2
+        )
+        outer = facets_where(points, cells, "quadrilateral", lambda x: np.hypot(*x) > 2 - 1e-9)
+        lengths.append(model.traction(outer, [1.0, 0.0]).sum())
+    errors = np.abs(np.array(lengths) - 3.0)
+    assert errors[1] < 1e-4 and errors[0] / errors[1] > 12
+
+
 def test_rayleigh_damping():
     model = model_of("quadrilateral", 2, 2, curved=True)
     K, M, C = model.stiffness().toarray(), model.mass().toarray(), model.damping(0.3, 0.02).toarray()

@@ -33,6 +33,12 @@ def test_numbering(cell, degree, geometry):
         assert np.array_equal(model.field_cells, cells) and np.array_equal(model.field_points, points)
     if (degree, geometry) == (2, 1):
         assert np.array_equal(model.field_points[: len(points)], points)  # vertices keep their numbers
+        sizes = {"triangle": [3, 3], "quadrilateral": [4, 4, 1], "tetrahedron": [4, 6], "hexahedron": [8, 12, 6, 1]}[
+            cell
+        ]
+        parts = np.split(model.field_cells, np.cumsum(sizes)[:-1], axis=1)
+        for before, after in zip(parts[:-1], parts[1:]):
+            assert before.max() < after.min()  # vertices, edges, faces, centres
 
 
 @pytest.mark.parametrize("degree, geometry", [(1, 1), (2, 1), (1, 2), (2, 2)])
@@ -53,6 +59,46 @@ def test_assembly_is_the_sum_of_elements(degree, geometry):
     for row in range(model.num_dofs):
         columns = csr.indices[csr.indptr[row] : csr.indptr[row + 1]]
         assert np.all(np.diff(columns) > 0)
+
+
+def test_every_matrix_and_vector_with_two_materials():
+    """Assembled quantities are the sums of the element functions, each cell with its own material."""
+    points, cells = box("quadrilateral", (3, 2), 1, lambda x: np.array(x) + [0.1 * x[1], 0.0], distort=0.2)
+    tags = np.arange(len(cells)) % 2
+    law = {0: ir.Material(100, 0.2, 3, "plane_stress", "neo_hookean"), 1: ir.Material(50, 0.3, 9, "plane_stress")}
+    model = ir.Model(points, cells, "quadrilateral", materials=law, cell_tags=tags, degree=2)
+    u = np.random.default_rng(4).uniform(-0.01, 0.01, model.num_dofs)
+    ale = (1.5, [0.2, 0.3])
+    own = {
+        "mass": (lambda X, m, v: ir.element_mass("quadrilateral", X, m, 2), model.mass()),
+        "lumped": (lambda X, m, v: ir.element_lumped_mass("quadrilateral", X, m, "auto", 2), model.mass(lumped=True)),
+        "damping": (lambda X, m, v: ir.element_damping("quadrilateral", X, m, 0.4, 0.1, 2), model.damping(0.4, 0.1)),
+        "gyroscopic": (lambda X, m, v: ir.element_gyroscopic("quadrilateral", X, m, *ale, 2), model.gyroscopic(*ale)),
+        "inertia": (lambda X, m, v: ir.element_ale_inertia("quadrilateral", X, m, *ale, 2), model.ale_inertia(*ale)),
+        "load": (lambda X, m, v: ir.element_ale_load("quadrilateral", X, m, *ale, 2), model.ale_load(*ale)),
+        "force": (lambda X, m, v: ir.element_internal_force("quadrilateral", X, m, v, 2), model.internal_force(u)),
+        "tangent": (lambda X, m, v: ir.element_tangent("quadrilateral", X, m, v, 2), model.tangent(u)),
+    }
+    for name, (element, assembled) in own.items():
+        assembled = assembled.toarray() if isinstance(assembled, ir.Csr) else assembled
+        total = np.zeros_like(assembled)
+        for c, cell in enumerate(cells):
+            at = dofs(model.field_cells[c], (0, 1), 2)
+            part = element(points[cell], law[tags[c]], u[at])
+            total[np.ix_(at, at) if part.ndim == 2 else at] += part
+        assert np.abs(total - assembled).max() < 1e-12 * np.abs(total).max(), name  # order of summation
+
+
+def test_elimination_order_is_a_permutation_that_changes_nothing():
+    """A model large enough to be dissected, against a dense solution."""
+    points, cells = box("tetrahedron", (4, 5, 6), distort=0.1)
+    model = ir.Model(points, cells, "tetrahedron", ir.Material(10.0, 0.3), degree=1)
+    fixed = dofs(nodes_where(points, lambda x: x[0] < 1e-9), (0, 1, 2), 3)
+    load = np.random.default_rng(0).uniform(-1, 1, model.num_dofs)
+    u, _ = model.solve_static(fixed, 0.0, load)
+    free = np.setdiff1d(np.arange(model.num_dofs), fixed)
+    exact = np.linalg.solve(model.stiffness().toarray()[np.ix_(free, free)], load[free])
+    assert np.allclose(u[free], exact, atol=1e-11 * np.abs(exact).max())  # condition number below 1e4
 
 
 def test_two_materials_in_series():
