@@ -47,6 +47,8 @@ public:
   Csr ale_inertia(const Rule& rule, const Vector& spin, const Vector& centre) const; ///< seed (3.57) [M/T^2]
   Vector ale_load(const Rule& rule, const Vector& spin, const Vector& centre) const; ///< [F]
   Csr poisson(const Rule& rule, double k) const;                                     ///< scalar field on the same nodes
+  Vector scalar_load(const Rule& rule, double f) const;                          ///< int f N_i dV of the scalar field
+  Vector flux_load(const Rule& facet_rule, const Cells& facets, double q) const; ///< int q N_i dS of the scalar field
 
   /// Displacements that cost no energy: columns; 3 in the plane, 6 in space, 1 (along z) if axisymmetric. Rotations are
   /// about the centre of all nodes.

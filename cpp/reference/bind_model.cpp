@@ -63,6 +63,9 @@ void bind_model(nb::module_& m)
             const Frequencies result = frequencies(s, *matrices.at(0), mass, lumped, n, fixed);
             return std::make_pair(result.omega, result.modes);
           })
+      .def("scalar_load", [](const Model& s, P p, W w, double f) { return s.scalar_load({p, w}, f); })
+      .def("flux_load",
+           [](const Model& s, P p, W w, const Cells& facets, double q) { return s.flux_load({p, w}, facets, q); })
       .def("rigid_modes", &Model::rigid_modes)
       .def("solve_static",
            [](const Model& s, P p, W w, const std::vector<std::int64_t>& fixed, V values, V load, int steps,

@@ -261,4 +261,24 @@ Csr Model::poisson(const Rule& rule, double k) const
   const Sampler s = sampler(rule);
   return assemble(1, [&](const Matrix& X, std::int64_t c) { return reference::poisson(s, X, k, c); });
 }
+
+Vector Model::scalar_load(const Rule& rule, double f) const
+{
+  const Sampler s = sampler(rule);
+  const Vector one = Vector::Constant(1, f);
+  return assemble_vector(1, [&](const Matrix& X, std::int64_t c) { return reference::body_force(s, X, one, c); });
+}
+
+Vector Model::flux_load(const Rule& facet_rule, const Cells& facets, double q) const
+{
+  const FacetSampler s = facet_sampler(facet_rule);
+  Vector result = Vector::Zero(field_.points.rows());
+  for (std::int64_t f = 0; f < facets.rows(); ++f)
+  {
+    const FacetPlace place = locate(facets, f);
+    scatter(result, 1, place.cell,
+            reference::traction(s, cell_points(place.cell), place.facet, Vector::Constant(1, q)));
+  }
+  return result;
+}
 } // namespace impact::reference

@@ -171,6 +171,14 @@ class Model:
         """int k grad N_i . grad N_j dV for a scalar field on the field nodes; Csr."""
         return self._matrix(self._model.poisson(*self._rule("stiffness"), float(k)))
 
+    def scalar_load(self, f):
+        """int f N_i dV of the scalar field for a constant source f; shape (num_nodes)."""
+        return self._model.scalar_load(*self._rule("load"), float(f))
+
+    def flux_load(self, facets, q):
+        """int q N_i dS of the scalar field for a constant flux q on facets (m, nodes); shape (num_nodes)."""
+        return self._model.flux_load(*self._rule("facet"), _integers(facets, "facets", 2), float(q))
+
     def rigid_modes(self):
         """Rigid motions as columns, shape (num_dofs, 3 | 6 | 1): translations, then rotations about the mean node."""
         return self._model.rigid_modes()

@@ -215,6 +215,16 @@ def test_scalar_field(cell, degree, geometry):
     field = model.field_points @ g + 3
     assert np.isclose(field @ K.dot(field), 2.5 * g @ g * 2.0**d, rtol=1e-12)
     assert np.abs(K.dot(np.ones(len(field)))).max() < 1e-12
+    # constant gradient: the fluxes through the boundary balance the field everywhere
+    flux = np.zeros(len(field))
+    for axis in range(d):
+        for place, sign in ((0, -1), (2, 1)):
+            side = facets_where(model.points, model.cells, cell, lambda x: abs(x[axis] - place) < 1e-9)
+            flux += model.flux_load(side, 2.5 * sign * g[axis])
+    assert np.allclose(K.dot(field), flux, atol=1e-12)
+    source = model.scalar_load(4.0)
+    assert np.isclose(source.sum(), 4 * 2.0**d, rtol=1e-12)
+    assert np.allclose(source, 4 / 3 * model.body_force([3.0] + [0] * (d - 1))[::d], rtol=1e-12, atol=1e-14)
     X = ir.reference_nodes(cell, geometry)
     volume = ir.quadrature(cell, "table:1")[1].sum()
     assert np.isclose(ir.element_scalar_load(cell, X, 4.0, degree, geometry).sum(), 4 * volume, rtol=1e-13)
