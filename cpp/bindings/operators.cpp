@@ -50,4 +50,8 @@ void impact::bindings::operators(nb::module_& m)
       .def_prop_ro("flops", &InternalForce::flops);
   m.def("lump_hrz", [](const Integral& mass, const FunctionSpace& V, Vector d) { lump_hrz(mass, V, {d.data(), d.size()}); },
         nb::arg("mass"), nb::arg("V"), nb::arg("diagonal"), "Add the HRZ-lumped mass to diagonal (a view is changed)");
+  m.def("lump_nodal", [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, Vector d)
+        { lump_nodal(nodal, row_sum, V, {d.data(), d.size()}); },
+        nb::arg("nodal"), nb::arg("row_sum"), nb::arg("V"), nb::arg("diagonal"),
+        "Add the nodal (GLL) lumped mass to diagonal (a view is changed)");
 }

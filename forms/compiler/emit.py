@@ -108,6 +108,8 @@ def source(integrals, prefix):
         title = f"{integral.name}: {integral.integral_type} integral, {integral.coordinate_element.cell_type.name}"
         out.append(TEMPLATE.format(title=title, symbol=symbol + "_kernel", body=body))
         for lanes, guard in GUARDS.items():
+            if lanes > 1 and integral.rank > 1:
+                continue  # matrices are assembled one cell at a time, by DOLFINx
             out.append(INSTANCE.format(symbol=symbol + "_kernel", lanes=lanes, guard=guard))
         out.append(_descriptor(integral, symbol, flops(tree), group))
         names.append(symbol)
@@ -164,6 +166,8 @@ def _descriptor(integral, symbol, count, group):
     pointers = []
     for lanes, guard in GUARDS.items():
         condition = f"IMPACT_LANES == 1{' || (IMPACT_LANES == 0' + guard + ')' if lanes > 1 else ' || IMPACT_LANES == 0'}"
+        if lanes > 1 and i.rank > 1:
+            condition = "0"
         lines.append(f"#if {condition}\n#define {symbol}_at_{lanes} &{symbol}_kernel_{lanes}\n#else")
         lines.append(f"#define {symbol}_at_{lanes} nullptr\n#endif")
         pointers.append(f"{symbol}_at_{lanes}")

@@ -1,5 +1,7 @@
 """Second stage: kernels applied over the cells of a mesh. Thin wrappers of cpp/dolfinx_impact/operators."""
 
+import functools
+
 import numpy as np
 import ufl
 from dolfinx import cpp, fem, la
@@ -14,7 +16,11 @@ def _domain(form):
     """C++ mesh of a form."""
     if not isinstance(form, ufl.Form):
         raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
-    mesh = form.ufl_domain().ufl_cargo()
+    return _cargo(form.ufl_domain())
+
+
+def _cargo(domain):
+    mesh = None if domain is None else domain.ufl_cargo()
     if mesh is None:
         raise ValueError("the form is on a symbolic mesh: use functions and constants of a DOLFINx mesh")
     return mesh
@@ -191,9 +197,9 @@ class PointValues:
     """
 
     def __init__(self, expression, points):
+        self.mesh = _cargo(ufl.domain.extract_unique_domain(expression))
         self.compiled = compile_expression(expression, points)
         self.kernel = self.compiled.kernels[0]
-        self.mesh = ufl.domain.extract_unique_domain(expression).ufl_cargo()
         self.kernel.check_mesh(self.mesh)
 
     def values(self):
@@ -253,23 +259,50 @@ def lumped_mass(V, material, scheme="auto"):
         raise ValueError(f"scheme {scheme!r} gives entries that are not positive on {cell}s of degree {degree}: use hrz")
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
     hypothesis = material.hypothesis_on(mesh)
-    rule, quadrature_degree = ("GLL", 2 * degree - 1) if scheme == "nodal" else (None, None)
-    dx = _mass_measure(V, hypothesis, material.cell_tags, rule, quadrature_degree)
-    forms = [(inertia.row_sum if scheme != "hrz" else None, tag, m) for tag, m in material.parts()]
-    if scheme != "hrz":
-        total = sum(f(v, m.density_constant(mesh), hypothesis, dx if tag is None else dx(tag)) for f, tag, m in forms)
-        return InternalForce(total).apply()
-    b = la.vector(V.dofmap.index_map, V.dofmap.index_map_bs)
-    for _, tag, m in forms:
-        density = m.density_constant(mesh)
-        compiled = compile_form(inertia.mass(trial, v, density, hypothesis, dx))
-        for kernel in compiled.kernels:
-            entities = _entities(mesh, "cell", -1 if tag is None else tag, material.cell_tags)
-            integral = _cpp.operators.Integral(kernel.address, entities, _constants(compiled, kernel))
-            _cpp.operators.lump_hrz(integral, V._cpp_object, b.array)
+    dx = _mass_measure(V, hypothesis, material.cell_tags)
+    parts = [(tag, m.density_constant(mesh)) for tag, m in material.parts()]
+    if scheme == "row_sum":
+        total = sum(inertia.row_sum(v, density, hypothesis, dx if t is None else dx(t)) for t, density in parts)
+        return _positive(InternalForce(total).apply(), scheme, mesh.comm)
+    errors, b = [], la.vector(V.dofmap.index_map, V.dofmap.index_map_bs)
+    for tag, density in parts:
+        if scheme == "hrz":
+            (mass,) = _cell_integrals(inertia.mass(trial, v, density, hypothesis, dx), tag, material)
+            lump = functools.partial(_cpp.operators.lump_hrz, mass)
+        else:
+            at_nodes = _mass_measure(V, hypothesis, material.cell_tags, "GLL", 2 * degree - 1)
+            (nodal,) = _cell_integrals(inertia.row_sum(v, density, hypothesis, at_nodes), tag, material)
+            (row_sum,) = _cell_integrals(inertia.row_sum(v, density, hypothesis, dx), tag, material)
+            lump = functools.partial(_cpp.operators.lump_nodal, nodal, row_sum)
+        try:
+            lump(V._cpp_object, b.array)
+        except RuntimeError as e:  # of one rank, perhaps: told to all below
+            errors.append(f"rank {mesh.comm.rank}: {e}")
+    errors = sum(mesh.comm.allgather(errors), [])
+    if errors:
+        raise ValueError(errors[0])
     b.scatter_reverse(la.InsertMode.add)
     b.scatter_forward()
+    return _positive(b, scheme, mesh.comm)
+
+
+def _positive(b, scheme, comm):
+    """The vector b, or ValueError on all ranks if an entry is not positive."""
+    owned = b.array[: b.index_map.size_local * b.block_size]
+    smallest = comm.allreduce(float(np.min(owned, initial=np.inf)), MPI.MIN)
+    if not smallest > 0:
+        raise ValueError(
+            f"scheme {scheme!r} gives a nodal mass of {smallest}: use hrz, and check that every cell has a volume and that an "
+            "axisymmetric mesh has no x < 0"
+        )
     return b
+
+
+def _cell_integrals(form, tag, material):
+    """Integrals of a form over the cells of one material, for the C++ side."""
+    compiled = compile_form(form)
+    entities = _entities(_domain(form), "cell", -1 if tag is None else tag, material.cell_tags)
+    return [_cpp.operators.Integral(k.address, entities, _constants(compiled, k)) for k in compiled.kernels]
 
 
 def strain_energy_form(u, material):

@@ -44,4 +44,38 @@ void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> di
     }
   }
 }
+
+void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, std::span<double> diagonal)
+{
+  const auto& mesh = *V.mesh();
+  for (const Integral* i : {&nodal, &row_sum})
+  {
+    kernels::check_mesh(*i->kernel, mesh);
+    if (i->kernel->rank != 1 || i->kernel->num_coefficients != 0 || int(i->constants.size()) != i->kernel->size_c)
+      throw std::invalid_argument(std::string("kernel ") + i->kernel->name + " is not a mass vector with its constants");
+    kernels::check_space(*i->kernel, i->kernel->arguments[0], V, "test space");
+  }
+  const auto x_dofmap = mesh.geometry().dofmap();
+  const auto x = mesh.geometry().x();
+  const int bs = V.dofmap()->bs(), n = nodal.kernel->shape[0];
+  std::vector<double> nodes(3 * x_dofmap.extent(1)), at_nodes(n), exact(n);
+  for (std::int32_t cell : nodal.entities)
+  {
+    for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
+      std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes.data() + 3 * i);
+    std::fill(at_nodes.begin(), at_nodes.end(), 0.0);
+    std::fill(exact.begin(), exact.end(), 0.0);
+    kernels::tabulate(*nodal.kernel, 1)(at_nodes.data(), nullptr, nodal.constants.data(), nodes.data(), 0);
+    kernels::tabulate(*row_sum.kernel, 1)(exact.data(), nullptr, row_sum.constants.data(), nodes.data(), 0);
+    double sum = 0.0, mass = 0.0;
+    for (int i = 0; i < n; ++i)
+      sum += at_nodes[i], mass += exact[i];
+    if (!(sum > 0.0) || !(mass > 0.0))
+      throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(mass / bs)
+                               + ": check the density and the shape of the cell");
+    const auto dofs = V.dofmap()->cell_dofs(cell);
+    for (int i = 0; i < n; ++i)
+      diagonal[std::size_t(bs) * dofs[i / bs] + i % bs] += mass / sum * at_nodes[i];
+  }
+}
 } // namespace impact::operators

@@ -10,4 +10,12 @@ namespace impact::operators
 /// @param[in,out] diagonal owned and ghost entries; this rank's contributions are added
 /// @throws std::runtime_error if the kernel is not for this mesh or space, or a cell has no mass
 void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> diagonal);
+
+/// Diagonal mass by quadrature at the nodes (Gauss-Lobatto-Legendre), scaled cell by cell to the exact mass where the rule
+/// does not integrate the Jacobian of a distorted cell exactly.
+/// @param[in] nodal kernel of rank 1 (form "nodal_mass") with its cells and constants
+/// @param[in] row_sum kernel of rank 1 (form "row_sum") on the same cells, integrated exactly
+/// @param[in] V displacement space
+/// @param[in,out] diagonal owned and ghost entries; this rank's contributions are added
+void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, std::span<double> diagonal);
 } // namespace impact::operators

@@ -1,0 +1,170 @@
+"""What the hand-written solver offers for each form of the catalogue, and which rule makes the two comparable."""
+
+import impact_reference as ref
+import numpy as np
+
+from ..forms import quadrature, registry
+
+FINITE = ("st_venant_kirchhoff", "neo_hookean")
+# Integrands that are polynomials on every cell, curved and axisymmetric ones included: both sides integrate them exactly.
+POLYNOMIAL = ("mass", "mass_action", "row_sum", "body_force")
+FACET = ("traction", "follower_pressure", "follower_pressure_tangent")
+SPIN = ("gyroscopic", "ale_inertia", "centrifugal_load", "momentum_balance")
+
+
+def exact(name, cell, degree, geometry_degree, hypothesis):
+    """Do the default rules of both sides integrate the form exactly? Then they are left different on purpose."""
+    affine = cell in quadrature.SIMPLICES and geometry_degree == 1
+    if name in POLYNOMIAL:
+        return True
+    if name == "nodal_mass":
+        return False  # defined by its rule
+    if name == "traction":  # the area element of a curved or warped facet is a square root
+        return geometry_degree == 1 and cell != "hexahedron"
+    if name in FACET:
+        return False
+    if hypothesis == "axisymmetric" and not name.startswith("poisson"):
+        return False  # hoop strain u/r
+    if name.split(".")[0] in FINITE:
+        return affine and degree == 1
+    return affine
+
+
+def rules(name, cell, degree, geometry_degree, hypothesis):
+    """(rule for the UFL side, rule for the other side): (None, None) where both may use their own default.
+
+    Elsewhere the same collapsed or plain Gauss-Jacobi rule is named to both.
+    """
+    if exact(name, cell, degree, geometry_degree, hypothesis) or name == "nodal_mass":
+        return None, None
+    used = registry.build(name, cell, degree, geometry_degree, hypothesis).degree
+    if cell == "tetrahedron" and name in FACET:
+        return None, "points"  # a collapsed rule depends on the facet's first vertex; a symmetric one does not
+    if cell in quadrature.SIMPLICES and name not in FACET:
+        return "Gauss-Jacobi", f"gauss_jacobi:{used}"
+    return None, f"gauss_jacobi:{used}"
+
+
+def cases(names=None, cells=None, degrees=None, full=True):
+    """All (name, cell, degree, geometry_degree, hypothesis) of the catalogue, or those asked for.
+
+    full: also sub- and superparametric geometry, and the other hypotheses for every form.
+    """
+    out = []
+    for name in registry.NAMES:
+        if names and name not in names:
+            continue
+        for cell, dim in registry.CELLS.items():
+            if cells and cell not in cells:
+                continue
+            if name == "nodal_mass" and cell in quadrature.SIMPLICES:
+                continue
+            scalar = name.startswith("poisson")
+            hypotheses = ("3d",) if dim == 3 else ("plane_strain", "plane_stress", "axisymmetric")
+            for hypothesis in hypotheses:
+                if hypothesis == "axisymmetric" and (name in SPIN):
+                    continue
+                if hypothesis != hypotheses[0] and (scalar or not depends_on_hypothesis(name, hypothesis)):
+                    continue
+                for degree in registry.DEGREES:
+                    if degrees and degree not in degrees:
+                        continue
+                    for geometry_degree in registry.DEGREES:
+                        if not full and (geometry_degree != 1 or hypothesis != hypotheses[0]):
+                            continue
+                        out.append((name, cell, degree, geometry_degree, hypothesis))
+    return out
+
+
+def depends_on_hypothesis(name, hypothesis):
+    """Is the form another one under this hypothesis than under plane strain?"""
+    if hypothesis == "axisymmetric":
+        return not name.startswith("poisson") and name not in SPIN
+    return name in registry.LAW_FORMS or name in ("rayleigh", "momentum_balance")
+
+
+def parameters(rng, name, dim):
+    """Random values for the constants of a form, by the names that the registry gives them."""
+    values = {
+        "E": rng.uniform(0.5, 2.0),
+        "nu": rng.uniform(0.05, 0.45),
+        "density": rng.uniform(0.5, 2.0),
+        "alpha": rng.uniform(0.1, 1.0),
+        "beta": rng.uniform(0.1, 1.0),
+        "k": rng.uniform(0.5, 2.0),
+        "p": rng.uniform(0.5, 2.0),
+        "q": rng.uniform(0.5, 2.0),
+        "f": rng.uniform(-1.0, 1.0, 1 if name.startswith("poisson") else dim),
+        "t": rng.uniform(-1.0, 1.0, dim),
+        "spin": rng.uniform(0.5, 2.0) if dim == 2 else rng.uniform(-1.0, 1.0, 3),
+        "centre": rng.uniform(-1.0, 1.0, dim),
+    }
+    return values
+
+
+def material(name, hypothesis, values):
+    law = name.split(".")[0] if name in registry.LAW_FORMS else "linear_elastic"
+    return ref.Material(values["E"], values["nu"], values["density"], hypothesis, law)
+
+
+def evaluate(name, case, X, values, fields, rule, facet=None):
+    """The hand-written solver's element tensor, in its own order.
+
+    Args:
+        name: form. case: (cell, degree, geometry_degree, hypothesis). X: geometry nodes in its order.
+        values: constants by name. fields: displacements and the like by name, in its order.
+        rule: of the other side. facet: local vertices of a facet, in its numbers.
+    """
+    cell, degree, geometry_degree, hypothesis = case
+    d = {"degree": degree, "geometry_degree": geometry_degree, "rule": rule}
+    m = material(name, hypothesis, values)
+    v, u = values, fields.get("u")
+    if name in registry.LAW_FORMS:
+        kind = name.split(".")[1]
+        if kind == "energy":
+            return np.array([ref.element_energy(cell, X, m, u, **d)])
+        if kind == "force":
+            return ref.element_internal_force(cell, X, m, u, **d)
+        linear = m.law == "linear_elastic"
+        return ref.element_stiffness(cell, X, m, **d) if linear else ref.element_tangent(cell, X, m, u, **d)
+    if name == "mass":
+        return ref.element_mass(cell, X, m, **d)
+    if name == "mass_action":
+        return ref.element_mass(cell, X, m, **d) @ u
+    if name == "row_sum":
+        return ref.element_lumped_mass(cell, X, m, "row_sum", **d)
+    if name == "nodal_mass":
+        return ref.element_lumped_mass(cell, X, m, "nodal", **d)
+    if name == "body_force":
+        return ref.element_body_force(cell, X, v["f"], hypothesis, **d)
+    if name == "traction":
+        return ref.element_traction(cell, X, facet, v["t"], hypothesis, **d)
+    if name == "follower_pressure":
+        return ref.element_follower_pressure(cell, X, u, facet, v["p"], hypothesis, **d)[0]
+    if name == "follower_pressure_tangent":
+        return ref.element_follower_pressure(cell, X, u, facet, v["p"], hypothesis, **d)[1]
+    if name == "rayleigh":
+        if rule is None:
+            return ref.element_damping(cell, X, m, v["alpha"], v["beta"], **d)
+        stiffness = quadrature.stiffness_degree(cell, degree, geometry_degree, hypothesis)
+        K = ref.element_stiffness(cell, X, m, degree, geometry_degree, f"gauss_jacobi:{stiffness}")
+        return v["alpha"] * ref.element_mass(cell, X, m, **d) + v["beta"] * K
+    if name == "gyroscopic":
+        return ref.element_gyroscopic(cell, X, m, v["spin"], v["centre"], **d)
+    if name == "ale_inertia":
+        return ref.element_ale_inertia(cell, X, m, v["spin"], v["centre"], **d)
+    if name == "centrifugal_load":
+        return ref.element_ale_load(cell, X, m, v["spin"], v["centre"], **d)
+    if name == "momentum_balance":
+        spin = (v["spin"], v["centre"])
+        terms = ref.element_stiffness(cell, X, m, **d) @ u + ref.element_mass(cell, X, m, **d) @ fields["acceleration"]
+        terms = terms + ref.element_gyroscopic(cell, X, m, *spin, **d) @ fields["velocity"]
+        terms = terms - ref.element_ale_inertia(cell, X, m, *spin, **d) @ u - ref.element_ale_load(cell, X, m, *spin, **d)
+        return terms - ref.element_body_force(cell, X, v["density"] * np.asarray(v["f"]), hypothesis, **d)
+    if name == "poisson":
+        return ref.element_poisson(cell, X, v["k"], **d)
+    if name == "poisson_residual":
+        if facet is not None:
+            return -ref.element_flux_load(cell, X, facet, v["q"], **d)
+        return ref.element_poisson(cell, X, v["k"], **d) @ u - ref.element_scalar_load(cell, X, float(v["f"][0]), **d)
+    raise ValueError(f"the hand-written solver has nothing named {name}")

@@ -1,0 +1,194 @@
+"""Level e: orders of convergence against a manufactured solution, both solvers: p + 1 in L2, p in H1."""
+
+import impact_reference
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from .. import materials
+from ..forms import loads, quadrature
+from ..problem import StaticProblem
+from . import bodies
+
+TOLERANCE = 0.1
+REASON = "rate over the last two of four meshes against theory"
+CASES = (
+    ("triangle", 1, "plane_strain", (8, 16, 32, 64)),
+    ("triangle", 2, "plane_strain", (4, 8, 16, 32)),
+    ("quadrilateral", 1, "plane_stress", (8, 16, 32, 64)),
+    ("quadrilateral", 2, "axisymmetric", (4, 8, 16, 32)),
+    ("tetrahedron", 1, "3d", (4, 6, 9, 14)),
+    ("tetrahedron", 2, "3d", (2, 3, 4, 6)),
+    ("hexahedron", 1, "3d", (4, 6, 9, 14)),
+    ("hexahedron", 2, "3d", (2, 3, 4, 6)),
+)
+
+
+def exact(x, dim, sin=np.sin, cos=np.cos):
+    """Manufactured displacement; works on coordinates of UFL and NumPy alike."""
+    if dim == 2:
+        return [0.1 * sin(0.9 * x[0] + 0.6 * x[1]) + 0.05 * x[0], 0.1 * cos(0.7 * x[0] - 0.8 * x[1])]
+    return [0.1 * sin(0.9 * x[0] + 0.6 * x[1] - 0.4 * x[2]), 0.1 * cos(0.7 * x[0] - 0.8 * x[1]), 0.1 * sin(x[2] + 0.5 * x[0])]
+
+
+def run(report, folder=None, progress=True, cases=CASES):
+    """Add the rows of this level; with a folder also a plot."""
+    from rich.progress import Progress
+
+    results = {}
+    with Progress(disable=not progress, transient=True) as bar:
+        task = bar.add_task("manufactured solutions", total=len(cases) * 4)
+        for cell, degree, hypothesis, sizes in cases:
+            rows = []
+            for n in sizes:
+                rows.append(_errors(cell, degree, hypothesis, n))
+                bar.advance(task)
+            results[(cell, degree, hypothesis)] = (np.array(sizes), np.array(rows))
+    for (cell, degree, hypothesis), (sizes, errors) in results.items():
+        rates = np.log(errors[:-1] / errors[1:]) / np.log(sizes[1:] / sizes[:-1])[:, None]
+        for k, (side, norm, expected) in enumerate(
+            (("UFL", "L2", degree + 1), ("UFL", "H1", degree), ("hand-written", "L2", degree + 1), ("hand-written", "H1", degree))
+        ):
+            rate = rates[-1, k]
+            note = f"rates {np.round(rates[:, k], 2).tolist()}"
+            # A rate above theory is no error; below it, it is.
+            report.add(
+                "order", "linear_elastic.tangent", cell, degree, 1, hypothesis, max(expected - rate, 0.0), TOLERANCE, REASON,
+                f"{side}: {norm} rate {rate:.2f}, theory {expected}", note,
+            )  # fmt: skip
+    if folder is not None:
+        report.figures.append(("Convergence of both solvers", _plot(results, folder)))
+    return results
+
+
+def _errors(cell, degree, hypothesis, n):
+    domain = bodies.block(cell, n, distortion=0.05)
+    dim = domain.geometry.dim
+    if hypothesis == "axisymmetric":
+        domain.geometry.x[:, 0] += 0.5
+    steel = materials.LinearElastic(1.0, 0.3, 1.0, hypothesis)
+    body = bodies.Body(domain, degree, steel)
+    return [*_ours(body, steel), *_theirs(body)]
+
+
+def _source(body, steel):
+    """Body force that makes the manufactured displacement the solution: minus the divergence of its stress."""
+    x = ufl.SpatialCoordinate(body.mesh)
+    u = ufl.as_vector(exact(x, body.gdim, ufl.sin, ufl.cos))
+    law = steel.law(body.mesh)
+    sigma = law.stress(u)
+    f = [-sum(ufl.Dx(sigma[i, j], j) for j in range(body.gdim)) for i in range(body.gdim)]
+    if body.hypothesis == "axisymmetric":
+        f[0] -= (sigma[0, 0] - sigma[2, 2]) / x[0]
+        f[1] -= sigma[1, 0] / x[0]
+    return ufl.as_vector(f)
+
+
+class _Source:
+    """The manufactured source as a load."""
+
+    def __init__(self, f, degree):
+        self.f, self.degree = f, degree
+
+    def form(self, u, v, material):
+        mesh = u.function_space.mesh
+        dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(self.degree))
+        return loads.body_force(self.f, v, material.hypothesis_on(mesh), dx)
+
+
+def _boundary(body):
+    tdim = body.mesh.topology.dim
+    body.mesh.topology.create_connectivity(tdim - 1, tdim)
+    from dolfinx.mesh import exterior_facet_indices
+
+    return fem.locate_dofs_topological(body.V, tdim - 1, exterior_facet_indices(body.mesh.topology))
+
+
+def _ours(body, steel):
+    V, dim = body.V, body.gdim
+    target = fem.Function(V)
+    target.interpolate(lambda x: np.array(exact(x, dim)))
+    u = fem.Function(V, name="u")
+    bcs = [fem.dirichletbc(target, _boundary(body))]
+    StaticProblem(u, steel, bcs=bcs, loads=[_Source(_source(body, steel), 2 * body.degree + 2)]).solve()
+    x = ufl.SpatialCoordinate(body.mesh)
+    e = u - ufl.as_vector(exact(x, dim, ufl.sin, ufl.cos))
+    dx = ufl.Measure("dx", domain=body.mesh, metadata=quadrature.metadata(2 * body.degree + 3))
+    square = [fem.assemble_scalar(fem.form(ufl.inner(a, a) * dx)) for a in (e, ufl.grad(e))]
+    return np.sqrt(square)
+
+
+def _theirs(body):
+    """The hand-written solver with the same manufactured source, interpolated at its own nodes (an O(h^(p+1)) change)."""
+    dim, model = body.gdim, body.model
+    x = model.field_points
+    source = _numeric_source(body, x)
+    unit = impact_reference.Material(1.0, 0.3, 1.0, body.hypothesis)
+    mass = impact_reference.Model(
+        body.points, body.cells, body.cell, unit, degree=body.degree, geometry_degree=body.geometry_degree
+    ).mass()
+    boundary = _boundary(body)
+    fixed = body.order[(dim * boundary[:, None] + np.arange(dim)).ravel()]
+    values = np.array(exact(x.T, dim)).T.ravel()
+    u = model.solve_static(fixed, values[fixed], mass.dot(source)).u.reshape(-1, dim)
+    rule = f"gauss_jacobi:{2 * body.degree + 3}"
+    points, weights = impact_reference.quadrature(body.cell, rule)
+    N, dN = impact_reference.shape_functions(body.cell, body.degree, points)
+    G, dG = impact_reference.shape_functions(body.cell, body.geometry_degree, points)
+    X, U = body.points[body.cells], u[model.field_cells]
+    place = np.einsum("qn,cni->cqi", G, X)
+    J = np.einsum("qnd,cni->cqid", dG, X)
+    gradient = np.einsum("qnd,cni,cqdj->cqij", dN, U, np.linalg.inv(J))
+    volume = weights * np.abs(np.linalg.det(J))
+    difference = np.einsum("qn,cni->cqi", N, U) - np.moveaxis(np.array(exact(np.moveaxis(place, -1, 0), dim)), 0, -1)
+    step = 1e-6  # central differences of a smooth function: 1e-10, far below the errors measured
+    slopes = []
+    for j in range(dim):
+        up, down = place.copy(), place.copy()
+        up[..., j] += step
+        down[..., j] -= step
+        pair = [np.moveaxis(np.array(exact(np.moveaxis(p, -1, 0), dim)), 0, -1) for p in (up, down)]
+        slopes.append((pair[0] - pair[1]) / (2 * step))
+    slope = np.stack(slopes, axis=-1)
+    return [
+        np.sqrt(np.sum(volume * np.sum(difference**2, axis=-1))),
+        np.sqrt(np.sum(volume * np.sum((gradient - slope) ** 2, axis=(-1, -2)))),
+    ]
+
+
+def _numeric_source(body, x):
+    """The source at points, from the UFL expression evaluated at the nodes of our space."""
+    V = body.V
+    f = fem.Function(V)
+    f.interpolate(fem.Expression(_source(body, body.material), V.element.interpolation_points()))
+    return body.to_theirs(f.x.array)
+
+
+def _plot(results, folder):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(2, 4, figsize=(16, 8), constrained_layout=True)
+    for axis, ((cell, degree, hypothesis), (sizes, errors)) in zip(axes.ravel(), results.items()):
+        h = 1.0 / sizes
+        for k, (label, marker, colour) in enumerate(
+            (("UFL, L2", "o", "C0"), ("UFL, H1", "s", "C1"), ("hand-written, L2", "x", "k"), ("hand-written, H1", "+", "k"))
+        ):
+            line = "-" if k < 2 else ""
+            axis.loglog(h, errors[:, k], linestyle=line, marker=marker, color=colour, label=label, markersize=9, fillstyle="none")
+        for power, norm in ((degree + 1, 0), (degree, 1)):
+            axis.loglog(h, errors[-1, norm] * (h / h[-1]) ** power, ":", color="0.5")
+            axis.annotate(f"h^{power}", (h[0], errors[-1, norm] * (h[0] / h[-1]) ** power), color="0.4")
+        axis.set_title(f"{cell}, degree {degree}, {hypothesis}", fontsize=10)
+        axis.set_xlabel("h / side of the block")
+        axis.set_ylabel("error norm / block side")
+        axis.grid(True, which="both", alpha=0.25)
+    axes[0, 0].legend(fontsize=8)
+    path = folder / "order.png"
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+    return path
+
+

@@ -1,0 +1,150 @@
+"""Level c: static problems solved by both sides; displacements and reactions."""
+
+import basix
+import numpy as np
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+from .. import loads, materials
+from ..forms import quadrature
+from ..problem import StaticProblem
+from . import bodies
+
+TOLERANCE = 1e-9
+REASON = "round-off times the condition of the stiffness matrix (up to 1e6)"
+
+
+def run(report, progress=True):
+    """Add the rows of this level."""
+    wheel(report)
+    block(report)
+    rubber(report)
+
+
+def _compare(report, body, form, name, ours, reactions, theirs):
+    element = (body.cell, body.degree, body.geometry_degree, body.hypothesis)
+    u, r = body.to_ours(theirs.u), body.to_ours(theirs.reactions)
+    report.add("solution", form, *element, bodies.relative(ours, u), TOLERANCE, REASON, f"u of the {name}")
+    report.add("solution", form, *element, bodies.relative(reactions, r), TOLERANCE, REASON, f"reactions of the {name}")
+
+
+def _fixed(bcs):
+    return np.unique(np.concatenate([bc.dof_indices()[0] for bc in bcs]))
+
+
+def wheel(report, pressure=5e8, half_width=4.5e-3):
+    """Wheel pressed on the rail by a uniform patch of pressure on both running surfaces."""
+    from .. import meshes as recipes
+
+    made = recipes.make("wheel_on_rail_2d", comm=MPI.COMM_SELF, gap=1e-4)
+    domain, tags = made.mesh, made.tags
+    steel = materials.LinearElastic(207e9, 0.3, 7800.0, "plane_strain")
+    body = bodies.Body(domain, 1, steel)
+    V = body.V
+    u = fem.Function(V, name="u")
+    bcs = [
+        fem.dirichletbc(np.zeros(2), fem.locate_dofs_topological(V, 1, made.facet_tags.find(tags[name])), V)
+        for name in ("hub", "bottom")
+    ]
+    patch = _patch_tags(domain, made.facet_tags, tags, half_width)
+    problem = StaticProblem(
+        u,
+        steel,
+        bcs=bcs,
+        loads=[loads.Traction(patch, 1, (0.0, -pressure)), loads.Traction(patch, 2, (0.0, pressure))],
+    )
+    problem.solve()
+    load = body.model.traction(body.their_facets(patch, 1), [0.0, -pressure])
+    load = load + body.model.traction(body.their_facets(patch, 2), [0.0, pressure])
+    theirs = body.model.solve_static(body.order[_fixed(bcs)], 0.0, load)
+    _compare(report, body, "linear_elastic.tangent", "wheel on rail", u.x.array, problem.reactions().x.array, theirs)
+
+
+def _patch_tags(domain, facet_tags, tags, half_width):
+    """Facets of the patch: 1 on the rail (master surface), 2 on the wheel (slave surface)."""
+    found = []
+    for number, name in ((1, "master_surface"), (2, "slave_surface")):
+        facets = facet_tags.find(tags[name])
+        x = mesh.compute_midpoints(domain, 1, facets)
+        near = facets[(np.abs(x[:, 0]) < half_width) & (np.abs(x[:, 1]) < half_width)]
+        found.append((near, np.full(len(near), number, dtype=np.int32)))
+    facets, values = (np.concatenate(a) for a in zip(*found))
+    order = np.argsort(facets)
+    return mesh.meshtags(domain, 1, facets[order].astype(np.int32), values[order])
+
+
+def block(report):
+    """Distorted block, clamped below, under traction and gravity, for every cell, degree and hypothesis."""
+    for cell, hypothesis in (
+        ("triangle", "plane_strain"),
+        ("quadrilateral", "plane_stress"),
+        ("quadrilateral", "axisymmetric"),
+        ("tetrahedron", "3d"),
+        ("hexahedron", "3d"),
+    ):
+        for degree in (1, 2):
+            _block(report, cell, hypothesis, degree)
+
+
+def _block(report, cell, hypothesis, degree):
+    domain = bodies.block(cell, 4)
+    dim = domain.geometry.dim
+    steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
+    used = quadrature.stiffness_degree(cell, degree, 1, hypothesis)
+    exact = cell in quadrature.SIMPLICES
+    body = bodies.Body(domain, degree, steel)
+    if not exact:
+        body.model.rule = None
+    tags = _tags(domain, dim - 1)
+    V = body.V
+    u = fem.Function(V, name="u")
+    clamped = fem.locate_dofs_topological(V, dim - 1, tags.find(1))
+    bcs = [fem.dirichletbc(np.zeros(dim), clamped, V)]
+    t, g = np.arange(1.0, dim + 1) / 100, np.full(dim, -0.01)
+    problem = StaticProblem(u, steel, bcs=bcs, loads=[loads.Traction(tags, 2, t), loads.BodyForce(g)])
+    problem.solve()
+    load = body.model.traction(body.their_facets(tags, 2), t) + body.model.body_force(1.5 * g)
+    if not exact:  # one rule for the stiffness, named to both; the loads were exact with their own
+        body.model.rule = f"gauss_jacobi:{used}"
+    fixed = (dim * clamped[:, None] + np.arange(dim)).ravel()
+    theirs = body.model.solve_static(body.order[fixed], 0.0, load)
+    _compare(report, body, "linear_elastic.tangent", "block", u.x.array, problem.reactions().x.array, theirs)
+
+
+def _tags(domain, dim):
+    bottom = mesh.locate_entities_boundary(domain, dim, lambda x: np.isclose(x[dim], 0.0))
+    top = mesh.locate_entities_boundary(domain, dim, lambda x: np.isclose(x[dim], 1.0))
+    facets = np.concatenate([bottom, top])
+    values = np.repeat([1, 2], [len(bottom), len(top)]).astype(np.int32)
+    order = np.argsort(facets)
+    return mesh.meshtags(domain, dim, facets[order], values[order])
+
+
+def rubber(report):
+    """Neo-Hookean and St Venant-Kirchhoff blocks stretched by a quarter and sheared: large strain, Newton on both sides."""
+    for cell, degree, law, kind in (
+        ("hexahedron", 1, "neo_hookean", materials.NeoHookean),
+        ("tetrahedron", 2, "neo_hookean", materials.NeoHookean),
+        ("hexahedron", 2, "st_venant_kirchhoff", materials.StVenantKirchhoff),
+    ):
+        domain = bodies.block(cell, 2)
+        material = kind(1.0, 0.3, 1.0, "3d")
+        used = quadrature.stiffness_degree(cell, degree)
+        rule = f"gauss_jacobi:{used}"
+        if cell in quadrature.SIMPLICES:
+            rule = basix.make_quadrature(basix.CellType.tetrahedron, used)
+        body = bodies.Body(domain, degree, material, law, rule)
+        tags = _tags(domain, 2)
+        V = body.V
+        u = fem.Function(V, name="u")
+        ends = [fem.locate_dofs_topological(V, 2, tags.find(t)) for t in (1, 2)]
+        pull = np.array([0.1, 0.0, 0.25])
+        bcs = [fem.dirichletbc(np.zeros(3), ends[0], V), fem.dirichletbc(pull, ends[1], V)]
+        problem = StaticProblem(u, material, bcs=bcs)
+        problem.solve(rtol=1e-13)
+        fixed = np.concatenate([(3 * e[:, None] + np.arange(3)).ravel() for e in ends])
+        values = np.concatenate([np.zeros(3 * len(ends[0])), np.tile(pull, len(ends[1]))])
+        theirs = body.model.solve_static(body.order[fixed], values, tolerance=1e-13)
+        _compare(report, body, f"{law}.tangent", "stretched block", u.x.array, problem.reactions().x.array, theirs)
+
+
