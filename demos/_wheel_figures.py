@@ -26,7 +26,7 @@ def _grid(gathered, scale, shift=None):
 
 
 def _bodies(field):
-    """Mask of the wheel's nodes: a node belongs to the body of its cells, a cell to the wheel if it lies above the rail."""
+    """Mask of the wheel's nodes: those of the cells above the rail."""
     above = field.points[field.cells].mean(axis=1)[:, -1] > 0.0
     mask = np.zeros(len(field.points), dtype=bool)
     mask[field.cells[above].ravel()] = True
@@ -37,7 +37,7 @@ def plane(run, gathered, a, p0, approach):
     """Deformed wheel and rail with the von Mises stress, and the contact in true scale."""
     plt = plots.pyplot()
     scale = 300
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11.5, 5.2), gridspec_kw={"width_ratios": (1.02, 1)}, layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11.5, 5.2), layout="constrained")
     whole, near = (0.3, 300.0), (0.0, round(0.56 * p0 / 1e6, -1))
     box = (-0.62, 0.62, -0.21, 0.97)
     grid = _grid(gathered, scale)
@@ -61,14 +61,15 @@ def space(run, gathered, p0):
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.5, 5.2), layout="constrained")
     clim, near = (0.3, 700.0), (0.0, round(0.6 * p0 / 1e6, -1))
     scale = 300
-    image = plots.draw([_grid(gathered, scale)], clim, CMAP, (760, 760), view=((-1, -1.5, 0.45), (0, 0, 1), (0.14, 0, 0.365)), log=True, zoom=1.03)
+    view = ((-1, -1.5, 0.45), (0, 0, 1), (0.14, 0, 0.365))
+    image = plots.draw([_grid(gathered, scale)], clim, CMAP, (760, 760), view=view, log=True, zoom=1.03)
     plots.show(left, image, title=f"a quarter of wheel and rail, displacement × {scale}")
     plots.colour_bar(figure, left, clim, "von Mises stress [MPa]", CMAP, log=True, shrink=0.85)
     r = 0.02
     grid = _grid(gathered, 1.0)
-    middles = grid.cell_centers().points
-    grid = grid.extract_cells(np.flatnonzero((np.abs(middles) < r).all(axis=1)))
-    image = plots.draw([grid], near, CMAP, (760, 760), view=((-1, -1.5, 0.45), (0, 0, 1), (0.3 * r, 0.3 * r, 0)), zoom=1.3)
+    grid = grid.clip_box((-1e-3, r, -1e-3, r, -r, r), invert=False)
+    view = ((-1, -1.5, 0.45), (0, 0, 1), (0.4 * r, 0.4 * r, 0))
+    image = plots.draw([grid], near, CMAP, (760, 760), view=view, zoom=1.2, edges=False)
     plots.show(right, image, title="20 mm around the contact, true scale")
     plots.colour_bar(figure, right, near, "von Mises stress [MPa]", CMAP, shrink=0.85)
     plots.save(figure, run.file("wheel_on_rail_3d.png"))
@@ -84,16 +85,22 @@ def lines(run, flat, solid, curves, a, p0, radius):
         field, theirs = case["field"], case["by_hand"]
         on_axis = np.flatnonzero(np.all(np.abs(field.points[:, :-1]) < 1e-9, axis=1) & (field.points[:, -1] < 0.4))
         y = field.points[on_axis, -1]
-        order = on_axis[np.lexsort((field.values[on_axis, -1], y))]
+        order = on_axis[np.lexsort((field.values[on_axis, -1], np.round(y, 9)))]
         y, mine, other = field.points[order, -1] * 1e3, field.values[order, -1] * 1e6, theirs[order, -1] * 1e6
         wheel = np.argmax(np.diff(mine)) + 1  # the jump: rail below, wheel from here on
         for body, label in ((slice(0, wheel), f"DOLFINx, {dimension}"), (slice(wheel, None), None)):
             top_left.plot(y[body], mine[body], color=ours, ls=style, label=label, zorder=1)
         some = np.unique(np.linspace(0, len(y) - 1, 36).astype(int))
-        top_left.plot(y[some], other[some], mark, ms=4, mfc="none", color=hand, label="hand-written" if case is flat else None)
+        label = "hand-written" if case is flat else None
+        top_left.plot(y[some], other[some], mark, ms=4, mfc="none", color=hand, label=label)
         relative = np.abs(mine - other) / np.abs(theirs).max() / 1e6
-        top_right.semilogy(y, np.maximum(relative, 1e-17), style, marker=".", ms=4, lw=0.8, color=colour, label=dimension)
-    top_left.set(xlabel="height above the contact [mm]", ylabel="vertical displacement [µm]", title="both solvers, on the axis of the wheel")
+        relative = np.maximum(relative, 1e-17)
+        top_right.semilogy(y, relative, style, marker=".", ms=4, lw=0.8, color=colour, label=dimension)
+    top_left.set(
+        xlabel="height above the contact [mm]",
+        ylabel="vertical displacement [µm]",
+        title="both solvers, on the axis of the wheel",
+    )
     top_right.set(
         xlabel="height above the contact [mm]", ylabel="|difference| / largest displacement [1]",
         title="their difference (zeros drawn at 1e-17)", ylim=(5e-18, 1e-9),
@@ -101,14 +108,23 @@ def lines(run, flat, solid, curves, a, p0, radius):
     z = np.linspace(0, 6, 300)
     low_left.plot(z, z - z**2 / np.sqrt(1 + z**2), color=ours, label="Hertz, half-plane")
     low_left.plot(curves["depth"] / a, curves["tau"] / p0, mark, ms=4, mfc="none", color=hand, label="finite elements")
-    low_left.set(xlabel="depth below the patch, z / a [1]", ylabel="largest shear stress / p0 [1]", xlim=(0, 6), ylim=(0, 0.34), title="shear below the patch")
+    low_left.set(
+        xlabel="depth below the patch, z / a [1]",
+        ylabel="largest shear stress / p0 [1]",
+        xlim=(0, 6),
+        ylim=(0, 0.34),
+        title="shear below the patch",
+    )
     s = np.linspace(1, 3)
     outside = s * np.sqrt(s**2 - 1) - np.log(s + np.sqrt(s**2 - 1))
     unit = a**2 / (2 * radius) * 1e6
     low_right.plot(np.r_[-s[::-1], s], unit * np.r_[outside[::-1], outside], color=ours, label="Hertz")
     low_right.plot(curves["x"] / a, curves["gap"] * 1e6, mark, ms=4, mfc="none", color=hand, label="finite elements")
     low_right.set(
-        xlabel="x / a [1]", ylabel="distance of the deformed surfaces [µm]", title="the pressed surfaces fit", xlim=(-3, 3)
+        xlabel="x / a [1]",
+        ylabel="distance of the deformed surfaces [µm]",
+        xlim=(-3, 3),
+        title="the pressed surfaces fit",
     )
     for ax in axes.ravel():
         ax.legend(fontsize=9)

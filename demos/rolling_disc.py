@@ -30,7 +30,8 @@ fast = os.environ.get("IMPACT_DEMO_FAST") == "1"
 R, E, nu, density = 0.46, 207e9, 0.3, 7800.0  # radius of the wheel [m], steel
 spins = (2000.0,) if fast else (72.4638, 500.0, 1000.0, 1500.0, 2000.0)  # [rad/s]; the first is 120 km/h
 size = R / (6 if fast else 12)
-run = RunFolder(name="rolling_disc", parameters={"R": R, "E": E, "nu": nu, "density": density, "spins": spins, "h": size})
+parameters = {"R": R, "E": E, "nu": nu, "density": density, "spins": spins, "h": size}
+run = RunFolder(name="rolling_disc", parameters=parameters)
 
 # ## The disc
 #
@@ -123,7 +124,8 @@ for omega in spins:
         theory = exact(R, omega, on)
         rows.append((omega, on, mean, theory, spread))
         error, unround = mean / theory - 1, spread / theory
-        run.print(f"{omega:10.4f} {'on' if on else 'off':>4s} {mean * 1e6:12.6f} {theory * 1e6:12.6f} {error:9.1e} {unround:9.1e}")
+        numbers = f"{mean * 1e6:12.6f} {theory * 1e6:12.6f} {error:9.1e} {unround:9.1e}"
+        run.print(f"{omega:10.4f} {'on' if on else 'off':>4s} {numbers}")
 rows = np.array(rows)
 stress = steel.stress(u)
 in_plane = ufl.tr(stress) ** 2 - 3 * ufl.det(stress)  # von Mises of a plane stress
@@ -148,15 +150,19 @@ if comm.rank == 0:
     grid.point_data["value"] = fields[1].values[:, 0] / 1e6
     clim = (0.0, float(np.ceil(grid.point_data["value"].max() / 100) * 100))
     box = (-0.56, 0.56, -0.56, 0.56)
-    plots.show(left, plots.draw([grid], clim, size=(720, 720), box=box), [1e3 * s for s in box], title=f"spin {spins[-1]:.0f} rad/s, displacement × 30")
+    image = plots.draw([grid], clim, size=(720, 720), box=box)
+    plots.show(left, image, [1e3 * s for s in box], title=f"spin {spins[-1]:.0f} rad/s, displacement × 30")
     plots.colour_bar(figure, left, clim, "von Mises stress [MPa]", shrink=0.85)
     omega = np.linspace(20.0, 2000.0, 200)
-    for on, colour, label in ((0.0, plots.COLOURS[0], "without W"), (1.0, plots.COLOURS[1], "with W: load on the deformed disc")):
+    for on, colour, label in zip((0.0, 1.0), plots.COLOURS, ("without W", "with W: load on the deformed disc")):
         curve = [exact(R, s, on) / (s**2) for s in omega]
         right.plot(omega, np.array(curve) * 1e12, color=colour, label=f"exact, {label}")
         mine = rows[rows[:, 1] == on]
-        right.plot(mine[:, 0], mine[:, 2] / mine[:, 0] ** 2 * 1e12, "o", mfc="none", color=colour, label="finite elements")
-    right.set(xlabel="spin [rad/s]", ylabel="u(R) / spin² [µm / (10³ rad/s)²]", title="radial displacement of the rim")
+        right.plot(
+            mine[:, 0], mine[:, 2] / mine[:, 0] ** 2 * 1e12, "o", mfc="none", color=colour, label="finite elements"
+        )
+    right.set(xlabel="spin [rad/s]", ylabel="u(R) / spin² [µm / (10³ rad/s)²]")
+    right.set_title("radial displacement of the rim", fontsize=10)
     right.legend(fontsize=9)
     plots.save(figure, run.file("rolling_disc.png"))
 run.print(f"results in {run.path}")

@@ -36,8 +36,8 @@ fast = os.environ.get("IMPACT_DEMO_FAST") == "1"  # coarse meshes, for tests
 
 # ## Hertz
 #
-# Wheel steel on rail steel; lengths in m, forces in N, stresses in Pa. In the plane (strain), a cylinder on a flat with
-# the line load $P$: half-width $a = \sqrt{4 P R / (\pi E^*)}$ and pressure $p = p_0 \sqrt{1 - (x/a)^2}$, $p_0 = 2 P /
+# Steel on steel; lengths in m, forces in N, stresses in Pa. In plane strain, a cylinder on a flat under the line load
+# $P$ has the half-width $a = \sqrt{4 P R / (\pi E^*)}$ and pressure $p = p_0 \sqrt{1 - (x/a)^2}$, $p_0 = 2 P /
 # (\pi a)$, with $1/E^* = 2 (1 - \nu^2) / E$ (Johnson, *Contact Mechanics*, 1985, ch. 4).
 
 E, nu, radius = 207e9, 0.3, 0.46
@@ -52,8 +52,8 @@ run = RunFolder(
 run.print(f"Hertz, line contact: half-width a = {a * 1e3:.6f} mm, peak pressure p0 = {p0 / 1e6:.3f} MPa")
 
 # In 3D the rail head is crowned with a radius of 0.30 m. The patch is an ellipse; its half axes and peak pressure under
-# 80 kN come from the elliptic integrals of the theory, given here as numbers. 80 kN, because above 110 kN such a contact
-# is not elastic.
+# 80 kN come from the elliptic integrals of the theory, given here as numbers. 80 kN, because above 110 kN such a
+# contact is not elastic.
 
 load, crown, ax, by = 80e3, 0.30, 6.68027e-3, 5.02505e-3
 p0_ellipse = 3 * load / (2 * np.pi * ax * by)
@@ -88,7 +88,7 @@ def ellipse_force(x0, x1, y0, y1):
 
 
 def patch_traction(made, force):
-    """The patch: a vector per cell that pushes the rail down and the wheel up [Pa], and its facets with their tractions."""
+    """The patch: a vector per cell that pushes the rail down, the wheel up [Pa]; its facets with their tractions."""
     mesh, dim = made.mesh, made.mesh.geometry.dim
     traction = fem.Function(fem.functionspace(mesh, ("DG", 0, (dim,))), name="patch")
     mesh.topology.create_connectivity(dim - 1, dim)
@@ -103,7 +103,8 @@ def patch_traction(made, force):
         corners = entities_to_geometry(mesh, dim - 1, facets)  # numbers of the facets' vertices
         x = mesh.geometry.x[corners]
         horizontal = [side(x[:, :, i], axis=1) for i in range(dim - 1) for side in (np.min, np.max)]
-        edges = [x[:, i] - x[:, 0] for i in range(1, corners.shape[1])]  # facets are flat: straight lines, parallelograms
+        # Facets are flat: straight lines, parallelograms.
+        edges = [x[:, i] - x[:, 0] for i in range(1, corners.shape[1])]
         area = np.linalg.norm(edges[0] if dim == 2 else np.cross(edges[0], edges[1]), axis=1)
         near = x[:, :, dim - 1].max(axis=1) < 0.1 * radius  # the tread below, not the tread above
         pressure = np.where(near, force(*horizontal), 0.0) / area
@@ -186,6 +187,7 @@ def compare(made, material, degree, force):
     traction, rows = patch_traction(made, force)
     u, internal, fixed, totals = solve_dolfinx(made, material, degree, traction)
     clock.append(time.perf_counter())
+    run.print(f"  DOLFINx side done in {clock[1] - clock[0]:.1f} s; the hand-written solver is at work")
     by_hand = solve_by_hand(made, degree, rows, u, fixed)
     clock.append(time.perf_counter())
     ours = [gather_field(u), gather_field(internal)]
@@ -212,6 +214,7 @@ def mises(stress):
 # Quadrilaterals with a displacement of degree 2, eight cells across the half-width of the patch.
 
 cell_size = a / (4 if fast else 8)
+run.print("plane strain: meshing and solving")
 plane = meshes.make("wheel_on_rail_2d", comm, radius=radius, a=a, h=cell_size)
 steel = di.LinearElastic(E=E, nu=nu, density=7800.0, hypothesis="plane_strain")
 flat = compare(plane, steel, 2, line_force)
@@ -277,6 +280,7 @@ measured = comm.bcast(measured, root=0)
 # solvers and to check equilibrium; it is too coarse to resolve the stress below the patch, and no such claim is made.
 
 size = {"a": 9e-3, "h": 4.5e-3, "coarse": 0.08} if fast else {"a": ax, "coarse": 0.06}
+run.print("3D: meshing and solving")
 space = meshes.make("wheel_on_rail_3d", comm, radius=radius, crown_radius=crown, symmetry="quarter", **size)
 steel_3d = di.LinearElastic(E=E, nu=nu, density=7800.0)
 solid = compare(space, steel_3d, 1, ellipse_force)
@@ -306,15 +310,18 @@ line("two solvers: nodal forces [1]", "forces", ".1e")
 line("reactions against the load [1]", "balance", ".1e")
 line("DOLFINx side [s]", lambda c: c["seconds"][0], ".1f")
 line("hand-written side [s]", lambda c: c["seconds"][1], ".1f")
-run.print(f"""
+run.print(
+    f"""
 Hertz below the patch (plane strain, {a / cell_size:.0f} cells per half-width)
-  largest shear stress / p0         {measured["tau"]:.4f}   theory 0.3003 in a half-plane, here 38 a deep: + 0.008
-  its depth / a                     {measured["depth"]:.3f}    theory 0.786 (nearest vertex: steps of {cell_size / a:.3f})
+  largest shear stress / p0         {measured["tau"]:.4f}   theory 0.3003 in a half-plane; rail 38 a deep: + 0.008
+  its depth / a                     {measured["depth"]:.3f}    theory 0.786 (vertices in steps of {cell_size / a:.3f})
   misfit of the deformed surfaces   {measured["misfit"]:.4f}   of a^2/2R, inside 0.8 a; theory 0
-""")
+"""
+)
 
 # Fields are in the folder for ParaView; figures and the curves' numbers too.
 
+run.print("drawing")
 if comm.rank == 0:
     from dolfinx_impact.demos import _wheel_figures as figures
 

@@ -1,0 +1,182 @@
+"""The command `dolfinx-impact`: verify, demo, bench, info."""
+
+import argparse
+import difflib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+FORWARDED = {
+    "verify": "generated kernels against the hand-written solver (its own options: dolfinx-impact verify --help)",
+    "bench": "the benchmarks (its own options: dolfinx-impact bench --help)",
+}
+
+
+def demos():
+    """Name -> (file, title) of the demos in the package; the title is the first heading of the file."""
+    from . import demos as package
+
+    found = {}
+    for path in sorted(Path(package.__file__).parent.glob("*.py")):
+        if not path.name.startswith("_"):
+            with open(path, encoding="utf-8") as file:
+                first = file.readline()
+            found[path.stem] = path, first.lstrip("# ").strip()
+    return found
+
+
+def _listing():
+    return "\n".join(f"  {name:20s} {title}" for name, (_, title) in demos().items())
+
+
+def _surroundings(output):
+    """Environment of a demo's process: output folder, one thread per rank, Open MPI as root and with few cores."""
+    env = dict(os.environ)
+    env.setdefault("OMP_NUM_THREADS", "1")
+    env.setdefault("OMPI_MCA_rmaps_base_oversubscribe", "1")
+    env.setdefault("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe")
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        env.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        env.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    if output:
+        env["IMPACT_OUTPUT"] = str(Path(output).absolute())
+    return env
+
+
+def _run(command, env):
+    """Run a command in the foreground; its exit status, 128 + signal where a signal ended it."""
+    sys.stdout.flush()
+    with subprocess.Popen(command, env=env) as process:
+        while True:
+            try:
+                status = process.wait()
+                break
+            except KeyboardInterrupt:  # the demo got it too, and ends in its own way
+                continue
+    return 128 - status if status < 0 else status
+
+
+def demo(arguments):
+    """Run one demo in a process of its own; returns the exit status."""
+    known = demos()
+    if arguments.list:
+        print(_listing())
+        return 0
+    if arguments.name is None:
+        print(f"which demo? There are:\n{_listing()}", file=sys.stderr)
+        return 2
+    if arguments.name not in known:
+        near = difflib.get_close_matches(arguments.name, known, 1)
+        hint = f" (did you mean {near[0]}?)" if near else ""
+        print(f"there is no demo {arguments.name!r}{hint}; there are:\n{_listing()}", file=sys.stderr)
+        return 2
+    if arguments.ranks < 1:
+        print(f"--ranks is {arguments.ranks}: give 1 or more", file=sys.stderr)
+        return 2
+    path = str(known[arguments.name][0])
+    command = [sys.executable, path]
+    if arguments.ranks > 1:
+        launcher = shutil.which("mpirun") or shutil.which("mpiexec")
+        if launcher is None:
+            print("--ranks needs mpirun, which is not on the PATH (Debian: openmpi-bin)", file=sys.stderr)
+            return 2
+        # -m mpi4py: an exception on one rank ends all of them
+        command = [launcher, "-n", str(arguments.ranks), sys.executable, "-m", "mpi4py", path]
+    return _run(command, _surroundings(arguments.output))
+
+
+def _size(folder):
+    """Number of files in a folder and their size [MB]."""
+    files = [p for p in Path(folder).rglob("*") if p.is_file()] if Path(folder).is_dir() else []
+    return len(files), sum(p.stat().st_size for p in files) / 1e6
+
+
+def kernels_by_form():
+    """Form -> cell with hypothesis -> degrees of the kernels compiled with the package."""
+    from . import _cpp
+    from .forms.registry import TABLE
+
+    table = {}
+    for row in TABLE:
+        if _cpp.kernels.find(row.name, row.cell, row.degree, row.geometry_degree, row.hypothesis):
+            table.setdefault(row.name, {}).setdefault((row.cell, row.hypothesis), []).append(row.degree)
+    return table
+
+
+def info(arguments):
+    """Print versions, kernels, SIMD width and caches; returns 0."""
+    from . import _cpp
+    from .jit import cache_folder
+    from .results import versions
+
+    print("versions")
+    for name, version in versions().items():
+        print(f"  {name:16s} {version}")
+    table = kernels_by_form()
+    columns = sorted({key for row in table.values() for key in row}, key=lambda key: (key[1], key[0]))
+    count = len(_cpp.kernels.table())
+    print(f"\nkernels compiled ahead of time: {count}; degrees of the displacement per form and cell")
+    for hypothesis in sorted({h for _, h in columns}):
+        cells = [cell for cell, h in columns if h == hypothesis]
+        print(f"\n  {hypothesis:26s}" + "".join(f"{cell:>15s}" for cell in cells))
+        for name, row in table.items():
+            degrees = [" ".join(map(str, row.get((cell, hypothesis), ["-"]))) for cell in cells]
+            if any(d != "-" for d in degrees):
+                print(f"  {name:26s}" + "".join(f"{d:>15s}" for d in degrees))
+    width = _cpp.kernels.processor_width()
+    used = sorted({w for kernel in _cpp.kernels.table() for w in kernel.widths})
+    print(f"\nSIMD: {width} cells at once on this processor (8: AVX-512, 4: AVX2, 1: none); kernels exist for {used}")
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folders = {
+        "kernels compiled at run time": cache_folder(),
+        "FFCx (DOLFINx's own)": cache / "fenics",
+        "environment (env/run)": os.environ.get("IMPACT_CACHE"),
+        "compiler (ccache)": os.environ.get("CCACHE_DIR"),
+    }
+    print("\ncaches")
+    for name, folder in folders.items():
+        if folder is None:
+            print(f"  {name:30s} not in use")
+        elif name.startswith("environment"):
+            print(f"  {name:30s} {folder}")  # a whole system: counting it takes too long
+        else:
+            count, size = _size(folder)
+            print(f"  {name:30s} {folder} ({count} files, {size:.1f} MB)")
+    return 0
+
+
+def _parser():
+    parser = argparse.ArgumentParser("dolfinx-impact", description="Contact and impact for DOLFINx.")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, text in FORWARDED.items():
+        commands.add_parser(name, help=text.partition(" (")[0], add_help=False)
+    sub = commands.add_parser("demo", help="run a demo; --list says which there are")
+    sub.add_argument("name", nargs="?", metavar="NAME", help="of the demo")
+    sub.add_argument("--list", action="store_true", help="list the demos")
+    sub.add_argument("--ranks", type=int, default=1, metavar="N", help="number of MPI processes (default 1)")
+    sub.add_argument("--output", metavar="DIR", help="folder of the results (default results/NAME)")
+    sub.set_defaults(run=demo)
+    sub = commands.add_parser("info", help="versions, kernels, SIMD width, caches")
+    sub.set_defaults(run=info)
+    return parser
+
+
+def main(argv=None):
+    """Entry point; returns the exit status."""
+    argv = sys.argv[1:] if argv is None else list(argv)
+    if argv[:1] == ["verify"]:
+        from .verify.run import main as verify_main
+
+        return verify_main(argv[1:])
+    if argv[:1] == ["bench"]:
+        from .bench import main as bench_main
+
+        return bench_main(argv[1:])
+    arguments = _parser().parse_args(argv)
+    return arguments.run(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -79,7 +79,7 @@ def grid(field, displacement=None, scale=1.0, cell_mask=None):
     return pyvista.UnstructuredGrid(flat, np.full(len(cells), kind, dtype=np.uint8), points)
 
 
-def draw(grids, clim, cmap="viridis", size=(900, 700), box=None, view=None, log=False, edges=True, zoom=1.0, above=None):
+def draw(grids, clim, cmap="viridis", size=(900, 700), box=None, view=None, log=False, edges=True, zoom=1, above=None):
     """Image (height, width, 3) of grids coloured by the point data "value".
 
     Args:
@@ -99,8 +99,8 @@ def draw(grids, clim, cmap="viridis", size=(900, 700), box=None, view=None, log=
     for part in grids:
         shown = part.extract_surface(nonlinear_subdivision=1)
         plotter.add_mesh(
-            shown, scalars="value", clim=clim, cmap=cmap, log_scale=log, show_scalar_bar=False, lighting=view is not None,
-            above_color=above, nan_color="white", ambient=0.35, diffuse=0.7,
+            shown, scalars="value", clim=clim, cmap=cmap, log_scale=log, show_scalar_bar=False, above_color=above,
+            nan_color="white", lighting=view is not None, ambient=0.35, diffuse=0.7,
             show_edges=edges, edge_color="#202020", edge_opacity=0.25, line_width=1,
         )  # fmt: skip
     camera = plotter.camera

@@ -96,8 +96,8 @@ class RunFolder:
                 probe.write(b"probe")
         except OSError as error:
             raise RuntimeError(
-                f"results cannot be written to {self.path} ({error.strerror or error}): make room there, or name a folder "
-                "that can be written (demos: --output DIR or the variable IMPACT_OUTPUT)"
+                f"results cannot be written to {self.path} ({error.strerror or error}): make room there, or name a "
+                "folder that can be written (demos: --output DIR or the variable IMPACT_OUTPUT)"
             ) from error
 
     def _write(self, what, work):
@@ -107,7 +107,8 @@ class RunFolder:
             try:
                 return work()
             except OSError as error:
-                raise RuntimeError(f"{what} cannot be written ({error.strerror or error}): is the disk full?") from error
+                reason = error.strerror or error
+                raise RuntimeError(f"{what} cannot be written ({reason}): is the disk full?") from error
 
         return together(self.comm, guarded)
 
