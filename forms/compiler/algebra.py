@@ -214,7 +214,9 @@ class GraphReader:
             return algebra.call("power", *ops)
         if name == "Conditional":
             return algebra.select(*ops)
-        if name in ("Abs", "MinValue", "MaxValue") or isinstance(v, (ufl.mathfunctions.MathFunction, ufl.classes.Atan2)):
+        if name in ("Abs", "MinValue", "MaxValue") or isinstance(
+            v, (ufl.mathfunctions.MathFunction, ufl.classes.Atan2)
+        ):
             return algebra.call(_CALL.get(name, name.lower()), *ops)
         raise ValueError(f"operator {name} of UFL is not supported in kernels")
 

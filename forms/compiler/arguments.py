@@ -93,9 +93,7 @@ class ElementTensor:
                 for (_, c), e in ((t, schedule.expression(v)) for t, v in self.targets)
             ]
         if self.rank == 0:
-            return [
-                L.AssignAdd(_symbol(f"sum_{self.rule.number}")[0], schedule.expression(v)) for _, v in self.targets
-            ]
+            return [L.AssignAdd(_symbol(f"sum_{self.rule.number}")[0], schedule.expression(v)) for _, v in self.targets]
         if self.rank == 1:
             return self._inside_vector(schedule)
         return self._inside_matrix(schedule)

@@ -32,7 +32,9 @@ def table_source(names):
     out = ['#include "dolfinx_impact/kernels/Kernel.h"\n#include <cstddef>\n']
     out += [f'extern "C" const impact_kernel {n};' for n in names]
     listed = ",\n  ".join("&" + n for n in names)
-    out.append(f"namespace impact::kernels\n{{\nextern const impact_kernel* const generated_table[] = {{\n  {listed}}};")
+    out.append(
+        f"namespace impact::kernels\n{{\nextern const impact_kernel* const generated_table[] = {{\n  {listed}}};"
+    )
     out.append(f"extern const std::size_t generated_table_size = {len(names)};\n}} // namespace impact::kernels\n")
     return "\n".join(out)
 

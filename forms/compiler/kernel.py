@@ -210,7 +210,9 @@ class KernelWriter:
             self.rule = rule
             body += self._rule_code(rule, targets)
         tables = [
-            L.ArrayDecl(L.Symbol(n, REAL), values=v, const=True) for n, v in self.tables.items() if n in self._used(body)
+            L.ArrayDecl(L.Symbol(n, REAL), values=v, const=True)
+            for n, v in self.tables.items()
+            if n in self._used(body)
         ]
         sections = [s for s in body if not isinstance(s, L.Section) or s.statements or s.declarations]
         return L.StatementList(([L.Section("tables: [entity][point][dof]", [], tables)] if tables else []) + sections)
@@ -256,4 +258,3 @@ class KernelWriter:
             for index, size in reversed(list(zip(rule.indices(self.tdim), sizes))):
                 loop = [L.ForRange(index, 0, size, loop)]
         return before + [L.Section(f"points of rule {rule.number}", loop, [])] + element_tensor.after()
-

@@ -1,5 +1,7 @@
 """Composes material, loads and boundary values into a static problem solved by Newton's method; seed (3.61)-(3.66)."""
 
+import itertools
+import weakref
 from dataclasses import dataclass, field
 
 import dolfinx.fem.petsc as petsc
@@ -9,6 +11,24 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from . import operators
+
+# LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such pivots.
+DIRECT = {
+    "ksp_type": "preonly",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_24": 1,
+    "mat_mumps_cntl_3": 1e-14,
+}
+_PROBLEMS = itertools.count()
+
+
+def _forget(keys):
+    """Take the options of a problem out of PETSc's database; else PETSc reports those never read when it ends."""
+    database = PETSc.Options()
+    for key in keys:
+        if database.hasName(key):
+            database.delValue(key)
 
 
 @dataclass
@@ -59,23 +79,29 @@ class StaticProblem:
                     tangent = tangent - ufl.derivative(external, u, du)
         else:
             tangent = ufl.derivative(residual, u, du)
+        for measure, data in next(iter(residual.subdomain_data().values())).items():
+            if any(d is not data[0] for d in data):
+                raise ValueError(
+                    f"the {measure} integrals must share one subdomain_data: put the tags of all loads into one MeshTags"
+                )
         self.residual = residual
         self._residual = fem.form(residual)
         self._tangent = operators.Tangent(tangent, self.bcs)
         self._b = petsc.create_vector(self._residual)
         self._du = fem.Function(V)
         self._solver = PETSc.KSP().create(V.mesh.comm)
-        self._solver.setOptionsPrefix(prefix)
         self._solver.setOperators(self._tangent.matrix)
-        # What the command line says goes before; what is set here leaves the database again, for the next problem's sake.
-        database, defaults = PETSc.Options(), {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
-        wanted = {**defaults, **(options or {})}
-        mine = {prefix + k: v for k, v in wanted.items() if not database.hasName(prefix + k)}
-        for key, value in mine.items():
-            database[key] = value
+        # A prefix of its own keeps the options of one problem from the next; what the command line says of `prefix` goes first.
+        database, own = PETSc.Options(), f"{prefix}{next(_PROBLEMS)}_"
+        given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
+        chosen = {**DIRECT, **(options or {}), **given}
+        if chosen["pc_type"] not in ("lu", "cholesky"):
+            chosen = {k: v for k, v in chosen.items() if k not in DIRECT or k in ("ksp_type", "pc_type")}
+        for key, value in chosen.items():
+            database[own + key] = value
+        weakref.finalize(self, _forget, [own + key for key in chosen])
+        self._solver.setOptionsPrefix(own)
         self._solver.setFromOptions()
-        for key in mine:
-            database.delValue(key)
 
     def _assemble_residual(self, constrain=True):
         self.u.x.scatter_forward()
@@ -96,6 +122,27 @@ class StaticProblem:
         r.x.array[: b.getLocalSize()] = b.array
         r.x.scatter_forward()
         return r
+
+    def _fault(self, A, b, x):
+        """What is wrong with the solution x of A x = b, or None. Collective."""
+        reason, pc = self._solver.getConvergedReason(), self._solver.getPC()
+        if reason < 0:
+            return f"PETSc reason {reason}"
+        if pc.getType() in ("lu", "cholesky") and pc.getFactorSolverType() == "mumps":
+            null_pivots = pc.getFactorMatrix().getMumpsInfog(28)
+            if null_pivots > 0:
+                return f"{null_pivots} pivots vanish"
+        residual = b.duplicate()
+        A.mult(x, residual)
+        residual.axpy(-1.0, b)
+        error = residual.norm()
+        residual.destroy()
+        # Far from any solver's tolerance: a nearly singular matrix, whose solution is round-off.
+        return (
+            None
+            if error <= 1e-2 * b.norm()
+            else f"the residual of the linear system is {error:.1e}, its right side {b.norm():.1e}"
+        )
 
     def _constrained(self):
         owned = self.space.dofmap.index_map.size_local * self.space.dofmap.index_map_bs
@@ -128,7 +175,8 @@ class StaticProblem:
         start = self.u.x.array.copy()
         fixed = self._constrained()
         target = self.u.copy()
-        fem.set_bc(target.x.array, self.bcs)
+        for bc in self.bcs:
+            bc.set(target.x.array)
         target.x.scatter_forward()
         scale, inner, norms = 0.0, 0.0, []
         comm = self.space.mesh.comm
@@ -142,7 +190,9 @@ class StaticProblem:
             norms.append(norm)
             if not np.isfinite(norm):
                 self.u.x.array[:] = start
-                raise RuntimeError(f"the residual is {norm} in Newton iteration {iteration}: the state cannot be evaluated (inverted cells?); apply the load in smaller parts")
+                raise RuntimeError(
+                    f"the residual is {norm} in Newton iteration {iteration}: the state cannot be evaluated (inverted cells?); apply the load in smaller parts"
+                )
             moved = iteration > 0 or not np.any(target.x.array != self.u.x.array)
             moved = comm.allreduce(int(moved)) == comm.size
             if moved and norm <= max(atol, rtol * max(scale, inner)):
@@ -166,11 +216,13 @@ class StaticProblem:
             self._solver.setOperators(A)
             x = self._du.x.petsc_vec
             self._solver.solve(b, x)
-            reason = self._solver.getConvergedReason()
-            if reason < 0 or not np.isfinite(x.norm()):
+            fault = self._fault(A, b, x)
+            if fault:
                 self.u.x.array[:] = start
-                raise RuntimeError(f"the linear solver failed (PETSc reason {reason}): is the body held against rigid motion?")
+                raise RuntimeError(f"the linear solver failed ({fault}): is the body held against rigid motion?")
             self._du.x.scatter_forward()
             self.u.x.array[:] += self._du.x.array
         self.u.x.array[:] = start
-        raise RuntimeError(f"Newton's method did not converge in {max_iterations} iterations; residual norms: {norms}. Apply the load in smaller parts, or pass more iterations")
+        raise RuntimeError(
+            f"Newton's method did not converge in {max_iterations} iterations; residual norms: {norms}. Apply the load in smaller parts, or pass more iterations"
+        )

@@ -1,0 +1,45 @@
+"""Static problems on 1, 2 and 3 ranks, and what StaticProblem refuses."""
+
+import pathlib
+
+import problem_checks
+import pytest
+import ufl
+from dolfinx import fem
+
+import dolfinx_impact as di
+
+
+@pytest.mark.parametrize("name", problem_checks.CHECKS)
+def test_one_rank(name):
+    problem_checks.CHECKS[name]()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_several_ranks(mpirun, ranks):
+    output = mpirun(ranks, pathlib.Path(problem_checks.__file__), timeout=300)
+    assert output.count("passed: ") == len(problem_checks.CHECKS)
+
+
+def test_material_or_residual():
+    domain = problem_checks.body("triangle")
+    V = problem_checks.space(domain)
+    u, law = fem.Function(V, name="u"), di.LinearElastic(1.0, 0.3, hypothesis="plane_strain")
+    residual = di.operators.internal_force_form(u, ufl.TestFunction(V), law)
+    with pytest.raises(ValueError, match="either a material or a residual"):
+        di.StaticProblem(u)
+    with pytest.raises(ValueError, match="either a material or a residual"):
+        di.StaticProblem(u, law, residual=residual)
+    with pytest.raises(ValueError, match="loads into your own residual"):
+        di.StaticProblem(u, residual=residual, loads=[di.BodyForce((0, 1))])
+    with pytest.raises(ValueError, match="plane_strain, plane_stress or axisymmetric"):
+        di.StaticProblem(u, di.LinearElastic(1.0, 0.3))
+
+
+def test_loads_share_their_tags():
+    domain = problem_checks.body("triangle")
+    u = fem.Function(problem_checks.space(domain), name="u")
+    loads = [di.Traction(problem_checks.facets_at(domain, x=1.0), 1, (0.0, 1.0)) for _ in range(2)]
+    with pytest.raises(ValueError, match="share one subdomain_data.*one MeshTags"):
+        di.StaticProblem(u, di.LinearElastic(1.0, 0.3, hypothesis="plane_strain"), loads=loads)
