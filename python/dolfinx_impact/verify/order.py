@@ -172,20 +172,21 @@ def _plot(results, folder):
 
     figure, axes = plt.subplots(2, 4, figsize=(16, 8), constrained_layout=True)
     for axis, ((cell, degree, hypothesis), (sizes, errors)) in zip(axes.ravel(), results.items()):
-        h = 1.0 / sizes
         for k, (label, marker, colour) in enumerate(
             (("UFL, L2", "o", "C0"), ("UFL, H1", "s", "C1"), ("hand-written, L2", "x", "k"), ("hand-written, H1", "+", "k"))
         ):
             line = "-" if k < 2 else ""
-            axis.loglog(h, errors[:, k], linestyle=line, marker=marker, color=colour, label=label, markersize=9, fillstyle="none")
+            axis.loglog(sizes, errors[:, k], line, marker=marker, color=colour, label=label, markersize=9, fillstyle="none")
         for power, norm in ((degree + 1, 0), (degree, 1)):
-            axis.loglog(h, errors[-1, norm] * (h / h[-1]) ** power, ":", color="0.5")
-            axis.annotate(f"h^{power}", (h[0], errors[-1, norm] * (h[0] / h[-1]) ** power), color="0.4")
-        axis.set_title(f"{cell}, degree {degree}, {hypothesis}", fontsize=10)
-        axis.set_xlabel("h / side of the block")
-        axis.set_ylabel("error norm / block side")
-        axis.grid(True, which="both", alpha=0.25)
-    axes[0, 0].legend(fontsize=8)
+            guide = 0.6 * errors[-1, norm] * (sizes[-1] / sizes) ** power
+            axis.loglog(sizes, guide, ":", color="0.4", label=f"slope {power}")
+        axis.set_title(f"{cell}, degree {degree}, {hypothesis.replace('_', ' ')}", fontsize=11)
+        axis.set_xlabel("cells per side")
+        axis.set_ylabel("error norm (block side 1)")
+        axis.set_xticks(sizes, [str(n) for n in sizes])
+        axis.minorticks_off()
+        axis.grid(True, alpha=0.25)
+        axis.legend(fontsize=7, loc="lower left")
     path = folder / "order.png"
     figure.savefig(path, dpi=110)
     plt.close(figure)

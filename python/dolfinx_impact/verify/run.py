@@ -1,0 +1,113 @@
+"""`dolfinx-impact verify`: runs the levels, prints the table, writes JSON, figures and the page; exit status 0 if all passed."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from ..forms import registry
+from . import catalogue, derivative, element, html, operator, order, ranks, solution, spectrum, user_form
+from .report import Report
+
+LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "ranks")
+
+
+def cross_check(form_or_name=None, *, cells=None, degrees=None, levels=("element",), count=100, report=None, progress=False):
+    """Compare forms of the catalogue with the hand-written solver.
+
+    Args:
+        form_or_name: a name of forms.registry.NAMES, a path of a user's file, or None for all forms.
+        cells, degrees: to restrict to. levels: of LEVELS. count: random cells per element comparison.
+
+    Returns:
+        Report with .rows and .passed.
+
+    Raises:
+        ValueError: unknown form, cell, degree or level.
+    """
+    report = report or Report()
+    _check(cells, degrees, levels)
+    if form_or_name is not None and str(form_or_name).endswith(".py"):
+        user_form.check(report, form_or_name)
+        return report
+    if form_or_name is not None and form_or_name not in registry.NAMES:
+        raise ValueError(f"form {form_or_name!r} is unknown: the catalogue holds {', '.join(registry.NAMES)}")
+    names = None if form_or_name is None else [form_or_name]
+    if "element" in levels:
+        cases = catalogue.cases(names, cells, degrees)
+        if len(cases) > 20:
+            element.compile_all(cases, progress)
+        element.run(report, cases, count, progress)
+    for level, module in (("operator", operator), ("solution", solution), ("spectrum", spectrum), ("derivative", derivative)):
+        if level in levels:
+            module.run(report, progress)
+    if "order" in levels:
+        order.run(report, None, progress)
+    if "ranks" in levels:
+        ranks.run(report, progress=progress)
+    return report
+
+
+def _check(cells, degrees, levels):
+    for value in cells or ():
+        if value not in registry.CELLS:
+            raise ValueError(f"cell {value!r} is unknown: use {', '.join(registry.CELLS)}")
+    for value in degrees or ():
+        if value not in registry.DEGREES:
+            raise ValueError(f"degree {value!r} is not in the catalogue: use 1 or 2")
+    for value in levels:
+        if value not in LEVELS:
+            raise ValueError(f"level {value!r} is unknown: use {', '.join(LEVELS)}")
+
+
+def parser():
+    p = argparse.ArgumentParser(prog="dolfinx-impact verify", description=__doc__)
+    p.add_argument("file", nargs="?", help="a UFL file of your own")
+    p.add_argument("name", nargs="?", help="operator of the hand-written solver to compare it with, for example elasticity")
+    p.add_argument("--cells", nargs="+", metavar="CELL", help=f"of {', '.join(registry.CELLS)}")
+    p.add_argument("--degree", nargs="+", type=int, metavar="P", help="1, 2 or both")
+    p.add_argument("--forms", nargs="+", metavar="FORM", help="of the catalogue")
+    p.add_argument("--levels", nargs="+", default=LEVELS, metavar="LEVEL", help=f"of {', '.join(LEVELS)}")
+    p.add_argument("--ranks", nargs="+", type=int, default=[1, 2, 3], metavar="N", help="numbers of MPI ranks to compare")
+    p.add_argument("--count", type=int, default=100, help="random cells per element comparison")
+    p.add_argument("--json", metavar="OUT", help="write the rows here")
+    p.add_argument("--output", metavar="DIR", default="results/verify", help="folder of the page and the figures")
+    p.add_argument("--all-rows", action="store_true", help="print every row, not the worst per form")
+    return p
+
+
+def main(argv=None):
+    """Returns the exit status: 0 only when every row passed; 2 for input that cannot be used."""
+    args = parser().parse_args(argv)
+    report = Report()
+    try:
+        _run(report, args)
+    except (ValueError, FileNotFoundError) as e:
+        print(f"dolfinx-impact verify: {e}", file=sys.stderr)
+        return 2
+    report.print(args.all_rows)
+    if args.json:
+        report.write_json(args.json)
+    return 0 if report.passed else 1
+
+
+def _run(report, args):
+    _check(args.cells, args.degree, args.levels)
+    if args.file:
+        user_form.check(report, args.file, args.name)
+        return
+    for name in args.forms or [None]:
+        first = [level for level in args.levels if level == "element"]
+        cross_check(name, cells=args.cells, degrees=args.degree, levels=first, count=args.count, report=report, progress=True)
+    folder = Path(args.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    for level, module in (("operator", operator), ("solution", solution), ("spectrum", spectrum), ("derivative", derivative)):
+        if level in args.levels:
+            print(f"level {level}", file=sys.stderr)
+            module.run(report)
+    if "order" in args.levels:
+        order.run(report, folder)
+    if "ranks" in args.levels:
+        print("level ranks", file=sys.stderr)
+        ranks.run(report, args.ranks)
+    report.figures.insert(0, ("Differences against their tolerances", html.differences_plot(report, folder)))
+    print(f"page: {html.write(report, folder / 'index.html')}", file=sys.stderr)

@@ -1,0 +1,218 @@
+"""A user's own UFL file against a named operator of the hand-written solver."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import ufl
+from mpi4py import MPI
+
+from ..forms import registry
+from ..forms.compiler import frontend
+from ..forms.materials import HYPOTHESES
+from ..jit import compile_form
+from . import bodies, catalogue, element, nodes
+
+# Names a user may give for an operator -> names by rank of the form.
+ALIASES = {
+    "elasticity": ("linear_elastic.energy", "linear_elastic.force", "linear_elastic.tangent"),
+    "linear_elastic": ("linear_elastic.energy", "linear_elastic.force", "linear_elastic.tangent"),
+    "st_venant_kirchhoff": ("st_venant_kirchhoff.energy", "st_venant_kirchhoff.force", "st_venant_kirchhoff.tangent"),
+    "neo_hookean": ("neo_hookean.energy", "neo_hookean.force", "neo_hookean.tangent"),
+    "mass": (None, "mass_action", "mass"),
+    "poisson": (None, "poisson_residual", "poisson"),
+    "follower_pressure": (None, "follower_pressure", "follower_pressure_tangent"),
+}
+# Names of constants or numbers in the user's file -> names of the catalogue.
+CONSTANTS = {
+    "E": "E", "young": "E", "nu": "nu", "poisson_ratio": "nu", "density": "density", "rho": "density",
+    "lmbda": "lambda", "lam": "lambda", "lambda_": "lambda", "mu": "mu", "alpha": "alpha", "beta": "beta", "k": "k",
+    "kappa": "k", "p": "p", "pressure": "p", "q": "q", "f": "f", "b": "f", "t": "t", "T": "t", "spin": "spin",
+    "Omega": "spin", "centre": "centre",
+}  # fmt: skip
+
+
+def operator_name(name, rank):
+    """Form of the catalogue for a name and the rank of the user's form.
+
+    Raises:
+        ValueError: unknown name, or nothing of that rank; the message lists the names.
+    """
+    known = sorted(set(ALIASES) | set(registry.NAMES))
+    if name in registry.NAMES and name not in ALIASES:
+        return name
+    if name not in ALIASES:
+        raise ValueError(f"the hand-written solver has no operator {name!r}; it has {', '.join(known)}")
+    found = ALIASES[name][rank]
+    if found is None:
+        raise ValueError(f"operator {name!r} has no form of rank {rank}")
+    return found
+
+
+def load(path):
+    """Namespace of a user's UFL file.
+
+    Raises:
+        FileNotFoundError: no such file. ValueError: it does not run, or holds no form; with the line at fault.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file {path}")
+    try:
+        namespace = runpy.run_path(str(path))
+    except SyntaxError as e:
+        raise ValueError(f"{path}, line {e.lineno}: {e.msg}: {(e.text or '').strip()}") from e
+    except Exception as e:
+        line, trace = None, e.__traceback__
+        while trace is not None:
+            if trace.tb_frame.f_code.co_filename == str(path):
+                line = trace.tb_lineno
+            trace = trace.tb_next
+        raise ValueError(f"{path}, line {line}: {type(e).__name__}: {e}") from e
+    forms = {n: o for n, o in namespace.items() if isinstance(o, ufl.Form)}
+    if not forms:
+        raise ValueError(f"{path} defines no UFL form: assign one to a variable, for example a = inner(...) * dx")
+    return namespace, forms
+
+
+def _parameters(namespace, form, rng, name, dim):
+    """(names by object, values) of the form's constants; numbers of the file count as well."""
+    values = catalogue.parameters(rng, name, dim)
+    variables = {id(o): n for n, o in namespace.items() if isinstance(o, ufl.Constant)}
+    for variable, catalogue_name in CONSTANTS.items():
+        number = namespace.get(variable)
+        if isinstance(number, (int, float)) and not isinstance(number, bool):
+            values[catalogue_name] = float(number)
+    if isinstance(namespace.get("E"), (int, float)) is False and isinstance(values.get("mu"), float) and "lambda" in values:
+        lmbda, mu = values["lambda"], values["mu"]
+        values["E"], values["nu"] = mu * (3 * lmbda + 2 * mu) / (lmbda + mu), lmbda / (2 * (lmbda + mu))
+    E, nu = values["E"], values["nu"]
+    values.setdefault("lambda", E * nu / ((1 + nu) * (1 - 2 * nu)))
+    values.setdefault("mu", E / (2 * (1 + nu)))
+    names = {}
+    for constant in form.constants():
+        variable = variables.get(id(constant))
+        if variable not in CONSTANTS:
+            raise ValueError(f"the constant {variable!r} means nothing here: name it one of {', '.join(CONSTANTS)}")
+        names[constant] = CONSTANTS[variable]
+    coefficients = {id(o): n for n, o in namespace.items() if isinstance(o, ufl.Coefficient)}
+    for c in form.coefficients():
+        own = coefficients.get(id(c), "u")
+        single = len(form.coefficients()) == 1
+        names[c] = own if own in ("u", "velocity", "acceleration") else "u" if single else own
+        if names[c] not in ("u", "velocity", "acceleration"):
+            raise ValueError(f"the coefficient {own!r} means nothing here: displacements are called u")
+    return names, values
+
+
+def _case(form, name, hypothesis):
+    """(name, cell, degree, geometry_degree, hypothesis) of a user's form."""
+    domain = form.ufl_domain()
+    coordinate = domain.ufl_coordinate_element()
+    functions = list(form.arguments()) + list(form.coefficients())
+    space = functions[0].ufl_function_space().ufl_element()
+    cell = domain.ufl_cell().cellname()
+    degree, geometry_degree = int(space.embedded_superdegree), int(coordinate.embedded_superdegree)
+    sub = space.sub_elements[0] if space.block_size > 1 else space
+    if sub.family_name != "P" or sub.discontinuous:
+        raise ValueError(f"the form uses {space}: the hand-written solver has Lagrange elements of degree 1 and 2")
+    degree = int(sub.basix_element.degree)
+    geometry_degree = int(coordinate.sub_elements[0].basix_element.degree)
+    registry.check(name, cell, degree, geometry_degree, hypothesis)
+    return name, cell, degree, geometry_degree, hypothesis
+
+
+def _rule(integral, cell):
+    """The rule of the user's own form as points and weights of the other side's reference cell."""
+    (rule, *more) = integral.ir.integrand
+    if more:
+        return None
+    points, weights = np.asarray(rule.points), np.asarray(rule.weights)
+    tensor = cell in nodes.TENSOR
+    dim = points.shape[1]
+    if tensor or (integral.integral_type != "cell" and cell in ("quadrilateral", "hexahedron", "triangle")):
+        return 2 * points - 1, weights * 2**dim
+    return points, weights
+
+
+def check(report, path, operator=None, seed=2026):
+    """Compare every form of a user's file with an operator of the hand-written solver; adds rows of level "element" and
+    "operator".
+
+    Args:
+        report: Report to add to. path: the user's file. operator: name of the operator; None: the file's name.
+    """
+    namespace, forms = load(path)
+    operator = operator or Path(path).stem
+    for variable, form in forms.items():
+        rank = len(form.arguments())
+        name = operator_name(operator, rank)
+        dim = registry.CELLS.get(form.ufl_domain().ufl_cell().cellname(), 0)
+        own = namespace.get("hypothesis")
+        hypothesis = own or ("3d" if dim == 3 else "plane_strain")
+        case = _case(form, name, hypothesis)
+        names, values = _parameters(namespace, form, np.random.default_rng(seed), name, dim)
+        compiled = compile_form(form, names, MPI.COMM_SELF)
+        integrals = frontend.form_integrals(form, variable, names)
+        theirs = _rule(integrals[0], case[1])
+        settings = {"kernels": compiled, "names": names, "values": values, "theirs": theirs}
+        worst, where = element.difference(case, **settings)
+        note = where
+        if worst > element.TOLERANCE and dim == 2 and own is None:
+            for other in HYPOTHESES[1:]:
+                if other != hypothesis and element.difference((*case[:4], other), 10, **settings)[0] < element.TOLERANCE:
+                    note += f". It agrees with {other}: write hypothesis = {other!r} into the file"
+        report.add("element", name, *case[1:], worst, element.TOLERANCE, element.REASON, f"{variable} of {Path(path).name}", note)
+        if rank > 0 and all(k.integral_type == "cell" for k in compiled.kernels) and case[0] in _ASSEMBLED:
+            difference, note = _assembled(case, compiled, names, values, theirs)
+            report.add("operator", name, *case[1:], difference, element.TOLERANCE, "round-off", f"{variable} assembled", note)
+
+
+_ASSEMBLED = tuple(n for n in registry.LAW_FORMS if not n.endswith("energy")) + ("mass",)
+
+
+def _assembled(case, compiled, names, values, theirs):
+    """Largest relative difference of the assembled operator on a block; the entry by node positions."""
+    name, cell, degree, geometry_degree, hypothesis = case
+    domain = bodies.block(cell, 3, geometry_degree)
+    if hypothesis == "axisymmetric":
+        domain.geometry.x[:, 0] += 0.5
+    law = name.split(".")[0] if name in registry.LAW_FORMS else "linear_elastic"
+
+    class _Material:
+        E, nu, density = values["E"], values["nu"], values["density"]
+
+        @staticmethod
+        def hypothesis_on(mesh):
+            return hypothesis
+
+    body = bodies.Body(domain, degree, _Material, law, theirs)
+    kernel, bs = compiled.kernels[0], body.gdim
+    x, dofmap = domain.geometry.x, domain.geometry.dofmap
+    size = body.model.num_dofs
+    u = 0.03 * np.sin(3 * body.V.tabulate_dof_coordinates()[:, :bs]).ravel()
+    out = np.zeros((size, size) if kernel.rank == 2 else size)
+    for c in range(len(dofmap)):
+        dofs = (bs * body.V.dofmap.cell_dofs(c)[:, None] + np.arange(bs)).ravel()
+        w, constants = element._pack(kernel, compiled, names, values, {"u": u[dofs]})
+        A = np.zeros(kernel.shape[0] * kernel.shape[1])
+        kernel.tabulate(A, w, constants, x[dofmap[c]].ravel())
+        if kernel.rank == 2:
+            out[np.ix_(dofs, dofs)] += A.reshape(kernel.shape)
+        else:
+            out[dofs] += A
+    at = body.to_theirs(u)
+    if name == "mass":
+        expected = body.matrix_to_ours(body.model.mass()).toarray()
+    elif kernel.rank == 2:
+        tangent = body.model.stiffness() if law == "linear_elastic" else body.model.tangent(at)
+        expected = body.matrix_to_ours(tangent).toarray()
+    else:
+        expected = body.to_ours(body.model.internal_force(at))
+    error = np.abs(out - expected) / np.abs(expected).max()
+    k = np.unravel_index(np.argmax(error), error.shape)
+    place = body.V.tabulate_dof_coordinates()[:, :bs]
+    where = " against ".join(f"node at {np.round(place[i // bs], 4).tolist()} component {i % bs}" for i in k)
+    return error.max(), f"{where}: UFL {out[k]:.15g}, hand-written {expected[k]:.15g}"
+
+
