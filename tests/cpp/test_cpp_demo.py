@@ -1,0 +1,54 @@
+"""The C++ demo: found by CMake as a user finds it, built, and run on 1 to 3 ranks."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+import dolfinx_impact
+
+
+def run(command, **environment):
+    surroundings = {
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+        **os.environ,
+        **environment,
+    }
+    done = subprocess.run([str(c) for c in command], env=surroundings, capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def program(checkout, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("demo_cpp")
+    package = pathlib.Path(dolfinx_impact.__file__).parent
+    # Symbols of the installed library must suffice: nothing of the checkout but the demo's own folder is seen.
+    source = folder / "source"
+    shutil.copytree(checkout / "demos" / "cpp", source)
+    options = [f"-DCMAKE_PREFIX_PATH={package}"]
+    if shutil.which("ccache"):
+        options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
+    if shutil.which("ninja"):
+        options.append("-GNinja")
+    run(["cmake", "-S", source, "-B", folder / "build", *options])
+    run(["cmake", "--build", folder / "build"], CCACHE_BASEDIR=str(folder), CCACHE_NOHASHDIR="1")
+    return folder / "build" / "elastic_block"
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_demo_runs(program, ranks):
+    output = run(["mpirun", "-n", ranks, program]) if ranks > 1 else run([program])
+    (error,) = re.findall(r"\|K u - f\(u\)\| / \|f\(u\)\| = (\S+)", output)
+    assert float(error) < 1e-12 and "refused" in output
+
+
+def test_widths_agree(program):
+    for width in {"1", str(min(4, dolfinx_impact._cpp.kernels.processor_width()))}:
+        assert f"cells per kernel call: {width}" in run([program], IMPACT_SIMD_WIDTH=width)
