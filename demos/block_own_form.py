@@ -21,6 +21,7 @@ from dolfinx.nls.petsc import NewtonSolver
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import plots
 from dolfinx_impact.gather import gather_field
 from dolfinx_impact.results import RunFolder
 
@@ -129,9 +130,10 @@ run.fields("block", [u])
 # ## Picture
 
 field = gather_field(u)
-if comm.rank == 0:
-    from dolfinx_impact import plots
 
+
+def draw():
+    """Called on rank 0."""
     plt = plots.pyplot()
     figure, axes = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
     grid = plots.grid(field, field.values)
@@ -142,6 +144,9 @@ if comm.rank == 0:
     plots.show(axes, image, title=f"foam, glued ends, drawn to {stretch} times its length")
     plots.colour_bar(figure, axes, clim, "transverse displacement [m]", shrink=0.8)
     plots.save(figure, run.file("block_own_form.png"))
+
+
+run.pictures(draw)
 run.print(f"results in {run.path}")
 
 # ## What must hold

@@ -21,6 +21,7 @@ from mpi4py import MPI
 from scipy.special import j1, jvp
 
 import dolfinx_impact as di
+from dolfinx_impact import plots
 from dolfinx_impact.forms import ale, elasticity, quadrature
 from dolfinx_impact.gather import gather_field, together
 from dolfinx_impact.results import RunFolder, vertex_average
@@ -139,9 +140,10 @@ run.table(
 # ## Picture
 
 fields = gather_field(u), gather_field(mises)
-if comm.rank == 0:
-    from dolfinx_impact import plots
 
+
+def draw():
+    """Called on rank 0."""
     plt = plots.pyplot()
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.4), layout="constrained")
     displacement = np.zeros((len(fields[1].points), 2))
@@ -165,6 +167,9 @@ if comm.rank == 0:
     right.set_title("radial displacement of the rim", fontsize=10)
     right.legend(fontsize=9)
     plots.save(figure, run.file("rolling_disc.png"))
+
+
+run.pictures(draw)
 run.print(f"results in {run.path}")
 
 # ## What must hold

@@ -27,6 +27,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes, operators
+from dolfinx_impact.demos import _wheel_figures as figures
 from dolfinx_impact.gather import gather_field, gather_mesh, gather_rows
 from dolfinx_impact.results import RunFolder, vertex_average
 from dolfinx_impact.verify import nodes
@@ -261,7 +262,7 @@ def surface_profiles(made, u, limit):
 
 gathered = {key: gather_field(flat[key]) for key in ("u", "mises", "shear")}
 profiles = surface_profiles(plane, flat["u"], 3 * a)
-measured = None
+measured, run_lines = None, None
 if comm.rank == 0:
     depth, tau = axis_profile(gathered["shear"], 0)
     tau_hertz = p0 * (depth / a - (depth / a) ** 2 / np.sqrt(1 + (depth / a) ** 2))
@@ -322,12 +323,9 @@ Hertz below the patch (plane strain, {a / cell_size:.0f} cells per half-width)
 # Fields are in the folder for ParaView; figures and the curves' numbers too.
 
 run.print("drawing")
-if comm.rank == 0:
-    from dolfinx_impact.demos import _wheel_figures as figures
-
-    figures.plane(run, gathered, a, p0, measured["approach"])
-    figures.lines(run, flat, solid, run_lines, a, p0, radius)
-    figures.space(run, gathered_3d, p0_ellipse)
+run.pictures(figures.plane, run, gathered, a, p0, measured["approach"])
+run.pictures(figures.lines, run, flat, solid, run_lines, a, p0, radius)
+run.pictures(figures.space, run, gathered_3d, p0_ellipse)
 axis = {"depth": "m", "tau": "Pa", "tau_hertz": "Pa"}
 run.table("axis", {key: (run_lines[key], unit) for key, unit in axis.items()} if comm.rank == 0 else {})
 run.print(f"results in {run.path}, {time.perf_counter() - started:.1f} s in all on {comm.size} rank(s)")

@@ -15,17 +15,21 @@ COLOURS = ("#0b5394", "#c8501e", "#3a7d44", "#6b6b6b")
 _STYLE = {"font.size": 10, "axes.grid": True, "grid.color": "#dddddd", "axes.axisbelow": True, "legend.frameon": False}
 
 
+class NoScreen(RuntimeError):
+    """There is nothing VTK could draw on."""
+
+
 def screen():
     """Make sure that VTK has a display: the present one, else an Xvfb of this process, ended with it.
 
     Raises:
-        RuntimeError: neither is there.
+        NoScreen: neither is there.
     """
     if os.environ.get("DISPLAY"):
         return
     program = shutil.which("Xvfb")
     if program is None:
-        raise RuntimeError("pictures of meshes need a screen: install Xvfb (Debian: xvfb) or set DISPLAY")
+        raise NoScreen("pictures of meshes need a screen: install Xvfb (Debian: xvfb) or set DISPLAY")
     read, write = os.pipe()
     command = [program, "-displayfd", str(write), "-screen", "0", "1600x1200x24", "-nolisten", "tcp"]
     server = subprocess.Popen(
@@ -36,7 +40,7 @@ def screen():
         number = answer.readline().strip()
     if not number:
         server.wait()
-        raise RuntimeError(f"{program} did not start: set DISPLAY, or see what it says when started by hand")
+        raise NoScreen(f"{program} did not start: set DISPLAY, or see what it says when started by hand")
     os.environ["DISPLAY"] = f":{number}"
 
     def stop():

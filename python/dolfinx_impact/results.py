@@ -121,6 +121,19 @@ class RunFolder:
         """Full path of a file in the folder."""
         return self.path / name
 
+    def pictures(self, draw, *args):
+        """Run draw(*args) on rank 0; where PyVista or a screen is missing, say so and go on without the picture."""
+
+        def work():
+            from .plots import NoScreen
+
+            try:
+                draw(*args)
+            except (ImportError, NoScreen) as error:
+                self.print(f"a picture is left out: {error}")
+
+        self._write(self.path, work)
+
     def write_parameters(self, parameters):
         """Write parameters.json: the parameters, the versions, the number of ranks, the time."""
         path = self.file("parameters.json")

@@ -1,0 +1,91 @@
+"""The command dolfinx-impact: lists, exit statuses, info; verify and bench are handed on with their arguments."""
+
+import signal
+import sys
+import types
+
+import pytest
+
+from dolfinx_impact import cli
+
+
+def test_list_names_every_demo_with_its_title(impact):
+    status, output, _ = impact("demo", "--list")
+    assert status == 0
+    for name, (path, title) in cli.demos().items():
+        assert name in output and title in output and path.exists()
+    assert "wheel_on_rail" in output and "_wheel_figures" not in output
+
+
+def test_an_unknown_demo_lists_what_there_is(impact):
+    status, output, errors = impact("demo", "weel_on_rail")
+    assert status == 2 and output == ""
+    assert "weel_on_rail" in errors and "did you mean wheel_on_rail" in errors and "rolling_disc" in errors
+
+
+@pytest.mark.parametrize("arguments", (["demo"], ["demo", "rolling_disc", "--ranks", "0"], ["nonsense"], []))
+def test_bad_arguments_give_status_2(arguments, impact):
+    status, _, errors = impact(*arguments)
+    assert status == 2 and errors
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", (1, 2))
+@pytest.mark.parametrize("code, wanted", (("import sys; sys.exit(7)", 7), ("raise SystemExit(0)", 0), ("1 / 0", 1)))
+def test_the_exit_status_passes_through(ranks, code, wanted, tmp_path, monkeypatch):
+    script = tmp_path / "own.py"
+    script.write_text(f"from mpi4py import MPI\n{code}\n")
+    monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
+    assert cli.main(["demo", "own", "--ranks", str(ranks)]) == wanted
+
+
+def test_a_signal_gives_128_more(tmp_path, monkeypatch):
+    script = tmp_path / "own.py"
+    script.write_text("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)\n")
+    monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
+    assert cli.main(["demo", "own"]) == 128 + signal.SIGKILL
+
+
+def test_output_reaches_the_demo_as_a_full_path(tmp_path, monkeypatch, capfd):
+    script = tmp_path / "own.py"
+    script.write_text("import os\nprint(os.environ['IMPACT_OUTPUT'])\n")
+    monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["demo", "own", "--output", "here"]) == 0
+    assert capfd.readouterr().out.strip() == str(tmp_path / "here")
+
+
+def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(cli.shutil, "which", lambda name: None)
+    assert cli.main(["demo", "rolling_disc", "--ranks", "2"]) == 2
+    assert "mpirun" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command, module", (("verify", "verify.run"), ("bench", "bench")))
+def test_verify_and_bench_get_their_arguments(command, module, monkeypatch):
+    seen = []
+    stand_in = types.ModuleType(f"dolfinx_impact.{module}")
+    stand_in.main = lambda arguments: seen.append(arguments) or 3
+    monkeypatch.setitem(sys.modules, stand_in.__name__, stand_in)
+    assert cli.main([command, "--json", "out.json", "--help"]) == 3
+    assert seen == [["--json", "out.json", "--help"]]
+
+
+def test_info_names_versions_kernels_width_and_caches(impact, tmp_path):
+    kernels = tmp_path / "kernels"
+    kernels.mkdir()
+    (kernels / "one.so").write_bytes(b"x" * 1_500_000)
+    status, output, errors = impact("info", env={"IMPACT_JIT_CACHE": str(kernels)})
+    assert status == 0, errors
+    for word in ("dolfinx ", "ffcx", "basix", "ufl", "petsc", "nanobind", "linear_elastic.force", "hexahedron", "SIMD"):
+        assert word in output
+    assert f"{kernels} (1 files, 1.5 MB)" in output
+
+
+def test_info_counts_the_kernels_that_are_there():
+    from dolfinx_impact import _cpp
+
+    rows = cli.kernels_by_form()
+    assert rows["linear_elastic.force"][("hexahedron", "3d")] == [1, 2]
+    named = {(k.cell, k.hypothesis) for k in _cpp.kernels.table() if k.rank == 1}
+    assert {key for row in rows.values() for key in row} <= named

@@ -1,0 +1,86 @@
+"""Every demo runs, on one rank and on two, and leaves its files; every demo is a page that ends with an assert."""
+
+import ast
+import json
+import os
+import subprocess
+import sys
+
+import jupytext
+import pytest
+
+from dolfinx_impact import cli
+
+DEMOS = sorted(cli.demos())
+FILES = {
+    "wheel_on_rail": (
+        "axis.csv", "axis.h5", "two_solvers.png", "wheel_on_rail_2d.png", "wheel_on_rail_3d.png", "wheel_on_rail_2d.bp",
+        "wheel_on_rail_3d.bp",
+    ),
+    "block_own_form": ("block.bp", "block_own_form.png"),
+    "rolling_disc": ("rim.csv", "rim.h5", "rolling_disc.bp", "rolling_disc.png"),
+}  # fmt: skip
+
+
+def test_every_demo_says_what_it_leaves():
+    assert set(FILES) == set(DEMOS)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", (1, 2))
+@pytest.mark.parametrize("name", DEMOS)
+def test_a_demo_runs_and_leaves_its_files(name, ranks, impact, tmp_path):
+    folder = tmp_path / "here"
+    status, output, errors = impact("demo", name, "--ranks", ranks, "--output", folder)
+    assert status == 0, output + errors
+    assert "left out" not in output
+    for file in FILES[name]:
+        path = folder / file
+        assert path.exists(), f"{file} is missing; there are {sorted(p.name for p in folder.iterdir())}"
+        if path.suffix == ".png":
+            assert path.read_bytes()[:4] == b"\x89PNG" and path.stat().st_size > 10_000
+    record = json.loads((folder / "parameters.json").read_text())
+    assert record["run"] == name and record["ranks"] == ranks and record["versions"]["dolfinx"].startswith("0.9")
+    assert output.count("results in") == 1, "one rank prints, the others do not"
+
+
+@pytest.mark.parametrize("name", DEMOS)
+def test_a_demo_is_a_page(name):
+    path = cli.demos()[name][0]
+    page = jupytext.read(path, fmt="py:light")
+    text = [cell.source for cell in page.cells if cell.cell_type == "markdown"]
+    code = [cell.source for cell in page.cells if cell.cell_type == "code"]
+    assert text[0].startswith("# "), "the page begins with its title"
+    assert page.cells[0].cell_type == "markdown" and len(text) >= 4
+    for source in code:
+        ast.parse(source)
+    last = ast.parse(code[-1]).body[-1]
+    assert isinstance(last, ast.Assert) and not isinstance(last.test, ast.Constant)
+
+
+def test_a_wrong_number_makes_the_demo_fail(tmp_path):
+    """The asserts are read: with another density the disc is not that of the benchmark."""
+    source = cli.demos()["rolling_disc"][0].read_text()
+    changed = source.replace("7800.0", "7900.0")
+    assert changed != source
+    (tmp_path / "changed.py").write_text(changed)
+    done = subprocess.run(
+        [sys.executable, "changed.py"],
+        cwd=tmp_path,
+        env={**os.environ, "IMPACT_DEMO_FAST": "1"},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode != 0 and "AssertionError" in done.stderr
+
+
+def test_the_gallery_shows_the_demos(checkout):
+    gallery = (checkout / "docs" / "gallery.md").read_text()
+    for name in DEMOS:
+        assert f"demo {name}" in gallery, f"docs/gallery.md does not say how to run {name}"
+        for file in FILES[name]:
+            if file.endswith(".png"):
+                picture = checkout / "docs" / "figures" / f"demo_{file}"
+                assert f"figures/{picture.name}" in gallery
+                assert picture.stat().st_size < 200_000
