@@ -174,8 +174,8 @@ run.print(f"results in {run.path}")
 
 # ## What must hold
 #
-# Two numbers computed beforehand for 2000 rad/s, 2567.413 um without and 2584.969 um with $W$, within the accuracy of the
-# mesh, which is far better than what tells them apart.
+# Two numbers computed beforehand for 2000 rad/s, 2567.413 um without and 2584.969 um with $W$, within the accuracy of
+# the mesh, which is far better than what tells them apart.
 
 accuracy = 2e-4 if fast else 1e-5
 assert abs(exact(R, 2000.0, False) - 2567.413e-6) < 1e-9 and abs(exact(R, 2000.0, True) - 2584.969e-6) < 1e-9

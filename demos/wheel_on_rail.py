@@ -332,8 +332,8 @@ run.print(f"results in {run.path}, {time.perf_counter() - started:.1f} s in all 
 
 # ## What must hold
 #
-# The numbers of the theory (half-width and peak pressures were computed beforehand, by another program), the agreement of
-# the two solvers, equilibrium, and the two consequences above as far as the mesh resolves them.
+# The numbers of the theory (half-width and peak pressures were computed beforehand, by another program), the agreement
+# of the two solvers, equilibrium, and the two consequences above as far as the mesh resolves them.
 
 assert abs(a - 4.538523e-3) < 1e-9 and abs(p0 - 561.081e6) < 1e3
 assert abs(p0_ellipse - 1137.880e6) < 2e3
