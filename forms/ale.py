@@ -1,14 +1,15 @@
 """Rolling in the ALE frame: a body that turns with a given spin on a mesh that does not; seed (3.49)-(3.57), corrected.
 
-w = Omega x (X - centre) is the velocity of the material through the mesh, A = Grad N . w the convective derivative of the
-shape functions. Needs w . N = 0 on the boundary of a body of revolution.
+w = Omega x (X - centre) is the velocity of the material through the mesh, A = Grad N . w the convective derivative of
+the shape functions. Needs w . N = 0 on the boundary of a body of revolution.
 """
 
 import ufl
 
 
 def convection(mesh, spin, centre):
-    """Velocity w = Omega x (X - centre) [L/T]. spin: a scalar about z in 2D, a vector in 3D [1/T]; centre: point [L]."""
+    """Velocity w = Omega x (X - centre) [L/T]. spin: a scalar about z in 2D, a vector in 3D [1/T]; centre: point
+    [L]."""
     x = ufl.SpatialCoordinate(mesh)
     if len(x) == 2:
         return ufl.as_vector([-spin * (x[1] - centre[1]), spin * (x[0] - centre[0])])
@@ -33,10 +34,12 @@ def centrifugal_load(v, density, w, dx=ufl.dx):
 
 
 def momentum_balance(u, velocity, acceleration, v, law, density, w, f, dx=ufl.dx):
-    """Weak form of the balance of momentum, seed (3.53) corrected and integrated by parts: residual, zero at the solution.
+    """Weak form of the balance of momentum, seed (3.53) corrected and integrated by parts: residual, zero at the
+    solution.
 
-    With D/Dt = d/dt + w . Grad the inertia term becomes density (a . v + 2 (Grad velocity w) . v - (Grad phi w) . (Grad v w))
-    after Grad phi = I + Grad u; f is a force per unit mass. The gyroscopic pair is written skew, as in seed (3.56).
+    With D/Dt = d/dt + w . Grad the inertia term becomes density (a . v + 2 (Grad velocity w) . v - (Grad phi w) . (Grad
+    v w)) after Grad phi = I + Grad u; f is a force per unit mass. The gyroscopic pair is written skew, as in seed
+    (3.56).
     """
     stiffness = ufl.inner(law.stress(u), law.gradient(v))
     deformed = w + ufl.grad(u) * w

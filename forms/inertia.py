@@ -1,4 +1,5 @@
-"""Inertia: consistent mass, its action and the vector of nodal quadrature; the inertia term of seed (3.46), corrected."""
+"""Inertia: consistent mass, its action and the vector of nodal quadrature; the inertia term of seed (3.46),
+corrected."""
 
 import ufl
 

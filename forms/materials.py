@@ -2,8 +2,8 @@
 
 A law is a small object: parameters E, nu (numbers, UFL constants or coefficients) and a hypothesis; it gives energy
 density, stress and the stress's derivative as UFL expressions of the displacement. Hypotheses: "3d"; "plane_strain" and
-"plane_stress" per unit thickness; "axisymmetric", where x[0] is the radius, x[1] the axis, and every integral carries the
-weight 2 pi r, so that forces and masses are totals over the circumference.
+"plane_stress" per unit thickness; "axisymmetric", where x[0] is the radius, x[1] the axis, and every integral carries
+the weight 2 pi r, so that forces and masses are totals over the circumference.
 """
 
 import ufl
@@ -124,11 +124,12 @@ class StVenantKirchhoff(Law):
 
 
 class NeoHookean(Law):
-    """psi = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2; P = mu (F - F^-T) + lambda ln J F^-T (Bonet & Wood 2008, 6.27).
+    """psi = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2; P = mu (F - F^-T) + lambda ln J F^-T (Bonet & Wood 2008,
+    6.27).
 
-    Plane stress: P_zz = 0 gives mu (C_zz - 1) + lambda/2 ln C_zz + lambda ln J_2 = 0, solved for ln C_zz by Newton steps
-    written out in the form. The function is convex and the start is its small-strain root, so the steps converge from one
-    side; six reach round-off for area changes between 1/3 and 3.
+    Plane stress: P_zz = 0 gives mu (C_zz - 1) + lambda/2 ln C_zz + lambda ln J_2 = 0, solved for ln C_zz by Newton
+    steps written out in the form. The function is convex and the start is its small-strain root, so the steps converge
+    from one side; six reach round-off for area changes between 1/3 and 3.
     """
 
     name = "neo_hookean"

@@ -10,8 +10,8 @@ def _dimension(cell):
 def stiffness_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
     """Degree for internal virtual work: exact for linear elasticity on affine cells.
 
-    Simplices: gradients have degree p - 1 (geometry of degree 2 adds two). Quadrilaterals and hexahedra: p + 1 points per
-    direction, full integration. Axisymmetric: the radius adds one, and the hoop strain keeps the full degree p.
+    Simplices: gradients have degree p - 1 (geometry of degree 2 adds two). Quadrilaterals and hexahedra: p + 1 points
+    per direction, full integration. Axisymmetric: the radius adds one, and the hoop strain keeps the full degree p.
     """
     p, g = degree, geometry_degree
     if cell in SIMPLICES:

@@ -122,7 +122,10 @@ def build(name, cell, degree, geometry_degree=1, hypothesis=None, rule=None, qua
             form = elasticity.tangent(None if law.linear else field("u"), du, v, law, dx)
         else:
             u = field("u")
-            form = elasticity.internal_energy(u, law, dx) if kind == "energy" else elasticity.internal_force(u, v, law, dx)
+            if kind == "energy":
+                form = elasticity.internal_energy(u, law, dx)
+            else:
+                form = elasticity.internal_force(u, v, law, dx)
     elif name in ("mass", "mass_action"):
         form = inertia.mass(du if name == "mass" else field("u"), v, constant("density"), hypothesis, dx)
     elif name in ("row_sum", "nodal_mass"):

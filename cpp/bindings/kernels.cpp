@@ -104,8 +104,8 @@ void impact::bindings::kernels(nb::module_& m)
             const std::size_t n = std::size_t(s.k->shape[0]) * s.k->shape[1] * lanes;
             if (width(*s.k, lanes) != lanes)
               throw std::invalid_argument("this machine runs no kernel of " + std::to_string(lanes) + " lanes");
-            if (A.size() != n || w.size() != std::size_t(s.k->size_w) * lanes || c.size() != std::size_t(s.k->size_c)
-                || x.size() % (3 * lanes) != 0)
+            if (A.size() != n || w.size() != std::size_t(s.k->size_w) * lanes || c.size() != std::size_t(s.k->size_c) ||
+                x.size() % (3 * lanes) != 0)
               throw std::invalid_argument("arrays do not have the sizes of the kernel (kernels/Kernel.h)");
             if (lanes > 1)
               for (auto [p, size] : {std::pair{static_cast<const double*>(A.data()), A.size()},
@@ -122,13 +122,13 @@ void impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("address", [](const Kernel& s) { return reinterpret_cast<std::uintptr_t>(s.k); });
   m.def("table", [] { return wrap({table().begin(), table().end()}); }, "Kernels built with the package");
   m.def(
-      "find", [](const std::string& name, const std::string& cell, int degree, int geometry_degree,
-                 const std::string& hypothesis) { return wrap(find({name, cell, degree, geometry_degree, hypothesis})); },
+      "find",
+      [](const std::string& name, const std::string& cell, int degree, int geometry_degree,
+         const std::string& hypothesis) { return wrap(find({name, cell, degree, geometry_degree, hypothesis})); },
       nb::arg("name"), nb::arg("cell"), nb::arg("degree"), nb::arg("geometry_degree") = 1, nb::arg("hypothesis") = "");
+  m.def("find_signature", [](const std::string& s) { return wrap(find_signature(s)); }, nb::arg("signature"));
   m.def(
-      "find_signature", [](const std::string& s) { return wrap(find_signature(s)); }, nb::arg("signature"));
-  m.def(
-      "load", [](const std::string& path, const std::vector<std::string>& symbols) { return wrap(load(path, symbols)); },
-      nb::arg("path"), nb::arg("symbols"));
+      "load", [](const std::string& path, const std::vector<std::string>& symbols)
+      { return wrap(load(path, symbols)); }, nb::arg("path"), nb::arg("symbols"));
   m.def("processor_width", &processor_width, "Widest vector of doubles of this processor that is used: 1, 4 or 8");
 }

@@ -6,13 +6,14 @@ namespace nb = nanobind;
 NB_MODULE(_cpp, m)
 {
   m.doc() = "C++ side of dolfinx_impact";
-  // nanobind shares classes between modules only when both were built with the same internals. A mismatch would show up much
-  // later, as "incompatible function arguments" that print a C++ name.
+  // nanobind shares classes between modules only when both were built with the same internals. A mismatch would show up
+  // much later, as "incompatible function arguments" that print a C++ name.
   nb::module_::import_("dolfinx.cpp");
   if (!nb::type<dolfinx::mesh::Mesh<double>>().is_valid())
-    throw nb::import_error("dolfinx_impact was built with nanobind " IMPACT_NANOBIND_VERSION
-                           ", whose types the installed DOLFINx does not share. Build it again against the nanobind that "
-                           "DOLFINx was built with: pip install --no-build-isolation --force-reinstall .");
+    throw nb::import_error(
+        "dolfinx_impact was built with nanobind " IMPACT_NANOBIND_VERSION
+        ", whose types the installed DOLFINx does not share. Build it again against the nanobind that "
+        "DOLFINx was built with: pip install --no-build-isolation --force-reinstall .");
   nb::module_ kernels = m.def_submodule("kernels", "Kernels generated from UFL forms");
   impact::bindings::kernels(kernels);
   nb::module_ operators = m.def_submodule("operators", "Kernels applied over the cells of a mesh");

@@ -23,35 +23,48 @@ Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& 
 void impact::bindings::operators(nb::module_& m)
 {
   nb::class_<Integral>(m, "Integral", "A kernel, where it acts and its constants (copied)")
-      .def("__init__", [](Integral* self, std::uintptr_t kernel, Indices entities, Values constants)
-           { new (self) Integral(integral(kernel, entities, constants)); },
-           nb::arg("kernel"), nb::arg("entities"), nb::arg("constants"));
-  nb::class_<InternalForce>(m, "InternalForce_float64", "Matrix-free vector of a form of rank 1, value of a form of rank 0")
-      .def("__init__",
-           [](InternalForce* self, std::shared_ptr<const Mesh> mesh, nb::object test, std::vector<Integral> integrals,
-              std::map<std::string, std::shared_ptr<const Function>> coefficients, int width)
-           {
-             std::shared_ptr<const FunctionSpace> V;
-             if (!test.is_none())
-               V = nb::cast<std::shared_ptr<const FunctionSpace>>(test);
-             new (self) InternalForce(mesh, V, integrals, coefficients, width);
-           },
-           nb::arg("mesh"), nb::arg("test").none(), nb::arg("integrals"), nb::arg("coefficients"), nb::arg("width") = 0)
-      .def("assemble", [](const InternalForce& self, Vector b) { self.assemble({b.data(), b.size()}); }, nb::arg("b"),
-           "Add this rank's contributions to b (a view is changed)")
-      .def("apply", [](const InternalForce& self, dolfinx::la::Vector<double>& b) { self.apply(b); }, nb::arg("b"),
-           "b = f, ghosts exchanged")
+      .def(
+          "__init__", [](Integral* self, std::uintptr_t kernel, Indices entities, Values constants)
+          { new (self) Integral(integral(kernel, entities, constants)); }, nb::arg("kernel"), nb::arg("entities"),
+          nb::arg("constants"));
+  nb::class_<InternalForce>(m, "InternalForce_float64",
+                            "Matrix-free vector of a form of rank 1, value of a form of rank 0")
+      .def(
+          "__init__",
+          [](InternalForce* self, std::shared_ptr<const Mesh> mesh, nb::object test, std::vector<Integral> integrals,
+             std::map<std::string, std::shared_ptr<const Function>> coefficients, int width)
+          {
+            std::shared_ptr<const FunctionSpace> V;
+            if (!test.is_none())
+              V = nb::cast<std::shared_ptr<const FunctionSpace>>(test);
+            new (self) InternalForce(mesh, V, integrals, coefficients, width);
+          },
+          nb::arg("mesh"), nb::arg("test").none(), nb::arg("integrals"), nb::arg("coefficients"), nb::arg("width") = 0)
+      .def(
+          "assemble", [](const InternalForce& self, Vector b) { self.assemble({b.data(), b.size()}); }, nb::arg("b"),
+          "Add this rank's contributions to b (a view is changed)")
+      .def(
+          "apply", [](const InternalForce& self, dolfinx::la::Vector<double>& b) { self.apply(b); }, nb::arg("b"),
+          "b = f, ghosts exchanged")
       .def("value", &InternalForce::value)
-      .def("set_constants", [](InternalForce& self, std::size_t i, Values c) { self.set_constants(i, {c.data(), c.size()}); })
+      .def("set_constants",
+           [](InternalForce& self, std::size_t i, Values c) { self.set_constants(i, {c.data(), c.size()}); })
       .def("width", &InternalForce::width, nb::arg("integral") = 0)
-      .def("repeat", [](const InternalForce& self, Vector b, int times)
-           { for (int i = 0; i < times; ++i) self.assemble({b.data(), b.size()}); },
-           nb::arg("b"), nb::arg("times"), "Assemble several times in a row (for timing)")
+      .def(
+          "repeat",
+          [](const InternalForce& self, Vector b, int times)
+          {
+            for (int i = 0; i < times; ++i)
+              self.assemble({b.data(), b.size()});
+          },
+          nb::arg("b"), nb::arg("times"), "Assemble several times in a row (for timing)")
       .def_prop_ro("flops", &InternalForce::flops);
-  m.def("lump_hrz", [](const Integral& mass, const FunctionSpace& V, Vector d) { lump_hrz(mass, V, {d.data(), d.size()}); },
-        nb::arg("mass"), nb::arg("V"), nb::arg("diagonal"), "Add the HRZ-lumped mass to diagonal (a view is changed)");
-  m.def("lump_nodal", [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, Vector d)
-        { lump_nodal(nodal, row_sum, V, {d.data(), d.size()}); },
-        nb::arg("nodal"), nb::arg("row_sum"), nb::arg("V"), nb::arg("diagonal"),
-        "Add the nodal (GLL) lumped mass to diagonal (a view is changed)");
+  m.def(
+      "lump_hrz",
+      [](const Integral& mass, const FunctionSpace& V, Vector d) { lump_hrz(mass, V, {d.data(), d.size()}); },
+      nb::arg("mass"), nb::arg("V"), nb::arg("diagonal"), "Add the HRZ-lumped mass to diagonal (a view is changed)");
+  m.def(
+      "lump_nodal", [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, Vector d)
+      { lump_nodal(nodal, row_sum, V, {d.data(), d.size()}); }, nb::arg("nodal"), nb::arg("row_sum"), nb::arg("V"),
+      nb::arg("diagonal"), "Add the nodal (GLL) lumped mass to diagonal (a view is changed)");
 }

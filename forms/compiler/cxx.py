@@ -139,7 +139,8 @@ class CxxFormatter:
 
 
 def _precedence(e):
-    """Of the text that is written: a point number in two or three directions is a sum, which FFCx counts as a symbol."""
+    """Of the text that is written: a point number in two or three directions is a sum, which FFCx counts as a
+    symbol."""
     return e.global_index.precedence if isinstance(e, L.MultiIndex) else e.precedence
 
 

@@ -93,7 +93,8 @@ def _coefficient(name, element, offset, position):
 
 
 def check_names(objects, given):
-    """Names of coefficients and constants: those given, w0, w1, ... for the others. ValueError where two are the same."""
+    """Names of coefficients and constants: those given, w0, w1, ... for the others. ValueError where two are the
+    same."""
     names = [given.get(id(o)) or given.get(o) or f"w{i}" for i, o in enumerate(objects)]
     if len(set(names)) != len(names):
         twice = sorted({n for n in names if names.count(n) > 1})

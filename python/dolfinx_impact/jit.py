@@ -1,8 +1,8 @@
 """From a UFL form to kernels: those built with the package when the form is one of them, else compiled now and cached.
 
-The cache is a folder of shared libraries, safe under concurrent ranks and processes: a library is compiled under a name of
-its own and renamed into place. Beside it stands a list of its kernels with the library's checksum: a file that was cut short
-or spoilt is compiled again.
+The cache is a folder of shared libraries, safe under concurrent ranks and processes: a library is compiled under a name
+of its own and renamed into place. Beside it stands a list of its kernels with the library's checksum: a file that was
+cut short or spoilt is compiled again.
 """
 
 import functools
@@ -44,7 +44,8 @@ class Compiled:
 
 
 def cache_folder():
-    """Folder of kernels compiled at run time: IMPACT_JIT_CACHE, else dolfinx_impact/kernels in the user's cache folder."""
+    """Folder of kernels compiled at run time: IMPACT_JIT_CACHE, else dolfinx_impact/kernels in the user's cache
+    folder."""
     own = os.environ.get("IMPACT_JIT_CACHE")
     if own:
         return Path(own)
@@ -225,6 +226,6 @@ def _library(key, integrals):
 
 def _cache_message(folder, error):
     return (
-        f"kernels compiled at run time cannot be written to {folder} ({error.strerror or error}): make room there, or set "
-        "IMPACT_JIT_CACHE to a folder that can be written"
+        f"kernels compiled at run time cannot be written to {folder} ({error.strerror or error}): make room there, or "
+        "set IMPACT_JIT_CACHE to a folder that can be written"
     )

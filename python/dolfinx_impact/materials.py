@@ -44,7 +44,8 @@ class _Material:
         self.nu = _number("Poisson's ratio nu", nu)
         if self.nu == 0.5:
             raise ValueError(
-                "Poisson's ratio nu is 0.5: an incompressible solid has no finite Lame constant. Use 0.499, or a mixed form of your own"
+                "Poisson's ratio nu is 0.5: an incompressible solid has no finite Lame constant. Use 0.499, or a mixed "
+                "form of your own"
             )
         if not -1.0 < self.nu < 0.5:
             raise ValueError(f"Poisson's ratio nu is {self.nu}: it must lie between -1 and 0.5")
@@ -173,7 +174,8 @@ class MaterialMap:
         untagged = sum(comm.allgather(int(num_owned - np.count_nonzero(owned))))
         if missing:
             raise ValueError(
-                f"cells carry the tags {missing}, which have no material; there are materials for {sorted(self.materials)}"
+                f"cells carry the tags {missing}, which have no material; there are materials for "
+                f"{sorted(self.materials)}"
             )
         if empty:
             raise ValueError(f"no cell carries the tags {empty}; the mesh has {sorted(everywhere)}")

@@ -117,7 +117,8 @@ class _Operator:
 
 
 class InternalForce(_Operator):
-    """Vector of a linear form, matrix-free and several cells at a time; equal to dolfinx.fem.assemble_vector to round-off.
+    """Vector of a linear form, matrix-free and several cells at a time; equal to dolfinx.fem.assemble_vector to
+    round-off.
 
     Args:
         form: UFL form of rank 1 over dx and ds of one mesh; its functions and constants are read anew at every call.
@@ -238,8 +239,8 @@ def lumped_mass(V, material, scheme="auto"):
         V: blocked Lagrange space of degree 1 or 2.
         material: a material or MaterialMap with densities.
         scheme: "row_sum"; "hrz" (Hinton, Rock & Zienkiewicz 1976); "nodal" (Gauss-Lobatto-Legendre rule at the nodes,
-            quadrilaterals and hexahedra only); "auto": row sums at degree 1, HRZ on simplices of degree 2 and wherever an
-            axisymmetric body of degree 2 would get no mass on the axis, nodal otherwise.
+            quadrilaterals and hexahedra only); "auto": row sums at degree 1, HRZ on simplices of degree 2 and wherever
+            an axisymmetric body of degree 2 would get no mass on the axis, nodal otherwise.
 
     Returns:
         dolfinx.la.Vector, ghosts up to date.
@@ -256,7 +257,8 @@ def lumped_mass(V, material, scheme="auto"):
     if scheme not in ("row_sum", "hrz", "nodal"):
         raise ValueError(f"lumping scheme {scheme!r} is unknown: use auto, row_sum, hrz or nodal")
     if (scheme == "nodal" and simplex) or (scheme == "row_sum" and degree > 1 and (simplex or axisymmetric)):
-        raise ValueError(f"scheme {scheme!r} gives entries that are not positive on {cell}s of degree {degree}: use hrz")
+        where = f"{cell}s of degree {degree}"
+        raise ValueError(f"scheme {scheme!r} gives entries that are not positive on {where}: use hrz")
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
     hypothesis = material.hypothesis_on(mesh)
     dx = _mass_measure(V, hypothesis, material.cell_tags)
@@ -292,8 +294,8 @@ def _positive(b, scheme, comm):
     smallest = comm.allreduce(float(np.min(owned, initial=np.inf)), MPI.MIN)
     if not smallest > 0:
         raise ValueError(
-            f"scheme {scheme!r} gives a nodal mass of {smallest}: use hrz, and check that every cell has a volume and that an "
-            "axisymmetric mesh has no x < 0"
+            f"scheme {scheme!r} gives a nodal mass of {smallest}: use hrz, and check that every cell has a volume and "
+            "that an axisymmetric mesh has no x < 0"
         )
     return b
 
@@ -324,9 +326,10 @@ def _sum(u, material, term):
     V = u.function_space
     mesh = V.mesh
     degree = quadrature.stiffness_degree(
-        mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree, material.hypothesis_on(mesh)
+        mesh.topology.cell_name(),
+        V.element.basix_element.degree,
+        mesh.geometry.cmap.degree,
+        material.hypothesis_on(mesh),
     )
-    dx = ufl.Measure(
-        "dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags
-    )
+    dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
     return sum(term(m.law(mesh), dx if tag is None else dx(tag)) for tag, m in material.parts())

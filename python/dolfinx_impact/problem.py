@@ -12,7 +12,8 @@ from petsc4py import PETSc
 
 from . import operators
 
-# LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such pivots.
+# LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
+# pivots.
 DIRECT = {
     "ksp_type": "preonly",
     "pc_type": "lu",
@@ -82,7 +83,8 @@ class StaticProblem:
         for measure, data in next(iter(residual.subdomain_data().values())).items():
             if any(d is not data[0] for d in data):
                 raise ValueError(
-                    f"the {measure} integrals must share one subdomain_data: put the tags of all loads into one MeshTags"
+                    f"the {measure} integrals must share one subdomain_data: "
+                    "put the tags of all loads into one MeshTags"
                 )
         self.residual = residual
         self._residual = fem.form(residual)
@@ -91,7 +93,8 @@ class StaticProblem:
         self._du = fem.Function(V)
         self._solver = PETSc.KSP().create(V.mesh.comm)
         self._solver.setOperators(self._tangent.matrix)
-        # A prefix of its own keeps the options of one problem from the next; what the command line says of `prefix` goes first.
+        # A prefix of its own keeps the options of one problem from the next; what the command line says of `prefix`
+        # goes first.
         database, own = PETSc.Options(), f"{prefix}{next(_PROBLEMS)}_"
         given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
         chosen = {**DIRECT, **(options or {}), **given}
@@ -151,7 +154,8 @@ class StaticProblem:
         return dofs[dofs < owned]
 
     def _tangent_force(self, A, fixed):
-        """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each other."""
+        """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each
+        other."""
         product = A.createVecLeft()
         A.mult(self.u.x.petsc_vec, product)
         forces = product.array.copy()
@@ -191,7 +195,8 @@ class StaticProblem:
             if not np.isfinite(norm):
                 self.u.x.array[:] = start
                 raise RuntimeError(
-                    f"the residual is {norm} in Newton iteration {iteration}: the state cannot be evaluated (inverted cells?); apply the load in smaller parts"
+                    f"the residual is {norm} in Newton iteration {iteration}: the state cannot be evaluated (inverted "
+                    "cells?); apply the load in smaller parts"
                 )
             moved = iteration > 0 or not np.any(target.x.array != self.u.x.array)
             moved = comm.allreduce(int(moved)) == comm.size
@@ -224,5 +229,6 @@ class StaticProblem:
             self.u.x.array[:] += self._du.x.array
         self.u.x.array[:] = start
         raise RuntimeError(
-            f"Newton's method did not converge in {max_iterations} iterations; residual norms: {norms}. Apply the load in smaller parts, or pass more iterations"
+            f"Newton's method did not converge in {max_iterations} iterations; residual norms: "
+            f"{', '.join(f'{n:.3e}' for n in norms)}. Apply the load in smaller parts, or pass more iterations"
         )

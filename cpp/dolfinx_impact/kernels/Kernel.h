@@ -1,73 +1,74 @@
 #pragma once
 
-/// What a generated kernel says about itself. Plain C, so that kernels built with the package and kernels compiled at run
-/// time (loaded from a shared library) look the same.
+/// What a generated kernel says about itself. Plain C, so that kernels built with the package and kernels compiled at
+/// run time (loaded from a shared library) look the same.
 extern "C"
 {
-/// Element tensor of `lanes` cells at once. Entry i of an array of a cell stands at [lanes * i + lane]; rows of A first.
-/// @param A element tensor, added to; shape [0] x [1]
-/// @param w coefficients, coefficient k from entry offset_k, in the order of its element's dofs (blocked)
-/// @param c constants, the same for all lanes
-/// @param x node coordinates, 3 per node
-/// @param entity local facet number of all lanes (facet integrals)
-typedef void (*impact_tabulate)(double* A, const double* w, const double* c, const double* x, int entity);
+  /// Element tensor of `lanes` cells at once. Entry i of an array of a cell stands at [lanes * i + lane]; rows of A
+  /// first.
+  /// @param A element tensor, added to; shape [0] x [1]
+  /// @param w coefficients, coefficient k from entry offset_k, in the order of its element's dofs (blocked)
+  /// @param c constants, the same for all lanes
+  /// @param x node coordinates, 3 per node
+  /// @param entity local facet number of all lanes (facet integrals)
+  typedef void (*impact_tabulate)(double* A, const double* w, const double* c, const double* x, int entity);
 
-/// A finite element as far as a kernel depends on it.
-typedef struct
-{
-  const char* description; ///< basix.ufl's description, complete
-  const char* kind;        ///< "node", "cell", "quadrature" or "other"
-  unsigned long long hash; ///< Basix's hash of the scalar element; 0: unknown
-  int degree;
-  int block_size;
-  int num_dofs; ///< per cell, blocked
-} impact_element;
+  /// A finite element as far as a kernel depends on it.
+  typedef struct
+  {
+    const char* description; ///< basix.ufl's description, complete
+    const char* kind;        ///< "node", "cell", "quadrature" or "other"
+    unsigned long long hash; ///< Basix's hash of the scalar element; 0: unknown
+    int degree;
+    int block_size;
+    int num_dofs; ///< per cell, blocked
+  } impact_element;
 
-typedef struct
-{
-  const char* name;
-  impact_element element;
-  int offset;   ///< of its first entry in w
-  int position; ///< in the list of coefficients of the UFL form, form.coefficients()
-} impact_coefficient;
+  typedef struct
+  {
+    const char* name;
+    impact_element element;
+    int offset;   ///< of its first entry in w
+    int position; ///< in the list of coefficients of the UFL form, form.coefficients()
+  } impact_coefficient;
 
-typedef struct
-{
-  const char* name;
-  int size;
-  int offset; ///< of its first entry in c
-} impact_constant;
+  typedef struct
+  {
+    const char* name;
+    int size;
+    int offset; ///< of its first entry in c
+  } impact_constant;
 
-enum
-{
-  IMPACT_KERNEL_ABI = 1,
-  IMPACT_KERNEL_WIDTHS = 3 ///< tabulate[k] takes 1, 4, 8 cells at once
-};
+  enum
+  {
+    IMPACT_KERNEL_ABI = 1,
+    IMPACT_KERNEL_WIDTHS = 3 ///< tabulate[k] takes 1, 4, 8 cells at once
+  };
 
-typedef struct
-{
-  int abi;
-  const char* name;          ///< of the form, for example "linear_elastic.force"
-  const char* signature;     ///< hash of the UFL form and of the compiler's version
-  const char* integral_type; ///< "cell", "exterior_facet" or "expression"
-  const char* cell;          ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
-  int geometry_degree;
-  int geometry_variant; ///< of Basix's Lagrange elements
-  int gdim;
-  const char* hypothesis; ///< of a form of the catalogue; "" for a form of the user
-  int rank;
-  int shape[2]; ///< of A; for an expression (points, components)
-  const impact_element* arguments;
-  int num_subdomains;
-  const int* subdomains; ///< tags the integral belongs to; -1: everywhere
-  int num_coefficients;
-  const impact_coefficient* coefficients;
-  int size_w;
-  int num_constants;
-  const impact_constant* constants;
-  int size_c;
-  const double* points; ///< of an expression: shape [0] x tdim reference coordinates; else null
-  double flops;         ///< additions, multiplications and divisions per cell
-  impact_tabulate tabulate[IMPACT_KERNEL_WIDTHS];
-} impact_kernel;
+  typedef struct
+  {
+    int abi;
+    const char* name;          ///< of the form, for example "linear_elastic.force"
+    const char* signature;     ///< hash of the UFL form and of the compiler's version
+    const char* integral_type; ///< "cell", "exterior_facet" or "expression"
+    const char* cell;          ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
+    int geometry_degree;
+    int geometry_variant; ///< of Basix's Lagrange elements
+    int gdim;
+    const char* hypothesis; ///< of a form of the catalogue; "" for a form of the user
+    int rank;
+    int shape[2]; ///< of A; for an expression (points, components)
+    const impact_element* arguments;
+    int num_subdomains;
+    const int* subdomains; ///< tags the integral belongs to; -1: everywhere
+    int num_coefficients;
+    const impact_coefficient* coefficients;
+    int size_w;
+    int num_constants;
+    const impact_constant* constants;
+    int size_c;
+    const double* points; ///< of an expression: shape [0] x tdim reference coordinates; else null
+    double flops;         ///< additions, multiplications and divisions per cell
+    impact_tabulate tabulate[IMPACT_KERNEL_WIDTHS];
+  } impact_kernel;
 }

@@ -16,7 +16,10 @@ int degree_of(const impact_kernel& k)
   return k.rank > 0 ? k.arguments[0].degree : k.num_coefficients > 0 ? k.coefficients[0].element.degree : 0;
 }
 
-int slot(int width) { return width == 8 ? 2 : width == 4 ? 1 : 0; }
+int slot(int width)
+{
+  return width == 8 ? 2 : width == 4 ? 1 : 0;
+}
 
 int default_width()
 {
@@ -34,7 +37,10 @@ int default_width()
 }
 } // namespace
 
-std::span<const impact_kernel* const> table() { return {generated_table, generated_table_size}; }
+std::span<const impact_kernel* const> table()
+{
+  return {generated_table, generated_table_size};
+}
 
 std::vector<const impact_kernel*> find(const Key& key)
 {
@@ -44,11 +50,11 @@ std::vector<const impact_kernel*> find(const Key& key)
   {
     if (k->name != key.name)
       continue;
-    const std::string row = std::string(k->cell) + " degree " + std::to_string(degree_of(*k)) + " geometry "
-                            + std::to_string(k->geometry_degree) + " " + k->hypothesis;
+    const std::string row = std::string(k->cell) + " degree " + std::to_string(degree_of(*k)) + " geometry " +
+                            std::to_string(k->geometry_degree) + " " + k->hypothesis;
     others += (others.empty() ? "" : "; ") + row;
-    if (k->cell == key.cell && degree_of(*k) == key.degree && k->geometry_degree == key.geometry_degree
-        && (key.hypothesis.empty() || k->hypothesis == key.hypothesis))
+    if (k->cell == key.cell && degree_of(*k) == key.degree && k->geometry_degree == key.geometry_degree &&
+        (key.hypothesis.empty() || k->hypothesis == key.hypothesis))
     {
       if (!found.empty() && std::string(found[0]->hypothesis) != k->hypothesis)
         throw std::runtime_error("kernel " + key.name + " was compiled for several hypotheses: name one");
@@ -56,11 +62,11 @@ std::vector<const impact_kernel*> find(const Key& key)
     }
   }
   if (found.empty())
-    throw std::runtime_error("no kernel " + key.name + " for " + key.cell + ", degree " + std::to_string(key.degree)
-                             + ", geometry degree " + std::to_string(key.geometry_degree) + " "  + key.hypothesis
-                             + " was compiled with the package; "
-                             + (others.empty() ? "the name is unknown" : "there are: " + others)
-                             + ". Add a row to forms/registry.py, or compile the form at run time from Python");
+    throw std::runtime_error("no kernel " + key.name + " for " + key.cell + ", degree " + std::to_string(key.degree) +
+                             ", geometry degree " + std::to_string(key.geometry_degree) + " " + key.hypothesis +
+                             " was compiled with the package; " +
+                             (others.empty() ? "the name is unknown" : "there are: " + others) +
+                             ". Add a row to forms/registry.py, or compile the form at run time from Python");
   return found;
 }
 
@@ -94,8 +100,8 @@ std::vector<const impact_kernel*> load(const std::string& path, const std::vecto
 int processor_width()
 {
 #if defined(__x86_64__)
-  static const int value = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")
-                                   && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")
+  static const int value = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                                   __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")
                                ? 8
                            : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? 4
                                                                                              : 1;
@@ -114,5 +120,8 @@ int width(const impact_kernel& kernel, int limit)
   return 1;
 }
 
-impact_tabulate tabulate(const impact_kernel& kernel, int width) { return kernel.tabulate[slot(width)]; }
+impact_tabulate tabulate(const impact_kernel& kernel, int width)
+{
+  return kernel.tabulate[slot(width)];
+}
 } // namespace impact::kernels

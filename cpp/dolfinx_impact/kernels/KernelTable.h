@@ -13,9 +13,9 @@ std::span<const impact_kernel* const> table();
 /// What to look for in the table.
 struct Key
 {
-  std::string name;          ///< for example "linear_elastic.force"
-  std::string cell;          ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
-  int degree = 1;            ///< of the test function (of the first coefficient for an energy)
+  std::string name; ///< for example "linear_elastic.force"
+  std::string cell; ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
+  int degree = 1;   ///< of the test function (of the first coefficient for an energy)
   int geometry_degree = 1;
   std::string hypothesis = ""; ///< "3d", "plane_strain", ...; empty: the only one, or an error
 };

@@ -12,8 +12,9 @@ namespace
 [[noreturn]] void refuse(const impact_kernel& kernel, const std::string& what, const std::string& own,
                          const std::string& found)
 {
-  throw std::runtime_error(std::string("kernel ") + kernel.name + " was compiled for " + what + " " + own + ", but found "
-                           + found + ": compile the form for this mesh, or use the kernel on a mesh of its own kind");
+  throw std::runtime_error(std::string("kernel ") + kernel.name + " was compiled for " + what + " " + own +
+                           ", but found " + found +
+                           ": compile the form for this mesh, or use the kernel on a mesh of its own kind");
 }
 } // namespace
 
@@ -44,10 +45,11 @@ void check_space(const impact_kernel& kernel, const impact_element& element,
            std::to_string(e.space_dimension()));
   if (element.hash != 0 && e.basix_element().hash() != element.hash)
     refuse(kernel, what + " on", element.description,
-           "degree " + std::to_string(e.basix_element().degree()) + " element of family "
-               + std::to_string(static_cast<int>(e.basix_element().family())));
+           "degree " + std::to_string(e.basix_element().degree()) + " element of family " +
+               std::to_string(static_cast<int>(e.basix_element().family())));
   if (e.needs_dof_transformations())
-    throw std::runtime_error(std::string("kernel ") + kernel.name + ": the " + what
-                             + " needs transformations of its degrees of freedom; only Lagrange-type spaces are supported");
+    throw std::runtime_error(
+        std::string("kernel ") + kernel.name + ": the " + what +
+        " needs transformations of its degrees of freedom; only Lagrange-type spaces are supported");
 }
 } // namespace impact::kernels

@@ -4,8 +4,8 @@
 #include <dolfinx/mesh/Mesh.h>
 #include <string>
 
-/// DOLFINx 0.9 does not compare a compiled kernel's geometry with the mesh, and then gives wrong numbers without a word.
-/// These checks refuse a mesh or a function space that is not the kernel's own.
+/// DOLFINx 0.9 does not compare a compiled kernel's geometry with the mesh, and then gives wrong numbers without a
+/// word. These checks refuse a mesh or a function space that is not the kernel's own.
 namespace impact::kernels
 {
 /// @throws std::runtime_error if cell type, geometry degree, geometry variant or geometric dimension differ

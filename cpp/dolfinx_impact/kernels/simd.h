@@ -67,9 +67,18 @@ using std::sinh;
 using std::sqrt;
 using std::tan;
 using std::tanh;
-inline double abs(double x) { return std::fabs(x); }
-inline double min(double a, double b) { return std::fmin(a, b); }
-inline double max(double a, double b) { return std::fmax(a, b); }
+inline double abs(double x)
+{
+  return std::fabs(x);
+}
+inline double min(double a, double b)
+{
+  return std::fmin(a, b);
+}
+inline double max(double a, double b)
+{
+  return std::fmax(a, b);
+}
 
 template <typename T>
 concept Vector = !std::is_same_v<T, double> && requires(T x) { x[0]; };
@@ -117,14 +126,26 @@ IMPACT_EACH(erf)
 #if defined(__GLIBC__) && defined(__AVX2__)
 extern "C" Lanes<4>::type _ZGVdN4v_log(Lanes<4>::type);
 extern "C" Lanes<4>::type _ZGVdN4v_exp(Lanes<4>::type);
-inline Lanes<4>::type log(Lanes<4>::type x) { return _ZGVdN4v_log(x); }
-inline Lanes<4>::type exp(Lanes<4>::type x) { return _ZGVdN4v_exp(x); }
+inline Lanes<4>::type log(Lanes<4>::type x)
+{
+  return _ZGVdN4v_log(x);
+}
+inline Lanes<4>::type exp(Lanes<4>::type x)
+{
+  return _ZGVdN4v_exp(x);
+}
 #endif
 #if defined(__GLIBC__) && defined(__AVX512F__)
 extern "C" Lanes<8>::type _ZGVeN8v_log(Lanes<8>::type);
 extern "C" Lanes<8>::type _ZGVeN8v_exp(Lanes<8>::type);
-inline Lanes<8>::type log(Lanes<8>::type x) { return _ZGVeN8v_log(x); }
-inline Lanes<8>::type exp(Lanes<8>::type x) { return _ZGVeN8v_exp(x); }
+inline Lanes<8>::type log(Lanes<8>::type x)
+{
+  return _ZGVeN8v_log(x);
+}
+inline Lanes<8>::type exp(Lanes<8>::type x)
+{
+  return _ZGVeN8v_exp(x);
+}
 #endif
 template <Vector T>
 inline T log(T x)

@@ -12,7 +12,8 @@ InternalForce::InternalForce(std::shared_ptr<const Mesh> mesh, std::shared_ptr<c
     : _test(std::move(test))
 {
   if (width != 0 && width != 1 && width != 4 && width != 8)
-    throw std::invalid_argument("width is " + std::to_string(width) + ": use 1, 4 or 8 cells per call, or 0 for the default");
+    throw std::invalid_argument("width is " + std::to_string(width) +
+                                ": use 1, 4 or 8 cells per call, or 0 for the default");
   for (const Integral& i : integrals)
     _batches.emplace_back(i, mesh, _test, coefficients, width);
 }
@@ -24,8 +25,8 @@ void InternalForce::assemble(std::span<double> b) const
   const auto& map = *_test->dofmap();
   const std::size_t size = std::size_t(map.index_map->size_local() + map.index_map->num_ghosts()) * map.index_map_bs();
   if (b.size() != size)
-    throw std::invalid_argument("the vector has " + std::to_string(b.size()) + " entries on this rank, the test space has "
-                                + std::to_string(size));
+    throw std::invalid_argument("the vector has " + std::to_string(b.size()) +
+                                " entries on this rank, the test space has " + std::to_string(size));
   for (const Batches& batches : _batches)
     batches.run(b.data());
 }

@@ -4,8 +4,8 @@
 
 namespace impact::operators
 {
-/// A vector f(u) of a form of rank 1, computed cell by cell without a matrix, several cells at once; or, for a form of rank
-/// 0, its value. Materials that differ by cell tag are integrals of their own.
+/// A vector f(u) of a form of rank 1, computed cell by cell without a matrix, several cells at once; or, for a form of
+/// rank 0, its value. Materials that differ by cell tag are integrals of their own.
 class InternalForce
 {
 public:

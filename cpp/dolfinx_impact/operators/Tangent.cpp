@@ -28,12 +28,15 @@ dolfinx::fem::Form<double> create_form(const std::array<std::shared_ptr<const Fu
     const impact_kernel& k = *integral.kernel;
     kernels::check_mesh(k, *V[0]->mesh());
     if (k.rank != 2)
-      throw std::invalid_argument(std::string("kernel ") + k.name + " is of rank " + std::to_string(k.rank) + ", not 2");
+      throw std::invalid_argument(std::string("kernel ") + k.name + " is of rank " + std::to_string(k.rank) +
+                                  ", not 2");
     for (int a = 0; a < 2; ++a)
       kernels::check_space(k, k.arguments[a], *V[a], a ? "trial space" : "test space");
     if (int(integral.constants.size()) != k.size_c)
-      throw std::invalid_argument(std::string("kernel ") + k.name + " takes " + std::to_string(k.size_c) + " constants");
-    // The form packs its coefficients one after the other; a kernel finds its own in that order only if they are the first.
+      throw std::invalid_argument(std::string("kernel ") + k.name + " takes " + std::to_string(k.size_c) +
+                                  " constants");
+    // The form packs its coefficients one after the other; a kernel finds its own in that order only if they are the
+    // first.
     std::vector<int> active;
     for (int c = 0; c < k.num_coefficients; ++c)
     {
@@ -53,11 +56,13 @@ dolfinx::fem::Form<double> create_form(const std::array<std::shared_ptr<const Fu
       active.push_back(c);
     }
     const bool facets = std::string(k.integral_type) == "exterior_facet";
-    auto kernel = [tabulate = kernels::tabulate(k, 1), constants = integral.constants, facets](
-                      double* A, const double* w, const double*, const double* x, const int* entity, const std::uint8_t*)
-    { tabulate(A, w, constants.data(), x, facets ? *entity : 0); };
+    auto kernel = [tabulate = kernels::tabulate(k, 1), constants = integral.constants,
+                   facets](double* A, const double* w, const double*, const double* x, const int* entity,
+                           const std::uint8_t*) { tabulate(A, w, constants.data(), x, facets ? *entity : 0); };
     data[facets ? IntegralType::exterior_facet : IntegralType::cell].emplace_back(
-        id++, std::function<void(double*, const double*, const double*, const double*, const int*, const std::uint8_t*)>(kernel),
+        id++,
+        std::function<void(double*, const double*, const double*, const double*, const int*, const std::uint8_t*)>(
+            kernel),
         integral.entities, active);
   }
   const std::vector<std::shared_ptr<const FunctionSpace>> spaces{V[0], V[1]};
@@ -72,7 +77,10 @@ Tangent::Tangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V, c
 {
 }
 
-Tangent::~Tangent() { MatDestroy(&_matrix); }
+Tangent::~Tangent()
+{
+  MatDestroy(&_matrix);
+}
 
 void Tangent::assemble(const std::vector<std::shared_ptr<const dolfinx::fem::DirichletBC<double>>>& bcs)
 {
@@ -80,7 +88,8 @@ void Tangent::assemble(const std::vector<std::shared_ptr<const dolfinx::fem::Dir
   dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES), _form, bcs);
   MatAssemblyBegin(_matrix, MAT_FLUSH_ASSEMBLY);
   MatAssemblyEnd(_matrix, MAT_FLUSH_ASSEMBLY);
-  dolfinx::fem::set_diagonal(dolfinx::la::petsc::Matrix::set_fn(_matrix, INSERT_VALUES), *_form.function_spaces()[0], bcs);
+  dolfinx::fem::set_diagonal(dolfinx::la::petsc::Matrix::set_fn(_matrix, INSERT_VALUES), *_form.function_spaces()[0],
+                             bcs);
   MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY);
   MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY);
 }

@@ -7,8 +7,8 @@
 
 namespace impact::operators
 {
-/// A DOLFINx form of rank 2 made of this project's kernels: matrix assembly, sparsity and boundary conditions are DOLFINx's.
-/// From Python, dolfinx.fem.form does the same with FFCx's own C kernels.
+/// A DOLFINx form of rank 2 made of this project's kernels: matrix assembly, sparsity and boundary conditions are
+/// DOLFINx's. From Python, dolfinx.fem.form does the same with FFCx's own C kernels.
 /// @param[in] V test and trial space
 /// @param[in] integrals kernels of rank 2 on cells or exterior facets; constants are fixed here
 /// @param[in] coefficients by name

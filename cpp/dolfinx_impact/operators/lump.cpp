@@ -37,8 +37,8 @@ void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> di
           total += M[std::size_t(n) * i + j];
       }
       if (!(total > 0.0) || !(trace > 0.0))
-        throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(total)
-                                 + ": check the density and the shape of the cell");
+        throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(total) +
+                                 ": check the density and the shape of the cell");
       for (int i = c; i < n; i += bs)
         diagonal[std::size_t(bs) * dofs[i / bs] + c] += total / trace * M[std::size_t(n) * i + i];
     }
@@ -52,7 +52,8 @@ void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSp
   {
     kernels::check_mesh(*i->kernel, mesh);
     if (i->kernel->rank != 1 || i->kernel->num_coefficients != 0 || int(i->constants.size()) != i->kernel->size_c)
-      throw std::invalid_argument(std::string("kernel ") + i->kernel->name + " is not a mass vector with its constants");
+      throw std::invalid_argument(std::string("kernel ") + i->kernel->name +
+                                  " is not a mass vector with its constants");
     kernels::check_space(*i->kernel, i->kernel->arguments[0], V, "test space");
   }
   const auto x_dofmap = mesh.geometry().dofmap();
@@ -71,8 +72,8 @@ void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSp
     for (int i = 0; i < n; ++i)
       sum += at_nodes[i], mass += exact[i];
     if (!(sum > 0.0) || !(mass > 0.0))
-      throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(mass / bs)
-                               + ": check the density and the shape of the cell");
+      throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(mass / bs) +
+                               ": check the density and the shape of the cell");
     const auto dofs = V.dofmap()->cell_dofs(cell);
     for (int i = 0; i < n; ++i)
       diagonal[std::size_t(bs) * dofs[i / bs] + i % bs] += mass / sum * at_nodes[i];

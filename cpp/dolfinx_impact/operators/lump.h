@@ -3,16 +3,17 @@
 
 namespace impact::operators
 {
-/// Diagonal mass by Hinton, Rock and Zienkiewicz (1976): the diagonal of the consistent mass matrix of each cell, scaled so
-/// that the cell's mass is kept in every direction. Positive on every cell, for simplices of degree 2 as well.
+/// Diagonal mass by Hinton, Rock and Zienkiewicz (1976): the diagonal of the consistent mass matrix of each cell,
+/// scaled so that the cell's mass is kept in every direction. Positive on every cell, for simplices of degree 2 as
+/// well.
 /// @param[in] mass kernel of rank 2 (form "mass") with its cells and constants
 /// @param[in] V displacement space
 /// @param[in,out] diagonal owned and ghost entries; this rank's contributions are added
 /// @throws std::runtime_error if the kernel is not for this mesh or space, or a cell has no mass
 void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> diagonal);
 
-/// Diagonal mass by quadrature at the nodes (Gauss-Lobatto-Legendre), scaled cell by cell to the exact mass where the rule
-/// does not integrate the Jacobian of a distorted cell exactly.
+/// Diagonal mass by quadrature at the nodes (Gauss-Lobatto-Legendre), scaled cell by cell to the exact mass where the
+/// rule does not integrate the Jacobian of a distorted cell exactly.
 /// @param[in] nodal kernel of rank 1 (form "nodal_mass") with its cells and constants
 /// @param[in] row_sum kernel of rank 1 (form "row_sum") on the same cells, integrated exactly
 /// @param[in] V displacement space

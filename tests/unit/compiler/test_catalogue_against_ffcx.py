@@ -11,8 +11,9 @@ from dolfinx_impact.forms.materials import HYPOTHESES
 
 BUILT_IN = {(r.name, r.cell, r.degree, r.geometry_degree, r.hypothesis) for r in registry.TABLE}
 
-# As for the table: different order of summation. The Poisson and momentum residuals and the finite-strain energies add terms
-# that cancel, the plane-stress neo-Hookean law repeats that in six Newton steps: up to three digits are lost there.
+# As for the table: different order of summation. The Poisson and momentum residuals and the finite-strain energies add
+# terms that cancel, the plane-stress neo-Hookean law repeats that in six Newton steps: up to three digits are lost
+# there.
 TOLERANCE = 1e-13
 CANCELLING = 5e-12
 
@@ -46,7 +47,8 @@ def cost(spec):
 
 
 def sample(specs):
-    """Few combinations that hold every name, every (cell, degree, geometry degree) and every (name or law, hypothesis)."""
+    """Few combinations that hold every name, every (cell, degree, geometry degree) and every (name or law,
+    hypothesis)."""
 
     def facts(spec):
         name, cell, degree, geometry_degree, hypothesis = spec

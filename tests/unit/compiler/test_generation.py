@@ -1,4 +1,5 @@
-"""The generated text: the same every time and in every process; counts of operations; descriptors that say the truth."""
+"""The generated text: the same every time and in every process; counts of operations; descriptors that say the
+truth."""
 
 import os
 import subprocess

@@ -45,7 +45,8 @@ def decisions(cell):
 def several_rules(cell):
     """Rules of several degrees, one of one point and one of several, over cells and facets, with one shared field.
 
-    In parts: FFCx 0.9, given a rule of one point and another one, takes the Jacobian (and values) of the first for both.
+    In parts: FFCx 0.9, given a rule of one point and another one, takes the Jacobian (and values) of the first for
+    both.
     """
     mesh = mesh_of(cell)
     V = space(mesh, degree=2)
@@ -185,7 +186,7 @@ def taylor_hood(cell):
 
 
 FORMS = (
-    functions, decisions, several_rules, one_point_rules, rule_at_the_vertices, coefficients_of_all_kinds, facet_geometry,
-    facet_matrix, energy_of_two_rules, energy_of_one_point, degree_three, rectangular, second_derivatives, tensor_valued,
-    taylor_hood,
+    functions, decisions, several_rules, one_point_rules, rule_at_the_vertices, coefficients_of_all_kinds,
+    facet_geometry, facet_matrix, energy_of_two_rules, energy_of_one_point, degree_three, rectangular,
+    second_derivatives, tensor_valued, taylor_hood,
 )  # fmt: skip

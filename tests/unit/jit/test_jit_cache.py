@@ -1,4 +1,5 @@
-"""The run-time route: what is compiled, what is found again, and what happens when the cache or the compiler is not fit."""
+"""The run-time route: what is compiled, what is found again, and what happens when the cache or the compiler is not
+fit."""
 
 import os
 import re

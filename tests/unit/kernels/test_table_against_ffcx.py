@@ -8,8 +8,9 @@ from dolfinx_impact.forms import registry
 
 SPECS = [(r.name, r.cell, r.degree, r.geometry_degree, r.hypothesis) for r in registry.TABLE]
 
-# Both kernels sum the same few hundred terms in different orders: some tens of roundings of 1.1e-16. The neo-Hookean energy
-# is the small difference of terms of order one: at strains of a few percent (squares about 1e-3) three digits are lost.
+# Both kernels sum the same few hundred terms in different orders: some tens of roundings of 1.1e-16. The neo-Hookean
+# energy is the small difference of terms of order one: at strains of a few percent (squares about 1e-3) three digits
+# are lost.
 TOLERANCE = 1e-13
 CANCELLING = {"neo_hookean.energy": 2e-12}
 

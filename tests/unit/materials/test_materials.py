@@ -137,7 +137,8 @@ def test_same_error_on_all_ranks(mpirun, ranks):
         values = np.ones(owned, dtype=np.int32)
         last = comm.rank == comm.size - 1
         wrong = np.where(np.arange(owned) == 0, 7, 1).astype(np.int32) if last else values
-        for found, words in ((message(wrong), "[7]"), (message(values[1:] if last else values), "1 cells carry no tag")):
+        few = values[1:] if last else values
+        for found, words in ((message(wrong), "[7]"), (message(few), "1 cells carry no tag")):
             everywhere = comm.allgather(found)
             assert words in everywhere[0] and len(set(everywhere)) == 1, everywhere
         print("same")

@@ -1,5 +1,5 @@
-"""Operators against DOLFINx's own assembly, on the ranks of COMM_WORLD. Called by the tests in this process, and as a script
-with the names of checks: operator_checks.py CHECK...  (all of them without names)."""
+"""Operators against DOLFINx's own assembly, on the ranks of COMM_WORLD. Called by the tests in this process, and as a
+script with the names of checks: operator_checks.py CHECK...  (all of them without names)."""
 
 import sys
 
@@ -14,8 +14,8 @@ import dolfinx_impact as di
 COMM = MPI.COMM_WORLD
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 
-# Both sides add the same few hundred element entries per node, in different orders and with different rounding inside the
-# kernels; stresses cancel at interior nodes. Relative to the largest entry.
+# Both sides add the same few hundred element entries per node, in different orders and with different rounding inside
+# the kernels; stresses cancel at interior nodes. Relative to the largest entry.
 TOLERANCE = 1e-12
 
 

@@ -1,4 +1,5 @@
-"""A kernel refuses what it was not compiled for; operators refuse forms and data that do not fit, on all ranks alike."""
+"""A kernel refuses what it was not compiled for; operators refuse forms and data that do not fit, on all ranks
+alike."""
 
 import basix.ufl
 import numpy as np

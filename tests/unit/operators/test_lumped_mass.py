@@ -127,7 +127,8 @@ def test_density_is_asked_for():
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_several_ranks(mpirun, ranks):
-    """Same totals on several ranks; a body across the axis is the same error on all, though few have the faulty cells."""
+    """Same totals on several ranks; a body across the axis is the same error on all, though few have the faulty
+    cells."""
     output = mpirun(
         ranks,
         """

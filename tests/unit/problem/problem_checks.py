@@ -1,4 +1,5 @@
-"""Static problems with known or foreign solutions, on the ranks of COMM_WORLD; also a script, as operator_checks.py is."""
+"""Static problems with known or foreign solutions, on the ranks of COMM_WORLD; also a script, as operator_checks.py
+is."""
 
 import sys
 

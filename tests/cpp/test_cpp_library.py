@@ -1,4 +1,4 @@
-"""The C++ demo: found by CMake as a user finds it, built, and run on 1 to 3 ranks."""
+"""The C++ library: found by CMake as a user finds it; the demo and a test program built, and run on 1 to 3 ranks."""
 
 import os
 import pathlib
@@ -25,21 +25,28 @@ def run(command, **environment):
     return done.stdout
 
 
-@pytest.fixture(scope="module")
-def program(checkout, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("demo_cpp")
+def build(source, folder):
+    """Copy, configure and build a CMake project: nothing of the checkout but its own folder is seen."""
     package = pathlib.Path(dolfinx_impact.__file__).parent
-    # Symbols of the installed library must suffice: nothing of the checkout but the demo's own folder is seen.
-    source = folder / "source"
-    shutil.copytree(checkout / "demos" / "cpp", source)
+    shutil.copytree(source, folder / "source")
     options = [f"-DCMAKE_PREFIX_PATH={package}"]
     if shutil.which("ccache"):
         options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
     if shutil.which("ninja"):
         options.append("-GNinja")
-    run(["cmake", "-S", source, "-B", folder / "build", *options])
+    run(["cmake", "-S", folder / "source", "-B", folder / "build", *options])
     run(["cmake", "--build", folder / "build"], CCACHE_BASEDIR=str(folder), CCACHE_NOHASHDIR="1")
-    return folder / "build" / "elastic_block"
+    return folder / "build"
+
+
+@pytest.fixture(scope="module")
+def program(checkout, tmp_path_factory):
+    return build(checkout / "demos" / "cpp", tmp_path_factory.mktemp("demo_cpp")) / "elastic_block"
+
+
+@pytest.fixture(scope="module")
+def checks(tmp_path_factory):
+    return build(pathlib.Path(__file__).parent, tmp_path_factory.mktemp("tests_cpp")) / "tangent_check"
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3])
@@ -52,3 +59,10 @@ def test_demo_runs(program, ranks):
 def test_widths_agree(program):
     for width in {"1", str(min(4, dolfinx_impact._cpp.kernels.processor_width()))}:
         assert f"cells per kernel call: {width}" in run([program], IMPACT_SIMD_WIDTH=width)
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_library(checks, ranks):
+    """Tangent, energy and force against each other, boundary conditions, errors."""
+    output = run(["mpirun", "-n", ranks, checks]) if ranks > 1 else run([checks])
+    assert output.count("passed") == ranks
