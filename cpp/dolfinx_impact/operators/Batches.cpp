@@ -19,7 +19,10 @@ double* aligned(double* p)
 }
 
 /// Entries of an array rounded up to whole cache lines.
-std::size_t rounded(std::size_t n) { return (n + 7) / 8 * 8; }
+std::size_t rounded(std::size_t n)
+{
+  return (n + 7) / 8 * 8;
+}
 
 /// Node numbers of padded cells, lane by lane.
 template <typename Dofs>
@@ -45,11 +48,11 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
   const impact_kernel& k = *_kernel;
   kernels::check_mesh(k, *_mesh);
   if (k.rank > 1)
-    throw std::invalid_argument(std::string("kernel ") + k.name + " is of rank " + std::to_string(k.rank)
-                                + "; this operator takes energies (rank 0) and vectors (rank 1)");
+    throw std::invalid_argument(std::string("kernel ") + k.name + " is of rank " + std::to_string(k.rank) +
+                                "; this operator takes energies (rank 0) and vectors (rank 1)");
   if ((k.rank == 1) != bool(test))
-    throw std::invalid_argument(std::string("kernel ") + k.name + " of rank " + std::to_string(k.rank)
-                                + (k.rank ? " needs a test space" : " takes no test space"));
+    throw std::invalid_argument(std::string("kernel ") + k.name + " of rank " + std::to_string(k.rank) +
+                                (k.rank ? " needs a test space" : " takes no test space"));
   _width = kernels::width(k, width);
   _tabulate = kernels::tabulate(k, _width);
   set_constants(integral.constants);
@@ -91,8 +94,8 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
   const std::int32_t num_cells = imap->size_local() + imap->num_ghosts();
   for (std::size_t i = 0; i < integral.entities.size(); i += facets ? 2 : 1)
     if (integral.entities[i] < 0 || integral.entities[i] >= num_cells)
-      throw std::invalid_argument(std::string("kernel ") + k.name + ": cell " + std::to_string(integral.entities[i])
-                                  + " is not on this rank, which has cells 0 to " + std::to_string(num_cells - 1));
+      throw std::invalid_argument(std::string("kernel ") + k.name + ": cell " + std::to_string(integral.entities[i]) +
+                                  " is not on this rank, which has cells 0 to " + std::to_string(num_cells - 1));
   if (!facets)
     add_group(integral.entities, 0);
   else
@@ -113,8 +116,8 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
       add_group(by_facet[f], f);
   }
 
-  const std::size_t entries = rounded(std::size_t(k.shape[0]) * _width) + rounded(std::size_t(k.size_w) * _width)
-                              + rounded(std::size_t(3) * _x.num_nodes * _width) + 8;
+  const std::size_t entries = rounded(std::size_t(k.shape[0]) * _width) + rounded(std::size_t(k.size_w) * _width) +
+                              rounded(std::size_t(3) * _x.num_nodes * _width) + 8;
   _buffer.resize(entries);
 }
 
@@ -148,8 +151,8 @@ void Batches::add_group(std::span<const std::int32_t> cells, int facet)
 void Batches::set_constants(std::span<const double> c)
 {
   if (int(c.size()) != _kernel->size_c)
-    throw std::invalid_argument(std::string("kernel ") + _kernel->name + " takes " + std::to_string(_kernel->size_c)
-                                + " values of constants, found " + std::to_string(c.size()));
+    throw std::invalid_argument(std::string("kernel ") + _kernel->name + " takes " + std::to_string(_kernel->size_c) +
+                                " values of constants, found " + std::to_string(c.size()));
   _constants.assign(c.begin(), c.end());
 }
 

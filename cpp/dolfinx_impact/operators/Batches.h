@@ -27,8 +27,8 @@ struct Integral
   std::vector<double> constants;
 };
 
-/// Cells of one integral in batches of `width`, with the node numbers every array of the kernel is gathered from. The last
-/// batch of a group repeats its last cell in the lanes that are left over; `used` says how many lanes count.
+/// Cells of one integral in batches of `width`, with the node numbers every array of the kernel is gathered from. The
+/// last batch of a group repeats its last cell in the lanes that are left over; `used` says how many lanes count.
 class Batches
 {
 public:
@@ -72,7 +72,7 @@ private:
   int _width;
   std::size_t _num_entities = 0;
   std::shared_ptr<const FunctionSpace> _test_space;
-  std::vector<int> _used, _facet;                // per batch
+  std::vector<int> _used, _facet; // per batch
   Array _x, _test;
   scatter_function _scatter = nullptr;
   std::vector<Array> _coefficients;

@@ -73,8 +73,14 @@ scatter_function scatter_x86(int lanes, int bs)
   return nullptr;
 }
 #else
-gather_function gather_x86(int, int) { return nullptr; }
-scatter_function scatter_x86(int, int) { return nullptr; }
+gather_function gather_x86(int, int)
+{
+  return nullptr;
+}
+scatter_function scatter_x86(int, int)
+{
+  return nullptr;
+}
 #endif
 
 template <int W>
@@ -96,7 +102,8 @@ gather_function pick_gather(int bs, int stride)
   case 99:
     return gather_nodes<W, 9, 9>;
   default:
-    throw std::runtime_error("spaces with " + std::to_string(bs) + " components per node are not supported: use 1, 2, 3, "
+    throw std::runtime_error("spaces with " + std::to_string(bs) +
+                             " components per node are not supported: use 1, 2, 3, "
                              "4, 6 or 9");
   }
 }
@@ -113,7 +120,8 @@ scatter_function pick_scatter(int bs)
   case 3:
     return scatter_nodes<W, 3>;
   default:
-    throw std::runtime_error("test spaces with " + std::to_string(bs) + " components per node are not supported: use 1, 2 or 3");
+    throw std::runtime_error("test spaces with " + std::to_string(bs) +
+                             " components per node are not supported: use 1, 2 or 3");
   }
 }
 } // namespace

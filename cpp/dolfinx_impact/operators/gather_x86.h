@@ -1,6 +1,7 @@
 #pragma once
-// Gather and scatter of nodes with two and three components by register transposes. Writing a vector lane by lane and reading
-// it back whole stalls the processor (the stores cannot be forwarded), so lanes are put together in registers instead.
+// Gather and scatter of nodes with two and three components by register transposes. Writing a vector lane by lane and
+// reading it back whole stalls the processor (the stores cannot be forwarded), so lanes are put together in registers
+// instead.
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <cstdint>
 #include <immintrin.h>
@@ -40,7 +41,8 @@ IMPACT_AVX2 Columns columns2(const double* u, const std::int32_t* dofs)
 }
 
 template <int BS>
-IMPACT_AVX2 void gather4(const double* __restrict u, const std::int32_t* __restrict dofs, int num_nodes, double* __restrict w)
+IMPACT_AVX2 void gather4(const double* __restrict u, const std::int32_t* __restrict dofs, int num_nodes,
+                         double* __restrict w)
 {
   for (int i = 0; i < num_nodes; ++i, w += 4 * BS, dofs += 4)
   {

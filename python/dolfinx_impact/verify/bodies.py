@@ -1,10 +1,10 @@
-"""The same body on both sides: a DOLFINx mesh and space, and the hand-written model on plain arrays, matched by nodes."""
+"""The same body on both sides: a DOLFINx mesh and space, and the hand-written model, matched by nodes."""
 
 import impact_reference
 import numpy as np
 from dolfinx import fem, mesh
 from mpi4py import MPI
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, issparse
 from scipy.spatial import cKDTree
 
 from . import nodes
@@ -50,7 +50,13 @@ class Body:
             material.E, material.nu, material.density or 0.0, self.hypothesis, law
         )
         self.model = impact_reference.Model(
-            self.points, cells, self.cell, self.their_material, degree=degree, geometry_degree=self.geometry_degree, rule=rule
+            self.points,
+            cells,
+            self.cell,
+            self.their_material,
+            degree=degree,
+            geometry_degree=self.geometry_degree,
+            rule=rule,
         )
         size = np.ptp(self.points, axis=0).max()
         at = matched(self.V.tabulate_dof_coordinates()[:, : self.gdim], self.model.field_points, size)
@@ -90,6 +96,28 @@ def relative(a, b):
 
 def relative_matrices(A, B):
     return np.max(np.abs((A - B).data), initial=0.0) / np.max(np.abs(B.data))
+
+
+def parted(body, ours, theirs):
+    """(largest relative difference, text that says at which nodes) of vectors or sparse matrices in our order."""
+    if issparse(ours):
+        difference = relative_matrices(ours, theirs)
+        parts = (ours - theirs).tocoo()
+        if parts.nnz == 0:
+            return difference, ""
+        k = _worst(parts.data)
+        at = (int(parts.row[k]), int(parts.col[k]))
+    else:
+        difference = relative(ours, theirs)
+        at = (_worst(ours - theirs),)
+    x = body.V.tabulate_dof_coordinates()[:, : body.gdim]
+    places = [f"node at {np.round(x[i // body.gdim], 4).tolist()} component {i % body.gdim}" for i in at]
+    return difference, f"{' against '.join(places)}: UFL {ours[at]:.15g}, hand-written {theirs[at]:.15g}"
+
+
+def _worst(error):
+    """Number of the largest entry; a NaN is the largest of all."""
+    return int(np.argmax(np.where(np.isnan(error), np.inf, np.abs(error))))
 
 
 def petsc_to_scipy(matrix):

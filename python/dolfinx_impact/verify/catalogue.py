@@ -6,7 +6,7 @@ import numpy as np
 from ..forms import quadrature, registry
 
 FINITE = ("st_venant_kirchhoff", "neo_hookean")
-# Integrands that are polynomials on every cell, curved and axisymmetric ones included: both sides integrate them exactly.
+# Integrands that are polynomials on every cell, curved and axisymmetric ones too: both sides integrate them exactly.
 POLYNOMIAL = ("mass", "mass_action", "row_sum", "body_force")
 FACET = ("traction", "follower_pressure", "follower_pressure_tangent")
 SPIN = ("gyroscopic", "ale_inertia", "centrifugal_load", "momentum_balance")
@@ -159,7 +159,9 @@ def evaluate(name, case, X, values, fields, rule, facet=None):
         spin = (v["spin"], v["centre"])
         terms = ref.element_stiffness(cell, X, m, **d) @ u + ref.element_mass(cell, X, m, **d) @ fields["acceleration"]
         terms = terms + ref.element_gyroscopic(cell, X, m, *spin, **d) @ fields["velocity"]
-        terms = terms - ref.element_ale_inertia(cell, X, m, *spin, **d) @ u - ref.element_ale_load(cell, X, m, *spin, **d)
+        terms = (
+            terms - ref.element_ale_inertia(cell, X, m, *spin, **d) @ u - ref.element_ale_load(cell, X, m, *spin, **d)
+        )
         return terms - ref.element_body_force(cell, X, v["density"] * np.asarray(v["f"]), hypothesis, **d)
     if name == "poisson":
         return ref.element_poisson(cell, X, v["k"], **d)

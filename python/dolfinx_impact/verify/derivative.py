@@ -1,4 +1,4 @@
-"""Level f: each tangent is the derivative of its residual, each residual of its energy: Taylor remainders of order 2."""
+"""Level f: each tangent is the derivative of its residual, each residual of its energy (Taylor remainders)."""
 
 import numpy as np
 import ufl
@@ -33,7 +33,9 @@ def run(report, progress=True):
 
 
 def slope(remainders):
-    """Least-squares slope of log(remainder) over log(step); 2 where the remainder is round-off (a quadratic energy)."""
+    """Least-squares slope of log(remainder) over log(step); NaN where a remainder is NaN, infinite or zero."""
+    if not np.all(np.isfinite(remainders) & (remainders > 0)):
+        return np.nan
     return np.polyfit(np.log(STEPS), np.log(remainders), 1)[0]
 
 
@@ -61,7 +63,8 @@ def _add(report, form, element, remainders, scale, name):
     linear = np.max(remainders) < 1e-13 * scale * 10
     difference = 0.0 if linear else abs(slope(remainders) - 2)
     reason = "remainder is zero to round-off: a linear form" if linear else REASON
-    report.add("derivative", form, *element, difference, TOLERANCE, reason, name)
+    note = f"remainders {', '.join(f'{r:.3g}' for r in remainders)} at steps {STEPS[0]} to {STEPS[-1]}"
+    report.add("derivative", form, *element, difference, TOLERANCE, reason, name, note)
 
 
 def _law(report, V, material, element):

@@ -31,7 +31,10 @@ def compile_all(cases, progress=True, processes=2):
     """Compile what is not in the cache yet, several at a time."""
     from rich.progress import Progress
 
-    with Progress(disable=not progress, transient=True) as bar, multiprocessing.get_context("spawn").Pool(processes) as pool:
+    with (
+        Progress(disable=not progress, transient=True) as bar,
+        multiprocessing.get_context("spawn").Pool(processes) as pool,
+    ):
         task = bar.add_task("compiling kernels", total=len(cases))
         for _ in pool.imap_unordered(_compile, cases, chunksize=2):
             bar.advance(task)
@@ -87,8 +90,8 @@ def difference(case, count=100, seed=2026, kernels=None, names=None, theirs=None
 
     Args:
         case: (name, cell, degree, geometry_degree, hypothesis).
-        kernels, names, theirs, values: Compiled, names and constants of a user's own form instead of the catalogue's, and
-            the rule for the other side.
+        kernels, names, theirs, values: Compiled, names and constants of a user's own form instead of the catalogue's,
+            and the rule for the other side.
 
     Returns:
         (difference, entry text): the entry is the worst one, in our order.
@@ -161,4 +164,3 @@ def run(report, cases, count=100, progress=True):
             worst, where = difference(case, count)
             report.add("element", case[0], *case[1:], worst, TOLERANCE, REASON, "element tensor", where)
             bar.advance(task)
-

@@ -25,7 +25,11 @@ def _cells(r, form=True):
     mark = "pass" if r.passed else "fail"
     return (
         [f"<td>{escape(r.form)}</td>"] * form
-        + [f"<td>{escape(case(r))}</td>", f'<td class="n">{r.difference:.2e}</td>', f'<td class="n">{r.tolerance:.0e}</td>']
+        + [
+            f"<td>{escape(case(r))}</td>",
+            f'<td class="n">{r.difference:.2e}</td>',
+            f'<td class="n">{r.tolerance:.0e}</td>',
+        ]
         + [f"<td>{escape(r.reason)}</td>", f'<td class="{mark}">{mark}</td>']
         + [f"<td>{escape(r.note) if not r.passed else ''}</td>"]
     )
@@ -36,7 +40,11 @@ def write(report, path):
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     failed = report.failures()
-    verdict = f'<span class="fail">{len(failed)} rows failed</span>' if failed else '<span class="pass">every row passed</span>'
+    verdict = (
+        f'<span class="fail">{len(failed)} rows failed</span>'
+        if failed
+        else '<span class="pass">every row passed</span>'
+    )
     versions = ", ".join(f"{k} {v}" for k, v in report.versions().items())
     out = [f"<!doctype html><meta charset='utf-8'><title>Cross-verification</title><style>{STYLE}</style>"]
     out.append("<h1>UFL kernels against the hand-written solver</h1>")
@@ -50,7 +58,8 @@ def write(report, path):
         _table(
             summary,
             ["level", "form", "rows", "worst case", "difference", "tolerance", "tolerance from", ""],
-            lambda t: [f"<td>{escape(t[0])}</td><td>{escape(t[1])}</td><td class='n'>{t[2]}</td>"] + _cells(t[3], False)[:-1],
+            lambda t: [f"<td>{escape(t[0])}</td><td>{escape(t[1])}</td><td class='n'>{t[2]}</td>"]
+            + _cells(t[3], False)[:-1],
         )
     )
     for title, figure in report.figures:

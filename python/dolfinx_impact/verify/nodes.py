@@ -67,8 +67,8 @@ def nodes(cell, degree):
 def random_cell(rng, cell, geometry_degree, hypothesis, distortion=0.12):
     """Geometry nodes of a random, distorted (curved) cell in our order, shape (num_nodes, gdim).
 
-    A random linear map of the reference cell, then every node is moved by up to `distortion` times the cell's size; small
-    enough to keep the Jacobian's sign. Axisymmetric cells are shifted to positive radii.
+    A random linear map of the reference cell, then every node is moved by up to `distortion` times the cell's size;
+    small enough to keep the Jacobian's sign. Axisymmetric cells are shifted to positive radii.
     """
     x = nodes(cell, geometry_degree)
     dim = x.shape[1]

@@ -42,11 +42,16 @@ def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
         cell, degree, hypothesis, form = key.split("|")
         for n in counts[1:]:
             a, b = np.array(values[n][key]), np.array(reference)
-            difference = np.max(np.abs(a - b)) / np.max(np.abs(b)) if a.shape == b.shape else np.inf
+            difference, note = np.inf, f"{n} ranks give {a.shape} values, one gives {b.shape}"
+            if a.shape == b.shape:
+                error = np.where(np.isnan(a - b), np.inf, np.abs(a - b))
+                k = np.unravel_index(np.argmax(error), error.shape)
+                difference = error[k] / np.max(np.abs(b))
+                note = f"entry {[int(i) for i in k]} by position: {a[k]:.15g} on {n} ranks, {b[k]:.15g} on 1"
             solved = form == "solution"
             report.add(
                 "ranks", form, cell, int(degree), 1, hypothesis, difference, SOLUTION if solved else TOLERANCE,
-                "round-off times condition number" if solved else REASON, f"{n} ranks against 1",
+                "round-off times condition number" if solved else REASON, f"{n} ranks against 1", note,
             )  # fmt: skip
 
 

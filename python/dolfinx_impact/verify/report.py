@@ -65,7 +65,9 @@ class Report:
         def badness(r):
             if r.difference != r.difference:
                 return float("inf")
-            return r.difference / r.tolerance if r.tolerance > 0 else float("inf") * r.difference if r.difference else 0.0
+            return (
+                r.difference / r.tolerance if r.tolerance > 0 else float("inf") * r.difference if r.difference else 0.0
+            )
 
         return [(level, form, len(rows), max(rows, key=badness)) for (level, form), rows in groups.items()]
 
@@ -92,7 +94,9 @@ class Report:
             )
         console.print(table)
         for r in self.failures():
-            console.print(f"[red]FAIL[/red] {r.level} {r.form} {case(r)}: {r.difference:.3e} > {r.tolerance:.1e}. {r.note}")
+            console.print(
+                f"[red]FAIL[/red] {r.level} {r.form} {case(r)}: {r.difference:.3e} > {r.tolerance:.1e}. {r.note}"
+            )
         verdict = "all passed" if self.passed else f"{len(self.failures())} failed"
         console.print(f"{len(self.rows)} rows, {verdict}")
 

@@ -1,4 +1,4 @@
-"""`dolfinx-impact verify`: runs the levels, prints the table, writes JSON, figures and the page; exit status 0 if all passed."""
+"""`dolfinx-impact verify`: runs the levels, prints the table, writes JSON, figures and a page; 0 if all passed."""
 
 import argparse
 import sys
@@ -11,7 +11,9 @@ from .report import Report
 LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "ranks")
 
 
-def cross_check(form_or_name=None, *, cells=None, degrees=None, levels=("element",), count=100, report=None, progress=False):
+def cross_check(
+    form_or_name=None, *, cells=None, degrees=None, levels=("element",), count=100, report=None, progress=False
+):
     """Compare forms of the catalogue with the hand-written solver.
 
     Args:
@@ -37,7 +39,12 @@ def cross_check(form_or_name=None, *, cells=None, degrees=None, levels=("element
         if len(cases) > 20:
             element.compile_all(cases, progress)
         element.run(report, cases, count, progress)
-    for level, module in (("operator", operator), ("solution", solution), ("spectrum", spectrum), ("derivative", derivative)):
+    for level, module in (
+        ("operator", operator),
+        ("solution", solution),
+        ("spectrum", spectrum),
+        ("derivative", derivative),
+    ):
         if level in levels:
             module.run(report, progress)
     if "order" in levels:
@@ -62,12 +69,16 @@ def _check(cells, degrees, levels):
 def parser():
     p = argparse.ArgumentParser(prog="dolfinx-impact verify", description=__doc__)
     p.add_argument("file", nargs="?", help="a UFL file of your own")
-    p.add_argument("name", nargs="?", help="operator of the hand-written solver to compare it with, for example elasticity")
+    p.add_argument(
+        "name", nargs="?", help="operator of the hand-written solver to compare it with, for example elasticity"
+    )
     p.add_argument("--cells", nargs="+", metavar="CELL", help=f"of {', '.join(registry.CELLS)}")
     p.add_argument("--degree", nargs="+", type=int, metavar="P", help="1, 2 or both")
     p.add_argument("--forms", nargs="+", metavar="FORM", help="of the catalogue")
     p.add_argument("--levels", nargs="+", default=LEVELS, metavar="LEVEL", help=f"of {', '.join(LEVELS)}")
-    p.add_argument("--ranks", nargs="+", type=int, default=[1, 2, 3], metavar="N", help="numbers of MPI ranks to compare")
+    p.add_argument(
+        "--ranks", nargs="+", type=int, default=[1, 2, 3], metavar="N", help="numbers of MPI ranks to compare"
+    )
     p.add_argument("--count", type=int, default=100, help="random cells per element comparison")
     p.add_argument("--json", metavar="OUT", help="write the rows here")
     p.add_argument("--output", metavar="DIR", default="results/verify", help="folder of the page and the figures")
@@ -97,10 +108,17 @@ def _run(report, args):
         return
     for name in args.forms or [None]:
         first = [level for level in args.levels if level == "element"]
-        cross_check(name, cells=args.cells, degrees=args.degree, levels=first, count=args.count, report=report, progress=True)
+        cross_check(
+            name, cells=args.cells, degrees=args.degree, levels=first, count=args.count, report=report, progress=True
+        )
     folder = Path(args.output)
     folder.mkdir(parents=True, exist_ok=True)
-    for level, module in (("operator", operator), ("solution", solution), ("spectrum", spectrum), ("derivative", derivative)):
+    for level, module in (
+        ("operator", operator),
+        ("solution", solution),
+        ("spectrum", spectrum),
+        ("derivative", derivative),
+    ):
         if level in args.levels:
             print(f"level {level}", file=sys.stderr)
             module.run(report)

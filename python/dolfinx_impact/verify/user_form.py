@@ -83,7 +83,11 @@ def _parameters(namespace, form, rng, name, dim):
         number = namespace.get(variable)
         if isinstance(number, (int, float)) and not isinstance(number, bool):
             values[catalogue_name] = float(number)
-    if isinstance(namespace.get("E"), (int, float)) is False and isinstance(values.get("mu"), float) and "lambda" in values:
+    if (
+        isinstance(namespace.get("E"), (int, float)) is False
+        and isinstance(values.get("mu"), float)
+        and "lambda" in values
+    ):
         lmbda, mu = values["lambda"], values["mu"]
         values["E"], values["nu"] = mu * (3 * lmbda + 2 * mu) / (lmbda + mu), lmbda / (2 * (lmbda + mu))
     E, nu = values["E"], values["nu"]
@@ -160,12 +164,26 @@ def check(report, path, operator=None, seed=2026):
         note = where
         if worst > element.TOLERANCE and dim == 2 and own is None:
             for other in HYPOTHESES[1:]:
-                if other != hypothesis and element.difference((*case[:4], other), 10, **settings)[0] < element.TOLERANCE:
+                if (
+                    other != hypothesis
+                    and element.difference((*case[:4], other), 10, **settings)[0] < element.TOLERANCE
+                ):
                     note += f". It agrees with {other}: write hypothesis = {other!r} into the file"
-        report.add("element", name, *case[1:], worst, element.TOLERANCE, element.REASON, f"{variable} of {Path(path).name}", note)
+        report.add(
+            "element",
+            name,
+            *case[1:],
+            worst,
+            element.TOLERANCE,
+            element.REASON,
+            f"{variable} of {Path(path).name}",
+            note,
+        )
         if rank > 0 and all(k.integral_type == "cell" for k in compiled.kernels) and case[0] in _ASSEMBLED:
             difference, note = _assembled(case, compiled, names, values, theirs)
-            report.add("operator", name, *case[1:], difference, element.TOLERANCE, "round-off", f"{variable} assembled", note)
+            report.add(
+                "operator", name, *case[1:], difference, element.TOLERANCE, "round-off", f"{variable} assembled", note
+            )
 
 
 _ASSEMBLED = tuple(n for n in registry.LAW_FORMS if not n.endswith("energy")) + ("mass",)
@@ -214,5 +232,3 @@ def _assembled(case, compiled, names, values, theirs):
     place = body.V.tabulate_dof_coordinates()[:, :bs]
     where = " against ".join(f"node at {np.round(place[i // bs], 4).tolist()} component {i % bs}" for i in k)
     return error.max(), f"{where}: UFL {out[k]:.15g}, hand-written {expected[k]:.15g}"
-
-
