@@ -18,4 +18,6 @@ NB_MODULE(_cpp, m)
   impact::bindings::kernels(kernels);
   nb::module_ operators = m.def_submodule("operators", "Kernels applied over the cells of a mesh");
   impact::bindings::operators(operators);
+  nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
+  impact::bindings::bench(bench);
 }

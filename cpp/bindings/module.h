@@ -12,4 +12,5 @@ namespace impact::bindings
 {
 void kernels(nanobind::module_& m);
 void operators(nanobind::module_& m);
+void bench(nanobind::module_& m);
 } // namespace impact::bindings

@@ -1,0 +1,35 @@
+#include "dolfinx_impact/common/machine.h"
+#include "module.h"
+#include <dolfinx/fem/Form.h>
+#include <dolfinx/fem/utils.h>
+#include <memory>
+
+namespace nb = nanobind;
+
+namespace
+{
+/// Coefficients of a DOLFINx form packed again and again into the same storage: what a time loop around
+/// dolfinx::fem::assemble_vector does at best.
+class Packed
+{
+public:
+  explicit Packed(std::shared_ptr<const dolfinx::fem::Form<double>> form)
+      : _form(std::move(form)), _storage(dolfinx::fem::allocate_coefficient_storage(*_form))
+  {
+  }
+  void pack() { dolfinx::fem::pack_coefficients(*_form, _storage); }
+
+private:
+  std::shared_ptr<const dolfinx::fem::Form<double>> _form;
+  std::map<std::pair<dolfinx::fem::IntegralType, int>, std::pair<std::vector<double>, int>> _storage;
+};
+} // namespace
+
+void impact::bindings::bench(nb::module_& m)
+{
+  m.def("triad_bandwidth", &common::triad_bandwidth, "Memory bandwidth of one core [B/s]");
+  m.def("peak_flops", &common::peak_flops, "Double-precision operations of one core [1/s]");
+  nb::class_<Packed>(m, "Packed", "Coefficients of a DOLFINx form, packed into storage that is reused")
+      .def(nb::init<std::shared_ptr<const dolfinx::fem::Form<double>>>(), nb::arg("form"))
+      .def("pack", &Packed::pack);
+}

@@ -1,0 +1,13 @@
+#pragma once
+
+/// What this processor can do, measured: the scale that benchmarks are shown against.
+namespace impact::common
+{
+/// Memory bandwidth of one core, bytes per second: best of several runs of a[i] = b[i] + s c[i] on arrays far larger
+/// than the caches; three arrays counted (McCalpin's STREAM triad).
+double triad_bandwidth();
+
+/// Double-precision operations per second of one core: independent fused multiply-adds in the widest vectors that
+/// kernels are compiled for; a multiply-add counts as two.
+double peak_flops();
+} // namespace impact::common
