@@ -280,7 +280,9 @@ measured = comm.bcast(measured, root=0)
 # A quarter of wheel and rail in hexahedra of degree 1, three cells along the half axis. That is enough to compare the
 # solvers and to check equilibrium; it is too coarse to resolve the stress below the patch, and no such claim is made.
 
-size = {"a": 9e-3, "h": 4.5e-3, "coarse": 0.08} if fast else {"a": ax, "coarse": 0.08, "rail_length": 0.4}
+size = {"a": ax, "coarse": 0.1, "rail_length": 0.3, "wheel_width": 0.05}
+if fast:
+    size = {"a": 9e-3, "h": 4.5e-3, "coarse": 0.08}
 run.print("3D: meshing and solving")
 space = meshes.make("wheel_on_rail_3d", comm, radius=radius, crown_radius=crown, symmetry="quarter", **size)
 steel_3d = di.LinearElastic(E=E, nu=nu, density=7800.0)
