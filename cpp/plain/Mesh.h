@@ -11,10 +11,10 @@ namespace impact::plain
 /// the nodes inside a cell belongs to whoever fills the struct, and is written down there.
 struct Mesh
 {
-  std::string cell_type; ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
-  int degree = 1;        ///< polynomial degree of the geometry: 1 or 2
-  int gdim = 3;          ///< 2 or 3
-  std::vector<double> points;       ///< [L]
+  std::string cell_type;      ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
+  int degree = 1;             ///< polynomial degree of the geometry: 1 or 2
+  int gdim = 3;               ///< 2 or 3
+  std::vector<double> points; ///< [L]
   std::vector<std::int64_t> cells;
   std::vector<std::int32_t> cell_tags; ///< one per cell, or empty
 };
