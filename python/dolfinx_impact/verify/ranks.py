@@ -41,7 +41,7 @@ def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
     for key, reference in values[1].items():
         cell, degree, hypothesis, form = key.split("|")
         for n in counts[1:]:
-            a, b = np.array(values[n][key]), np.array(reference)
+            a, b = np.array(values[n].get(key, [])), np.array(reference)
             difference, note = np.inf, f"{n} ranks give {a.shape} values, one gives {b.shape}"
             if a.shape == b.shape:
                 error = np.where(np.isnan(a - b), np.inf, np.abs(a - b))

@@ -97,7 +97,8 @@ class Report:
             console.print(
                 f"[red]FAIL[/red] {r.level} {r.form} {case(r)}: {r.difference:.3e} > {r.tolerance:.1e}. {r.note}"
             )
-        verdict = "all passed" if self.passed else f"{len(self.failures())} failed"
+        failed = f"{len(self.failures())} failed" if self.rows else "nothing was compared"
+        verdict = "all passed" if self.passed else failed
         console.print(f"{len(self.rows)} rows, {verdict}")
 
     def versions(self):

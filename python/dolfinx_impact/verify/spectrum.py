@@ -54,13 +54,14 @@ def _free_body(report, cell, degree, hypothesis, num_elastic):
     theirs, _ = body.model.frequencies(count)
     element = (cell, degree, 1, hypothesis)
     rigid = NUM_RIGID[hypothesis]
-    scale = theirs[rigid]
+    scale = max(ours[-1], theirs[-1])  # elastic on both sides, unless one has far too many zeros
     for side, w in (("UFL", ours), ("hand-written", theirs)):
         zeros = int(np.sum(w < 1e-4 * scale))
-        report.add(
-            "spectrum", "rigid_modes", *element, abs(zeros - rigid), 0, "a count", f"{side} side: {zeros} of {rigid}"
-        )
-    errors = np.abs(ours[rigid:] / theirs[rigid:] - 1)
+        text = f"{side} side: {zeros} of {rigid}"
+        note = f"lowest frequencies {', '.join(f'{x:.3g}' for x in w)}"
+        report.add("spectrum", "rigid_modes", *element, abs(zeros - rigid), 0, "a count", text, note)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = np.abs(ours[rigid:] / theirs[rigid:] - 1)
     k = int(np.argmax(np.where(np.isnan(errors), np.inf, errors)))
     note = f"elastic frequency {k + 1}: UFL {ours[rigid + k]:.15g}, hand-written {theirs[rigid + k]:.15g}"
     report.add("spectrum", "frequencies", *element, errors[k], TOLERANCE, REASON, f"lowest {num_elastic} elastic", note)
