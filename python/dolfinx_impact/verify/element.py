@@ -42,6 +42,8 @@ def compile_all(cases, progress=True, processes=2):
 
 def _their_rule(theirs, degree, cell, integral_type):
     """Rule for the other side; "points" stands for Basix's symmetric rule, handed over as points and weights."""
+    if isinstance(theirs, dict):
+        return theirs.get(integral_type)
     if theirs is None or isinstance(theirs, (tuple, list)) or theirs != "points":
         return theirs
     facet = {"triangle": "interval", "tetrahedron": "triangle"}
