@@ -1,0 +1,122 @@
+"""Level ranks: the real processes on a part of the cases, healthy and with faults that show on several ranks only."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from sabotage import assert_caught, assert_healthy
+
+from dolfinx_impact.verify import ranks
+from dolfinx_impact.verify.report import Report
+
+PRELUDE = """
+import sys
+from dolfinx_impact.verify import ranks
+from dolfinx_impact import operators
+ranks.CASES = ranks.CASES[:1]
+{fault}
+sys.argv = ["ranks", sys.argv[1]]
+ranks.main()
+"""
+
+# A ghost node's contributions stay where they were computed: nothing to see on one rank.
+NO_REVERSE_SCATTER = """
+def apply(self, b=None):
+    b = self.vector()
+    self.assemble(b.array)
+    return b
+operators.InternalForce.apply = apply
+"""
+# Every rank reports its own part of the energy.
+LOCAL_ENERGY = """
+operators.Energy.value = lambda self: (self._update(), self._cpp_object.value())[1]
+"""
+
+
+def launch(monkeypatch, fault=""):
+    """ranks.run starts its processes with a prelude: the first case only, and a fault."""
+    real = subprocess.run
+
+    def run(command, **kwargs):
+        where = command.index("-m")
+        prelude = ["-c", PRELUDE.format(fault=fault), command[-1]]
+        return real([*command[:where], *prelude], **kwargs)
+
+    monkeypatch.setattr(ranks.subprocess, "run", run)
+
+
+def tamper(monkeypatch, change):
+    """ranks.run gets values that never saw a process; `change` alters those of two ranks."""
+
+    def run(command, **kwargs):
+        values = {f"triangle|2|plane_strain|{form}": [[1.0, 2.0], [3.0, -4.0]] for form in ("mass", "solution")}
+        path = Path(command[-1])
+        if path.stem == "2":
+            change(values)
+        path.write_text(json.dumps(values))
+        return subprocess.CompletedProcess(command, 0, "", "")
+
+    monkeypatch.setattr(ranks.subprocess, "run", run)
+
+
+def report(counts=(2,)):
+    result = Report()
+    ranks.run(result, counts)
+    return result
+
+
+@pytest.mark.mpi
+def test_the_healthy_state_passes_on_two_and_three_ranks(monkeypatch):
+    launch(monkeypatch)
+    found = report((2, 3))
+    assert_healthy(found, "ranks", 12)
+    assert {r.name for r in found.rows} == {"2 ranks against 1", "3 ranks against 1"}
+    forms = {"linear_elastic.force", "linear_elastic.energy", "neo_hookean.force", "neo_hookean.energy", "lumped_mass"}
+    assert {r.form for r in found.rows} == forms | {"solution"}
+
+
+@pytest.mark.mpi
+def test_contributions_of_ghosts_forgotten(monkeypatch):
+    launch(monkeypatch, NO_REVERSE_SCATTER)
+    failures = report().failures()
+    assert {r.form for r in failures} >= {"linear_elastic.force", "neo_hookean.force"}
+    assert all(r.level == "ranks" and "on 2 ranks" in r.note for r in failures)
+    assert not {r.form for r in failures} & {"linear_elastic.energy", "neo_hookean.energy"}
+
+
+@pytest.mark.mpi
+def test_an_energy_that_is_not_summed_over_the_ranks(monkeypatch):
+    launch(monkeypatch, LOCAL_ENERGY)
+    assert {r.form for r in report().failures()} == {"linear_elastic.energy", "neo_hookean.energy"}
+
+
+@pytest.mark.mpi
+def test_a_run_that_fails_is_an_error_with_its_output(monkeypatch):
+    launch(monkeypatch, "raise SystemError('the sea is out')")
+    with pytest.raises(RuntimeError, match="the run on 1 ranks failed(.|\n)*the sea is out"):
+        report()
+
+
+@pytest.mark.parametrize(
+    "factor, passed", [(1 + 1e-14, True), (1 + 1e-11, False), (-1.0, False), (float("nan"), False)]
+)
+def test_one_value_that_differs(factor, passed, monkeypatch):
+    def change(values):
+        values["triangle|2|plane_strain|mass"][1][1] *= factor
+
+    tamper(monkeypatch, change)
+    if passed:
+        assert report().passed
+    else:
+        assert assert_caught(report(), "ranks", "mass").note.startswith("entry [1, 1] by position")
+
+
+def test_a_value_too_few(monkeypatch):
+    tamper(monkeypatch, lambda values: values["triangle|2|plane_strain|solution"].pop())
+    assert "(1, 2) values" in assert_caught(report(), "ranks", "solution").note
+
+
+def test_a_form_that_is_missing_on_two_ranks(monkeypatch):
+    tamper(monkeypatch, lambda values: values.pop("triangle|2|plane_strain|mass"))
+    assert_caught(report(), "ranks", "mass")
