@@ -1,4 +1,4 @@
-"""A user's own UFL file against the hand-written solver: good files, subtly wrong ones, and files that cannot be used."""
+"""A user's own UFL file against the hand-written solver: good, subtly wrong, and of no use."""
 
 import textwrap
 
