@@ -68,8 +68,9 @@ class ElementTensor:
                 declarations.append(L.ArrayDecl(_symbol(self._test_name(d)), sizes=(size, *sizes), values=zero))
             if self.rule.num_points > 1:
                 for k, (tr, table, *_) in enumerate(self.reduced):
-                    columns = self._basis(k)[1].shape[0]
-                    zero = np.zeros(columns)
+                    split = self._split(k)
+                    columns = self._basis(k)[1].shape[0] if split is None else self.rule.num_points
+                    zero = np.zeros(columns) if split is None else None
                     declarations.append(L.ArrayDecl(_symbol(self._sum_name(k)), sizes=(columns,), values=zero))
         return [L.Section("weighted factors of the test function", [], declarations)] if declarations else []
 
@@ -83,6 +84,13 @@ class ElementTensor:
             return table, np.eye(table.shape[2])
         basis, reduction = tensor.reduce_columns(table[0])
         return basis[None], reduction
+
+    def _split(self, k):
+        """Shared row and own entries of a reduced block (tensor.split_rows), or None."""
+        basis, _ = self._basis(k)
+        if not self.reduced[k][4] or basis.shape[1] < 3:
+            return None
+        return tensor.split_rows(basis[0])
 
     def inside(self):
         schedule = self.writer.schedule
@@ -111,6 +119,10 @@ class ElementTensor:
             if self.rule.num_points == 1:
                 statements.append(L.VariableDecl(_symbol(f"f_{self.rule.number}_{k}"), schedule.expression(value)))
                 continue
+            if self._split(k) is not None:  # kept by point, combined after the loop
+                at = _symbol(self._sum_name(k))[self.rule.flat(self.writer.tdim)]
+                statements.append(L.Assign(at, schedule.expression(value)))
+                continue
             basis, _ = self._basis(k)
             if basis.shape[1] > 1 or not uniform or not np.all(np.isin(basis, (1.0, -1.0))):
                 name = self.writer._table(f"{tr.name}_test", basis)
@@ -136,6 +148,7 @@ class ElementTensor:
         statements = []
         if self.tensor:
             statements += self._after_tensor()
+        statements += self._combine_points()
         statements += self._after_reduced()
         return [L.Section("element vector", statements, [])]
 
@@ -162,6 +175,23 @@ class ElementTensor:
                 statements.append(L.ForRange(index if begin is None else L.Symbol("once", INT), 0, size, body))
         return statements
 
+    def _combine_points(self):
+        """Columns of the blocks kept by point: shared entry times the sum, plus each point's own."""
+        statements = []
+        if self.rule.num_points == 1:
+            return statements
+        for k in range(len(self.reduced)):
+            split = self._split(k)
+            if split is None:
+                continue
+            shared, columns, own = split
+            f, total = _symbol(self._sum_name(k)), _symbol(f"{self._sum_name(k)}_all")
+            statements.append(L.VariableDecl(total, combine([(1.0, f[q]) for q in range(self.rule.num_points)])))
+            for column in range(len(shared)):
+                pairs = [(shared[column], total)] + [(x, f[q]) for q, x in enumerate(own) if columns[q] == column]
+                statements.append(L.VariableDecl(_symbol(f"{self._sum_name(k)}_c{column}"), combine(pairs)))
+        return statements
+
     def _after_reduced(self):
         terms = {}
         for k, (tr, table, begin, stride, uniform, value) in enumerate(self.reduced):
@@ -174,6 +204,8 @@ class ElementTensor:
                         name = self.writer._table(f"{tr.name}_test", basis)
                         f = L.Mul(L.Symbol(name, REAL)[L.Symbol("entity", INT)][0][column], f)
                         scale = 1.0
+                elif self._split(k) is not None:
+                    f, scale = _symbol(f"{self._sum_name(k)}_c{column}"), 1.0
                 else:
                     f, scale = _symbol(self._sum_name(k))[column], 1.0
                 for dof in np.flatnonzero(reduction[column]):

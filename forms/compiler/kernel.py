@@ -60,6 +60,7 @@ class KernelWriter:
         self.tdim = len(basix.topology(self.cell)) - 1
         self.algebra = alg.Algebra()
         self.tables = {}  # name -> array, in order of use
+        self.arrays = {}  # name -> values of the cell by point (_shared_row)
         self.rules = []
         self.schedule = Schedule(self._access)
         self.rule = None
@@ -98,8 +99,8 @@ class KernelWriter:
             for q, d in zip(self.rules[rule].indices(self.tdim), derivatives):
                 access = access[0 if factor.constant(d) else q]
             return access
-        if kind == "accumulator":
-            return L.Symbol(key[1], SCALAR)
+        if kind == "array":
+            return L.Symbol(key[1], SCALAR)[self.rules[key[2]].flat(self.tdim)]
         raise RuntimeError(f"unknown symbol {key}")
 
     @staticmethod
@@ -170,10 +171,13 @@ class KernelWriter:
             return algebra.symbol(("field", rule.number, field, component, derivatives), alg.POINT)
         if uniform:
             basis, reduction = tensor.reduce_columns(table[0])
-            name = self._table(tr.name, basis[None])
             combined = [
                 algebra.add(*((s, self._dof(field, dof(i))[1]) for i, s in enumerate(row) if s)) for row in reduction
             ]
+            split = tensor.split_rows(basis)
+            if split is not None:
+                return self._shared_row(f"{field}_{component}_{tr.name}", split, combined)
+            name = self._table(tr.name, basis[None])
         else:
             name = self._table(tr.name, table)
             combined = [self._dof(field, dof(i)) for i in range(table.shape[2])]
@@ -184,6 +188,23 @@ class KernelWriter:
             entry = algebra.symbol(("table", name, at, not uniform, column), level)
             terms.append(algebra.multiply(entry, value))
         return algebra.add(*terms)
+
+    def _shared_row(self, name, split, combined):
+        """Shared part, the same at all points, plus one product per point (tensor.split_rows)."""
+        shared, columns, own = split
+        algebra, rule = self.algebra, self.rule
+        if name not in self.arrays:
+            signs = np.sign(own)  # into the values, so that one number is left where the rule is symmetric
+            self.arrays[name] = [algebra.multiply(algebra.number(s), combined[c]) for s, c in zip(signs, columns)]
+        own = np.abs(own)
+        base = algebra.add(*(algebra.multiply(algebra.number(x), v) for x, v in zip(shared, combined)))
+        value = algebra.symbol(("array", name, rule.number), alg.POINT)
+        if np.ptp(own) < tensor.TOLERANCE:
+            factor = algebra.number(own[0])
+        else:
+            table = self._table(f"{name}_own", own[None, :, None])
+            factor = algebra.symbol(("table", table, rule.number, False, 0), alg.POINT)
+        return algebra.add(base, algebra.multiply(factor, value))
 
     def _table(self, name, values):
         self.tables[name] = np.asarray(values)
@@ -203,9 +224,12 @@ class KernelWriter:
             values = alg.GraphReader(self.algebra, data["factorization"], self._terminal).read()
             self.targets.append(self._targets(values))
         wanted = [v for per_rule in self.targets for _, v in per_rule]
-        self.schedule.prepare(wanted)
+        by_point = [v for values in self.arrays.values() for v in values]
+        self.schedule.prepare(wanted + by_point)
         body = [L.Section("values that depend on constants only", self.schedule.declare(wanted, alg.CONSTANT), [])]
-        body.append(L.Section("values that depend on the cell only", self.schedule.declare(wanted, alg.CELL), []))
+        cell_values = self.schedule.declare(wanted + by_point, alg.CELL)
+        body.append(L.Section("values that depend on the cell only", cell_values, []))
+        body.append(self._array_section())
         for rule, targets in zip(self.rules, self.targets):
             self.rule = rule
             body += self._rule_code(rule, targets)
@@ -216,6 +240,15 @@ class KernelWriter:
         ]
         sections = [s for s in body if not isinstance(s, L.Section) or s.statements or s.declarations]
         return L.StatementList(([L.Section("tables: [entity][point][dof]", [], tables)] if tables else []) + sections)
+
+    def _array_section(self):
+        declarations = [L.ArrayDecl(L.Symbol(n, SCALAR), sizes=(len(v),)) for n, v in self.arrays.items()]
+        statements = [
+            L.Assign(L.Symbol(n, SCALAR)[q], self.schedule.expression(v))
+            for n, values in self.arrays.items()
+            for q, v in enumerate(values)
+        ]
+        return L.Section("values of the cell by point", statements, declarations)
 
     def _used(self, body):
         text = "".join(CxxFormatter()(b) for b in body)

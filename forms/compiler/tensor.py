@@ -137,3 +137,29 @@ def reduce_columns(table):
         for a, s in combination.items():
             reduction[a, j] = s
     return np.array(basis).T.reshape(table.shape[0], len(basis)), reduction
+
+
+def split_rows(basis):
+    """Write a table as a row that all points share plus one entry of its own per point, where it has that form.
+
+    On simplices with symmetric rules (three points on triangles, four on tetrahedra) the derivatives of degree 2 do: a
+    product per point is left instead of one per point and column.
+
+    Args:
+        basis: shape (num_points, num_columns).
+
+    Returns:
+        (shared row, column of each point's own entry, what it adds there), or None.
+    """
+    num_points, num_columns = basis.shape
+    if num_points < 3 or num_columns < 2:
+        return None
+    shared = np.empty(num_columns)
+    for j in range(num_columns):
+        counts = [np.sum(np.abs(basis[:, j] - x) < TOLERANCE) for x in basis[:, j]]
+        shared[j] = basis[int(np.argmax(counts)), j]
+    own = np.abs(basis - shared) > TOLERANCE
+    if not np.all(own.sum(axis=1) == 1):
+        return None
+    columns = np.argmax(own, axis=1)
+    return shared, columns, basis[np.arange(num_points), columns] - shared[columns]
