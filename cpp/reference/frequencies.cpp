@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace impact::reference
@@ -23,6 +24,28 @@ Dense start_vectors(Eigen::Index rows, int columns)
       X(i, j) = double(state >> 11) / double(1ull << 53) - 0.5;
     }
   return X;
+}
+
+// Makes the columns of X mass-orthonormal, by Gram and Schmidt's process done twice: rigid modes dominate a column by
+// many orders of magnitude after a solution, and one pass would leave their rounding in it (Parlett, "twice is
+// enough").
+void orthonormalise(Dense& X, const Sparse& m)
+{
+  for (Eigen::Index j = 0; j < X.cols(); ++j)
+  {
+    Vector x = X.col(j) / X.col(j).norm();
+    for (int pass = 0; pass < 2; ++pass)
+    {
+      const Vector y = m * x;
+      x -= X.leftCols(j) * (X.leftCols(j).transpose() * y).eval();
+      const double size = x.dot(m * x);
+      if (not(size > 0))
+        throw std::runtime_error(
+            "subspace iteration broke down: the vectors became dependent; ask for fewer frequencies");
+      x /= std::sqrt(size);
+    }
+    X.col(j) = x;
+  }
 }
 } // namespace
 
@@ -50,7 +73,7 @@ Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Ve
     throw std::runtime_error("a nodal mass is not positive: choose the lumping scheme hrz or auto");
 
   // The shift sits far below the lowest elastic eigenvalue of any sensible mesh, yet K + shift M is safely regular.
-  const double shift = 1e-9 * (k.diagonal().array() / masses.array()).maxCoeff();
+  const double shift = 1e-7 * (k.diagonal().array() / masses.array()).maxCoeff();
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(Sparse(k + shift * m));
   if (solver.info() != Eigen::Success)
     throw std::runtime_error("the shifted stiffness could not be factorised: check the mesh for degenerate cells");
@@ -60,28 +83,25 @@ Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Ve
   Vector values = Vector::Zero(q), before = Vector::Constant(q, -1);
   for (int iteration = 0; iteration < 500; ++iteration)
   {
-    // X^T (K + shift M) X = X^T Y without the cancellation of forming it (Bathe eq. 11.113).
-    const Dense Y = m * X;
-    X = solver.solve(Y);
-    const Dense a = X.transpose() * Y, b = X.transpose() * (m * X);
-    // Scaling the columns keeps the small problem well conditioned when rigid modes dominate.
-    const Vector s = b.diagonal().cwiseSqrt().cwiseInverse();
-    const Dense as = s.asDiagonal() * (0.5 * (a + a.transpose())) * s.asDiagonal();
-    const Dense bs = s.asDiagonal() * (0.5 * (b + b.transpose())) * s.asDiagonal();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Dense> small(as, bs);
+    X = solver.solve(Dense(m * X));
+    orthonormalise(X, m);
+    const Dense a = X.transpose() * (k * X);
+    const Eigen::SelfAdjointEigenSolver<Dense> small(0.5 * (a + a.transpose()));
     if (small.info() != Eigen::Success)
-      throw std::runtime_error(
-          "subspace iteration broke down: the vectors became dependent; ask for fewer frequencies");
-    values = small.eigenvalues().array() - shift;
-    X = X * s.asDiagonal() * small.eigenvectors();
+      throw std::runtime_error("the projected eigenvalue problem could not be solved: check the material data");
+    values = small.eigenvalues();
+    X = X * small.eigenvectors();
     const Vector change = (values - before).cwiseAbs();
     before = values;
-    // Rigid modes carry rounding of about machine epsilon times the largest eigenvalue, 1e-7 of the shift.
+    // Rigid modes carry rounding of about machine epsilon times the largest eigenvalue, 1e-9 of the shift.
     bool done = iteration > 2;
     for (int i = 0; i < n; ++i)
-      done = done and change(i) <= 1e-11 * std::abs(values(i)) + 1e-6 * shift;
+      done = done and change(i) <= 1e-12 * std::abs(values(i)) + 1e-8 * shift;
     if (not done)
       continue;
+    if (values(0) < -1e-3 * shift)
+      throw std::runtime_error("the stiffness has a negative eigenvalue, " + std::to_string(values(0)) +
+                               ": check the material data");
     Frequencies result{values.head(n).cwiseMax(0).cwiseSqrt(), Matrix::Zero(K.size, n)};
     for (std::int64_t i = 0; i < K.size; ++i)
       if (numbers[i] >= 0)

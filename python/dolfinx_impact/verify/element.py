@@ -88,7 +88,7 @@ def tabulate(kernel, cells, w, c, entity, lanes):
     return out
 
 
-def difference(case, count=100, seed=2026, kernels=None, names=None, theirs=None, values=None):
+def difference(case, count=100, seed=2026, kernels=None, names=None, theirs=None, values=None, distortion=0.12):
     """Largest difference over `count` random cells, relative to the largest entry of the cell's tensor.
 
     Args:
@@ -111,7 +111,7 @@ def difference(case, count=100, seed=2026, kernels=None, names=None, theirs=None
     field_order = nodes.dofs(cell, degree, components)
     geometry_order = nodes.permutation(cell, geometry_degree)
     values = {**catalogue.parameters(rng, name, dim), **(values or {})}
-    cells = [nodes.random_cell(rng, cell, geometry_degree, hypothesis) for _ in range(count)]
+    cells = [nodes.random_cell(rng, cell, geometry_degree, hypothesis, distortion) for _ in range(count)]
     # Strains of some ten per cent: finite-strain laws are nonlinear there, and no cell turns inside out.
     sizes = [0.08 / degree**2 * np.ptp(x, axis=0).min() for x in cells]
     fields = [

@@ -4,6 +4,7 @@ Run as a module under mpirun it writes the values of one number of ranks; `run` 
 """
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -34,7 +35,7 @@ def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
             command = ["mpirun", "-n", str(n), sys.executable, "-m", "dolfinx_impact.verify.ranks", str(path)]
             if n == 1:
                 command = command[3:]
-            done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
+            done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, env=_environment())
             if done.returncode != 0:
                 raise RuntimeError(f"the run on {n} ranks failed:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
             values[n] = json.loads(path.read_text())
@@ -53,6 +54,14 @@ def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
                 "ranks", form, cell, int(degree), 1, hypothesis, difference, SOLUTION if solved else TOLERANCE,
                 "round-off times condition number" if solved else REASON, f"{n} ranks against 1", note,
             )  # fmt: skip
+
+
+def _environment():
+    """Environment for mpirun: as root, and with more ranks than cores, it would refuse otherwise."""
+    extra = {"OMP_NUM_THREADS": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+    if os.geteuid() == 0:
+        extra |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    return {**extra, **os.environ}
 
 
 def _values():

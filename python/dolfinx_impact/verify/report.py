@@ -36,16 +36,26 @@ class Row:
 class Report:
     """Rows of a verification run.
 
+    Args:
+        cells, degrees, forms: to restrict the run to; None: all.
+
     Attributes:
         rows: list of Row. figures: list of (title, path of a PNG).
     """
 
-    def __init__(self):
+    def __init__(self, cells=None, degrees=None, forms=None):
         self.rows, self.figures = [], []
+        self.cells, self.degrees, self.forms = cells, degrees, forms
+
+    def wants(self, cell, degree):
+        """Is a comparison on these elements asked for? Levels skip what is not."""
+        return (not self.cells or cell in self.cells) and (not self.degrees or degree in self.degrees)
 
     def add(self, *args, **kwargs):
+        """Add a row, unless the run is restricted to others."""
         row = Row(*args, **kwargs)
-        self.rows.append(row)
+        if self.wants(row.cell, row.degree) and (not self.forms or row.form in self.forms):
+            self.rows.append(row)
         return row
 
     @property

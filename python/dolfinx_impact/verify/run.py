@@ -26,8 +26,8 @@ def cross_check(
     Raises:
         ValueError: unknown form, cell, degree or level.
     """
-    report = report or Report()
     _check(cells, degrees, levels)
+    report = report if report is not None else Report(cells, degrees)
     if form_or_name is not None and str(form_or_name).endswith(".py"):
         user_form.check(report, form_or_name)
         return report
@@ -89,10 +89,10 @@ def parser():
 def main(argv=None):
     """Returns the exit status: 0 only when every row passed; 2 for input that cannot be used."""
     args = parser().parse_args(argv)
-    report = Report()
+    report = Report(args.cells, args.degree, args.forms)
     try:
         _run(report, args)
-    except (ValueError, FileNotFoundError) as e:
+    except (ValueError, FileNotFoundError, RuntimeError) as e:
         print(f"dolfinx-impact verify: {e}", file=sys.stderr)
         return 2
     report.print(args.all_rows)

@@ -16,7 +16,8 @@ REASON = "round-off times the condition of the stiffness matrix (up to 1e6)"
 
 def run(report, progress=True):
     """Add the rows of this level."""
-    wheel(report)
+    if report.wants("quadrilateral", 1):
+        wheel(report)
     block(report)
     rubber(report)
 
@@ -84,6 +85,8 @@ def block(report):
         ("hexahedron", "3d"),
     ):
         for degree in (1, 2):
+            if not report.wants(cell, degree):
+                continue
             _block(report, cell, hypothesis, degree)
 
 
@@ -128,6 +131,8 @@ def rubber(report):
         ("tetrahedron", 2, "neo_hookean", materials.NeoHookean),
         ("hexahedron", 2, "st_venant_kirchhoff", materials.StVenantKirchhoff),
     ):
+        if not report.wants(cell, degree):
+            continue
         domain = bodies.block(cell, 2)
         material = kind(1.0, 0.3, 1.0, "3d")
         used = quadrature.stiffness_degree(cell, degree)

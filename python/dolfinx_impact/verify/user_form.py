@@ -192,11 +192,25 @@ def check(report, path, operator=None, seed=2026):
             f"{variable} of {Path(path).name}",
             note,
         )
+        if worst <= element.TOLERANCE:
+            _check_rule(report, case, settings, variable)
         if rank > 0 and all(k.integral_type == "cell" for k in compiled.kernels) and case[0] in _ASSEMBLED:
             difference, note = _assembled(case, compiled, names, values, theirs["cell"])
             report.add(
                 "operator", name, *case[1:], difference, element.TOLERANCE, "round-off", f"{variable} assembled", note
             )
+
+
+def _check_rule(report, case, settings, variable):
+    """Is the rule of the user's form fine enough? On affine cells, against the other side's own, exact rule."""
+    linear = case[0].split(".")[0] not in catalogue.FINITE and case[4] != "axisymmetric"
+    if not linear or case[0] in catalogue.FACET:
+        return  # no rule is exact: the comparison above, with the user's own, is all there is
+    own = {**settings, "theirs": None}
+    difference, where = element.difference(case, 20, distortion=0.0, **own)
+    note = f"with the form's own rule both sides may agree, but it is too coarse for this element. {where}"
+    name = f"{variable}: quadrature rule on affine cells"
+    report.add("element", case[0], *case[1:], difference, element.TOLERANCE, element.REASON, name, note)
 
 
 _ASSEMBLED = tuple(n for n in registry.LAW_FORMS if not n.endswith("energy")) + ("mass",)
