@@ -209,7 +209,7 @@ def _check_rule(report, case, settings, variable):
     own = {**settings, "theirs": None}
     difference, where = element.difference(case, 20, distortion=0.0, **own)
     note = f"with the form's own rule both sides may agree, but it is too coarse for this element. {where}"
-    name = f"{variable}: quadrature rule on affine cells"
+    name = f"{variable} on affine cells, quadrature rule"
     report.add("element", case[0], *case[1:], difference, element.TOLERANCE, element.REASON, name, note)
 
 
