@@ -184,10 +184,8 @@ def _plot(results, folder):
                 ("hand-written, H1", "+", "k"),
             )
         ):
-            line = "-" if k < 2 else ""
-            axis.loglog(
-                sizes, errors[:, k], line, marker=marker, color=colour, label=label, markersize=9, fillstyle="none"
-            )
+            style = {"linestyle": "-" if k < 2 else "none", "marker": marker, "markersize": 9, "fillstyle": "none"}
+            axis.loglog(sizes, errors[:, k], color=colour, label=label, **style)
         for power, norm in ((degree + 1, 0), (degree, 1)):
             guide = 0.6 * errors[-1, norm] * (sizes[-1] / sizes) ** power
             axis.loglog(sizes, guide, ":", color="0.4", label=f"slope {power}")
