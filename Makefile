@@ -5,7 +5,7 @@ DEMO ?= wheel_on_rail
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify bench shell lint format clean lint-here test-here slow-here
+.PHONY: help demo test verify matrix bench shell lint format clean lint-here test-here slow-here
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -20,6 +20,9 @@ verify: ## generated kernels against the hand-written solver, then the slow stud
 	mkdir -p results
 	$(RUN) dolfinx-impact verify --json results/verify.json
 	$(RUN) make slow-here
+
+matrix: ## every form of the catalogue: our kernels against FFCx's own C kernels (a long run)
+	$(RUN) $(PYTEST) -m matrix $(ARGS)
 
 bench: ## the benchmarks; writes results/bench.json
 	mkdir -p results
@@ -51,4 +54,4 @@ test-here:
 	$(PYTEST) -m "not slow" $(ARGS)
 
 slow-here: # status 5: no slow test was found
-	$(PYTEST) -m slow $(ARGS) || [ $$? -eq 5 ]
+	$(PYTEST) -m "slow and not matrix" $(ARGS) || [ $$? -eq 5 ]

@@ -104,6 +104,7 @@ def all_libraries(tmp_path_factory):
 
 
 @pytest.mark.slow
+@pytest.mark.matrix
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("spec", EVERYTHING, ids=label)
 def test_whole_matrix_equals_ffcx(spec, all_libraries, rng):
