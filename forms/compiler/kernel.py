@@ -233,11 +233,8 @@ class KernelWriter:
         for rule, targets in zip(self.rules, self.targets):
             self.rule = rule
             body += self._rule_code(rule, targets)
-        tables = [
-            L.ArrayDecl(L.Symbol(n, REAL), values=v, const=True)
-            for n, v in self.tables.items()
-            if n in self._used(body)
-        ]
+        used = self._used_tables(body)
+        tables = [L.ArrayDecl(L.Symbol(n, REAL), values=self.tables[n], const=True) for n in used]
         sections = [s for s in body if not isinstance(s, L.Section) or s.statements or s.declarations]
         return L.StatementList(([L.Section("tables: [entity][point][dof]", [], tables)] if tables else []) + sections)
 
@@ -250,9 +247,10 @@ class KernelWriter:
         ]
         return L.Section("values of the cell by point", statements, declarations)
 
-    def _used(self, body):
+    def _used_tables(self, body):
+        """Names of the tables the code reads, in order: reduced tables replace some that were collected first."""
         text = "".join(CxxFormatter()(b) for b in body)
-        return {n for n in self.tables if n in text}
+        return [n for n in self.tables if f"{n}[" in text]
 
     def _weight(self, rule):
         if self.integral.integral_type == "expression":

@@ -106,7 +106,7 @@ class StaticProblem:
         self._solver.setOptionsPrefix(own)
         self._solver.setFromOptions()
 
-    def _assemble_residual(self, constrain=True):
+    def _assemble_residual(self):
         self.u.x.scatter_forward()
         with self._b.localForm() as local:
             local.set(0.0)

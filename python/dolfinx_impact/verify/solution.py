@@ -97,8 +97,6 @@ def _block(report, cell, hypothesis, degree):
     used = quadrature.stiffness_degree(cell, degree, 1, hypothesis)
     exact = cell in quadrature.SIMPLICES
     body = bodies.Body(domain, degree, steel)
-    if not exact:
-        body.model.rule = None
     tags = _tags(domain, dim - 1)
     V = body.V
     u = fem.Function(V, name="u")
