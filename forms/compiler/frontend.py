@@ -10,6 +10,8 @@ import numpy as np
 import ufl
 from ffcx.analysis import analyze_ufl_objects
 from ffcx.ir.representation import compute_ir
+from ufl.algorithms.map_integrands import map_integrand_dags
+from ufl.corealg.multifunction import MultiFunction
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
 OPTIONS = {
@@ -102,6 +104,35 @@ def check_names(objects, given):
     return names
 
 
+class _Renumber(MultiFunction):
+    """Constants replaced; parents are rebuilt, so that sums and products order their operands anew."""
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def __init__(self, constants):
+        super().__init__()
+        self.constants = constants
+
+    def constant(self, o):
+        return self.constants[o]
+
+
+def canonical(form):
+    """The form with its constants renumbered from 0, and the dict from old constants to new.
+
+    UFL orders operands by the printed numbers of constants ("10" before "9"), and numbers count up through a process:
+    without this, the same form written twice may have two signatures and two kernels.
+    """
+    constants = sorted(form.constants(), key=lambda c: c.count())
+    new = {c: ufl.Constant(c.ufl_domain(), c.ufl_shape, count=i) for i, c in enumerate(constants)}
+    return map_integrand_dags(_Renumber(new), form), new
+
+
+def form_signature(form):
+    """UFL's signature of a form, independent of names and of object numbers."""
+    return canonical(form)[0].signature()
+
+
 def form_integrals(form, name, names, hypothesis=""):
     """Integrals of a UFL form.
 
@@ -124,6 +155,8 @@ def form_integrals(form, name, names, hypothesis=""):
     kinds = {i.integral_type() for i in form.integrals()} - {"cell", "exterior_facet"}
     if kinds:
         raise ValueError(f"{name}: integrals of type {sorted(kinds)} are not supported, only dx and ds")
+    form, renumbered = canonical(form)
+    names = dict(names) | {new: names.get(id(old)) or names.get(old) for old, new in renumbered.items()}
     analysis = analyze_ufl_objects([form], np.dtype("float64"))
     ir = compute_ir(analysis, {}, "impact", dict(OPTIONS), False)
     data = analysis.form_data[0]

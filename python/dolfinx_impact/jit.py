@@ -75,7 +75,7 @@ def compile_form(form, names=None, comm=None):
         raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
     names = _names(form, names)
     frontend.check_names(list(form.coefficients()) + list(form.constants()), names)
-    key = emit.signature(form.signature())
+    key = emit.signature(frontend.form_signature(form))
     built_in = _cpp.kernels.find_signature(key)
     objects = list(form.coefficients()), list(form.constants())
     if built_in:
