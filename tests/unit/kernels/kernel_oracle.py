@@ -134,7 +134,8 @@ def random_cell(kernel, rng, shift=0.0):
     dim = points.shape[1]
     turn = np.linalg.qr(rng.normal(size=(dim, dim)))[0]
     x = np.zeros((len(points), 3))
-    x[:, :dim] = points @ turn + 0.08 * rng.uniform(-1, 1, size=points.shape)
+    distortion = 0.08 / kernel.geometry_degree**2  # more can turn a quadratic cell inside out
+    x[:, :dim] = points @ turn + distortion * rng.uniform(-1, 1, size=points.shape)
     x[:, 0] += shift
     return x
 
