@@ -18,6 +18,8 @@ NB_MODULE(_cpp, m)
   impact::bindings::kernels(kernels);
   nb::module_ operators = m.def_submodule("operators", "Kernels applied over the cells of a mesh");
   impact::bindings::operators(operators);
+  nb::module_ surface = m.def_submodule("surface", "Facets of surfaces, their shape functions and normals");
+  impact::bindings::surface(surface);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   impact::bindings::bench(bench);
 }

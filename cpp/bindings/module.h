@@ -2,6 +2,7 @@
 // The one header for nanobind and DOLFINx's casters (their names changed after 0.9).
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -12,5 +13,6 @@ namespace impact::bindings
 {
 void kernels(nanobind::module_& m);
 void operators(nanobind::module_& m);
+void surface(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace impact::bindings

@@ -1,0 +1,36 @@
+#pragma once
+// Arrays in and out: views that are checked, results that own their memory.
+#include "module.h"
+#include <stdexcept>
+#include <utility>
+
+namespace impact::bindings
+{
+namespace nb = nanobind;
+typedef nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Indices;
+typedef nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> Values;
+typedef nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> MutableValues;
+
+/// NumPy array that owns a moved vector.
+template <typename T>
+auto take(std::vector<T>&& values, std::vector<std::size_t> shape)
+{
+  auto* moved = new std::vector<T>(std::move(values));
+  nb::capsule owner(moved, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(moved->data(), shape.size(), shape.data(), owner);
+}
+
+template <typename T>
+auto take(std::vector<T>&& values)
+{
+  const std::size_t size = values.size();
+  return take(std::move(values), {size});
+}
+
+/// NumPy array with a copy of a vector.
+template <typename T>
+auto copy(const std::vector<T>& values, std::vector<std::size_t> shape)
+{
+  return take(std::vector<T>(values), std::move(shape));
+}
+} // namespace impact::bindings

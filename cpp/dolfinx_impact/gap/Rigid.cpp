@@ -1,0 +1,44 @@
+#include "Rigid.h"
+#include <cmath>
+
+namespace impact::gap
+{
+RigidPoint evaluate(const Rigid& rigid, const double* x)
+{
+  RigidPoint out{};
+  double d[3] = {0.0, 0.0, 0.0}, along = 0.0;
+  for (int c = 0; c < rigid.gdim; ++c)
+  {
+    d[c] = x[c] - rigid.point[c] - rigid.displacement[c];
+    along += d[c] * rigid.direction[c];
+  }
+  if (rigid.kind == Rigid::Kind::plane)
+  {
+    out.gap = along;
+    for (int c = 0; c < rigid.gdim; ++c)
+      out.normal[c] = rigid.direction[c];
+    return out;
+  }
+  // Distance from the centre or from the axis; P projects on what the distance depends on.
+  const bool axis = rigid.kind == Rigid::Kind::cylinder && rigid.gdim == 3;
+  double distance = 0.0;
+  for (int c = 0; c < rigid.gdim; ++c)
+  {
+    d[c] -= axis ? along * rigid.direction[c] : 0.0;
+    distance += d[c] * d[c];
+  }
+  distance = std::sqrt(distance);
+  // Inside a bore the normal points towards the axis.
+  const double sign = rigid.radius < 0.0 ? -1.0 : 1.0;
+  out.gap = sign * (distance - std::abs(rigid.radius));
+  for (int c = 0; c < rigid.gdim; ++c)
+    out.normal[c] = sign * d[c] / distance;
+  for (int a = 0; a < rigid.gdim; ++a)
+    for (int b = 0; b < rigid.gdim; ++b)
+    {
+      const double projector = (a == b ? 1.0 : 0.0) - (axis ? rigid.direction[a] * rigid.direction[b] : 0.0);
+      out.hessian[3 * a + b] = sign * (projector - out.normal[a] * out.normal[b]) / distance;
+    }
+  return out;
+}
+} // namespace impact::gap

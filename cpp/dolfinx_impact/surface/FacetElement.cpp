@@ -1,0 +1,176 @@
+#include "FacetElement.h"
+
+namespace impact::surface
+{
+namespace
+{
+/// One-dimensional functions (vertices 0 and 1, midpoint) with both derivatives: f[order][i].
+void line(int degree, double x, double f[3][3])
+{
+  if (degree == 1)
+  {
+    const double values[3][3] = {{1 - x, x, 0}, {-1, 1, 0}, {0, 0, 0}};
+    for (int d = 0; d < 3; ++d)
+      for (int i = 0; i < 3; ++i)
+        f[d][i] = values[d][i];
+  }
+  else
+  {
+    const double values[3][3] = {
+        {(1 - x) * (1 - 2 * x), x * (2 * x - 1), 4 * x * (1 - x)}, {4 * x - 3, 4 * x - 1, 4 - 8 * x}, {4, 4, -8}};
+    for (int d = 0; d < 3; ++d)
+      for (int i = 0; i < 3; ++i)
+        f[d][i] = values[d][i];
+  }
+}
+
+/// Node i of the quadrilateral as a pair of one-dimensional nodes.
+constexpr int quad_nodes[9][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 0}, {0, 2}, {1, 2}, {2, 1}, {2, 2}};
+constexpr int triangle_edges[3][2] = {{1, 2}, {0, 2}, {0, 1}};
+
+/// Tensor product of derivatives of order dx and dy.
+void quadrilateral(int degree, int num_nodes, const double* xi, int dx, int dy, double* out)
+{
+  double fx[3][3], fy[3][3];
+  line(degree, xi[0], fx);
+  line(degree, xi[1], fy);
+  for (int i = 0; i < num_nodes; ++i)
+    out[i] = fx[dx][quad_nodes[i][0]] * fy[dy][quad_nodes[i][1]];
+}
+
+/// Barycentric coordinates of the triangle and their (constant) derivatives.
+constexpr double bary[2][3] = {{-1, 1, 0}, {-1, 0, 1}};
+} // namespace
+
+int FacetElement::num_nodes() const
+{
+  if (shape == FacetShape::interval)
+    return degree + 1;
+  if (shape == FacetShape::triangle)
+    return degree == 1 ? 3 : 6;
+  return degree == 1 ? 4 : 9;
+}
+
+std::array<double, 2> FacetElement::node(int i) const
+{
+  constexpr double position[3] = {0.0, 1.0, 0.5};
+  if (shape == FacetShape::interval)
+    return {position[i], 0.0};
+  if (shape == FacetShape::quadrilateral)
+    return {position[quad_nodes[i][0]], position[quad_nodes[i][1]]};
+  constexpr std::array<double, 2> vertices[3] = {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
+  if (i < 3)
+    return vertices[i];
+  const auto& a = vertices[triangle_edges[i - 3][0]];
+  const auto& b = vertices[triangle_edges[i - 3][1]];
+  return {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
+}
+
+std::array<double, 2> FacetElement::centre() const
+{
+  if (shape == FacetShape::interval)
+    return {0.5, 0.0};
+  if (shape == FacetShape::triangle)
+    return {1.0 / 3, 1.0 / 3};
+  return {0.5, 0.5};
+}
+
+void FacetElement::values(const double* xi, double* phi) const
+{
+  if (shape == FacetShape::interval)
+  {
+    double f[3][3];
+    line(degree, xi[0], f);
+    for (int i = 0; i <= degree; ++i)
+      phi[i] = f[0][i];
+  }
+  else if (shape == FacetShape::quadrilateral)
+    quadrilateral(degree, num_nodes(), xi, 0, 0, phi);
+  else
+  {
+    const double l[3] = {1 - xi[0] - xi[1], xi[0], xi[1]};
+    for (int i = 0; i < 3; ++i)
+      phi[i] = degree == 1 ? l[i] : l[i] * (2 * l[i] - 1);
+    if (degree == 2)
+      for (int e = 0; e < 3; ++e)
+        phi[3 + e] = 4 * l[triangle_edges[e][0]] * l[triangle_edges[e][1]];
+  }
+}
+
+void FacetElement::derivatives(const double* xi, double* dphi) const
+{
+  const int n = num_nodes();
+  if (shape == FacetShape::interval)
+  {
+    double f[3][3];
+    line(degree, xi[0], f);
+    for (int i = 0; i < n; ++i)
+      dphi[i] = f[1][i];
+  }
+  else if (shape == FacetShape::quadrilateral)
+  {
+    quadrilateral(degree, n, xi, 1, 0, dphi);
+    quadrilateral(degree, n, xi, 0, 1, dphi + n);
+  }
+  else
+  {
+    const double l[3] = {1 - xi[0] - xi[1], xi[0], xi[1]};
+    for (int a = 0; a < 2; ++a)
+    {
+      for (int i = 0; i < 3; ++i)
+        dphi[a * n + i] = degree == 1 ? bary[a][i] : bary[a][i] * (4 * l[i] - 1);
+      if (degree == 2)
+        for (int e = 0; e < 3; ++e)
+        {
+          const int i = triangle_edges[e][0], j = triangle_edges[e][1];
+          dphi[a * n + 3 + e] = 4 * (bary[a][i] * l[j] + l[i] * bary[a][j]);
+        }
+    }
+  }
+}
+
+void FacetElement::second_derivatives(const double* xi, double* ddphi) const
+{
+  const int n = num_nodes();
+  if (shape == FacetShape::interval)
+  {
+    double f[3][3];
+    line(degree, xi[0], f);
+    for (int i = 0; i < n; ++i)
+      ddphi[i] = f[2][i];
+  }
+  else if (shape == FacetShape::quadrilateral)
+  {
+    quadrilateral(degree, n, xi, 2, 0, ddphi);
+    quadrilateral(degree, n, xi, 0, 2, ddphi + n);
+    quadrilateral(degree, n, xi, 1, 1, ddphi + 2 * n);
+  }
+  else
+  {
+    constexpr int pairs[3][2] = {{0, 0}, {1, 1}, {0, 1}};
+    for (int k = 0; k < 3; ++k)
+    {
+      const int a = pairs[k][0], b = pairs[k][1];
+      for (int i = 0; i < 3; ++i)
+        ddphi[k * n + i] = degree == 1 ? 0.0 : 4 * bary[a][i] * bary[b][i];
+      if (degree == 2)
+        for (int e = 0; e < 3; ++e)
+        {
+          const int i = triangle_edges[e][0], j = triangle_edges[e][1];
+          ddphi[k * n + 3 + e] = 4 * (bary[a][i] * bary[b][j] + bary[b][i] * bary[a][j]);
+        }
+    }
+  }
+}
+
+bool FacetElement::inside(const double* xi, double margin) const
+{
+  if (shape == FacetShape::interval)
+    return xi[0] >= -margin && xi[0] <= 1 + margin;
+  if (xi[0] < -margin || xi[1] < -margin)
+    return false;
+  if (shape == FacetShape::triangle)
+    return xi[0] + xi[1] <= 1 + margin;
+  return xi[0] <= 1 + margin && xi[1] <= 1 + margin;
+}
+} // namespace impact::surface
