@@ -20,6 +20,10 @@ NB_MODULE(_cpp, m)
   impact::bindings::operators(operators);
   nb::module_ surface = m.def_submodule("surface", "Facets of surfaces, their shape functions and normals");
   impact::bindings::surface(surface);
+  nb::module_ gap = m.def_submodule("gap", "Gaps between slave and master, and their integrals");
+  impact::bindings::mortar(gap);
+  nb::module_ search = m.def_submodule("search", "Which facets can meet, and closest points");
+  impact::bindings::search(search);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   impact::bindings::bench(bench);
 }

@@ -14,5 +14,7 @@ namespace impact::bindings
 void kernels(nanobind::module_& m);
 void operators(nanobind::module_& m);
 void surface(nanobind::module_& m);
+void mortar(nanobind::module_& m);
+void search(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace impact::bindings

@@ -1,0 +1,133 @@
+#include "dolfinx_impact/gap/mortar.h"
+#include "arrays.h"
+#include "dolfinx_impact/gap/Rigid.h"
+
+using namespace impact::gap;
+using impact::surface::Facets;
+
+namespace
+{
+using namespace impact::bindings;
+
+SegmentRule rule(const Facets& slave, const Values& points, const Values& weights)
+{
+  if (points.size() != weights.size() * (slave.gdim - 1) || weights.size() == 0)
+    throw std::invalid_argument("a rule needs as many points as weights, and at least one");
+  return {{points.data(), points.size()}, {weights.data(), weights.size()}};
+}
+
+auto triplets(const Entries& e)
+{
+  return nb::make_tuple(copy(e.rows, {e.rows.size()}), copy(e.cols, {e.cols.size()}),
+                        copy(e.values, {e.values.size()}));
+}
+
+void check_nodal(const Facets& facets, std::size_t size, int block)
+{
+  for (std::int32_t node : facets.nodes)
+    if (std::size_t(node + 1) * block > size)
+      throw std::invalid_argument("the nodal values are fewer than the surface's nodes");
+}
+} // namespace
+
+void impact::bindings::mortar(nb::module_& m)
+{
+  nb::class_<Rigid>(m, "Rigid", "A rigid obstacle: plane, sphere, cylinder")
+      .def(
+          "__init__",
+          [](Rigid* self, const std::string& kind, int gdim, std::array<double, 3> point,
+             std::array<double, 3> direction, double radius)
+          {
+            const auto k = kind == "plane"    ? Rigid::Kind::plane
+                           : kind == "sphere" ? Rigid::Kind::sphere
+                                              : Rigid::Kind::cylinder;
+            new (self) Rigid{k, gdim, point, direction, radius, {0.0, 0.0, 0.0}};
+          },
+          nb::arg("kind"), nb::arg("gdim"), nb::arg("point"), nb::arg("direction"), nb::arg("radius"))
+      .def_rw("displacement", &Rigid::displacement)
+      .def(
+          "evaluate",
+          [](const Rigid& self, Values x)
+          {
+            const std::size_t gdim = self.gdim, num = x.size() / gdim;
+            std::vector<double> gap(num), normal(num * gdim), hessian(num * gdim * gdim);
+            for (std::size_t i = 0; i < num; ++i)
+            {
+              const RigidPoint p = impact::gap::evaluate(self, x.data() + i * gdim);
+              gap[i] = p.gap;
+              for (std::size_t a = 0; a < gdim; ++a)
+              {
+                normal[i * gdim + a] = p.normal[a];
+                for (std::size_t b = 0; b < gdim; ++b)
+                  hessian[(i * gdim + a) * gdim + b] = p.hessian[3 * a + b];
+              }
+            }
+            return nb::make_tuple(take(std::move(gap)), take(std::move(normal), {num, gdim}),
+                                  take(std::move(hessian), {num, gdim, gdim}));
+          },
+          nb::arg("x"), "Gaps, normals and their derivatives at points (flat array of coordinates)");
+  nb::class_<Segments>(m, "Segments", "Quadrature points where slave facets face master facets; properties are copies")
+      .def_prop_ro(
+          "slave", [](const Segments& s) { return copy(s.slave, {s.slave.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "master", [](const Segments& s) { return copy(s.master, {s.master.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "xi_slave", [](const Segments& s) { return copy(s.xi_slave, {s.slave.size(), 2}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "xi_master", [](const Segments& s) { return copy(s.xi_master, {s.slave.size(), 2}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "weight", [](const Segments& s) { return copy(s.weight, {s.weight.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "covered", [](const Segments& s) { return copy(s.covered, {s.covered.size()}); }, nb::rv_policy::move);
+  m.def(
+      "segment",
+      [](const Facets& slave, const Facets& master, Indices pairs, Indices offsets, Values points, Values weights,
+         double reach, bool axisymmetric)
+      {
+        if (offsets.size() != slave.size() + 1)
+          throw std::invalid_argument("offsets needs one entry per slave facet and one more");
+        return segment(slave, master, {pairs.data(), pairs.size()}, {offsets.data(), offsets.size()},
+                       rule(slave, points, weights), reach, axisymmetric);
+      },
+      nb::arg("slave"), nb::arg("master"), nb::arg("pairs"), nb::arg("offsets"), nb::arg("points"), nb::arg("weights"),
+      nb::arg("reach"), nb::arg("axisymmetric") = false);
+  m.def(
+      "whole_facets", [](const Facets& slave, Values points, Values weights, bool axisymmetric)
+      { return whole_facets(slave, rule(slave, points, weights), axisymmetric); }, nb::arg("slave"), nb::arg("points"),
+      nb::arg("weights"), nb::arg("axisymmetric") = false);
+  nb::class_<Mortar>(m, "Mortar", "Mortar integrals; properties are copies")
+      .def_prop_ro("D", [](const Mortar& s) { return triplets(s.D); })
+      .def_prop_ro("M", [](const Mortar& s) { return triplets(s.M); })
+      .def_prop_ro(
+          "gamma", [](const Mortar& s) { return copy(s.gamma, {s.gamma.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "share", [](const Mortar& s) { return copy(s.share, {s.share.size()}); }, nb::rv_policy::move)
+      .def_prop_ro("psi", [](const Mortar& s) { return copy(s.psi, {s.psi.size()}); }, nb::rv_policy::move);
+  m.def("mortar", &impact::gap::mortar, nb::arg("slave"), nb::arg("master"), nb::arg("segments"), nb::arg("dual"),
+        nb::arg("whole"));
+  m.def(
+      "add_normals",
+      [](const Facets& slave, MutableValues normals)
+      {
+        check_nodal(slave, normals.size(), slave.gdim);
+        add_normals(slave, {normals.data(), normals.size()});
+      },
+      nb::arg("slave"), nb::arg("normals"), "Add this rank's facet normals at nodes, turned round (a view is changed)");
+  m.def(
+      "sliding_tangent",
+      [](const Facets& slave, const Facets& master, const Segments& segments, const Mortar& mortar, Values z)
+      {
+        check_nodal(slave, z.size(), slave.gdim);
+        return triplets(sliding_tangent(slave, master, segments, mortar, {z.data(), z.size()}));
+      },
+      nb::arg("slave"), nb::arg("master"), nb::arg("segments"), nb::arg("mortar"), nb::arg("z"));
+  m.def(
+      "turning_tangent",
+      [](const Facets& slave, Values sums, Values force)
+      {
+        check_nodal(slave, sums.size(), slave.gdim);
+        check_nodal(slave, force.size(), 1);
+        return triplets(turning_tangent(slave, {sums.data(), sums.size()}, {force.data(), force.size()}));
+      },
+      nb::arg("slave"), nb::arg("sums"), nb::arg("force"));
+}

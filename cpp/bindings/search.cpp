@@ -1,0 +1,97 @@
+#include "arrays.h"
+#include "dolfinx_impact/search/BoxTree.h"
+#include "dolfinx_impact/search/Exchange.h"
+#include "dolfinx_impact/search/boxes.h"
+
+using namespace impact::search;
+using impact::surface::Facets;
+
+namespace
+{
+using impact::bindings::Values;
+
+std::span<const double> view(const Values& values)
+{
+  return {values.data(), values.size()};
+}
+} // namespace
+
+void impact::bindings::search(nb::module_& m)
+{
+  nb::class_<BoxTree>(m, "BoxTree", "Bounding-volume hierarchy; a box is gdim lower, then gdim upper bounds")
+      .def(
+          "__init__", [](BoxTree* self, int gdim, Values boxes) { new (self) BoxTree(gdim, view(boxes)); },
+          nb::arg("gdim"), nb::arg("boxes"))
+      .def(
+          "refit", [](BoxTree& tree, Values boxes) { tree.refit(view(boxes)); }, nb::arg("boxes"))
+      .def_prop_ro("size", &BoxTree::size)
+      .def(
+          "overlapping",
+          [](const BoxTree& tree, Values box)
+          {
+            if (box.size() != std::size_t(2 * tree.gdim()))
+              throw std::invalid_argument("a box is given by 2*gdim numbers");
+            std::vector<std::int32_t> found;
+            tree.overlapping(box.data(), found);
+            return take(std::move(found));
+          },
+          nb::arg("box"), "Ascending numbers of the boxes that overlap `box`")
+      .def(
+          "nearest",
+          [](const BoxTree& tree, Values x)
+          {
+            if (x.size() != std::size_t(tree.gdim()))
+              throw std::invalid_argument("a point is given by gdim numbers");
+            int nearest = -1;
+            double best = std::numeric_limits<double>::infinity();
+            tree.nearest(x.data(), best,
+                         [&](std::int32_t i)
+                         {
+                           const double d = tree.squared_distance(i, x.data());
+                           if (d < best || (d == best && i < nearest))
+                           {
+                             nearest = i;
+                             best = d;
+                           }
+                           return best;
+                         });
+            return std::pair(nearest, std::sqrt(best));
+          },
+          nb::arg("x"), "Number of the box nearest to a point (-1 without boxes) and its distance");
+  m.def(
+      "bounding_boxes",
+      [](const Facets& facets)
+      {
+        std::vector<double> boxes;
+        bounding_boxes(facets, boxes);
+        return take(std::move(boxes), {facets.size(), std::size_t(2 * facets.gdim)});
+      },
+      nb::arg("facets"), "Boxes around facets, curved ones included");
+
+  nb::class_<Exchange>(m, "Exchange", "A rank's slave facets and the master facets of all ranks within reach of them")
+      .def(
+          "__init__",
+          [](Exchange* self, const impact::surface::FunctionSpace& V, const Facets& slave, const Facets& master,
+             double reach) { new (self) Exchange(V, slave, master, reach); },
+          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("reach"), "Collective")
+      .def_prop_ro("slave", &Exchange::slave, nb::rv_policy::reference_internal)
+      .def_prop_ro("master", &Exchange::master, nb::rv_policy::reference_internal)
+      .def_prop_ro("map", &Exchange::map, "Nodal map: owned blocks of V, then ghosts")
+      .def_prop_ro("size", &Exchange::size, "Entries of a vector over the map")
+      .def(
+          "forward",
+          [](const Exchange& self, Values u)
+          {
+            std::vector<double> values(self.size());
+            self.forward(view(u), values);
+            return take(std::move(values));
+          },
+          nb::arg("u"), "Values at the map's nodes from a vector of V. Collective")
+      .def(
+          "reverse", [](const Exchange& self, Values values, MutableValues b)
+          { self.reverse(view(values), {b.data(), b.size()}); }, nb::arg("values"), nb::arg("b"),
+          "Add values at the map's nodes to a vector of V (changed). Collective")
+      .def(
+          "move", [](Exchange& self, Values u) { self.move(view(u)); }, nb::arg("u"),
+          "Both surfaces to X + u, u a vector of V. Collective");
+}

@@ -1,0 +1,285 @@
+#include "segments.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace impact::gap
+{
+using surface::FacetElement;
+using surface::FacetPoint;
+using surface::Facets;
+
+namespace
+{
+typedef std::array<double, 2> Point;
+
+/// Plane (in 2D: line) through the centre of a slave facet.
+struct Plane
+{
+  double origin[3], normal[3], axes[2][3];
+  int gdim;
+
+  Point project(const double* x) const
+  {
+    Point y{0.0, 0.0};
+    for (int a = 0; a < gdim - 1; ++a)
+      for (int c = 0; c < gdim; ++c)
+        y[a] += (x[c] - origin[c]) * axes[a][c];
+    return y;
+  }
+  double height(const double* x) const
+  {
+    double h = 0.0;
+    for (int c = 0; c < gdim; ++c)
+      h += (x[c] - origin[c]) * normal[c];
+    return h;
+  }
+};
+
+Plane make_plane(const FacetPoint& centre, int gdim)
+{
+  Plane p{};
+  p.gdim = gdim;
+  double length = 0.0;
+  for (int c = 0; c < 3; ++c)
+  {
+    p.origin[c] = centre.x[c];
+    p.normal[c] = centre.normal[c];
+    length += centre.tangents[0][c] * centre.tangents[0][c];
+  }
+  for (int c = 0; c < 3; ++c)
+    p.axes[0][c] = centre.tangents[0][c] / std::sqrt(length);
+  const double *n = p.normal, *t = p.axes[0];
+  if (gdim == 3)
+    for (int c = 0; c < 3; ++c)
+      p.axes[1][c] = n[(c + 1) % 3] * t[(c + 2) % 3] - n[(c + 2) % 3] * t[(c + 1) % 3];
+  return p;
+}
+
+/// Polygon of at most 8 corners, counter-clockwise; two corners in the plane (an interval).
+struct Polygon
+{
+  std::array<Point, 16> corners;
+  int size = 0;
+  void add(const Point& p) { corners[size++] = p; }
+};
+
+double area(const Polygon& p)
+{
+  double twice = 0.0;
+  for (int i = 0; i < p.size; ++i)
+  {
+    const Point &a = p.corners[i], &b = p.corners[(i + 1) % p.size];
+    twice += a[0] * b[1] - a[1] * b[0];
+  }
+  return twice / 2;
+}
+
+/// Corners of a facet on the plane, counter-clockwise (in 2D: increasing).
+Polygon outline(const Facets& facets, std::size_t f, const Plane& plane)
+{
+  constexpr int order[4] = {0, 1, 3, 2}; // round the quadrilateral
+  const int n = facets.geometry.num_corners();
+  Polygon p;
+  for (int i = 0; i < n; ++i)
+    p.add(plane.project(facets.x_of(f) + (n == 4 ? order[i] : i) * facets.gdim));
+  const bool reverse = n == 2 ? p.corners[0][0] > p.corners[1][0] : area(p) < 0.0;
+  if (reverse)
+    std::reverse(p.corners.begin(), p.corners.begin() + n);
+  return p;
+}
+
+/// What of `subject` lies inside the convex polygon `clip` (Sutherland and Hodgman 1974).
+Polygon intersect(const Polygon& clip, const Polygon& subject)
+{
+  Polygon in = subject;
+  for (int e = 0; e < clip.size && in.size > 0; ++e)
+  {
+    const Point &a = clip.corners[e], &b = clip.corners[(e + 1) % clip.size];
+    auto side = [&](const Point& p) { return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]); };
+    Polygon out;
+    for (int i = 0; i < in.size; ++i)
+    {
+      const Point &p = in.corners[i], &q = in.corners[(i + 1) % in.size];
+      const double sp = side(p), sq = side(q);
+      if (sp >= 0.0)
+        out.add(p);
+      if ((sp > 0.0 && sq < 0.0) || (sp < 0.0 && sq > 0.0))
+      {
+        const double t = sp / (sp - sq);
+        out.add({p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])});
+      }
+    }
+    in = out;
+  }
+  return in;
+}
+
+/// Reference coordinates whose point projects on y, by Newton's method (one step on affine facets).
+bool invert(const Facets& facets, std::size_t f, const Plane& plane, const Point& y, double* xi, FacetPoint& point)
+{
+  const auto centre = facets.geometry.centre();
+  xi[0] = centre[0];
+  xi[1] = centre[1];
+  const int dim = facets.gdim - 1;
+  for (int iteration = 0; iteration < 30; ++iteration)
+  {
+    point = surface::evaluate(facets, f, facets.x_of(f), xi);
+    const Point at = plane.project(point.x);
+    double J[2][2], r[2] = {y[0] - at[0], y[1] - at[1]};
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b)
+      {
+        J[a][b] = 0.0;
+        for (int c = 0; c < facets.gdim; ++c)
+          J[a][b] += plane.axes[a][c] * point.tangents[b][c];
+      }
+    double d[2] = {0.0, 0.0};
+    if (dim == 1)
+      d[0] = r[0] / J[0][0];
+    else
+    {
+      const double det = J[0][0] * J[1][1] - J[0][1] * J[1][0];
+      d[0] = (r[0] * J[1][1] - r[1] * J[0][1]) / det;
+      d[1] = (r[1] * J[0][0] - r[0] * J[1][0]) / det;
+    }
+    xi[0] += d[0];
+    xi[1] += d[1];
+    const double step = std::abs(d[0]) + std::abs(d[1]);
+    if (!(step < 10.0)) // far outside, or not a number
+      return false;
+    if (step < 1e-14)
+      break;
+  }
+  point = surface::evaluate(facets, f, facets.x_of(f), xi);
+  return facets.geometry.inside(xi, 1e-6);
+}
+
+/// Area projected on the plane per reference area: the facet's own times the cosine between the normals.
+double projected(const FacetPoint& p, const Plane& plane)
+{
+  double cosine = 0.0;
+  for (int c = 0; c < 3; ++c)
+    cosine += p.normal[c] * plane.normal[c];
+  return p.jacobian * std::abs(cosine);
+}
+
+double reference_weight(const Facets& facets, std::size_t f, const double* xi, bool axisymmetric)
+{
+  const FacetPoint p = surface::evaluate(facets, f, facets.X_of(f), xi);
+  return p.jacobian * (axisymmetric ? 2 * std::numbers::pi * p.x[0] : 1.0);
+}
+
+/// Adds points on one segment: an interval, or a triangle given by corners.
+class Collector
+{
+public:
+  Collector(const Facets& slave, const Facets& master, const SegmentRule& rule, double reach, bool axisymmetric,
+            Segments& out)
+      : _slave(slave), _master(master), _rule(rule), _reach(reach), _axisymmetric(axisymmetric), _out(out)
+  {
+  }
+
+  void add(std::size_t s, std::size_t m, const Plane& plane, const Point& a, const Point& b, const Point& c)
+  {
+    const int dim = _slave.gdim - 1;
+    const double scale =
+        dim == 1 ? std::abs(b[0] - a[0]) : std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+    for (std::size_t q = 0; q < _rule.weights.size(); ++q)
+    {
+      const double u = _rule.points[q * dim], v = dim == 1 ? 0.0 : _rule.points[q * dim + 1];
+      const Point y{a[0] + u * (b[0] - a[0]) + v * (c[0] - a[0]), a[1] + u * (b[1] - a[1]) + v * (c[1] - a[1])};
+      double xs[2], xm[2];
+      FacetPoint ps, pm;
+      if (!invert(_slave, s, plane, y, xs, ps) || !invert(_master, m, plane, y, xm, pm))
+        continue;
+      if (std::abs(plane.height(ps.x) - plane.height(pm.x)) > _reach)
+        continue;
+      const double weight = _rule.weights[q] * scale / projected(ps, plane);
+      _out.slave.push_back(std::int32_t(s));
+      _out.master.push_back(std::int32_t(m));
+      _out.xi_slave.insert(_out.xi_slave.end(), xs, xs + 2);
+      _out.xi_master.insert(_out.xi_master.end(), xm, xm + 2);
+      _out.weight.push_back(weight * reference_weight(_slave, s, xs, _axisymmetric));
+      _out.direction.insert(_out.direction.end(), plane.normal, plane.normal + 3);
+      _out.covered[s] += weight / _slave.geometry.reference_area();
+    }
+  }
+
+private:
+  const Facets &_slave, &_master;
+  const SegmentRule& _rule;
+  double _reach;
+  bool _axisymmetric;
+  Segments& _out;
+};
+
+bool facing(const FacetPoint& a, const FacetPoint& b)
+{
+  double product = 0.0;
+  for (int c = 0; c < 3; ++c)
+    product += a.normal[c] * b.normal[c];
+  return product < 0.0;
+}
+} // namespace
+
+Segments segment(const Facets& slave, const Facets& master, std::span<const std::int32_t> pairs,
+                 std::span<const std::int32_t> offsets, const SegmentRule& rule, double reach, bool axisymmetric)
+{
+  Segments out;
+  out.covered.assign(slave.size(), 0.0);
+  Collector collector(slave, master, rule, reach, axisymmetric, out);
+  const auto centre = slave.geometry.centre();
+  for (std::size_t s = 0; s < slave.size(); ++s)
+  {
+    const FacetPoint at = surface::evaluate(slave, s, slave.x_of(s), centre.data());
+    const Plane plane = make_plane(at, slave.gdim);
+    const Polygon mine = outline(slave, s, plane);
+    for (std::int32_t k = offsets[s]; k < offsets[s + 1]; ++k)
+    {
+      const std::size_t m = pairs[k];
+      if (!facing(at, surface::evaluate(master, m, master.x_of(m), centre.data())))
+        continue;
+      const Polygon theirs = outline(master, m, plane);
+      if (slave.gdim == 2)
+      {
+        const double low = std::max(mine.corners[0][0], theirs.corners[0][0]);
+        const double high = std::min(mine.corners[1][0], theirs.corners[1][0]);
+        if (high - low > 1e-12 * (mine.corners[1][0] - mine.corners[0][0]))
+          collector.add(s, m, plane, {low, 0.0}, {high, 0.0}, {low, 0.0});
+        continue;
+      }
+      const Polygon common = intersect(mine, theirs);
+      if (common.size < 3 || area(common) < 1e-12 * area(mine))
+        continue;
+      Point middle{0.0, 0.0};
+      for (int i = 0; i < common.size; ++i)
+        for (int c = 0; c < 2; ++c)
+          middle[c] += common.corners[i][c] / common.size;
+      for (int i = 0; i < common.size; ++i)
+        collector.add(s, m, plane, middle, common.corners[i], common.corners[(i + 1) % common.size]);
+    }
+  }
+  return out;
+}
+
+Segments whole_facets(const Facets& slave, const SegmentRule& rule, bool axisymmetric)
+{
+  Segments out;
+  out.covered.assign(slave.size(), 1.0);
+  const int dim = slave.gdim - 1;
+  for (std::size_t s = 0; s < slave.size(); ++s)
+    for (std::size_t q = 0; q < rule.weights.size(); ++q)
+    {
+      const double xi[2] = {rule.points[q * dim], dim == 1 ? 0.0 : rule.points[q * dim + 1]};
+      out.slave.push_back(std::int32_t(s));
+      out.master.push_back(-1);
+      out.xi_slave.insert(out.xi_slave.end(), xi, xi + 2);
+      out.xi_master.insert(out.xi_master.end(), {0.0, 0.0});
+      out.weight.push_back(rule.weights[q] * reference_weight(slave, s, xi, axisymmetric));
+      out.direction.insert(out.direction.end(), {0.0, 0.0, 0.0});
+    }
+  return out;
+}
+} // namespace impact::gap
