@@ -1,0 +1,23 @@
+#pragma once
+#include "../surface/Facets.h"
+#include <mpi.h>
+#include <span>
+#include <vector>
+
+namespace impact::search
+{
+/// Facets on their way between ranks: nodes by their global numbers, with their owners.
+struct Travellers
+{
+  surface::Facets facets;           ///< without `nodes`
+  std::vector<std::int64_t> nodes;  ///< global numbers, displacement.num_nodes() per facet
+  std::vector<std::int32_t> owners; ///< ranks that own them
+};
+
+/// Send each of this rank's facets to every rank (this one included) whose target box it overlaps. Collective.
+/// @param[in] mine this rank's facets
+/// @param[in] targets facets that need neighbours; their common box, widened by `reach`, is this rank's target box
+/// @param[in] reach [L]
+/// @returns the facets that overlap this rank's target box, sorted by id
+Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surface::Facets& targets, double reach);
+} // namespace impact::search
