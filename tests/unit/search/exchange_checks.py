@@ -1,0 +1,108 @@
+"""What Exchange brings to a rank, against the whole surface gathered on it. Runs on the ranks of COMM_WORLD:
+exchange_checks.py CHECK..."""
+
+import sys
+
+import numpy as np
+import pairs
+from dolfinx import fem
+from mpi4py import MPI
+
+from dolfinx_impact import _cpp
+
+COMM = MPI.COMM_WORLD
+ROUND_OFF = 1e-13  # interpolated and scattered positions of order one
+CASES = [(2, None, 1, 1), (2, "triangle", 2, 2), (2, None, 2, 1), (3, None, 1, 1), (3, "tetrahedron", 1, 2)]
+
+
+def displaced(V):
+    """A linear displacement: degree 1 has it exactly."""
+    u = fem.Function(V)
+    u.interpolate(lambda x: (0.1 * x + 0.2 * np.roll(x, 1, axis=0))[: V.mesh.geometry.dim])
+    return u
+
+
+def gathered(facets):
+    """Facets of all ranks, sorted by id: id, X, orientation."""
+    parts = COMM.allgather((facets.id, facets.X, facets.orientation))
+    arrays = [np.concatenate(a) for a in zip(*parts)]
+    order = np.argsort(arrays[0])
+    return [a[order] for a in arrays]
+
+
+def boxes_touch(a, b, dim):
+    return np.all(a[..., :dim] <= b[..., dim:], axis=-1) & np.all(b[..., :dim] <= a[..., dim:], axis=-1)
+
+
+def check_candidates():
+    """Exactly the facets whose boxes touch the widened box of this rank's slave facets; nodes where they should be."""
+    for dim, cell, geometry_degree, degree in CASES:
+        for seed, reach in ((None, 0.1), (1, 0.05), (2, 0.0)):
+            V, slave, master = pairs.two_bodies(COMM, dim, cell, geometry_degree, degree, seed)
+            exchange = _cpp.search.Exchange(V._cpp_object, slave, master, reach)
+            ids, X, orientation = gathered(master)
+            boxes = np.concatenate(COMM.allgather(_cpp.search.bounding_boxes(master)))
+            boxes = boxes[np.argsort(np.concatenate(COMM.allgather(master.id)))]
+            if slave.size:
+                mine = _cpp.search.bounding_boxes(slave)
+                box = np.concatenate([mine[:, :dim].min(axis=0) - reach, mine[:, dim:].max(axis=0) + reach])
+                expected = boxes_touch(boxes, box[None], dim)
+            else:
+                expected = np.zeros(len(ids), dtype=bool)
+            assert np.array_equal(exchange.master.id, ids[expected])
+            assert np.array_equal(exchange.master.X, X[expected])
+            assert np.array_equal(exchange.master.orientation, orientation[expected])
+            assert np.array_equal(exchange.slave.id, slave.id)
+            check_nodes(V, exchange, slave, degree)
+
+
+def check_nodes(V, exchange, slave, degree):
+    """The nodal map continues V's; forward brings values, move positions, reverse adds."""
+    dim = V.mesh.geometry.dim
+    imap = V.dofmap.index_map
+    assert exchange.map.size_local == imap.size_local and exchange.map.local_range == imap.local_range
+    u = displaced(V)
+    spoilt = u.x.array.copy()
+    spoilt[imap.size_local * dim :] = 1e9  # ghosts are not read
+    values = exchange.forward(spoilt)
+    assert values.size == exchange.size == dim * (imap.size_local + exchange.map.num_ghosts)
+    exchange.move(spoilt)
+    mix = lambda x: x + 0.1 * x + 0.2 * np.roll(np.pad(x, ((0, 0), (0, 0), (0, 3 - dim))), 1, axis=2)[:, :, :dim]  # noqa
+    for facets in (exchange.slave, exchange.master):
+        assert np.allclose(facets.x, mix(facets.X), atol=ROUND_OFF)
+        corners = facets.X[:, : facets.displacement.num_nodes] if degree == facets.geometry.degree else None
+        if corners is not None:
+            nodal = values.reshape(-1, dim)[facets.nodes]
+            assert np.allclose(nodal, mix(corners) - corners, atol=ROUND_OFF)
+    check_reverse(V, exchange, dim)
+
+
+def check_reverse(V, exchange, dim):
+    ones = np.zeros(exchange.size)
+    for facets in (exchange.slave, exchange.master):
+        np.add.at(ones.reshape(-1, dim), facets.nodes.reshape(-1), np.arange(1, dim + 1))
+    b = np.full(V.dofmap.index_map.size_local * dim, 0.5)
+    exchange.reverse(ones, b)
+    b -= 0.5
+    total = COMM.allreduce(b.sum())
+    count = COMM.allreduce(float(exchange.slave.nodes.size + exchange.master.nodes.size))
+    assert abs(total - count * dim * (dim + 1) / 2) < 1e-9 and np.all(b > -1e-9)
+
+
+def check_nothing():
+    """No facets at all; no slave; no master."""
+    V, slave, master = pairs.two_bodies(COMM, 2, seed=3)
+    none = _cpp.surface.make_surface(V._cpp_object, np.zeros(0, dtype=np.int32))
+    for s, m in ((none, none), (none, master), (slave, none)):
+        exchange = _cpp.search.Exchange(V._cpp_object, s, m, 0.1)
+        exchange.move(displaced(V).x.array)
+        assert exchange.master.size == 0 and exchange.slave.size == s.size
+
+
+CHECKS = {name: globals()[f"check_{name}"] for name in ("candidates", "nothing")}
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or CHECKS:
+        CHECKS[name]()
+        if COMM.rank == 0:
+            print(f"passed: {name}", flush=True)
