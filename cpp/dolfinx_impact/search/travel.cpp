@@ -17,8 +17,10 @@ typedef std::array<double, 6> Box;
 Box common_box(const surface::Facets& facets, const std::vector<double>& boxes, double margin)
 {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box box{infinity, infinity, infinity, -infinity, -infinity, -infinity};
   const int gdim = facets.gdim;
+  Box box;
+  std::fill_n(box.begin(), gdim, infinity);
+  std::fill(box.begin() + gdim, box.end(), -infinity);
   for (std::size_t f = 0; f < facets.size(); ++f)
     for (int c = 0; c < gdim; ++c)
     {

@@ -14,7 +14,7 @@ def scattered(seed):
         count = {"interval": 2, "triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}
         num_cells = len(cells[0]) // count[cell_types[0].name]
         rng = np.random.default_rng(seed + comm.rank)
-        return graph.adjacencylist(rng.integers(num_parts, size=num_cells).astype(np.int32))._cpp_object
+        return graph.adjacencylist(rng.integers(num_parts, size=num_cells).astype(np.int32))
 
     return partition
 

@@ -18,7 +18,7 @@ def test_one_rank(name):
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3, 4])
 def test_several_ranks(mpirun, ranks):
-    output = mpirun(ranks, pathlib.Path(exchange_checks.__file__), timeout=300)
+    output = mpirun(ranks, pathlib.Path(exchange_checks.__file__), timeout=100)
     assert output.count("passed: ") == len(exchange_checks.CHECKS)
 
 
