@@ -6,6 +6,7 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 namespace impact::reference
@@ -32,4 +33,5 @@ inline Csr csr(const Integers& indptr, const Integers& indices, const Vector& da
 
 void bind_elements(nanobind::module_& m);
 void bind_model(nanobind::module_& m);
+void bind_contact(nanobind::module_& m);
 } // namespace impact::reference

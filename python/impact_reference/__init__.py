@@ -5,8 +5,9 @@ generated from UFL are verified. See `reference_nodes` for the node order; degre
 component fastest. Units are the caller's; the docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import elements, model, rules, sparse
+from . import contact, elements, model, rules, sparse
 from ._reference import Material
+from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .elements import (
     element_ale_inertia,
     element_ale_load,
@@ -41,10 +42,16 @@ from .rules import (
 from .sparse import Csr
 
 __all__ = [
+    "Contact",
+    "ContactSolution",
     "Csr",
     "Material",
     "Model",
+    "RigidCylinder",
+    "RigidPlane",
+    "RigidSphere",
     "StaticSolution",
+    "contact",
     "default_rule",
     "element_ale_inertia",
     "element_ale_load",

@@ -1,0 +1,279 @@
+#include "contact_solve.h"
+#include <algorithm>
+#include <set>
+
+namespace impact::reference
+{
+namespace
+{
+using Nodal = Dual<12>; // by z, n, the increment of slip times D, and gamma
+
+Vec<Nodal> variables(const Vec<double>& v, int first)
+{
+  return {Nodal::variable(v[0], first), Nodal::variable(v[1], first + 1), Nodal::variable(v[2], first + 2)};
+}
+
+// Two unit vectors orthogonal to n; the second is e_z in the plane.
+std::array<Vec<double>, 2> tangents(const Vec<double>& n, int gdim)
+{
+  const Vec<double> z{0, 0, 1}, x{1, 0, 0};
+  const Vec<double> first = unit(cross(gdim == 2 or std::abs(n[2]) < 0.9 ? z : x, n));
+  return {first, cross(n, first)};
+}
+
+struct NodeEquations
+{
+  std::vector<Nodal> rows;  // gdim
+  std::vector<bool> length; // true if the row is a length, else a pressure
+  ContactStatus status = ContactStatus::open;
+};
+
+// The conditions at one node: first its normal, then its tangential ones.
+NodeEquations equations(const MortarNode& node, const Vec<double>& z_value, bool active, double friction,
+                        double tangential_scale, int gdim)
+{
+  NodeEquations e;
+  const auto z = variables(z_value, 0), n = variables(node.normal.value, 3), w = variables(node.moved.value, 6),
+             gamma = variables(node.gamma.value, 9);
+  if (not active)
+  {
+    for (int c = 0; c < gdim; ++c)
+      e.rows.push_back(z[c]);
+    e.length.assign(gdim, false);
+    return e;
+  }
+  const Nodal pressure = dot(z, n);
+  const Vec<Nodal> t = z - pressure * n, s = (1 / node.D) * (w - dot(w, n) * n);
+  const Vec<Nodal> trial = t - Nodal(tangential_scale) * s;
+  const double size = norm(values(trial)), bound = friction * std::max(0.0, pressure.v);
+  e.status = friction > 0 and size <= bound ? ContactStatus::stick : ContactStatus::slip;
+  e.rows.push_back(dot(n, gamma) / node.D);
+  e.length.push_back(true);
+  const auto basis = tangents(node.normal.value, gdim);
+  for (int a = 0; a < gdim - 1; ++a)
+  {
+    const Vec<Nodal> along = constant<Nodal>(basis[a]);
+    if (friction == 0 or (e.status == ContactStatus::slip and bound == 0))
+      e.rows.push_back(dot(along, t));
+    else if (e.status == ContactStatus::stick)
+      e.rows.push_back(dot(along, s));
+    else
+      e.rows.push_back(dot(along, t - (friction * pressure / norm(trial)) * trial));
+    e.length.push_back(e.status == ContactStatus::stick);
+  }
+  return e;
+}
+
+Vec<double> row(const Matrix& z, std::int64_t node)
+{
+  return {z(node, 0), z(node, 1), z.cols() > 2 ? z(node, 2) : 0};
+}
+
+class Saddle
+{
+public:
+  Saddle(const detail::System& system, const Rule& rule, bool dual, const ContactOptions& options,
+         const ContactState& start)
+      : system_(system), rule_(rule), dual_(dual), options_(options), d_(system.pair_.slave.gdim)
+  {
+    // Only to give rows and columns of the system one size: the largest stiffness over a length.
+    double largest = 0;
+    for (const auto& e : system.stiffness(start.u))
+      largest = std::max(largest, std::abs(e.value()));
+    stress_ = largest / std::pow(system.pair_.size(), d_ - 2);
+    const Mortar m = mortar(system.pair_, rule, dual, start.u, start.history, start.z);
+    for (const auto& [number, node] : m.nodes)
+      if (dot(row(start.z, number), node.normal.value) > 0)
+        active_.insert(number);
+  }
+
+  bool step(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
+  {
+    const ContactHistory before = state.history;
+    const double size = pair.size();
+    Vector change = system_.missing(state.u, target.values);
+    double correction = std::numeric_limits<double>::infinity();
+    std::set<std::int64_t> active = active_;
+    for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
+    {
+      Mortar m = mortar(pair, rule_, dual_, state.u, before, state.z);
+      if (drop_idle(m, state.z))
+        m = mortar(pair, rule_, dual_, state.u, before, state.z);
+      const bool same = update(m, state.z, active, size);
+      const Vector internal = system_.internal_force(state.u);
+      const Vector residual = target.load + m.force - internal;
+      const double scale = internal.norm() + target.load.norm() + m.force.norm();
+      double relative = scale > 0 ? system_.free(residual).norm() / scale : 0;
+      std::vector<ContactStatus> status(state.z.rows(), ContactStatus::open);
+      const Vector right = assemble(pair, m, state, active, change, residual, status, relative);
+      if (not std::isfinite(relative))
+        return false;
+      if (iteration > 0 and same and status == status_ and
+          (relative <= options_.tolerance or correction <= options_.tolerance))
+      {
+        finish(m, state, before, pair, solution, status);
+        solution.iterations.push_back(iteration);
+        solution.residuals.push_back(relative);
+        active_ = active;
+        return true;
+      }
+      status_ = status;
+      const auto x = detail::solve(entries_, right);
+      if (not x)
+        return false;
+      system_.correct(state.u, change, x->head(system_.num_free()));
+      for (const auto& [node, number] : unknown_)
+        state.z.row(node) += stress_ * x->segment(number, d_).transpose();
+      const double largest = state.u.cwiseAbs().maxCoeff();
+      correction = x->head(system_.num_free()).lpNorm<Eigen::Infinity>() + change.lpNorm<Eigen::Infinity>();
+      correction /= largest > 0 ? largest : 1;
+      change.setZero();
+    }
+    return false;
+  }
+
+private:
+  // Takes away multipliers of nodes that do not take part. True if there were some.
+  static bool drop_idle(const Mortar& m, Matrix& z)
+  {
+    bool any = false;
+    for (const auto& [number, node] : m.nodes)
+      if (not node.takes_part() and not z.row(number).isZero(0))
+      {
+        z.row(number).setZero();
+        any = true;
+      }
+    return any;
+  }
+
+  // Next active set; true if it is the same. What touches up to rounding is active.
+  static bool update(const Mortar& m, const Matrix& z, std::set<std::int64_t>& active, double size)
+  {
+    const double largest = z.size() ? z.cwiseAbs().maxCoeff() : 0;
+    std::set<std::int64_t> next;
+    for (const auto& [number, node] : m.nodes)
+    {
+      if (not node.takes_part())
+        continue;
+      const double pressure = dot(row(z, number), node.normal.value);
+      const double gap = dot(node.normal.value, node.gamma.value) / node.D;
+      const bool was = active.count(number) > 0;
+      if (was ? pressure >= -1e-11 * largest : gap < (largest > 0 ? -1e-12 : 1e-10) * size)
+        next.insert(number);
+    }
+    const bool same = next == active;
+    active = std::move(next);
+    return same;
+  }
+
+  // Fills the matrix; returns the right-hand side and raises `relative` to the residual of the conditions.
+  Vector assemble(const ContactPair& pair, const Mortar& m, const ContactState& state,
+                  const std::set<std::int64_t>& active, const Vector& change, const Vector& residual,
+                  std::vector<ContactStatus>& status, double& relative)
+  {
+    const auto& free = system_.numbers();
+    unknown_.clear();
+    int next = int(system_.num_free());
+    for (const auto& [number, node] : m.nodes)
+      if (node.takes_part())
+      {
+        unknown_[number] = next;
+        next += d_;
+      }
+    entries_.clear();
+    Vector right = Vector::Zero(next);
+    right.head(system_.num_free()) = system_.free(residual);
+    const auto put = [&](std::int64_t row, std::int64_t dof, double value)
+    {
+      if (free[dof] >= 0)
+        entries_.emplace_back(int(row), int(free[dof]), value);
+      else
+        right(row) -= value * change(dof);
+    };
+    Entries stiffness = system_.stiffness(state.u);
+    stiffness.insert(stiffness.end(), m.tangent.begin(), m.tangent.end());
+    for (const auto& e : stiffness)
+      if (free[e.row()] >= 0)
+        put(free[e.row()], e.col(), e.value());
+    for (const auto& [list, sign] : {std::pair{&m.D, -1.0}, std::pair{&m.M, 1.0}})
+      for (const auto& e : *list)
+        if (unknown_.count(e.row()))
+          for (int c = 0; c < d_; ++c)
+            if (const auto n = free[d_ * e.col() + c]; n >= 0)
+              entries_.emplace_back(int(n), unknown_.at(e.row()) + c, sign * stress_ * e.value());
+    const double largest = state.z.cwiseAbs().maxCoeff(), size = pair.size();
+    for (const auto& [number, first] : unknown_)
+    {
+      const MortarNode& node = m.nodes.at(number);
+      const double spring = stress_ / std::pow(node.area, 1.0 / std::max(1, d_ - 1));
+      const auto e = equations(node, row(state.z, number), active.count(number) > 0, pair.friction, spring, d_);
+      status[number] = e.status;
+      for (int a = 0; a < d_; ++a)
+      {
+        const Nodal& r = e.rows[a];
+        const double factor = e.length[a] ? stress_ : 1;
+        right(first + a) -= factor * r.v;
+        relative = std::max(relative, std::abs(r.v) / (e.length[a] ? size : largest > 0 ? largest : 1));
+        for (int c = 0; c < d_; ++c)
+          if (r.d(c) != 0)
+            entries_.emplace_back(first + a, first + c, factor * stress_ * r.d(c));
+        int from = 3;
+        for (const NodalVector* v : {&node.normal, &node.moved, &node.gamma})
+        {
+          for (const auto& [dof, slope] : v->slope)
+          {
+            double value = 0;
+            for (int c = 0; c < 3; ++c)
+              value += r.d(from + c) * slope[c];
+            if (value != 0)
+              put(first + a, dof, factor * value);
+          }
+          from += 3;
+        }
+      }
+    }
+    return right;
+  }
+
+  void finish(const Mortar& m, ContactState& state, const ContactHistory& before, const ContactPair& pair,
+              ContactSolution& solution, const std::vector<ContactStatus>& status) const
+  {
+    solution.contact_force = m.force;
+    solution.status = status;
+    solution.pressure = Vector::Zero(state.z.rows());
+    solution.gap = Vector::Constant(state.z.rows(), std::numeric_limits<double>::infinity());
+    for (const auto& [number, node] : m.nodes)
+      if (node.takes_part())
+      {
+        solution.pressure(number) = dot(row(state.z, number), node.normal.value);
+        solution.gap(number) = dot(node.normal.value, node.gamma.value) / node.D;
+      }
+    state.history = before;
+    state.history.u = state.u;
+    if (pair.rigid)
+      state.history.displacement = pair.rigid->displacement;
+  }
+
+  const detail::System& system_;
+  const Rule& rule_;
+  bool dual_;
+  const ContactOptions& options_;
+  int d_;
+  double stress_;
+  std::set<std::int64_t> active_;
+  std::vector<ContactStatus> status_;
+  std::map<std::int64_t, int> unknown_;
+  Entries entries_;
+};
+} // namespace
+
+ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, bool dual,
+                               const ContactState& start, const ContactLoads& loads, const ContactOptions& options)
+{
+  const detail::System system(pair, rule, loads);
+  Saddle saddle(system, contact_rule, dual, options, start);
+  return detail::march(system, start, options,
+                       [&](const ContactPair& now, ContactState& state, const detail::Target& target,
+                           ContactSolution& solution) { return saddle.step(now, state, target, solution); });
+}
+} // namespace impact::reference

@@ -1,0 +1,41 @@
+#pragma once
+#include "contact.h"
+
+namespace impact::reference
+{
+/// Derivatives of a vector of one node: degree of freedom and derivative by it, in any order, to be added up.
+using Slope = std::vector<std::pair<std::int64_t, Vec<double>>>;
+
+/// A vector of a slave node with its derivatives.
+struct NodalVector
+{
+  Vec<double> value;
+  Slope slope;
+};
+
+/// What mortar contact knows of one slave node.
+struct MortarNode
+{
+  double D = 0;       ///< int psi_j dA_0
+  double area = 0;    ///< of its facets
+  NodalVector gamma;  ///< int psi_j (x_s - x_m) dA_0
+  NodalVector moved;  ///< sum D_jk du_k - sum M_jl du_l since the last converged state
+  NodalVector normal; ///< out of the master
+  bool takes_part() const { return D > 1e-6 * area; }
+};
+
+struct Mortar
+{
+  std::map<std::int64_t, MortarNode> nodes; ///< by number of the field's node
+  Entries D, M;                             ///< (num_nodes, num_nodes)
+  Vector force;                             ///< sum D_jk z_j on the slave, - sum M_jl z_j on the master (num_dofs) [F]
+  Entries tangent;                          ///< of minus the force at constant z
+};
+
+/// Integrals and forces, all with exact derivatives: the text holds weights and dual basis, which changes the way to
+/// the solution, not the solution.
+/// @param rule on the interval or triangle for segments; on the facet if the master is rigid
+/// @param z multipliers (num_nodes, gdim), zero where there is none [F/L^2]
+Mortar mortar(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u, const ContactHistory& history,
+              const Matrix& z);
+} // namespace impact::reference

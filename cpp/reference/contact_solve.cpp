@@ -1,0 +1,208 @@
+#include "contact_solve.h"
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+namespace impact::reference
+{
+namespace detail
+{
+System::System(const ContactPair& pair, const Rule& rule, const ContactLoads& loads)
+    : pair_(pair), rule_(rule), loads_(loads),
+      numbers_(free_numbers(pair.model.elimination_order(), pair.model.gdim(), loads.fixed_dofs)),
+      num_free_(std::count_if(numbers_.begin(), numbers_.end(), [](auto n) { return n >= 0; }))
+{
+  if (loads.values.size() != std::int64_t(loads.fixed_dofs.size()) or loads.load.size() != pair.model.num_dofs())
+    throw std::invalid_argument(
+        "a contact solution needs one value per fixed degree of freedom (" + std::to_string(loads.fixed_dofs.size()) +
+        ", found " + std::to_string(loads.values.size()) + ") and a load of " + std::to_string(pair.model.num_dofs()) +
+        " entries (found " + std::to_string(loads.load.size()) + ")");
+  if (not loads.values.allFinite() or not loads.load.allFinite())
+    throw std::invalid_argument("a prescribed value or load is NaN or infinite");
+}
+
+Entries System::stiffness(const Vector& u) const
+{
+  const Model& model = pair_.model;
+  const Csr K = model.linear() ? model.stiffness(rule_) : model.tangent(rule_, u);
+  Entries entries;
+  entries.reserve(K.data.size());
+  for (std::int64_t i = 0; i < K.size; ++i)
+    for (std::int64_t k = K.indptr[i]; k < K.indptr[i + 1]; ++k)
+      entries.emplace_back(int(i), int(K.indices[k]), K.data[k]);
+  return entries;
+}
+
+Vector System::free(const Vector& r) const
+{
+  Vector result(num_free_);
+  for (std::size_t i = 0; i < numbers_.size(); ++i)
+    if (numbers_[i] >= 0)
+      result(numbers_[i]) = r(i);
+  return result;
+}
+
+void System::correct(Vector& u, const Vector& change, const Vector& correction) const
+{
+  for (std::size_t i = 0; i < numbers_.size(); ++i)
+    u(i) += numbers_[i] >= 0 ? correction(numbers_[i]) : change(i);
+}
+
+Vector System::missing(const Vector& u, const Vector& values) const
+{
+  Vector change = Vector::Zero(u.size());
+  for (std::size_t k = 0; k < loads_.fixed_dofs.size(); ++k)
+    change(loads_.fixed_dofs[k]) = values(k) - u(loads_.fixed_dofs[k]);
+  return change;
+}
+
+Vector System::reactions(const Vector& u, const Vector& load, const Vector& contact) const
+{
+  const Vector r = internal_force(u) - load - contact;
+  Vector result = Vector::Zero(u.size());
+  for (auto dof : loads_.fixed_dofs)
+    result(dof) = r(dof);
+  return result;
+}
+
+std::optional<Vector> solve(const Entries& entries, const Vector& right)
+{
+  Eigen::SparseMatrix<double> matrix(right.size(), right.size());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu(matrix);
+  if (lu.info() != Eigen::Success)
+    return std::nullopt;
+  Vector x = lu.solve(right);
+  x += lu.solve(right - matrix * x); // one refinement: rows of forces and of gaps differ in size
+  if (not x.allFinite())
+    return std::nullopt;
+  return x;
+}
+
+ContactSolution march(const System& system, const ContactState& start, const ContactOptions& options, const Step& step)
+{
+  if (options.steps < 1 or options.max_iterations < 1 or not(options.tolerance > 0))
+    throw std::invalid_argument("steps and max_iterations must be at least 1 and tolerance positive");
+  const ContactLoads& loads = system.loads_;
+  const Vector values_n = loads.values - system.missing(start.u, loads.values)(loads.fixed_dofs);
+  const Vec<double> displacement_n = start.history.displacement;
+  ContactSolution solution;
+  solution.state = start;
+  double factor = 0, size = 1.0 / options.steps;
+  const double smallest = size / 300;
+  std::string why = "the iteration did not settle";
+  while (factor < 1 - 1e-12)
+  {
+    const double next = factor + size > 1 - 1e-12 ? 1 : factor + size;
+    const Target target{(1 - next) * values_n + next * loads.values, (1 - next) * start.load + next * loads.load};
+    ContactPair pair = system.pair_;
+    if (pair.rigid)
+      pair.rigid->displacement = (1 - next) * displacement_n + next * loads.displacement;
+    ContactSolution trial = solution;
+    bool converged = false;
+    try
+    {
+      converged = step(pair, trial.state, target, trial);
+    }
+    catch (const std::domain_error& error) // turned inside out: a smaller step may not be
+    {
+      why = error.what();
+    }
+    if (converged)
+    {
+      trial.state.load = target.load;
+      solution = std::move(trial);
+      factor = next;
+      continue;
+    }
+    size /= 2;
+    if (size < smallest)
+    {
+      std::ostringstream text;
+      text << "the contact iteration did not converge beyond " << 100 * factor << " % of the step (" << why
+           << "): use more steps, and check that every body is held by supports or by closed contact";
+      throw std::runtime_error(text.str());
+    }
+  }
+  solution.reactions = system.reactions(solution.state.u, solution.state.load, solution.contact_force);
+  return solution;
+}
+} // namespace detail
+
+ContactState at_rest(const ContactPair& pair, std::int64_t num_points)
+{
+  const std::int64_t n = pair.model.num_dofs();
+  return {Vector::Zero(n), Vector::Zero(n), no_history(pair, num_points), Vector::Zero(num_points),
+          Matrix::Zero(pair.model.field().points.rows(), pair.model.gdim())};
+}
+
+ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, double chi,
+                              double chi_t, const ContactState& start, const ContactLoads& loads,
+                              const ContactOptions& options)
+{
+  const detail::System system(pair, rule, loads);
+  const auto newton =
+      [&](const ContactPair& now, ContactState& state, const detail::Target& target, ContactSolution& solution)
+  {
+    const ContactHistory before = state.history;
+    Vector change = system.missing(state.u, target.values);
+    double correction = std::numeric_limits<double>::infinity();
+    for (int iteration = 0; iteration <= options.max_iterations; ++iteration)
+    {
+      const Penalty contact = penalty(now, contact_rule, state.u, chi, chi_t, before, state.multiplier);
+      const Vector internal = system.internal_force(state.u);
+      const Vector residual = target.load + contact.force - internal;
+      const double scale = internal.norm() + target.load.norm() + contact.force.norm();
+      const double relative = scale > 0 ? system.free(residual).norm() / scale : 0;
+      if (not std::isfinite(relative))
+        return false;
+      if (iteration > 0 and (relative <= options.tolerance or correction <= options.tolerance))
+      {
+        solution.iterations.push_back(iteration);
+        solution.residuals.push_back(relative);
+        solution.contact_force = contact.force;
+        solution.points = contact.points;
+        state.history = contact.history;
+        return true;
+      }
+      Entries entries = system.stiffness(state.u), reduced;
+      entries.insert(entries.end(), contact.tangent.begin(), contact.tangent.end());
+      Vector right = system.free(residual);
+      const auto& number = system.numbers();
+      for (const auto& e : entries)
+        if (number[e.row()] >= 0 and number[e.col()] >= 0)
+          reduced.emplace_back(int(number[e.row()]), int(number[e.col()]), e.value());
+        else if (number[e.row()] >= 0)
+          right(number[e.row()]) -= e.value() * change(e.col());
+      const auto x = detail::solve(reduced, right);
+      if (not x)
+        return false;
+      system.correct(state.u, change, *x);
+      const double size = state.u.cwiseAbs().maxCoeff();
+      correction = std::max(x->size() ? x->cwiseAbs().maxCoeff() : 0, change.cwiseAbs().maxCoeff());
+      correction /= size > 0 ? size : 1;
+      change.setZero();
+    }
+    return false;
+  };
+  const auto step =
+      [&](const ContactPair& now, ContactState& state, const detail::Target& target, ContactSolution& solution)
+  {
+    const ContactHistory before = state.history;
+    for (int round = 0; round < 500; ++round)
+    {
+      state.history = before; // friction refers to the last step, not to the last round
+      if (not newton(now, state, target, solution))
+        return false;
+      if (not options.augmented)
+        return true;
+      if (solution.points.gap.minCoeff() >= -1e-8 * pair.size())
+        return true;
+      state.multiplier = solution.points.pressure;
+    }
+    return false;
+  };
+  return detail::march(system, start, options, step);
+}
+} // namespace impact::reference

@@ -1,0 +1,105 @@
+#pragma once
+#include "contact_mortar.h"
+#include "solve.h"
+#include <functional>
+
+namespace impact::reference
+{
+/// What drives a contact problem.
+struct ContactLoads
+{
+  std::vector<std::int64_t> fixed_dofs;
+  Vector values;            ///< on the fixed degrees of freedom [L]
+  Vector load;              ///< (num_dofs) [F]
+  Vec<double> displacement; ///< of the rigid obstacle [L]
+};
+
+struct ContactOptions
+{
+  int steps = 1;            ///< equal steps from the state before; one that fails is halved, up to eight times
+  int max_iterations = 60;  ///< of Newton's method in a step
+  double tolerance = 1e-12; ///< on the residual over the forces, or on the correction over the displacement
+  bool augmented = false;   ///< Uzawa's method on the pressures of the penalty method
+};
+
+/// A converged state; another analysis may start from it.
+struct ContactState
+{
+  Vector u;               ///< [L]
+  Vector load;            ///< [F]
+  ContactHistory history; ///< of this state
+  Vector multiplier;      ///< lambda_q of the augmented method, per point [F/L^2]
+  Matrix z;               ///< multipliers of the mortar method (num_nodes, gdim) [F/L^2]
+};
+
+struct ContactSolution
+{
+  ContactState state;
+  Vector contact_force; ///< (num_dofs) [F]
+  Vector reactions;     ///< on fixed degrees of freedom, zero elsewhere [F]
+  std::vector<int> iterations;
+  std::vector<double> residuals;
+  ContactPoints points; ///< penalty method
+  // Mortar method, per field node:
+  Vector pressure, gap; ///< gap +infinity where no multiplier lives
+  std::vector<ContactStatus> status;
+};
+
+/// State before anything was loaded.
+ContactState at_rest(const ContactPair& pair, std::int64_t num_points);
+
+/// Penalty method: Newton's method with the full tangent and sparse LU.
+/// @param rule of the model's cells, `contact_rule` of the slave's facets
+/// @throws std::runtime_error if it does not converge
+ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, double chi,
+                              double chi_t, const ContactState& start, const ContactLoads& loads,
+                              const ContactOptions& options);
+
+/// Multipliers at the slave's nodes: semismooth Newton method on the saddle-point system.
+/// @param contact_rule of segments, or of the slave's facets if the master is rigid
+ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, bool dual,
+                               const ContactState& start, const ContactLoads& loads, const ContactOptions& options);
+
+namespace detail
+{
+/// Free degrees of freedom, prescribed values and the linear algebra of both methods.
+class System
+{
+public:
+  System(const ContactPair& pair, const Rule& rule, const ContactLoads& loads);
+
+  Vector internal_force(const Vector& u) const { return pair_.model.internal_force(rule_, u); }
+  Entries stiffness(const Vector& u) const;
+  std::int64_t num_free() const { return num_free_; }
+  const std::vector<std::int64_t>& numbers() const { return numbers_; } ///< -1 where fixed
+  Vector free(const Vector& r) const;
+  /// u + change at the fixed degrees of freedom, and free(u) + correction elsewhere.
+  void correct(Vector& u, const Vector& change, const Vector& correction) const;
+  /// What is missing to `values` on the fixed degrees of freedom.
+  Vector missing(const Vector& u, const Vector& values) const;
+  Vector reactions(const Vector& u, const Vector& load, const Vector& contact) const;
+
+  const ContactPair& pair_;
+  const Rule& rule_;
+  const ContactLoads& loads_;
+
+private:
+  std::vector<std::int64_t> numbers_;
+  std::int64_t num_free_;
+};
+
+/// Solution of a sparse system, or nothing if it is singular.
+std::optional<Vector> solve(const Entries& entries, const Vector& right);
+
+/// Loads between two states.
+struct Target
+{
+  Vector values, load;
+};
+
+/// Runs `newton(pair, state, target)` from state to state; it returns false, and may spoil the state, if it fails. The
+/// pair it is given has the obstacle where the step wants it.
+using Step = std::function<bool(const ContactPair&, ContactState&, const Target&, ContactSolution&)>;
+ContactSolution march(const System& system, const ContactState& start, const ContactOptions& options, const Step& step);
+} // namespace detail
+} // namespace impact::reference
