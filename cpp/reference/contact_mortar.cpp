@@ -248,128 +248,6 @@ private:
   int n_, d_;
 };
 
-// Mean of the facets' normals at every node, turned round.
-template <int N>
-void normals(const ContactPair& pair, const Vector& u, Mortar& out)
-{
-  const Surface& s = pair.slave;
-  const Matrix places = reference_nodes(s.type, s.degree);
-  for (const Facet& facet : s.facets)
-  {
-    const auto us = seeded<N>(s, facet, u, 0);
-    const auto dofs = facet_dofs(s, facet);
-    for (int k = 0; k < s.num_nodes(); ++k)
-    {
-      const Vec<Dual<N>> nu =
-          spot(s, facet, us, {Dual<N>(places(k, 0)), Dual<N>(s.tdim() == 2 ? places(k, 1) : 0)}).normal();
-      NodalVector& sum = out.nodes.at(facet.nodes[k]).normal;
-      sum.value = sum.value - values(nu);
-      for (std::size_t v = 0; v < dofs.size(); ++v)
-        sum.slope.emplace_back(dofs[v], Vec<double>{-nu[0].d(v), -nu[1].d(v), -nu[2].d(v)});
-    }
-  }
-  for (auto& [number, node] : out.nodes)
-  {
-    Vec<double> kept = node.normal.value;
-    std::array<bool, 3> hold{};
-    for (int c = 0; c < s.gdim; ++c)
-      if (not pair.prescribed.empty() and pair.prescribed[s.gdim * number + c])
-      {
-        hold[c] = true;
-        kept[c] = 0;
-      }
-    // A prescribed component takes its part out of a normal that is nearly orthogonal to it, and of no other.
-    if (norm(kept) < norm(node.normal.value) / std::sqrt(2.0))
-    {
-      hold = {};
-      kept = node.normal.value;
-    }
-    const double length = norm(kept);
-    const Vec<double> n = (1 / length) * kept;
-    for (auto& [dof, slope] : node.normal.slope)
-    {
-      for (int c = 0; c < 3; ++c)
-        if (hold[c])
-          slope[c] = 0;
-      slope = (1 / length) * (slope - dot(slope, n) * n);
-    }
-    node.normal.value = n;
-  }
-}
-
-// Areas of the facets around every node.
-void areas(const ContactPair& pair, Mortar& out)
-{
-  const Surface& s = pair.slave;
-  const Rule rule = quadrature(s.type, default_rule(Purpose::facet, s.type, 2, 2, s.axisymmetric));
-  for (const Facet& facet : s.facets)
-  {
-    double area = 0;
-    for (int q = 0; q < rule.weights.size(); ++q)
-      area += rule.weights(q) *
-              reference_area<double>(s, facet, {rule.points(q, 0), s.tdim() == 2 ? rule.points(q, 1) : 0});
-    for (auto node : facet.nodes)
-      out.nodes[node].area += area;
-  }
-}
-
-// Against an obstacle: the multiplier's integrals are constant, the gap is that of the node itself.
-void rigid(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u, const ContactHistory& history,
-           const Matrix& z, Mortar& out)
-{
-  const Surface& s = pair.slave;
-  const int d = s.gdim;
-  const auto at = [&](const Vector& values, std::int64_t node)
-  {
-    Vec<double> v;
-    for (int c = 0; c < d; ++c)
-      v[c] = values(d * node + c);
-    return v;
-  };
-  for (const Facet& facet : s.facets)
-    for (int q = 0; q < rule.weights.size(); ++q)
-    {
-      const Local xi{rule.points(q, 0), s.tdim() == 2 ? rule.points(q, 1) : 0};
-      const double w = rule.weights(q) * reference_area<double>(s, facet, xi);
-      const auto f = facet_functions<double>(s.type, s.degree, xi);
-      for (int j = 0; j < s.num_nodes(); ++j)
-      {
-        out.nodes.at(facet.nodes[j]).D += w * f.N[j];
-        for (int k = 0; k < s.num_nodes(); ++k)
-          if (not dual or j == k)
-            out.D.emplace_back(facet.nodes[j], facet.nodes[k], w * f.N[j] * (dual ? 1 : f.N[k]));
-      }
-    }
-  for (const auto& D : out.D)
-  {
-    out.force.segment(d * D.col(), d) += D.value() * z.row(D.row()).transpose();
-    NodalVector& moved = out.nodes.at(D.row()).moved;
-    moved.value = moved.value + D.value() * (at(u, D.col()) - at(history.u, D.col()));
-    for (int c = 0; c < d; ++c)
-    {
-      Vec<double> slope;
-      slope[c] = D.value();
-      moved.slope.emplace_back(d * D.col() + c, slope);
-    }
-  }
-  using T = Dual<3>;
-  for (auto& [number, node] : out.nodes)
-  {
-    Vec<T> x;
-    for (int c = 0; c < d; ++c)
-      x[c] = T::variable(pair.model.field().points(number, c) + u(d * number + c), c);
-    const auto g = gap_and_normal<T>(*pair.rigid, pair.rigid->displacement, x);
-    const Vec<T> gamma = (node.D * g.gap) * g.normal;
-    node.moved.value = node.moved.value - node.D * (pair.rigid->displacement - history.displacement);
-    node.gamma.value = values(gamma);
-    node.normal.value = values(g.normal);
-    for (int c = 0; c < d; ++c)
-    {
-      node.gamma.slope.emplace_back(d * number + c, Vec<double>{gamma[0].d(c), gamma[1].d(c), gamma[2].d(c)});
-      node.normal.slope.emplace_back(d * number + c, Vec<double>{g.normal[0].d(c), g.normal[1].d(c), g.normal[2].d(c)});
-    }
-  }
-}
 } // namespace
 
 Mortar mortar(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u, const ContactHistory& history,
@@ -377,18 +255,20 @@ Mortar mortar(const ContactPair& pair, const Rule& rule, bool dual, const Vector
 {
   Mortar out;
   out.force = Vector::Zero(u.size());
-  areas(pair, out);
+  detail::areas(pair, out);
   if (pair.rigid)
-    rigid(pair, rule, dual, u, history, z, out);
+    detail::against_obstacle(pair, rule, dual, u, history, z, out);
   else
+  {
+    detail::normals(pair, u, out);
     with_variables(pair.slave,
                    [&](auto n)
                    {
-                     normals<n>(pair, u, out);
                      Integration<n> integration(pair, rule, dual, u, history, z, out);
                      for (const Facet& facet : pair.slave.facets)
                        integration.facet(facet);
                    });
+  }
   return out;
 }
 } // namespace impact::reference

@@ -1,5 +1,6 @@
 #pragma once
 #include "contact.h"
+#include <map>
 
 namespace impact::reference
 {
@@ -38,4 +39,18 @@ struct Mortar
 /// @param z multipliers (num_nodes, gdim), zero where there is none [F/L^2]
 Mortar mortar(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u, const ContactHistory& history,
               const Matrix& z);
+
+namespace detail
+{
+/// Areas of the facets around every node.
+void areas(const ContactPair& pair, Mortar& out);
+
+/// Normals of the slave's nodes: mean of the facets' normals, turned round, orthogonal to prescribed components.
+void normals(const ContactPair& pair, const Vector& u, Mortar& out);
+
+/// All of it against an obstacle: the multiplier's integrals are constant, the gap is that of the node itself.
+/// @param rule on the facet
+void against_obstacle(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u,
+                      const ContactHistory& history, const Matrix& z, Mortar& out);
+} // namespace detail
 } // namespace impact::reference
