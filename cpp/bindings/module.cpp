@@ -24,6 +24,8 @@ NB_MODULE(_cpp, m)
   impact::bindings::mortar(gap);
   nb::module_ search = m.def_submodule("search", "Which facets can meet, and closest points");
   impact::bindings::search(search);
+  nb::module_ linear = m.def_submodule("linear", "PETSc matrices from entries");
+  impact::bindings::triplets(linear);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   impact::bindings::bench(bench);
 }

@@ -15,6 +15,7 @@ void kernels(nanobind::module_& m);
 void operators(nanobind::module_& m);
 void surface(nanobind::module_& m);
 void mortar(nanobind::module_& m);
+void triplets(nanobind::module_& m);
 void search(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace impact::bindings

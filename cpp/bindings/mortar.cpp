@@ -16,7 +16,7 @@ SegmentRule rule(const Facets& slave, const Values& points, const Values& weight
   return {{points.data(), points.size()}, {weights.data(), weights.size()}};
 }
 
-auto triplets(const Entries& e)
+auto as_arrays(const Entries& e)
 {
   return nb::make_tuple(copy(e.rows, {e.rows.size()}), copy(e.cols, {e.cols.size()}),
                         copy(e.values, {e.values.size()}));
@@ -96,8 +96,8 @@ void impact::bindings::mortar(nb::module_& m)
       { return whole_facets(slave, rule(slave, points, weights), axisymmetric); }, nb::arg("slave"), nb::arg("points"),
       nb::arg("weights"), nb::arg("axisymmetric") = false);
   nb::class_<Mortar>(m, "Mortar", "Mortar integrals; properties are copies")
-      .def_prop_ro("D", [](const Mortar& s) { return triplets(s.D); })
-      .def_prop_ro("M", [](const Mortar& s) { return triplets(s.M); })
+      .def_prop_ro("D", [](const Mortar& s) { return as_arrays(s.D); })
+      .def_prop_ro("M", [](const Mortar& s) { return as_arrays(s.M); })
       .def_prop_ro(
           "gamma", [](const Mortar& s) { return copy(s.gamma, {s.gamma.size()}); }, nb::rv_policy::move)
       .def_prop_ro(
@@ -118,7 +118,7 @@ void impact::bindings::mortar(nb::module_& m)
       [](const Facets& slave, const Facets& master, const Segments& segments, const Mortar& mortar, Values z)
       {
         check_nodal(slave, z.size(), slave.gdim);
-        return triplets(sliding_tangent(slave, master, segments, mortar, {z.data(), z.size()}));
+        return as_arrays(sliding_tangent(slave, master, segments, mortar, {z.data(), z.size()}));
       },
       nb::arg("slave"), nb::arg("master"), nb::arg("segments"), nb::arg("mortar"), nb::arg("z"));
   m.def(
@@ -127,7 +127,7 @@ void impact::bindings::mortar(nb::module_& m)
       {
         check_nodal(slave, sums.size(), slave.gdim);
         check_nodal(slave, force.size(), 1);
-        return triplets(turning_tangent(slave, {sums.data(), sums.size()}, {force.data(), force.size()}));
+        return as_arrays(turning_tangent(slave, {sums.data(), sums.size()}, {force.data(), force.size()}));
       },
       nb::arg("slave"), nb::arg("sums"), nb::arg("force"));
 }

@@ -5,6 +5,7 @@ loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
 """
 
 from . import _cpp, forms, verify
+from .contact import ContactPair, ContactStatus, Lagrange, RigidCylinder, RigidPlane, RigidSphere
 from .jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
@@ -28,6 +29,12 @@ __all__ = [
     "StaticProblem",
     "Tangent",
     "Traction",
+    "ContactPair",
+    "ContactStatus",
+    "Lagrange",
+    "RigidCylinder",
+    "RigidPlane",
+    "RigidSphere",
     "_cpp",
     "cache_folder",
     "check_mesh",

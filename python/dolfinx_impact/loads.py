@@ -56,7 +56,12 @@ class _Load:
         if getattr(self, "constant", None) is None or self._mesh is not mesh:
             self._mesh = mesh
             self.constant = fem.Constant(mesh, np.asarray(value, dtype=default_scalar_type))
+            self._reached = np.zeros_like(self.constant.value)
         return self.constant
+
+    def ramps(self):
+        """Pairs (constant, value reached by earlier solves): what load steps run through."""
+        return [(self.constant, self._reached)]
 
 
 class BodyForce(_Load):
@@ -117,7 +122,7 @@ class Traction(_FacetLoad):
         """External virtual work."""
         mesh = u.function_space.mesh
         if isinstance(self.vector, ufl.core.expr.Expr):
-            t, ds = self.vector, self._measure(u, material, extra=2)
+            t, ds = self._prepare(mesh, 1.0) * self.vector, self._measure(u, material, extra=2)
         else:
             t = self._prepare(mesh, _vector("traction", self.vector, mesh.geometry.dim))
             ds = self._measure(u, material)

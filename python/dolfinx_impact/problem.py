@@ -1,8 +1,4 @@
-"""Composes material, loads and boundary values into a static problem solved by Newton's method; seed (3.61)-(3.66)."""
-
-import itertools
-import weakref
-from dataclasses import dataclass, field
+"""Composes material, loads, boundary values and contact into a static problem; seed (3.61)-(3.66), figure 3.5."""
 
 import dolfinx.fem.petsc as petsc
 import numpy as np
@@ -11,66 +7,56 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from . import operators
+from .contact.condense import Transformation
+from .linear import LinearSolver
+from .steps import Increment, Report, run_steps
 
-# LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
-# pivots.
-DIRECT = {
-    "ksp_type": "preonly",
-    "pc_type": "lu",
-    "pc_factor_mat_solver_type": "mumps",
-    "mat_mumps_icntl_24": 1,
-    "mat_mumps_cntl_3": 1e-14,
-}
-_PROBLEMS = itertools.count()
-
-
-def _forget(keys):
-    """Take the options of a problem out of PETSc's database; else PETSc reports those never read when it ends."""
-    database = PETSc.Options()
-    for key in keys:
-        if database.hasName(key):
-            database.delValue(key)
-
-
-@dataclass
-class Report:
-    """What a solve did.
-
-    Attributes:
-        converged: of all steps. iterations: Newton iterations per step.
-        residual_norms: per step, the norms of the free residual by iteration [F].
-    """
-
-    converged: bool = True
-    iterations: list = field(default_factory=list)
-    residual_norms: list = field(default_factory=list)
+__all__ = ["Report", "StaticProblem"]
 
 
 class StaticProblem:
-    """Equilibrium of a body: internal virtual work equals external virtual work.
+    """Equilibrium of bodies, in contact or not: internal virtual work and that of contact equal external virtual work.
 
     Args:
         u: displacement function; its value is the start and becomes the solution [L].
         material: material or MaterialMap; or give `residual`.
         residual: a UFL residual of your own in u (rank 1), instead of a material.
         bcs: list of DirichletBC. loads: list of loads (dolfinx_impact.Traction, ...).
-        options: dict of PETSc options for the linear solver, without prefix; default: LU by MUMPS.
+        contact: list of contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
+        options: dict of PETSc options for the linear solver, without prefix; default: LU by MUMPS, for large problems
+            conjugate gradients with algebraic multigrid.
         prefix: of PETSc options for this problem's linear solver.
+        axisymmetric: of a residual of your own, for contact: x is the radius, integrals carry 2 pi r.
+
+    Attributes:
+        contact: the contacts with their results (points, gap, pressure, force, ...), in the order given.
 
     Raises:
-        ValueError: neither or both of material and residual, or loads that do not fit.
+        ValueError: neither or both of material and residual, loads or contacts that do not fit; on all ranks.
     """
 
-    def __init__(self, u, material=None, residual=None, bcs=(), loads=(), options=None, prefix="impact_static_"):
+    def __init__(
+        self,
+        u,
+        material=None,
+        residual=None,
+        bcs=(),
+        loads=(),
+        contact=(),
+        options=None,
+        prefix="impact_static_",
+        axisymmetric=False,
+    ):
         if (material is None) == (residual is None):
             raise ValueError("give either a material or a residual of your own")
         if residual is not None and loads:
             raise ValueError("write the loads into your own residual: they need the hypothesis of a material")
-        self.u, self.material, self.bcs = u, material, list(bcs)
+        self.u, self.material, self.bcs, self.loads = u, material, list(bcs), list(loads)
         V = u.function_space
         self.space = V
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         if residual is None:
+            axisymmetric = material.hypothesis_on(V.mesh) == "axisymmetric"
             residual = operators.internal_force_form(u, v, material)
             tangent = operators.tangent_form(u, du, v, material)
             for load in loads:
@@ -86,27 +72,26 @@ class StaticProblem:
                     f"the {measure} integrals must share one subdomain_data: "
                     "put the tags of all loads into one MeshTags"
                 )
-        self.residual = residual
+        self.residual, self.axisymmetric = residual, axisymmetric
         self._residual = fem.form(residual)
-        self._tangent = operators.Tangent(tangent, self.bcs)
+        self._tangent = operators.Tangent(tangent)
+        self._tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._b = petsc.create_vector(self._residual)
-        self._du = fem.Function(V)
-        self._solver = PETSc.KSP().create(V.mesh.comm)
-        self._solver.setOperators(self._tangent.matrix)
-        # A prefix of its own keeps the options of one problem from the next; what the command line says of `prefix`
-        # goes first.
-        database, own = PETSc.Options(), f"{prefix}{next(_PROBLEMS)}_"
-        given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
-        chosen = {**DIRECT, **(options or {}), **given}
-        if chosen["pc_type"] not in ("lu", "cholesky"):
-            chosen = {k: v for k, v in chosen.items() if k not in DIRECT or k in ("ksp_type", "pc_type")}
-        for key, value in chosen.items():
-            database[own + key] = value
-        weakref.finalize(self, _forget, [own + key for key in chosen])
-        self._solver.setOptionsPrefix(own)
-        self._solver.setFromOptions()
+        self._x = self._b.duplicate()
+        self._solver = LinearSolver(V, options, prefix)
+        self._num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
+        self._start = V.dofmap.index_map.local_range[0] * V.dofmap.index_map_bs
+        dofs = [bc.dof_indices()[0] for bc in self.bcs]
+        self._fixed = np.unique(np.concatenate(dofs)) if dofs else np.empty(0, dtype=np.int32)
+        self.fixed = np.zeros(len(u.x.array), dtype=bool)  # prescribed degrees of freedom, owned and ghosts
+        self.fixed[self._fixed] = True
+        self._fixed = self._fixed[self._fixed < self._num_owned]
+        self.contact = [c._bind(self) for c in contact]
+
+    # --- residuals -------------------------------------------------------------------------------------------------
 
     def _assemble_residual(self):
+        """Internal minus external forces, without contact: PETSc vector, owned entries complete."""
         self.u.x.scatter_forward()
         with self._b.localForm() as local:
             local.set(0.0)
@@ -120,115 +105,129 @@ class StaticProblem:
         Returns:
             fem.Function on the displacement space.
         """
-        b = self._assemble_residual()
+        forces = self._assemble_residual().array.copy()
+        for contact in self.contact:
+            forces -= contact.forces()
         r = fem.Function(self.space, name="reaction")
-        r.x.array[: b.getLocalSize()] = b.array
+        r.x.array[: self._num_owned] = forces
         r.x.scatter_forward()
         return r
 
-    def _fault(self, A, b, x):
-        """What is wrong with the solution x of A x = b, or None. Collective."""
-        reason, pc = self._solver.getConvergedReason(), self._solver.getPC()
-        if reason < 0:
-            return f"PETSc reason {reason}"
-        if pc.getType() in ("lu", "cholesky") and pc.getFactorSolverType() == "mumps":
-            null_pivots = pc.getFactorMatrix().getMumpsInfog(28)
-            if null_pivots > 0:
-                return f"{null_pivots} pivots vanish"
-        residual = b.duplicate()
-        A.mult(x, residual)
-        residual.axpy(-1.0, b)
-        error = residual.norm()
-        residual.destroy()
-        # Far from any solver's tolerance: a nearly singular matrix, whose solution is round-off.
-        return (
-            None
-            if error <= 1e-2 * b.norm()
-            else f"the residual of the linear system is {error:.1e}, its right side {b.norm():.1e}"
+    def _norm(self, values):
+        return float(np.sqrt(self.space.mesh.comm.allreduce(float(values @ values))))
+
+    # --- one increment ---------------------------------------------------------------------------------------------
+
+    def _newton(self, target, rtol, atol, max_iterations, log):
+        """Newton's method and the active set together, from the present u to prescribed values `target`.
+
+        Returns:
+            Increment; its `fault` says why it did not converge.
+        """
+        result, comm, fixed = Increment(), self.space.mesh.comm, self._fixed
+        scale, inner = 0.0, 0.0
+        for iteration in range(max_iterations + 1):
+            b = self._assemble_residual()
+            residual = b.array.copy()
+            if not np.isfinite(self._norm(residual)):
+                result.residual_norms.append(float("nan"))
+                return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
+                                     "evaluated (inverted cells?)")  # fmt: skip
+            changes = 0
+            for contact in self.contact:
+                contact.update(self.u.x.array)
+                if iteration > 0:
+                    contact.measure(residual)
+                changes += contact.switch(iteration == 0)
+            sizes = sum(c.num_active for c in self.contact)
+            transformation = self._transformation()
+            scale = max(scale, self._norm(residual))
+            free = transformation.residual(residual) if transformation else residual.copy()
+            free[fixed] = 0.0
+            norm = self._norm(free)
+            jump = target[fixed] - self.u.x.array[fixed]
+            moved = comm.allreduce(int(np.any(jump))) == 0
+            violation = max((c.violation() / c.geometry.size for c in self.contact), default=0.0)
+            result.add(norm, sizes, changes)
+            log.iteration(iteration, norm, max(scale, inner), sizes, changes)
+            settled = iteration > 0 or not self.contact
+            if moved and settled and changes == 0 and violation < 1e-11 and norm <= max(atol, rtol * max(scale, inner)):
+                return result.converged()
+            if iteration == max_iterations:
+                break
+            K = self._tangent.assemble()
+            inner = max(inner, self._tangent_force(K))
+            fault = self._solve(K, residual, jump, transformation)
+            if fault:
+                return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
+        return result.failed(
+            f"Newton's method did not converge in {max_iterations} iterations; residual norms: "
+            f"{', '.join(f'{n:.3e}' for n in result.residual_norms)}"
         )
 
-    def _constrained(self):
-        owned = self.space.dofmap.index_map.size_local * self.space.dofmap.index_map_bs
-        dofs = [bc.dof_indices()[0] for bc in self.bcs]
-        dofs = np.unique(np.concatenate(dofs)) if dofs else np.empty(0, dtype=np.int32)
-        return dofs[dofs < owned]
+    def _transformation(self):
+        if not self.contact:
+            return None
+        parts = [c.constraints() for c in self.contact]
+        gdim = self.space.mesh.geometry.dim
+        return Transformation(self.space.mesh.comm, self._num_owned, self._start, gdim, parts)
 
-    def _tangent_force(self, A, fixed):
+    def _solve(self, K, residual, jump, transformation):
+        """One linear solution and the update of u; returns what went wrong, or None."""
+        for contact in self.contact:
+            K = contact.add_stiffness(K)
+        b, x = self._b, self._x
+        b.array[:] = -residual
+        pinned = self._fixed
+        x.set(0.0)
+        x.array[self._fixed] = jump
+        A, symmetric = K, True
+        if transformation:
+            transformation.load(K, b)
+            A, symmetric = transformation.condense(K), transformation.symmetric
+            pinned = np.union1d(pinned, np.flatnonzero(transformation.dummies))
+        diagonal = K.getDiagonal()
+        mean = np.abs(diagonal.array)
+        mean = self.space.mesh.comm.allreduce(mean.sum()) / self.space.dofmap.index_map.size_global
+        A.zeroRowsColumns(self._start + pinned.astype(np.int32), mean or 1.0, x, b)
+        fault = self._solver.solve(A, b, x, symmetric)
+        if fault:
+            return fault
+        self.u.x.array[: self._num_owned] += transformation.increment(x) if transformation else x.array
+        self.u.x.scatter_forward()
+        return None
+
+    def _tangent_force(self, K):
         """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each
         other."""
-        product = A.createVecLeft()
-        A.mult(self.u.x.petsc_vec, product)
+        product = K.createVecLeft()
+        K.mult(self.u.x.petsc_vec, product)
         forces = product.array.copy()
-        forces[fixed] = 0.0
-        return np.sqrt(self.space.mesh.comm.allreduce(float(forces @ forces)))
+        product.destroy()
+        forces[self._fixed] = 0.0
+        return self._norm(forces)
 
-    def solve(self, rtol=1e-10, atol=0.0, max_iterations=25):
-        """Newton's method from the present u.
+    # --- load steps ------------------------------------------------------------------------------------------------
+
+    def solve(self, steps=1, rtol=1e-10, atol=0.0, max_iterations=25, cut_backs=None, verbose=False):
+        """Bring loads, boundary values and rigid obstacles from where they were to their present values.
 
         Args:
-            rtol: of the free residual against the largest force seen, at the supports and from the tangent times u [1].
-            atol: of the free residual [F]. max_iterations: per solve.
+            steps: equal parts. rtol: of the free residual against the largest force seen, at the supports and from the
+                tangent times u [1]. atol: of the free residual [F]. max_iterations: per step.
+            cut_backs: how often the increment may be halved where it does not converge; None: 8 with contact or several
+                steps, else 0.
+            verbose: print every iteration on rank 0; always written to the log "dolfinx_impact" at level INFO.
 
         Returns:
             Report.
 
         Raises:
-            RuntimeError: no convergence, a residual that is not a number, or a singular matrix; u keeps its start.
+            RuntimeError: no convergence, a residual that is not a number, or a singular matrix; u keeps the last
+            converged state.
         """
-        report = Report()
-        start = self.u.x.array.copy()
-        fixed = self._constrained()
-        target = self.u.copy()
-        for bc in self.bcs:
-            bc.set(target.x.array)
-        target.x.scatter_forward()
-        scale, inner, norms = 0.0, 0.0, []
-        comm = self.space.mesh.comm
-        for iteration in range(max_iterations + 1):
-            b = self._assemble_residual()
-            # The first correction brings the boundary values in; from then on their rows carry the reactions.
-            scale = max(scale, b.norm(PETSc.NormType.NORM_2))
-            free = b.array.copy()
-            free[fixed] = 0.0
-            norm = np.sqrt(comm.allreduce(float(free @ free)))
-            norms.append(norm)
-            if not np.isfinite(norm):
-                self.u.x.array[:] = start
-                raise RuntimeError(
-                    f"the residual is {norm} in Newton iteration {iteration}: the state cannot be evaluated (inverted "
-                    "cells?); apply the load in smaller parts"
-                )
-            moved = iteration > 0 or not np.any(target.x.array != self.u.x.array)
-            moved = comm.allreduce(int(moved)) == comm.size
-            if moved and norm <= max(atol, rtol * max(scale, inner)):
-                report.iterations.append(iteration)
-                report.residual_norms.append(norms)
-                return report
-            if iteration == max_iterations:
-                break
-            A = self._tangent.assemble()
-            inner = self._tangent_force(A, fixed)
-            jump = fem.Function(self.space)
-            jump.x.array[:] = target.x.array - self.u.x.array
-            with b.localForm() as local:  # ghosts were sent to their owners already: they must not be sent twice
-                local.array_w[b.getLocalSize() :] = 0.0
-            petsc.apply_lifting(b, [self._tangent.form], [self.bcs], x0=[self.u.x.petsc_vec], alpha=-1.0)
-            b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-            b.scale(-1.0)
-            owned = b.array
-            owned[fixed] = jump.x.array[fixed]
-            b.array = owned
-            self._solver.setOperators(A)
-            x = self._du.x.petsc_vec
-            self._solver.solve(b, x)
-            fault = self._fault(A, b, x)
-            if fault:
-                self.u.x.array[:] = start
-                raise RuntimeError(f"the linear solver failed ({fault}): is the body held against rigid motion?")
-            self._du.x.scatter_forward()
-            self.u.x.array[:] += self._du.x.array
-        self.u.x.array[:] = start
-        raise RuntimeError(
-            f"Newton's method did not converge in {max_iterations} iterations; residual norms: "
-            f"{', '.join(f'{n:.3e}' for n in norms)}. Apply the load in smaller parts, or pass more iterations"
-        )
+        if isinstance(steps, bool) or int(steps) != steps or steps < 1:
+            raise ValueError(f"steps is {steps!r}: give a positive integer")
+        if cut_backs is None:
+            cut_backs = 8 if self.contact or steps > 1 else 0
+        return run_steps(self, int(steps), rtol, atol, max_iterations, cut_backs, verbose)

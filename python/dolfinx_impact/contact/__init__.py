@@ -1,0 +1,7 @@
+"""Contact: pairs of surfaces, rigid obstacles, and how contact is enforced. What is discretised: docs/contact.md."""
+
+from .lagrange import Lagrange
+from .pair import ContactPair, ContactStatus
+from .rigid import RigidCylinder, RigidPlane, RigidSphere
+
+__all__ = ["ContactPair", "ContactStatus", "Lagrange", "RigidCylinder", "RigidPlane", "RigidSphere"]

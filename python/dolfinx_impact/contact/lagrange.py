@@ -1,0 +1,202 @@
+"""Contact by Lagrange multipliers: dual mortar, primal-dual active set, multipliers condensed; docs/contact.md."""
+
+import numpy as np
+from mpi4py import MPI
+
+from . import condense
+from .geometry import MortarGeometry, RigidGeometry
+from .pair import ContactPair, ContactStatus
+from .output import ContactOutput
+
+
+class Lagrange:
+    """Enforce contact of a pair by Lagrange multipliers, seed (3.47), corrected.
+
+    Args:
+        pair: ContactPair.
+        quadrature_degree: of the integrals over segments; None: exact on flat, affine facets.
+    """
+
+    def __init__(self, pair, quadrature_degree=None):
+        if not isinstance(pair, ContactPair):
+            raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
+        self.pair, self.quadrature_degree = pair, quadrature_degree
+
+    def _bind(self, problem):
+        return LagrangeContact(self, problem)
+
+
+class LagrangeContact(ContactOutput):
+    """Multipliers of one pair in a problem. Points are the slave's nodes that this rank owns; see ContactOutput."""
+
+    def __init__(self, spec, problem):
+        self.pair, self.comm = spec.pair, problem.space.mesh.comm
+        geometry = RigidGeometry if self.pair.rigid else MortarGeometry
+        self.geometry = geometry(spec, problem.space, problem.axisymmetric, problem.fixed)
+        self.nodes, self.gdim = self.geometry.nodes, self.geometry.gdim
+        n = len(self.nodes)
+        self.fixed = problem.fixed.reshape(-1, self.gdim)[self.nodes]
+        self.active = np.zeros(n, dtype=bool)
+        self.sliding = np.zeros(n, dtype=bool)
+        self.direction = np.zeros((n, self.gdim))  # of the friction traction of slipping nodes
+        self.multiplier = np.zeros(n)
+        self.friction_traction = np.zeros((n, self.gdim))
+        self.total_slip = np.zeros((n, self.gdim))
+        self.stiffness = np.ones(n)
+
+    # --- state of an increment -------------------------------------------------------------------------------------
+
+    def save(self):
+        """State that an increment starts from, as a dict of copies."""
+        names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip")
+        return {name: getattr(self, name).copy() for name in names} | {"u": self.geometry.start.copy()}
+
+    def restore(self, state):
+        """Back to a saved state."""
+        for name, value in state.items():
+            if name == "u":
+                self.geometry.start = value.copy()
+            else:
+                setattr(self, name, value.copy())
+
+    def begin(self, u, displacement):
+        """An increment starts at u; a rigid master goes to `displacement` in it."""
+        self.geometry.begin(u, displacement)
+
+    def accept(self):
+        """The increment has converged: slip adds up."""
+        self.total_slip += np.where(self.active[:, None], self.geometry.slip(), 0.0)
+        self.total_slip[~self.active] = 0.0
+
+    def update(self, u):
+        """Search, gaps and normals at the displacements u (array over owned and ghost dofs). Collective."""
+        self.geometry.update(u)
+        self.frames, self.place, self.free_length = condense.frames_at(self.geometry.normal, self.fixed)
+        self.usable = self.geometry.participates & (self.place >= 0)
+
+    # --- active set ------------------------------------------------------------------------------------------------
+
+    def _normal_direction(self):
+        return self.frames[np.arange(len(self.nodes)), :, self.place]
+
+    def measure(self, residual):
+        """Multipliers from the nodal residual (owned entries, without contact forces): equilibrium of slave nodes."""
+        R = residual.reshape(-1, self.gdim)[self.nodes]
+        free = np.where(self.fixed, 0.0, R)
+        weight = np.where(self.usable, self.geometry.weight, 1.0)
+        along = np.einsum("na,na->n", self._normal_direction(), free)
+        self.multiplier = np.where(
+            self.active & self.usable, along / (weight * np.maximum(self.free_length, 1e-3)), 0.0
+        )
+        if self.pair.friction > 0.0:
+            tangential = free - along[:, None] * self._normal_direction()
+            self.friction_traction = np.where((self.active & self.usable)[:, None], tangential / weight[:, None], 0.0)
+
+    def switch(self, first):
+        """Change the active set and who sticks; returns how many nodes of all ranks changed. Collective.
+
+        Args:
+            first: the increment has just begun: no multipliers yet, only gaps count.
+        """
+        g, tolerance = self.geometry, self.geometry.tolerance
+        before = self.active.copy(), self.sliding.copy()
+        closing = ~self.active & self.usable & (g.gap < (tolerance if first else -tolerance))
+        largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
+        opening = self.active & (~self.usable | (not first) & (self.multiplier < -1e-12 * largest))
+        self.active = (self.active | closing) & ~opening
+        self.sliding &= self.active
+        if self.pair.friction > 0.0 and not first:
+            self._switch_friction(before[0])
+        changed = np.count_nonzero((self.active != before[0]) | (self.sliding != before[1]))
+        return self.comm.allreduce(changed)
+
+    def _switch_friction(self, old):
+        held = self.active & old
+        bound = self.pair.friction * np.maximum(self.multiplier, 0.0)
+        trial = self.friction_traction - (self.stiffness / np.where(self.usable, self.geometry.weight, 1.0))[
+            :, None
+        ] * np.where(self.sliding[:, None], self.geometry.slip(), 0.0)
+        size = np.linalg.norm(trial, axis=1)
+        slips = held & (size > bound * (1 + 1e-10))
+        self.direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
+        self.sliding = np.where(held, slips, self.sliding)
+
+    @property
+    def num_active(self):
+        """Active nodes of all ranks. Collective."""
+        return self.comm.allreduce(int(np.count_nonzero(self.active)))
+
+    def violation(self):
+        """Largest gap of an active node, of all ranks [L]. Collective."""
+        held = self.active & self.usable
+        return self.comm.allreduce(float(np.max(np.abs(self.geometry.gap[held]), initial=0.0)), MPI.MAX)
+
+    # --- linear system ---------------------------------------------------------------------------------------------
+
+    def constraints(self):
+        """Constraints of the active nodes for the linear system."""
+        rows = np.flatnonzero(self.active & self.usable)
+        stick = ~self.sliding[rows] & (self.pair.friction > 0.0)
+        place = self.place[rows]
+        constrained = np.where(stick[:, None], ~self.fixed[rows], False)
+        constrained[np.arange(len(rows)), place] = True
+        known = -np.einsum("nad,na->nd", self.frames[rows], self.geometry.slip()[rows])
+        known[np.arange(len(rows)), place] = -self.geometry.gap[rows] / self.free_length[rows]
+        tilt = np.where(self.sliding[rows][:, None], self.pair.friction * self.direction[rows], 0.0)
+        return condense.Constraints(
+            self.nodes[rows], self.frames[rows], constrained, known, tilt, place, *self.geometry.master_rows(rows)
+        )
+
+    def add_stiffness(self, K):
+        """Geometric stiffness of the contact forces, added to K; returns K or a matrix in its place. Collective."""
+        self.stiffness = self.geometry.diagonal_stiffness(K)
+        return self.geometry.add_stiffness(K, self.multiplier, self.traction, self.active & self.usable)
+
+    # --- results ---------------------------------------------------------------------------------------------------
+
+    @property
+    def points(self):
+        """Current positions of the slave's nodes, (n, gdim) [L]."""
+        return self.geometry.points
+
+    @property
+    def gap(self):
+        """Gap, positive open; infinite where there is no master, (n) [L]."""
+        return self.geometry.gap
+
+    @property
+    def pressure(self):
+        """Contact pressure per reference area, (n) [F/L^2]."""
+        return np.maximum(np.where(self.active, self.multiplier, 0.0), 0.0)
+
+    @property
+    def normal(self):
+        """Unit normals out of the master, (n, gdim)."""
+        return self.geometry.normal
+
+    @property
+    def traction(self):
+        """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
+        return np.where(
+            self.active[:, None], self.multiplier[:, None] * self.geometry.normal + self.friction_traction, 0.0
+        )
+
+    @property
+    def slip(self):
+        """Tangential displacement of slave against master since it last stuck to it, (n, gdim) [L]."""
+        return self.total_slip
+
+    @property
+    def status(self):
+        """ContactStatus numbers, (n)."""
+        slips = self.sliding | (self.pair.friction == 0.0)
+        return np.where(~self.active, ContactStatus.open, np.where(slips, ContactStatus.slip, ContactStatus.stick))
+
+    @property
+    def weight(self):
+        """Area that belongs to each point, (n) [L^2]; a length in 2D."""
+        return self.geometry.weight
+
+    def forces(self):
+        """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
+        return self.geometry.forces(self.traction)

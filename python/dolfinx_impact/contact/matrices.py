@@ -1,0 +1,58 @@
+"""PETSc matrices from entries, and nodal values over the ranks."""
+
+import numpy as np
+from dolfinx import la
+from petsc4py import PETSc
+
+from .. import _cpp
+
+
+def matrix(comm, num_owned, rows, cols, values, num_owned_columns=None):
+    """Matrix whose entries any rank may give; equal places add up. Collective.
+
+    Args:
+        num_owned, num_owned_columns: rows and columns this rank owns. rows, cols: global numbers. values: entries.
+    """
+    columns = num_owned if num_owned_columns is None else num_owned_columns
+    A = PETSc.Mat().create(comm)
+    A.setSizes(((num_owned, PETSc.DETERMINE), (columns, PETSc.DETERMINE)))
+    A.setType(PETSc.Mat.Type.AIJ)
+    integers = (np.ascontiguousarray(np.ravel(a), dtype=np.int64) for a in (rows, cols))
+    _cpp.linear.add_triplets(A, *integers, np.ascontiguousarray(np.ravel(values), dtype=np.float64))
+    return A
+
+
+def owned_rows(A):
+    """This rank's rows as (row pointers, global columns, values)."""
+    return A.getValuesCSR()
+
+
+class NodalSum:
+    """Sums and updates of nodal values over the ranks.
+
+    Args:
+        index_map: of nodes (owned, then ghosts). block: values per node.
+    """
+
+    def __init__(self, index_map, block):
+        self.index_map, self.block = index_map, block
+        self._vector = la.vector(index_map, block)
+
+    def __call__(self, values):
+        """Contributions of all ranks, added; complete on ghosts as well. Collective."""
+        self._vector.array[:] = np.ravel(values)
+        self._vector.scatter_reverse(la.InsertMode.add)
+        self._vector.scatter_forward()
+        return self._vector.array.reshape(-1, self.block).copy()
+
+    def forward(self, values):
+        """Values at the ghosts from their owners. Collective."""
+        self._vector.array[:] = np.ravel(values)
+        self._vector.scatter_forward()
+        return self._vector.array.reshape(-1, self.block).copy()
+
+
+def global_dofs(index_map, nodes, gdim):
+    """Global degrees of freedom of nodes: shape (len(nodes), gdim)."""
+    nodes = index_map.local_to_global(np.ascontiguousarray(nodes, dtype=np.int32))
+    return gdim * nodes[:, None] + np.arange(gdim)

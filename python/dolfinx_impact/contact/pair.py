@@ -1,0 +1,128 @@
+"""Pairs of surfaces that may touch, with checked input."""
+
+import enum
+
+import numpy as np
+from dolfinx import mesh as dmesh
+from mpi4py import MPI
+
+from .. import _cpp
+from ..loads import _tag, check_tag
+from ..materials import _number
+from .rigid import _Rigid
+
+
+class ContactStatus(enum.IntEnum):
+    """Of a contact point in a converged state; arrays of status hold these numbers."""
+
+    open = 0
+    stick = 1
+    slip = 2
+
+
+class ContactPair:
+    """Two surfaces that may touch: the slave carries the contact points, the master the facets they are projected on.
+
+    Args:
+        facet_tags: dolfinx MeshTags over facets.
+        slave: tag of the slave surface; better the finer mesh and the softer body.
+        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder.
+        friction: Coulomb's coefficient, zero or more [1].
+        search_distance: within which slave and master are paired; None: from the sizes of the facets [L].
+        name: for messages and files.
+
+    Raises:
+        TypeError: tags that are no integers, a master of another kind. ValueError: slave and master are the same
+        surface, negative or infinite friction. What needs the mesh is checked when a problem takes the pair.
+    """
+
+    def __init__(self, facet_tags, slave, master, friction=0.0, search_distance=None, name=None):
+        if not hasattr(facet_tags, "find"):
+            raise TypeError(f"facet_tags must be MeshTags of facets, found {type(facet_tags).__name__}")
+        self.facet_tags, self.slave = facet_tags, _tag(slave)
+        self.master = master if isinstance(master, _Rigid) else _tag(master)
+        self.rigid = isinstance(master, _Rigid)
+        if not self.rigid and self.slave == self.master:
+            raise ValueError(
+                f"slave and master have the same tag {self.slave}: self-contact is not supported, tag two surfaces"
+            )
+        self.friction = _number("friction", friction)
+        if self.friction < 0.0:
+            raise ValueError(f"friction is {self.friction}: a coefficient of friction is zero or positive")
+        self.search_distance = None
+        if search_distance is not None:
+            self.search_distance = _number("search_distance", search_distance, 0.0, " [L]")
+        self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
+
+    def surfaces(self, V):
+        """This rank's slave and master facets on the displacement space V (the master is None if rigid). Collective.
+
+        Raises:
+            ValueError: on all ranks, for a tag without facets, facets inside the body, shared facets or nodes.
+        """
+        mesh = V.mesh
+        tdim = mesh.topology.dim
+        for what, tag in (("slave", self.slave),) + (() if self.rigid else (("master", self.master),)):
+            check_tag(self.facet_tags, tag, mesh, f"{self.name}, {what}")
+        mesh.topology.create_connectivity(tdim - 1, tdim)
+        mesh.topology.create_connectivity(tdim, tdim - 1)
+        exterior = dmesh.exterior_facet_indices(mesh.topology)
+        made = []
+        for tag in (self.slave,) if self.rigid else (self.slave, self.master):
+            facets = self.facet_tags.find(tag)
+            inside = mesh.comm.allreduce(len(np.setdiff1d(facets, _boundary(mesh, exterior))), MPI.SUM)
+            if inside:
+                raise ValueError(f"{self.name}: {inside} facets with the tag {tag} lie inside the body")
+            made.append(_guarded(mesh.comm, lambda f=np.intersect1d(facets, exterior): _surface(V, f)))
+        if self.rigid:
+            return made[0], None
+        self._check_shared_nodes(V, *made)
+        return tuple(made)
+
+    def _check_shared_nodes(self, V, slave, master):
+        index_map = V.dofmap.index_map
+        nodes = [np.unique(s.nodes.ravel()) for s in (slave, master)]
+        owned = [index_map.local_to_global(n.astype(np.int32)) for n in nodes]
+        parts = V.mesh.comm.allgather([o.tolist() for o in owned])
+        # Node numbers of surfaces only: small beside the mesh.
+        shared = set().union(*(p[0] for p in parts)) & set().union(*(p[1] for p in parts))
+        if shared:
+            where = {}
+            x = V.tabulate_dof_coordinates()
+            for n, g in zip(nodes[0], owned[0]):
+                if int(g) in shared:
+                    where[int(g)] = x[n][: V.mesh.geometry.dim].round(12).tolist()
+            found = {k: v for part in V.mesh.comm.allgather(where) for k, v in part.items()}
+            some = [found[k] for k in sorted(found)[:3]]
+            raise ValueError(
+                f"{self.name}: slave and master share {len(shared)} nodes, the first at {some}: a body cannot touch "
+                "itself there; leave the common edge out of one of the tags, or mesh the bodies apart"
+            )
+
+
+def _surface(V, facets):
+    return _cpp.surface.make_surface(V._cpp_object, np.ascontiguousarray(facets, dtype=np.int32))
+
+
+def _boundary(mesh, exterior):
+    """Exterior facets this rank knows, and all ghosts: only its owner knows whether a ghost is exterior."""
+    tdim = mesh.topology.dim
+    ghosts = np.arange(
+        mesh.topology.index_map(tdim - 1).size_local,
+        mesh.topology.index_map(tdim - 1).size_local + mesh.topology.index_map(tdim - 1).num_ghosts,
+        dtype=np.int32,
+    )
+    return np.concatenate([exterior, ghosts])
+
+
+def _guarded(comm, function):
+    """Result of a function that may fail on some ranks: then ValueError on all."""
+    result, error = None, ""
+    try:
+        result = function()
+    except (ValueError, RuntimeError) as e:
+        error = str(e)
+    errors = [e for e in comm.allgather(error) if e]
+    if errors:
+        raise ValueError(errors[0])
+    return result
