@@ -1,26 +1,51 @@
 #pragma once
 #include "../surface/normals.h"
 #include "BoxTree.h"
+#include "facet_projection.h"
 #include <limits>
 
 namespace impact::search
 {
-/// Where on its facet a closest point lies.
-enum class ProjectionStatus : std::int8_t
-{
-  converged = 0, ///< inside the facet
-  edge = 1,      ///< on an edge (in the plane: never)
-  vertex = 2,    ///< at a vertex
-  outside = 3    ///< no facet within reach: the point is open
-};
-
 /// Closest point of a surface to a point.
 struct Projection
 {
   ProjectionStatus status = ProjectionStatus::outside;
+  std::int8_t entity = -1; ///< number of the edge or vertex of the facet
   std::int32_t facet = -1; ///< of the master's Facets
   double xi[2] = {0.0, 0.0};
   double gap = std::numeric_limits<double>::infinity(); ///< docs/contact.md: positive outside the master [L]
   double normal[3] = {0.0, 0.0, 0.0};                   ///< unit, out of the master
+};
+
+/// Closest points of a surface. Among facets at one distance (to 1e-12 of it and of their size) those on which the
+/// point lies inside come first, then the lowest id. A point beside the surface, beyond an edge or vertex at which it
+/// ends, is outside of the master: its gap is positive.
+class SurfaceSearch
+{
+public:
+  /// @param[in] master facets, kept by reference: they must outlive this
+  explicit SurfaceSearch(const surface::Facets& master);
+  /// To be called when the facets have moved.
+  void update();
+  const surface::Facets& master() const { return *_master; }
+
+  /// @param[in] x point, gdim coordinates [L]
+  /// @param[in] slave_normal normal at x, out of the slave; only facets that face it are considered
+  /// @param[in] reach search distance [L]
+  /// @param[in] previous facet of the last projection, or -1: kept as long as the point lies over it or beside it by no
+  /// more than 1e-6 in reference coordinates, if no other facet is clearly nearer; so points over a common edge do not
+  /// jump to and fro
+  Projection project(const double* x, const double* slave_normal, double reach, std::int32_t previous = -1) const;
+
+private:
+  bool better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best, std::int32_t best_facet) const;
+  void finish(const double* x, const FacetProjection& at, Projection& out) const;
+  bool mean_normal(const FacetProjection& at, std::int32_t facet, double* normal) const;
+
+  const surface::Facets* _master;
+  BoxTree _tree;
+  std::vector<double> _boxes;
+  std::vector<double> _convex; ///< convex_distance of the facets [L]
+  std::vector<double> _size;   ///< diagonals of their boxes [L]
 };
 } // namespace impact::search

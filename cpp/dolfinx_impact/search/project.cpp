@@ -1,0 +1,209 @@
+#include "project.h"
+#include "boxes.h"
+#include <algorithm>
+#include <cmath>
+
+namespace impact::search
+{
+namespace
+{
+double dot(const double* a, const double* b, int gdim)
+{
+  double sum = 0.0;
+  for (int c = 0; c < gdim; ++c)
+    sum += a[c] * b[c];
+  return sum;
+}
+
+double node_distance(const surface::Facets& facets, std::size_t f, const double* x)
+{
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < facets.geometry.num_nodes(); ++i)
+  {
+    double squared = 0.0;
+    for (int c = 0; c < facets.gdim; ++c)
+      squared += std::pow(facets.x_of(f)[i * facets.gdim + c] - x[c], 2);
+    least = std::min(least, squared);
+  }
+  return std::sqrt(least);
+}
+
+/// Position of a node among the corners of a facet, or -1.
+int corner(const surface::Facets& facets, std::size_t f, std::int32_t node)
+{
+  for (int i = 0; i < facets.displacement.num_corners(); ++i)
+    if (facets.nodes_of(f)[i] == node)
+      return i;
+  return -1;
+}
+
+/// Counts how often the far ends of the edges at a vertex occur: once where the surface ends.
+struct Umbrella
+{
+  static constexpr int most = 128;
+  std::int32_t nodes[most];
+  int counts[most], num = 0;
+
+  void add(std::int32_t node)
+  {
+    for (int i = 0; i < num; ++i)
+      if (nodes[i] == node)
+      {
+        ++counts[i];
+        return;
+      }
+    if (num < most)
+    {
+      nodes[num] = node;
+      counts[num++] = 1;
+    }
+  }
+  bool open() const { return std::find(counts, counts + num, 1) != counts + num; }
+};
+} // namespace
+
+SurfaceSearch::SurfaceSearch(const surface::Facets& master) : _master(&master)
+{
+  bounding_boxes(master, _boxes);
+  _tree = BoxTree(master.gdim, _boxes);
+  update();
+}
+
+void SurfaceSearch::update()
+{
+  const int gdim = _master->gdim;
+  bounding_boxes(*_master, _boxes);
+  _tree.refit(_boxes);
+  _convex.resize(_master->size());
+  _size.resize(_master->size());
+  for (std::size_t f = 0; f < _master->size(); ++f)
+  {
+    _convex[f] = convex_distance(_master->geometry, gdim, _master->x_of(f));
+    double squared = 0.0;
+    for (int c = 0; c < gdim; ++c)
+      squared += std::pow(_boxes[2 * gdim * f + gdim + c] - _boxes[2 * gdim * f + c], 2);
+    _size[f] = std::sqrt(squared);
+  }
+}
+
+bool SurfaceSearch::better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best,
+                           std::int32_t best_facet) const
+{
+  const double tolerance = 1e-12 * (best.distance + _size[best_facet]);
+  if (std::abs(a.distance - best.distance) > tolerance)
+    return a.distance < best.distance;
+  const bool a_inside = a.status == ProjectionStatus::converged, b_inside = best.status == ProjectionStatus::converged;
+  return a_inside != b_inside ? a_inside : _master->id[facet] < _master->id[best_facet];
+}
+
+Projection SurfaceSearch::project(const double* x, const double* slave_normal, double reach,
+                                  std::int32_t previous) const
+{
+  const surface::Facets& m = *_master;
+  const auto faces = [&](std::int32_t f, const double* xi)
+  { return dot(surface::evaluate(m, f, m.x_of(f), xi).normal, slave_normal, m.gdim) < 0.0; };
+  Projection out;
+  FacetProjection best;
+  const auto visit = [&](std::int32_t f)
+  {
+    const bool one_start = _convex[f] > 0.0 && node_distance(m, f, x) <= _convex[f];
+    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(f), x, one_start);
+    if (at.distance <= reach && (out.facet < 0 || better(at, f, best, out.facet)) && faces(f, at.xi))
+    {
+      best = at;
+      out.facet = f;
+    }
+    const double limit = out.facet < 0 ? reach : best.distance + 2e-12 * (best.distance + _size[out.facet]);
+    return limit * limit;
+  };
+  _tree.nearest(x, reach * reach, visit);
+  if (out.facet < 0)
+    return out;
+  if (previous >= 0 && previous < std::int32_t(m.size()) && previous != out.facet)
+  {
+    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(previous), x, false, 1e-6);
+    if (at.status == ProjectionStatus::converged && at.distance <= best.distance + 1e-5 * _size[previous] &&
+        at.distance <= reach && faces(previous, at.xi))
+    {
+      best = at;
+      out.facet = previous;
+    }
+  }
+  finish(x, best, out);
+  return out;
+}
+
+void SurfaceSearch::finish(const double* x, const FacetProjection& at, Projection& out) const
+{
+  const surface::Facets& m = *_master;
+  const surface::FacetPoint p = surface::evaluate(m, out.facet, m.x_of(out.facet), at.xi);
+  out.status = at.status;
+  out.entity = at.entity;
+  std::copy_n(at.xi, 2, out.xi);
+  std::copy_n(p.normal, 3, out.normal);
+  double d[3] = {0.0, 0.0, 0.0};
+  for (int c = 0; c < m.gdim; ++c)
+    d[c] = x[c] - p.x[c];
+  out.gap = dot(d, p.normal, m.gdim);
+  if (at.status == ProjectionStatus::converged)
+    return;
+  if (at.distance <= 1e-10 * _size[out.facet])
+  {
+    // d has no direction: the point counts as one of the facet.
+    out.status = ProjectionStatus::converged;
+    out.entity = -1;
+    return;
+  }
+  double mean[3];
+  const bool ends = mean_normal(at, out.facet, mean);
+  const double sign = ends || dot(d, mean, m.gdim) >= 0.0 ? 1.0 : -1.0;
+  out.gap = sign * at.distance;
+  for (int c = 0; c < m.gdim; ++c)
+    out.normal[c] = d[c] / out.gap;
+}
+
+/// Mean normal of the facets that meet at an edge or vertex.
+/// @returns whether the surface ends there
+bool SurfaceSearch::mean_normal(const FacetProjection& at, std::int32_t facet, double* normal) const
+{
+  const surface::Facets& m = *_master;
+  const surface::FacetElement& element = m.geometry;
+  const bool edge = at.status == ProjectionStatus::edge;
+  const int* ends = edge ? edge_corners(element.shape, at.entity) : nullptr;
+  const std::int32_t* own = m.nodes_of(facet);
+  double t = 0.0; // position along the edge
+  if (edge)
+  {
+    const auto a = element.node(ends[0]), b = element.node(ends[1]);
+    const int c = a[0] != b[0] ? 0 : 1;
+    t = (at.xi[c] - a[c]) / (b[c] - a[c]);
+  }
+  double box[6];
+  for (int c = 0; c < m.gdim; ++c)
+  {
+    box[c] = at.x[c] - 1e-9 * _size[facet];
+    box[m.gdim + c] = at.x[c] + 1e-9 * _size[facet];
+  }
+  std::fill_n(normal, 3, 0.0);
+  int meeting = 0;
+  Umbrella umbrella;
+  const auto visit = [&](std::int32_t f)
+  {
+    const int i = corner(m, f, own[edge ? ends[0] : at.entity]), j = edge ? corner(m, f, own[ends[1]]) : i;
+    if (i < 0 || j < 0)
+      return;
+    ++meeting;
+    const auto a = element.node(i), b = element.node(j);
+    const double xi[2] = {(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]};
+    const surface::FacetPoint p = surface::evaluate(m, f, m.x_of(f), xi);
+    for (int c = 0; c < m.gdim; ++c)
+      normal[c] += p.normal[c];
+    if (!edge && element.tdim() == 2)
+      for (int e = 0; e < element.num_corners(); ++e)
+        if (const int* k = edge_corners(element.shape, e); k[0] == i || k[1] == i)
+          umbrella.add(m.nodes_of(f)[k[0] == i ? k[1] : k[0]]);
+  };
+  _tree.overlapping(box, visit);
+  return edge || element.tdim() == 1 ? meeting < 2 : umbrella.open();
+}
+} // namespace impact::search
