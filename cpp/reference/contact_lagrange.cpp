@@ -13,12 +13,25 @@ Vec<Nodal> variables(const Vec<double>& v, int first)
   return {Nodal::variable(v[0], first), Nodal::variable(v[1], first + 1), Nodal::variable(v[2], first + 2)};
 }
 
-// Two unit vectors orthogonal to n; the second is e_z in the plane.
-std::array<Vec<double>, 2> tangents(const Vec<double>& n, int gdim)
+// Two unit vectors orthogonal to n, the second is e_z in the plane; the first ones are along the locked axes, and their
+// number.
+std::pair<std::array<Vec<double>, 2>, int> tangents(const Vec<double>& n, const std::vector<int>& locked, int gdim)
 {
   const Vec<double> z{0, 0, 1}, x{1, 0, 0};
-  const Vec<double> first = unit(cross(gdim == 2 or std::abs(n[2]) < 0.9 ? z : x, n));
-  return {first, cross(n, first)};
+  Vec<double> first = unit(cross(gdim == 2 or std::abs(n[2]) < 0.9 ? z : x, n));
+  int held = 0;
+  for (int c : locked)
+  {
+    Vec<double> axis;
+    axis[c] = 1;
+    axis = axis - dot(axis, n) * n;
+    if (norm(axis) < std::sqrt(0.5)) // it holds the normal rather than a tangent
+      continue;
+    if (held == 0 and gdim == 3)
+      first = unit(axis);
+    held = std::min(held + 1, gdim - 1);
+  }
+  return {{first, cross(n, first)}, held};
 }
 
 struct NodeEquations
@@ -29,8 +42,9 @@ struct NodeEquations
 };
 
 // The conditions at one node: first its normal, then its tangential ones.
+// @param locked directions in which nothing can slip whatever the traction: there is none along them
 NodeEquations equations(const MortarNode& node, const Vec<double>& z_value, bool active, double friction,
-                        double tangential_scale, int gdim)
+                        double tangential_scale, const std::vector<int>& locked, int gdim)
 {
   NodeEquations e;
   const auto z = variables(z_value, 0), n = variables(node.normal.value, 3), w = variables(node.moved.value, 6),
@@ -43,23 +57,26 @@ NodeEquations equations(const MortarNode& node, const Vec<double>& z_value, bool
     return e;
   }
   const Nodal pressure = dot(z, n);
+  const auto [basis, held] = tangents(node.normal.value, locked, gdim);
   const Vec<Nodal> t = z - pressure * n, s = (1 / node.D) * (w - dot(w, n) * n);
-  const Vec<Nodal> trial = t - Nodal(tangential_scale) * s;
+  Vec<Nodal> trial = t - Nodal(tangential_scale) * s;
+  for (int a = 0; a < held; ++a)
+    trial = trial - dot(trial, constant<Nodal>(basis[a])) * constant<Nodal>(basis[a]);
   const double size = norm(values(trial)), bound = friction * std::max(0.0, pressure.v);
   e.status = friction > 0 and size <= bound ? ContactStatus::stick : ContactStatus::slip;
   e.rows.push_back(dot(n, gamma) / node.D);
   e.length.push_back(true);
-  const auto basis = tangents(node.normal.value, gdim);
   for (int a = 0; a < gdim - 1; ++a)
   {
     const Vec<Nodal> along = constant<Nodal>(basis[a]);
-    if (friction == 0 or (e.status == ContactStatus::slip and bound == 0))
+    const bool none = friction == 0 or a < held or (e.status == ContactStatus::slip and bound == 0);
+    if (none)
       e.rows.push_back(dot(along, t));
     else if (e.status == ContactStatus::stick)
       e.rows.push_back(dot(along, s));
     else
       e.rows.push_back(dot(along, t - (friction * pressure / norm(trial)) * trial));
-    e.length.push_back(e.status == ContactStatus::stick);
+    e.length.push_back(not none and e.status == ContactStatus::stick);
   }
   return e;
 }
@@ -89,6 +106,22 @@ public:
 
   bool step(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
   {
+    const ContactState start = state;
+    for (double spring : {0.1, 0.01, 1.0, 0.001})
+    {
+      state = start;
+      spring_ = spring;
+      if (newton(pair, state, target, solution))
+        return true;
+      if (pair.friction == 0)
+        break;
+    }
+    return false;
+  }
+
+private:
+  bool newton(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
+  {
     const ContactHistory before = state.history;
     const double size = pair.size();
     Vector change = system_.missing(state.u, target.values);
@@ -105,7 +138,7 @@ public:
       const double scale = internal.norm() + target.load.norm() + m.force.norm();
       double relative = scale > 0 ? system_.free(residual).norm() / scale : 0;
       std::vector<ContactStatus> status(state.z.rows(), ContactStatus::open);
-      const Vector right = assemble(pair, m, state, active, change, residual, status, relative);
+      const Vector right = assemble(pair, m, state, before, active, change, residual, status, relative);
       if (not std::isfinite(relative))
         return false;
       if (iteration > 0 and same and status == status_ and
@@ -121,9 +154,10 @@ public:
       const auto x = detail::solve(entries_, right);
       if (not x)
         return false;
-      system_.correct(state.u, change, x->head(system_.num_free()));
+      const double part = detail::relaxation(iteration);
+      system_.correct(state.u, change, part * x->head(system_.num_free()));
       for (const auto& [node, number] : unknown_)
-        state.z.row(node) += stress_ * x->segment(number, d_).transpose();
+        state.z.row(node) += part * stress_ * x->segment(number, d_).transpose();
       const double largest = state.u.cwiseAbs().maxCoeff();
       correction = x->head(system_.num_free()).lpNorm<Eigen::Infinity>() + change.lpNorm<Eigen::Infinity>();
       correction /= largest > 0 ? largest : 1;
@@ -132,7 +166,6 @@ public:
     return false;
   }
 
-private:
   // Takes away multipliers of nodes that do not take part. True if there were some.
   static bool drop_idle(const Mortar& m, Matrix& z)
   {
@@ -166,8 +199,22 @@ private:
     return same;
   }
 
+  // On a plane of symmetry slave and master are held along the same axis: no traction can make them slip along it, and
+  // there is none.
+  bool is_locked(const ContactPair& pair, const Mortar& m, std::int64_t number, int c, const ContactState& state,
+                 const ContactHistory& before, const Vector& change) const
+  {
+    const std::int64_t dof = d_ * number + c;
+    if (not pair.prescribed[dof] or state.u(dof) + change(dof) != before.u(dof))
+      return false;
+    if (pair.rigid)
+      return pair.rigid->displacement[c] == before.displacement[c];
+    return std::any_of(m.M.begin(), m.M.end(),
+                       [&](const auto& e) { return e.row() == number and pair.prescribed[d_ * e.col() + c]; });
+  }
+
   // Fills the matrix; returns the right-hand side and raises `relative` to the residual of the conditions.
-  Vector assemble(const ContactPair& pair, const Mortar& m, const ContactState& state,
+  Vector assemble(const ContactPair& pair, const Mortar& m, const ContactState& state, const ContactHistory& before,
                   const std::set<std::int64_t>& active, const Vector& change, const Vector& residual,
                   std::vector<ContactStatus>& status, double& relative)
   {
@@ -205,8 +252,12 @@ private:
     for (const auto& [number, first] : unknown_)
     {
       const MortarNode& node = m.nodes.at(number);
-      const double spring = stress_ / std::pow(node.area, 1.0 / std::max(1, d_ - 1));
-      const auto e = equations(node, row(state.z, number), active.count(number) > 0, pair.friction, spring, d_);
+      std::vector<int> locked;
+      for (int c = 0; c < d_; ++c)
+        if (is_locked(pair, m, number, c, state, before, change))
+          locked.push_back(c);
+      const double spring = spring_ * stress_ / size;
+      const auto e = equations(node, row(state.z, number), active.count(number) > 0, pair.friction, spring, locked, d_);
       status[number] = e.status;
       for (int a = 0; a < d_; ++a)
       {
@@ -260,6 +311,7 @@ private:
   const ContactOptions& options_;
   int d_;
   double stress_;
+  double spring_ = 0.1; // how strongly slip decides between stick and slip; no part of the solution
   std::set<std::int64_t> active_;
   std::vector<ContactStatus> status_;
   std::map<std::int64_t, int> unknown_;

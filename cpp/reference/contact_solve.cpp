@@ -178,7 +178,7 @@ ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const R
       const auto x = detail::solve(reduced, right);
       if (not x)
         return false;
-      system.correct(state.u, change, *x);
+      system.correct(state.u, change, detail::relaxation(iteration) * *x);
       const double size = state.u.cwiseAbs().maxCoeff();
       correction = std::max(x->size() ? x->cwiseAbs().maxCoeff() : 0, change.cwiseAbs().maxCoeff());
       correction /= size > 0 ? size : 1;

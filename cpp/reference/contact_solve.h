@@ -91,6 +91,13 @@ private:
 /// Solution of a sparse system, or nothing if it is singular.
 std::optional<Vector> solve(const Entries& entries, const Vector& right);
 
+/// Part of a correction that is taken: some rounds of half steps end an iteration that jumps to and fro between two
+/// states of contact; full steps converge quadratically.
+inline double relaxation(int iteration)
+{
+  return (iteration / 10) % 2 == 0 ? 1 : 0.5;
+}
+
 /// Loads between two states.
 struct Target
 {
