@@ -4,7 +4,7 @@ The classes a user composes are here; the stages they stand on are modules of th
 loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
 """
 
-from . import _cpp, forms, verify
+from . import _cpp, forms, theory, verify
 from .contact import ContactPair, ContactStatus, Lagrange, RigidCylinder, RigidPlane, RigidSphere
 from .jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
@@ -43,5 +43,6 @@ __all__ = [
     "forms",
     "lumped_mass",
     "read_mesh",
+    "theory",
     "verify",
 ]

@@ -1,0 +1,34 @@
+"""What all results have in common: they can draw themselves."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Result:
+    """Base of the results. Frozen: an answer does not change after it was given."""
+
+    def _figure(self):
+        """(label of the abscissa, label of the ordinate, list of (name of a curve, abscissae, ordinates))."""
+        raise NotImplementedError
+
+    def plot(self, ax=None):
+        """Draw the result.
+
+        Args:
+            ax: matplotlib axes; None makes a figure.
+
+        Returns:
+            The axes.
+        """
+        from ..plots import COLOURS, pyplot  # matplotlib is loaded by those who draw only
+
+        if ax is None:
+            ax = pyplot().subplots(figsize=(5.5, 3.6), layout="constrained")[1]
+        abscissa, ordinate, curves = self._figure()
+        for number, (name, x, y) in enumerate(curves):
+            ax.plot(x, y, color=COLOURS[number % len(COLOURS)], label=name, marker="o" if len(x) == 1 else None)
+        ax.set_xlabel(abscissa)
+        ax.set_ylabel(ordinate)
+        if any(name for name, _, _ in curves):
+            ax.legend()
+        return ax
