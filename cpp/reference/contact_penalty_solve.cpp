@@ -1,0 +1,123 @@
+#include "contact_solve.h"
+#include <algorithm>
+
+namespace impact::reference
+{
+namespace
+{
+class PenaltySolver
+{
+public:
+  PenaltySolver(const detail::System& system, const Rule& rule, double chi, double chi_t, const ContactOptions& options)
+      : system_(system), rule_(rule), chi_(chi), chi_t_(chi_t), options_(options)
+  {
+  }
+
+  // From a converged state to the next; Uzawa's rounds if wanted.
+  bool step(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
+  {
+    const ContactHistory before = state.history; // of the last step, not of the last round
+    solution.iterations.push_back(0);
+    solution.residuals.push_back(0);
+    for (int round = 0; round < 500; ++round)
+    {
+      if (not equilibrium(pair, state, target, before, solution))
+        return false;
+      if (not options_.augmented or solution.points.gap.minCoeff() >= -1e-8 * pair.size())
+        return true;
+      state.multiplier = solution.points.pressure;
+    }
+    return false;
+  }
+
+private:
+  bool equilibrium(const ContactPair& pair, ContactState& state, const detail::Target& target,
+                   const ContactHistory& before, ContactSolution& solution)
+  {
+    ContactState trial = state;
+    bool converged = newton(pair, trial, target, before, chi_t_, solution);
+    // Points that slip to and fro: come from soft tangential springs, which stick, to the hard ones.
+    ContactState good = state;
+    double soft = 1e-4, ratio = 10;
+    while (not converged and pair.friction > 0 and ratio > 1.05)
+    {
+      trial = good;
+      if (newton(pair, trial, target, before, soft * chi_t_, solution))
+      {
+        good = trial;
+        converged = soft == 1;
+        soft = std::min(1.0, soft * ratio);
+      }
+      else
+      {
+        ratio = std::sqrt(ratio);
+        soft /= ratio;
+      }
+    }
+    if (converged)
+      state = trial;
+    return converged;
+  }
+
+  bool newton(const ContactPair& pair, ContactState& state, const detail::Target& target, const ContactHistory& before,
+              double chi_t, ContactSolution& solution)
+  {
+    Vector change = system_.missing(state.u, target.values);
+    double correction = std::numeric_limits<double>::infinity();
+    for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
+    {
+      const Penalty contact = penalty(pair, rule_, state.u, chi_, chi_t, before, state.multiplier);
+      const Vector internal = system_.internal_force(state.u);
+      const Vector residual = target.load + contact.force - internal;
+      const double scale = internal.norm() + target.load.norm() + contact.force.norm();
+      const double relative = scale > 0 ? system_.free(residual).norm() / scale : 0;
+      if (not std::isfinite(relative))
+        return false;
+      if (iteration > 0 and (relative <= options_.tolerance or correction <= options_.tolerance))
+      {
+        solution.residuals.back() = relative;
+        solution.contact_force = contact.force;
+        solution.points = contact.points;
+        state.history = contact.history;
+        return true;
+      }
+      Entries entries = system_.stiffness(state.u), reduced;
+      entries.insert(entries.end(), contact.tangent.begin(), contact.tangent.end());
+      Vector right = system_.free(residual);
+      const auto& number = system_.numbers();
+      for (const auto& e : entries)
+        if (number[e.row()] >= 0 and number[e.col()] >= 0)
+          reduced.emplace_back(int(number[e.row()]), int(number[e.col()]), e.value());
+        else if (number[e.row()] >= 0)
+          right(number[e.row()]) -= e.value() * change(e.col());
+      const auto x = detail::solve(reduced, right);
+      if (not x)
+        return false;
+      system_.correct(state.u, change, detail::relaxation(iteration) * *x);
+      const double size = state.u.cwiseAbs().maxCoeff();
+      correction = std::max(x->size() ? x->cwiseAbs().maxCoeff() : 0, change.cwiseAbs().maxCoeff());
+      correction /= size > 0 ? size : 1;
+      change.setZero();
+      ++solution.iterations.back();
+    }
+    return false;
+  }
+
+  const detail::System& system_;
+  const Rule& rule_;
+  double chi_, chi_t_;
+  const ContactOptions& options_;
+};
+} // namespace
+
+ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, double chi,
+                              double chi_t, const ContactState& start, const ContactLoads& loads,
+                              const ContactOptions& options)
+{
+  const detail::System system(pair, rule, loads);
+  PenaltySolver solver(system, contact_rule, chi, chi_t, options);
+  return detail::march(system, start, options,
+                       [&](const ContactPair& now, ContactState& state, const detail::Target& target,
+                           ContactSolution& solution) { return solver.step(now, state, target, solution); });
+}
+} // namespace impact::reference
