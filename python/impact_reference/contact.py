@@ -170,7 +170,7 @@ class Contact:
 
     def _resolve(self, cell, default):
         rule = default if self.rule is None else self.rule
-        if np.ndim(rule) == 0 and not isinstance(rule, str):
+        if isinstance(rule, (int, float, np.number)):
             if int(rule) != rule or rule < 0:
                 raise ValueError(f"rule is {rule!r}: give a degree, a name or (points, weights)")
             rule = f"table:{int(rule)}" if cell != "triangle" or rule <= 8 else f"gauss_jacobi:{int(rule)}"
