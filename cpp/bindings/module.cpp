@@ -26,6 +26,8 @@ NB_MODULE(_cpp, m)
   impact::bindings::search(search);
   nb::module_ linear = m.def_submodule("linear", "PETSc matrices from entries");
   impact::bindings::triplets(linear);
+  nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
+  impact::bindings::penalty(penalty);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   impact::bindings::bench(bench);
 }

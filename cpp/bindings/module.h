@@ -17,5 +17,6 @@ void surface(nanobind::module_& m);
 void mortar(nanobind::module_& m);
 void triplets(nanobind::module_& m);
 void search(nanobind::module_& m);
+void penalty(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace impact::bindings

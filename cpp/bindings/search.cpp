@@ -2,6 +2,7 @@
 #include "dolfinx_impact/search/BoxTree.h"
 #include "dolfinx_impact/search/Exchange.h"
 #include "dolfinx_impact/search/boxes.h"
+#include "dolfinx_impact/search/project.h"
 
 using namespace impact::search;
 using impact::surface::Facets;
@@ -9,6 +10,33 @@ using impact::surface::Facets;
 namespace
 {
 using impact::bindings::Values;
+
+typedef nanobind::ndarray<const double, nanobind::ndim<2>, nanobind::c_contig, nanobind::device::cpu> Points;
+
+/// Named arrays from structs.
+nanobind::dict projections(const std::vector<Projection>& found, std::size_t gdim)
+{
+  std::vector<std::int8_t> status, entity;
+  std::vector<std::int32_t> facet;
+  std::vector<double> xi, gap, normal;
+  for (const Projection& p : found)
+  {
+    status.push_back(std::int8_t(p.status));
+    entity.push_back(p.entity);
+    facet.push_back(p.facet);
+    xi.insert(xi.end(), p.xi, p.xi + 2);
+    gap.push_back(p.gap);
+    normal.insert(normal.end(), p.normal, p.normal + gdim);
+  }
+  nanobind::dict out;
+  out["status"] = impact::bindings::take(std::move(status));
+  out["entity"] = impact::bindings::take(std::move(entity));
+  out["facet"] = impact::bindings::take(std::move(facet));
+  out["xi"] = impact::bindings::take(std::move(xi), {found.size(), 2});
+  out["gap"] = impact::bindings::take(std::move(gap));
+  out["normal"] = impact::bindings::take(std::move(normal), {found.size(), gdim});
+  return out;
+}
 
 std::span<const double> view(const Values& values)
 {
@@ -68,6 +96,11 @@ void impact::bindings::search(nb::module_& m)
       },
       nb::arg("facets"), "Boxes around facets, curved ones included");
 
+  nb::enum_<ProjectionStatus>(m, "ProjectionStatus", nb::is_arithmetic())
+      .value("converged", ProjectionStatus::converged)
+      .value("edge", ProjectionStatus::edge)
+      .value("vertex", ProjectionStatus::vertex)
+      .value("outside", ProjectionStatus::outside);
   nb::class_<Exchange>(m, "Exchange", "A rank's slave facets and the master facets of all ranks within reach of them")
       .def(
           "__init__",
@@ -94,4 +127,27 @@ void impact::bindings::search(nb::module_& m)
       .def(
           "move", [](Exchange& self, Values u) { self.move(view(u)); }, nb::arg("u"),
           "Both surfaces to X + u, u a vector of V. Collective");
+
+  nb::class_<SurfaceSearch>(m, "SurfaceSearch", "Closest points of a surface")
+      .def(nb::init<const Facets&>(), nb::arg("master"), nb::keep_alive<1, 2>())
+      .def_prop_ro("master", &SurfaceSearch::master, nb::rv_policy::reference_internal)
+      .def("update", &SurfaceSearch::update, "To be called when the facets have moved")
+      .def(
+          "project",
+          [](const SurfaceSearch& self, Points x, Points slave_normals, double reach, nb::object previous)
+          {
+            const std::size_t num = x.shape(0), gdim = self.master().gdim;
+            if (x.shape(1) != gdim || slave_normals.shape(0) != num || slave_normals.shape(1) != gdim)
+              throw std::invalid_argument("points and slave normals are arrays of shape (number, gdim)");
+            const Indices last = previous.is_none() ? Indices() : nb::cast<Indices>(previous);
+            if (!previous.is_none() && last.size() != num)
+              throw std::invalid_argument("previous facets: one number per point");
+            std::vector<Projection> found(num);
+            for (std::size_t i = 0; i < num; ++i)
+              found[i] = self.project(x.data() + i * gdim, slave_normals.data() + i * gdim, reach,
+                                      previous.is_none() ? -1 : last.data()[i]);
+            return projections(found, gdim);
+          },
+          nb::arg("x"), nb::arg("slave_normals"), nb::arg("reach"), nb::arg("previous").none() = nb::none(),
+          "Closest points: dictionary of status (0 inside, 1 edge, 2 vertex, 3 none), entity, facet, xi, gap, normal");
 }

@@ -1,0 +1,201 @@
+#include "dolfinx_impact/enforcement/Penalty.h"
+#include "arrays.h"
+#include <algorithm>
+
+using namespace impact::enforcement;
+using impact::gap::Points;
+using impact::gap::Rigid;
+using impact::search::SurfaceSearch;
+using impact::surface::Facets;
+
+namespace
+{
+using namespace impact::bindings;
+typedef nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> Rows;
+typedef nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Globals;
+
+/// Copy of an enumeration's vector as int8.
+template <typename T>
+auto numbers(const std::vector<T>& values)
+{
+  std::vector<std::int8_t> out(values.size());
+  std::transform(values.begin(), values.end(), out.begin(), [](T v) { return std::int8_t(v); });
+  return take(std::move(out));
+}
+
+void set(std::vector<double>& target, const Values& source, const char* name)
+{
+  if (source.size() != target.size())
+    throw std::invalid_argument(std::string(name) + ": " + std::to_string(target.size()) + " values are needed, not " +
+                                std::to_string(source.size()));
+  std::copy_n(source.data(), source.size(), target.begin());
+}
+
+/// A pair and the Python objects it refers to.
+struct Pair
+{
+  const Points& points;
+  const Facets& slave;
+  const Facets* master;
+  PenaltyParameters parameters;
+  PenaltyHistory& history;
+  std::vector<double> increment;
+  std::array<double, 3> rigid_increment;
+
+  PenaltyPair view() const { return {points, slave, master, parameters, history, increment, rigid_increment}; }
+  std::size_t num_nodes() const
+  {
+    std::int32_t last = -1;
+    for (const Facets* side : {&slave, master})
+      if (side && !side->nodes.empty())
+        last = std::max(last, *std::max_element(side->nodes.begin(), side->nodes.end()));
+    return last + 1;
+  }
+  void check(const PenaltyState& state) const
+  {
+    if (state.status.size() != points.size())
+      throw std::invalid_argument("the state belongs to other points");
+  }
+};
+
+void bind_points(nb::module_& m)
+{
+  nb::class_<Points>(m, "Points", "Slave quadrature points and their gaps; properties are copies")
+      .def(
+          "__init__",
+          [](Points* self, const Facets& slave, Rows points, Values weights, bool axisymmetric)
+          {
+            if (points.shape(0) != weights.size() || points.shape(1) != std::size_t(slave.geometry.tdim()))
+              throw std::invalid_argument("a rule: points of shape (number, dimension of the facet), as many weights");
+            new (self) Points(impact::gap::make_points(slave, {points.data(), points.size()},
+                                                       {weights.data(), weights.size()}, axisymmetric));
+          },
+          nb::arg("slave"), nb::arg("points"), nb::arg("weights"), nb::arg("axisymmetric") = false)
+      .def(
+          "update", [](Points& self, const Facets& slave, const SurfaceSearch& master, double reach, bool keep)
+          { impact::gap::update(self, slave, master, reach, keep); }, nb::arg("slave"), nb::arg("master"),
+          nb::arg("reach"), nb::arg("keep") = false,
+          "Gaps against a deformable master; keep: points over a common edge stay on their facet")
+      .def(
+          "update_rigid", [](Points& self, const Facets& slave, const Rigid& master)
+          { impact::gap::update(self, slave, master); }, nb::arg("slave"), nb::arg("master"))
+      .def_prop_ro("size", &Points::size)
+      .def_prop_ro("gdim", [](const Points& p) { return p.gdim; })
+      .def_prop_ro("per_facet", [](const Points& p) { return p.per_facet; })
+      .def_prop_ro(
+          "facet", [](const Points& p) { return copy(p.facet, {p.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "xi", [](const Points& p) { return copy(p.xi, {p.size(), 2}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "weight", [](const Points& p) { return copy(p.weight, {p.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "x", [](const Points& p) { return copy(p.x, {p.size(), std::size_t(p.gdim)}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "status", [](const Points& p) { return numbers(p.status); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "master", [](const Points& p) { return copy(p.master, {p.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "master_xi", [](const Points& p) { return copy(p.master_xi, {p.size(), 2}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "gap", [](const Points& p) { return copy(p.gap, {p.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "normal", [](const Points& p) { return copy(p.normal, {p.size(), std::size_t(p.gdim)}); },
+          nb::rv_policy::move);
+}
+
+void bind_state(nb::module_& m)
+{
+  nb::class_<PenaltyHistory>(m, "PenaltyHistory", "What points remember; flat arrays, properties are copies")
+      .def(
+          "__init__", [](PenaltyHistory* self, const Points& points)
+          { new (self) PenaltyHistory(make_history(points)); }, nb::arg("points"))
+      .def_prop_rw(
+          "multiplier", [](const PenaltyHistory& h) { return copy(h.multiplier, {h.multiplier.size()}); },
+          [](PenaltyHistory& h, Values v) { set(h.multiplier, v, "multiplier"); }, nb::rv_policy::move)
+      .def_prop_rw(
+          "traction", [](const PenaltyHistory& h) { return copy(h.traction, {h.traction.size()}); },
+          [](PenaltyHistory& h, Values v) { set(h.traction, v, "traction"); }, nb::rv_policy::move)
+      .def_prop_rw(
+          "slip", [](const PenaltyHistory& h) { return copy(h.slip, {h.slip.size()}); },
+          [](PenaltyHistory& h, Values v) { set(h.slip, v, "slip"); }, nb::rv_policy::move)
+      .def(
+          "advance", [](PenaltyHistory& h, const PenaltyState& s) { advance(s, h); }, nb::arg("state"),
+          "The state is the last converged one from now on")
+      .def(
+          "augment", [](PenaltyHistory& h, const PenaltyState& s) { augment(s, h); }, nb::arg("state"),
+          "Multipliers become the pressures");
+  const auto vectors = [](const PenaltyState& s, const std::vector<double>& v)
+  {
+    const std::size_t num = s.pressure.size();
+    return copy(v, {num, num > 0 ? v.size() / num : 0});
+  };
+  nb::class_<PenaltyState>(m, "PenaltyState", "Points in one state of displacements; properties are copies")
+      .def_prop_ro(
+          "status", [](const PenaltyState& s) { return numbers(s.status); }, nb::rv_policy::move,
+          "0 open, 1 stick, 2 slip")
+      .def_prop_ro(
+          "pressure", [](const PenaltyState& s) { return copy(s.pressure, {s.pressure.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "tangential", [vectors](const PenaltyState& s) { return vectors(s, s.tangential); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "traction", [vectors](const PenaltyState& s) { return vectors(s, s.traction); }, nb::rv_policy::move)
+      .def_prop_ro("slip", [vectors](const PenaltyState& s) { return vectors(s, s.slip); }, nb::rv_policy::move);
+}
+} // namespace
+
+void impact::bindings::penalty(nb::module_& m)
+{
+  bind_points(m);
+  bind_state(m);
+  nb::class_<Pair>(m, "Penalty", "Penalty method for a pair in its present configuration")
+      .def(
+          "__init__",
+          [](Pair* self, const Points& points, const Facets& slave, const Facets* master, PenaltyHistory& history,
+             double normal, double tangential, double friction)
+          { new (self) Pair{points, slave, master, {normal, tangential, friction}, history, {}, {}}; },
+          nb::arg("points"), nb::arg("slave"), nb::arg("master").none(), nb::arg("history"), nb::arg("normal"),
+          nb::arg("tangential") = 0.0, nb::arg("friction") = 0.0, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
+          nb::keep_alive<1, 4>(), nb::keep_alive<1, 5>(), "master None: rigid")
+      .def(
+          "set_increment",
+          [](Pair& self, Values increment, std::array<double, 3> rigid)
+          {
+            self.increment.assign(increment.data(), increment.data() + increment.size());
+            self.rigid_increment = rigid;
+          },
+          nb::arg("increment"), nb::arg("rigid") = std::array<double, 3>{},
+          "Displacements since the last converged state, at the nodes that the facets number; copied")
+      .def(
+          "evaluate", [](const Pair& self) { return evaluate(self.view()); }, "PenaltyState: pressures, tractions")
+      .def(
+          "energy",
+          [](const Pair& self, const PenaltyState& state)
+          {
+            self.check(state);
+            return energy(self.view(), state);
+          },
+          nb::arg("state"), "This rank's part")
+      .def(
+          "add_force",
+          [](const Pair& self, const PenaltyState& state, MutableValues force)
+          {
+            self.check(state);
+            if (force.size() < self.num_nodes() * self.points.gdim)
+              throw std::invalid_argument("the force has fewer entries than the surfaces' nodes need");
+            add_force(self.view(), state, {force.data(), force.size()});
+          },
+          nb::arg("state"), nb::arg("force"), "Add the contact force at the nodes that the facets number (changed)")
+      .def(
+          "tangent",
+          [](const Pair& self, const PenaltyState& state, Globals global_nodes)
+          {
+            self.check(state);
+            if (global_nodes.size() < self.num_nodes())
+              throw std::invalid_argument("fewer global numbers than nodes");
+            Triplets out;
+            tangent(self.view(), state, {global_nodes.data(), global_nodes.size()}, out);
+            return nb::make_tuple(take(std::move(out.rows)), take(std::move(out.cols)), take(std::move(out.values)));
+          },
+          nb::arg("state"), nb::arg("global_nodes"),
+          "Rows, columns and values of minus the derivative of the contact force");
+}

@@ -1,0 +1,90 @@
+#pragma once
+#include "../gap/points.h"
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace impact::enforcement
+{
+/// Penalty method at the slave's quadrature points (docs/contact.md; seed (3.48), corrected), augmented or not, with or
+/// without Coulomb's friction (seed (3.43)).
+struct PenaltyParameters
+{
+  double normal = 0.0;     ///< chi_N, pressure per penetration [F/L^3]
+  double tangential = 0.0; ///< chi_T [F/L^3]; not used without friction
+  double friction = 0.0;   ///< coefficient [1]
+};
+
+/// What points remember of the last converged state. Plain data: save it, and a run goes on where it was.
+struct PenaltyHistory
+{
+  std::vector<double> multiplier; ///< lambda_q; zero in the pure penalty method [F/L^2]
+  std::vector<double> traction;   ///< tangential, traction[q*gdim + c] [F/L^2]
+  std::vector<double> slip;       ///< tangential, added up over the steps, slip[q*gdim + c] [L]
+};
+
+enum class ContactStatus : std::int8_t
+{
+  open = 0,
+  stick = 1,
+  slip = 2 ///< without friction every closed point slips
+};
+
+/// The points in one state of displacements. Vectors per point: [q*gdim + c].
+struct PenaltyState
+{
+  std::vector<ContactStatus> status;
+  std::vector<double> pressure;   ///< [F/L^2]
+  std::vector<double> tangential; ///< tangential traction on the slave [F/L^2]
+  std::vector<double> traction;   ///< the whole traction on the slave: pressure * normal + tangential [F/L^2]
+  std::vector<double> slip;       ///< the history's slip and this step's [L]
+};
+
+/// The pair in its present configuration. All refer to arrays that live elsewhere.
+struct PenaltyPair
+{
+  const gap::Points& points;
+  const surface::Facets& slave;
+  const surface::Facets* master; ///< null: rigid
+  PenaltyParameters parameters;
+  const PenaltyHistory& history;
+  /// Displacements since the last converged state at the nodes that the facets number, [node*gdim + c]; may be empty
+  /// without friction [L].
+  std::span<const double> increment;
+  std::array<double, 3> rigid_increment{}; ///< the same of a rigid master [L]
+};
+
+/// Entries of a matrix, global rows and columns; entries at one place are to be added.
+struct Triplets
+{
+  std::vector<std::int64_t> rows, cols;
+  std::vector<double> values;
+};
+
+/// @returns history of points that were never in contact
+PenaltyHistory make_history(const gap::Points& points);
+
+/// Pressures, tractions, slips and status.
+/// @throws std::invalid_argument for arrays of wrong sizes, friction without tangential stiffness
+PenaltyState evaluate(const PenaltyPair& pair);
+
+/// Sum of w p^2 / (2 chi_N) over this rank's points: its gradient is minus the contact force, without friction and
+/// multipliers [F L].
+double energy(const PenaltyPair& pair, const PenaltyState& state);
+
+/// Add the contact force to the nodes that the facets number.
+/// @param[in,out] force [node*gdim + c] [F]
+void add_force(const PenaltyPair& pair, const PenaltyState& state, std::span<double> force);
+
+/// Add minus the derivative of the contact force: what the stiffness matrix gains.
+/// @param[in] global_nodes global number of each node that the facets number; rows are gdim * global node + component
+/// @param[in,out] out cleared first
+void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const std::int64_t> global_nodes,
+             Triplets& out);
+
+/// The state is the last converged one from now on.
+void advance(const PenaltyState& state, PenaltyHistory& history);
+/// Augmentation (Uzawa): multipliers become the pressures.
+void augment(const PenaltyState& state, PenaltyHistory& history);
+} // namespace impact::enforcement

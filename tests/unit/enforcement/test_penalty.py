@@ -1,0 +1,190 @@
+"""Penalty forces: balance, energy, tangent by finite differences; every facet, degree, obstacle and status."""
+
+import numpy as np
+import pytest
+from penalty_model import CHI, Deformable, Rigid, dense, remember, smooth
+
+# Cell, degree of the geometry, degree of the displacements.
+KINDS = [
+    ("quadrilateral", 1, 1),
+    ("triangle", 1, 2),
+    ("quadrilateral", 2, 1),
+    ("triangle", 2, 2),
+    ("tetrahedron", 1, 1),
+    ("tetrahedron", 2, 2),
+    ("tetrahedron", 2, 1),
+    ("hexahedron", 1, 1),
+    ("hexahedron", 1, 2),
+    ("hexahedron", 2, 2),
+    ("hexahedron", 2, 1),
+]
+OPEN, STICK, SLIP = range(3)
+INSIDE, EDGE, VERTEX = range(3)  # of the master's facet
+# A central difference with step h errs by h^2 times third derivatives, which are some 1e4 times the first near edges
+# (1/gap^2), and by 1e-16/h of the force: h = 1e-6 leaves 1e-8 and 1e-10.
+STEP, DIFFERENCE = 1e-6, 1e-6
+ROUND_OFF = 1e-13  # sums of some hundred terms
+
+
+def smooth_spot(model, rng, roughness, wanted):
+    """A state and a direction along which no point changes its status within the step, with wanted kinds of points."""
+    for _ in range(50):
+        u = smooth(model.V, 0.03) + rng.uniform(-roughness, roughness, size=model.num)
+        direction = rng.uniform(-1, 1, size=u.size)
+        kinks = [model.kinks(u + s * STEP * direction) for s in (-1, 0, 1)]
+        if (
+            np.array_equal(kinks[0], kinks[1])
+            and np.array_equal(kinks[2], kinks[1])
+            and wanted <= set(model.points.status)
+        ):
+            return u, direction
+    raise AssertionError("no smooth spot")
+
+
+def check_derivatives(model, rng, potential, roughness=0.01, wanted=frozenset()):
+    u, direction = smooth_spot(model, rng, roughness, wanted)
+    K = dense(model, u)
+    forces = [model.force(u + s * STEP * direction) for s in (-1, 1)]
+    expected = -(forces[1] - forces[0]) / (2 * STEP)
+    found = K @ direction
+    assert np.abs(expected).max() > 0.1
+    assert np.abs(found - expected).max() < DIFFERENCE * np.abs(expected).max()
+    if potential:
+        energies = [model.energy(u + s * STEP * direction) for s in (-1, 1)]
+        slope = (energies[1] - energies[0]) / (2 * STEP)
+        # 1e-16/h of the energy, which is about the size of the penetration times the force.
+        assert abs(slope + model.force(u) @ direction) < 1e-8 * np.abs(model.force(u)).sum()
+        assert np.abs(K - K.T).max() < ROUND_OFF * np.abs(K).max()
+    return model.state(u)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: f"{k[0]}{k[1]}{k[2]}")
+def test_frictionless(kind, rng):
+    model = Deformable(*kind)
+    state = check_derivatives(model, rng, potential=True)
+    assert SLIP in state.status and STICK not in state.status
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: f"{k[0]}{k[1]}{k[2]}")
+@pytest.mark.parametrize("friction, status", [(100.0, STICK), (0.1, SLIP)])
+def test_friction(kind, friction, status, rng):
+    model = Deformable(*kind, friction=friction)
+    remember(model, rng)
+    state = check_derivatives(model, rng, potential=False)
+    assert np.mean(state.status[state.status != OPEN] == status) > 0.6
+
+
+@pytest.mark.parametrize("friction", (0.0, 0.5))
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: f"{k[0]}{k[1]}{k[2]}")
+def test_edges_and_vertices(kind, friction, rng):
+    """With multipliers that close every point, many lie on edges and vertices of the master."""
+    quadrature = 20 if kind[0] in ("quadrilateral", "triangle") else 4
+    model = Deformable(*kind, friction=friction, gap=0.25, quadrature=quadrature)
+    remember(model, rng, pressure=20.0)
+    wanted = {INSIDE, VERTEX} if model.dim == 2 else {INSIDE, EDGE, VERTEX}
+    check_derivatives(model, rng, potential=friction == 0.0, roughness=0.06, wanted=wanted)
+
+
+@pytest.mark.parametrize("cell", ("quadrilateral", "hexahedron"))
+@pytest.mark.parametrize("obstacle", ("plane", "sphere", "cylinder", "bore"))
+@pytest.mark.parametrize("friction", (0.0, 0.3, 100.0))
+def test_rigid(cell, obstacle, friction, rng):
+    model = Rigid(cell, 2, obstacle, friction)
+    if friction:
+        remember(model, rng)
+    state = check_derivatives(model, rng, potential=friction == 0.0)
+    assert np.any(state.status != OPEN)
+
+
+@pytest.mark.parametrize("friction", (0.0, 0.4))
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: f"{k[0]}{k[1]}{k[2]}")
+def test_balance(kind, friction, rng):
+    """The master gets the opposite of the slave's force; without friction no moment is left."""
+    model = Deformable(*kind, friction=friction)
+    remember(model, rng, pressure=0.5)
+    u = smooth(model.V, 0.03)
+    state, force = model.state(u), model.force(u).reshape(-1, model.dim)
+    slave, master = np.unique(model.slave.nodes), np.unique(model.master.nodes)
+    total = model.points.weight @ state.traction
+    scale = np.abs(force).sum()
+    assert scale > 0.1
+    assert np.abs(force[slave].sum(axis=0) - total).max() < ROUND_OFF * scale
+    assert np.abs(force[master].sum(axis=0) + total).max() < ROUND_OFF * scale
+    if friction == 0.0 and kind[1] <= kind[2]:
+        x = model.V.tabulate_dof_coordinates()[:, : model.dim] + u.reshape(-1, model.dim)
+        moments = np.cross(np.pad(x, ((0, 0), (0, 3 - model.dim))), np.pad(force, ((0, 0), (0, 3 - model.dim))))
+        # The closest point is found to 1e-13 in its parameters: that times the pressure is the tangential defect.
+        assert np.abs(moments.sum(axis=0)).max() < 1e-11 * scale
+
+
+def test_values_of_a_point():
+    """Pressure, traction, slip and status by hand: one flat pair, slid by a known amount."""
+    model = Rigid("quadrilateral", 1, "plane", friction=0.2)
+    u = np.zeros(model.num)
+    model.state(u)
+    weight, gap = model.points.weight, model.points.gap
+    slide = 1e-5
+    u[0::2] = slide
+    model.slave.move(u)
+    model.points.update_rigid(model.slave, model.obstacle)
+    model.penalty.set_increment(u)
+    state = model.penalty.evaluate()
+    closed = gap < 0
+    assert closed.any() and np.array_equal(state.status != OPEN, closed)
+    assert np.allclose(state.pressure[closed], -CHI * gap[closed], rtol=1e-12)
+    trial, limit = 0.7 * CHI * slide, 0.2 * state.pressure[closed]
+    assert np.allclose(-state.tangential[closed, 0], np.minimum(trial, limit), rtol=1e-12)
+    assert np.array_equal(state.status[closed] == STICK, trial <= limit)
+    assert np.allclose(state.slip[closed, 0], slide - np.minimum(trial, limit) / (0.7 * CHI), atol=1e-18)
+    assert np.all(state.traction[~closed] == 0) and np.all(state.slip[~closed] == 0)
+    assert weight.sum() > 0.9  # the slave's length
+
+
+def test_history():
+    """advance and augment copy the state; saved arrays restore it; an open point forgets."""
+    model = Rigid("quadrilateral", 1, "plane", friction=0.2)
+    u = np.zeros(model.num)
+    u[0::2] = 0.01
+    first = model.state(u)
+    model.history.advance(first)
+    model.history.augment(first)
+    assert np.array_equal(model.history.traction, first.tangential.ravel())
+    assert np.array_equal(model.history.slip, first.slip.ravel())
+    assert np.array_equal(model.history.multiplier, first.pressure)
+    saved = model.history.traction, model.history.slip, model.history.multiplier
+    model.u_n = u.copy()
+    second = model.state(1.1 * u)
+    model.history.traction = model.history.traction * 0
+    model.history.traction, model.history.slip, model.history.multiplier = saved
+    again = model.state(1.1 * u)
+    assert np.array_equal(second.traction, again.traction) and np.array_equal(second.slip, again.slip)
+    closed = first.pressure > 0
+    assert np.allclose(second.pressure[closed], 2 * first.pressure[closed], rtol=1e-12)
+    u[1::2] = 1.0
+    lifted = model.state(u)
+    assert np.all(lifted.status == OPEN) and np.all(lifted.tangential == 0)
+
+
+def test_refused():
+    model = Deformable("quadrilateral", 1, 1, friction=0.2)
+    u = np.zeros(model.num)
+    state = model.state(u)
+    from dolfinx_impact import _cpp
+
+    Penalty = _cpp.penalty.Penalty
+    arguments = model.points, model.slave, model.master, model.history
+    for values, text in (((0.0,), "penalty is positive"), ((1.0, 0.0, 0.3), "tangential"), ((1.0, 1.0, 0.3), "increm")):
+        with pytest.raises(ValueError, match=text):
+            Penalty(*arguments, *values).evaluate()
+    with pytest.raises(ValueError, match="not updated for a rigid"):
+        Penalty(model.points, model.slave, None, model.history, 1.0).evaluate()
+    with pytest.raises(ValueError, match="another slave"):
+        Penalty(model.points, model.master, model.master, model.history, 1.0).evaluate()
+    with pytest.raises(ValueError, match="another master"):
+        Penalty(model.points, model.slave, Deformable("hexahedron", 1, 1).slave, model.history, 1.0).evaluate()
+    with pytest.raises(ValueError, match="multiplier"):
+        model.history.multiplier = np.zeros(3)
+    with pytest.raises(ValueError, match="fewer entries"):
+        model.penalty.add_force(state, np.zeros(3))
+    with pytest.raises(ValueError, match="fewer global"):
+        model.penalty.tangent(state, np.zeros(3, dtype=np.int64))
