@@ -1,6 +1,7 @@
 #include "dolfinx_impact/gap/mortar.h"
 #include "arrays.h"
 #include "dolfinx_impact/gap/Rigid.h"
+#include "dolfinx_impact/search/pairs.h"
 
 using namespace impact::gap;
 using impact::surface::Facets;
@@ -81,16 +82,13 @@ void impact::bindings::mortar(nb::module_& m)
           "covered", [](const Segments& s) { return copy(s.covered, {s.covered.size()}); }, nb::rv_policy::move);
   m.def(
       "segment",
-      [](const Facets& slave, const Facets& master, Indices pairs, Indices offsets, Values points, Values weights,
-         double reach, bool axisymmetric)
+      [](const Facets& slave, const Facets& master, Values points, Values weights, double reach, bool axisymmetric)
       {
-        if (offsets.size() != slave.size() + 1)
-          throw std::invalid_argument("offsets needs one entry per slave facet and one more");
-        return segment(slave, master, {pairs.data(), pairs.size()}, {offsets.data(), offsets.size()},
-                       rule(slave, points, weights), reach, axisymmetric);
+        const auto near = impact::search::near_facets(slave, master, reach);
+        return segment(slave, master, near.pairs, near.offsets, rule(slave, points, weights), reach, axisymmetric);
       },
-      nb::arg("slave"), nb::arg("master"), nb::arg("pairs"), nb::arg("offsets"), nb::arg("points"), nb::arg("weights"),
-      nb::arg("reach"), nb::arg("axisymmetric") = false);
+      nb::arg("slave"), nb::arg("master"), nb::arg("points"), nb::arg("weights"), nb::arg("reach"),
+      nb::arg("axisymmetric") = false, "Segments of slave facets with the master facets within reach of them");
   m.def(
       "whole_facets", [](const Facets& slave, Values points, Values weights, bool axisymmetric)
       { return whole_facets(slave, rule(slave, points, weights), axisymmetric); }, nb::arg("slave"), nb::arg("points"),

@@ -3,6 +3,7 @@
 import basix
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from .. import _cpp
 from .matrices import NodalSum, global_dofs, matrix, owned_rows
@@ -47,9 +48,9 @@ class _Geometry:
         self.share = owned[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         x = V.mesh.geometry.x
-        low, high = np.min(x, axis=0, initial=np.inf), np.max(x, axis=0, initial=-np.inf)
-        low, high = self.comm.allreduce(low, op=_MIN), self.comm.allreduce(high, op=_MAX)
-        self.size = float(np.linalg.norm(high - low))
+        box = np.concatenate([np.max(-x, axis=0, initial=-np.inf), np.max(x, axis=0, initial=-np.inf)])
+        self.comm.Allreduce(MPI.IN_PLACE, box, MPI.MAX)
+        self.size = float(np.linalg.norm(box[:3] + box[3:]))
         self.tolerance = 1e-12 * self.size
 
     def begin(self, u, displacement):
@@ -69,10 +70,6 @@ class _Geometry:
         values = np.abs(diagonal.array.reshape(-1, self.gdim)[self.nodes]).mean(axis=1)
         diagonal.destroy()
         return values
-
-
-_MIN = MPI.Op.Create(lambda a, b: np.minimum(a, b), commute=True)
-_MAX = MPI.Op.Create(lambda a, b: np.maximum(a, b), commute=True)
 
 
 class RigidGeometry(_Geometry):
@@ -117,11 +114,139 @@ class RigidGeometry(_Geometry):
 
 
 class MortarGeometry(_Geometry):
-    """Weighted gaps between two deformable surfaces."""
+    """Weighted gaps between two deformable surfaces, and the matrices D and M of docs/contact.md."""
 
     def __init__(self, spec, V, axisymmetric, fixed):
         super().__init__(spec, V, axisymmetric)
-        raise NotImplementedError
+        self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
+        element, other = self.slave.displacement, self.master.displacement
+        degree = spec.quadrature_degree
+        if degree is None:
+            flat = element.shape != "quadrilateral" and self.slave.geometry.degree == 1
+            degree = 2 * element.degree + other.degree + (2 if flat else 4)
+        self.points_of_rule, self.weights = _rule("interval" if self.gdim == 2 else "triangle", degree)
+        x = np.concatenate([s.X for s in (self.slave, self.master)])
+        largest = np.max(np.linalg.norm(np.ptp(x, axis=1), axis=-1), initial=0.0)
+        self.reach = self.pair.search_distance or 2.0 * self.comm.allreduce(float(largest), MPI.MAX)
+        self._matrix = None
 
+    def _reach(self, u):
+        """Facets may have passed through each other by as much as they moved in this increment."""
+        step = np.abs(u - self.start).reshape(-1, self.gdim)
+        nodes = np.unique(np.concatenate([self.slave.nodes.ravel(), self.master.nodes.ravel()]))
+        moved = float(np.max(np.linalg.norm(step[nodes], axis=1), initial=0.0))
+        return max(self.reach, 2.0 * self.comm.allreduce(moved, MPI.MAX))
 
-__all__ = ["MortarGeometry", "RigidGeometry", "matrix", "owned_rows"]
+    def update(self, u):
+        """Search, segments, mortar integrals, gaps and normals at u. Collective."""
+        self._move(u)
+        self.master.move(self.u)
+        reach = self._reach(self.u)
+        self.exchange = _cpp.search.Exchange(self.V._cpp_object, self.slave, self.master, reach)
+        near = self.exchange
+        self.map = near.map
+        num_owned, num_nodes = self.map.size_local, self.map.size_local + self.map.num_ghosts
+        self.segments = _cpp.gap.segment(
+            near.slave, near.master, self.points_of_rule, self.weights, reach, self.axisymmetric
+        )
+        self.mortar = _cpp.gap.mortar(near.slave, near.master, self.segments, True, self.whole)
+        scalars, vectors = NodalSum(self.map, 1), NodalSum(self.map, self.gdim)
+        nodes, _, values = self.mortar.D
+        weight = scalars(np.bincount(nodes, weights=values, minlength=num_nodes)).ravel()
+        gamma = np.zeros((num_nodes, self.gdim))
+        np.add.at(gamma, near.slave.nodes.ravel(), self.mortar.gamma.reshape(-1, self.gdim))
+        gamma = vectors(gamma)[self.nodes]
+        sums = np.zeros(num_nodes * self.gdim)
+        _cpp.gap.add_normals(near.slave, sums)
+        self.sums = vectors(sums)
+        self.normal = self._nodal_normals(self.sums[self.nodes])
+        self.weight = weight[self.nodes]
+        self.participates = self.weight > 1e-6 * self.share
+        self.gap = np.full(len(self.nodes), np.inf)
+        on = self.participates
+        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.weight[on]
+        rows, cols, values = self.mortar.M
+        if self._matrix is not None:
+            self._matrix.destroy()
+        rows, cols = (self.map.local_to_global(np.asarray(a, dtype=np.int32)) for a in (rows, cols))
+        self._matrix = matrix(self.comm, num_owned, rows, cols, values)
+
+    def _nodal_normals(self, sums):
+        normals = sums / np.linalg.norm(sums, axis=1)[:, None]
+        free = np.where(self.fixed, 0.0, normals)
+        length = np.linalg.norm(free, axis=1)
+        usable = length > 1e-3
+        return np.where(usable[:, None], free / np.where(usable, length, 1.0)[:, None], normals)
+
+    def _over_master(self, values):
+        """M times nodal values (owned nodes, gdim)."""
+        source, out = self._matrix.createVecRight(), self._matrix.createVecLeft()
+        result = np.empty_like(values)
+        for c in range(values.shape[1]):
+            source.array[:] = values[:, c]
+            self._matrix.mult(source, out)
+            result[:, c] = out.array
+        source.destroy()
+        out.destroy()
+        return result
+
+    def slip(self):
+        """Weighted tangential displacement of the slave against the master in this increment, (n, gdim) [L]."""
+        num_owned = self.index_map.size_local
+        moved = (self.u - self.start).reshape(-1, self.gdim)[:num_owned]
+        over = self._over_master(np.ascontiguousarray(moved))[self.nodes]
+        weight = np.where(self.participates, self.weight, 1.0)
+        relative = np.where(self.participates[:, None], moved[self.nodes] - over / weight[:, None], 0.0)
+        return relative - np.einsum("na,nb,nb->na", self.normal, self.normal, relative)
+
+    def master_rows(self, rows):
+        """Rows of D^-1 M of some of the nodes: pointers, global master nodes, values."""
+        pointers, columns, values = owned_rows(self._matrix)
+        nodes = self.nodes[rows]
+        counts = (pointers[nodes + 1] - pointers[nodes]).astype(int)
+        ends = np.concatenate([[0], np.cumsum(counts)])
+        where = np.repeat(pointers[nodes] - ends[:-1], counts) + np.arange(ends[-1])
+        return ends, columns[where], values[where] / np.repeat(self.weight[rows], counts)
+
+    def add_stiffness(self, K, multiplier, traction, active):
+        """Points slide over the master, normals turn: K + derivative of minus the contact force. Collective."""
+        if self.comm.allreduce(int(np.any(multiplier[active]))) == 0:
+            return K
+        size = self.map.size_local + self.map.num_ghosts
+        z, force = np.zeros((size, self.gdim)), np.zeros(size)
+        z[self.nodes[active]] = traction[active]
+        force[self.nodes[active]] = (multiplier * self.weight)[active]
+        z, force = NodalSum(self.map, self.gdim).forward(z), NodalSum(self.map, 1).forward(force)
+        near = self.exchange
+        parts = (
+            _cpp.gap.sliding_tangent(near.slave, near.master, self.segments, self.mortar, z.ravel()),
+            _cpp.gap.turning_tangent(near.slave, self.sums.ravel(), force.ravel()),
+        )
+        rows, cols, values = (np.concatenate([p[i] for p in parts]) for i in range(3))
+        rows, cols = (self._global(dofs) for dofs in (rows, cols))
+        geometric = matrix(self.comm, self.gdim * self.map.size_local, rows, cols, values)
+        total = K.copy()
+        total.axpy(1.0, geometric, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        geometric.destroy()
+        return total
+
+    def _global(self, dofs):
+        nodes = self.map.local_to_global((dofs // self.gdim).astype(np.int32))
+        return self.gdim * nodes + dofs % self.gdim
+
+    def forces(self, traction):
+        """Nodal forces on slave and master, array over owned dofs [F]. Collective."""
+        num_owned = self.index_map.size_local
+        z = np.zeros((num_owned, self.gdim))
+        on = self.participates
+        z[self.nodes[on]] = traction[on]
+        out = np.zeros((num_owned, self.gdim))
+        out[self.nodes[on]] = self.weight[on, None] * traction[on]
+        source, to = self._matrix.createVecLeft(), self._matrix.createVecRight()
+        for c in range(self.gdim):
+            source.array[:] = z[:, c]
+            self._matrix.multTranspose(source, to)
+            out[:, c] -= to.array
+        source.destroy()
+        to.destroy()
+        return out.ravel()

@@ -67,6 +67,7 @@ class LagrangeContact(ContactOutput):
         """The increment has converged: slip adds up."""
         self.total_slip += np.where(self.active[:, None], self.geometry.slip(), 0.0)
         self.total_slip[~self.active] = 0.0
+        self.total()
 
     def update(self, u):
         """Search, gaps and normals at the displacements u (array over owned and ghost dofs). Collective."""

@@ -6,34 +6,27 @@ from mpi4py import MPI
 
 
 class ContactOutput:
-    """Results of a contact; arrays are over this rank's contact points, totals over all ranks.
+    """Results of a contact; arrays are over this rank's contact points, totals over all ranks and the same on all.
 
     A class derived from this has points, gap, normal, pressure, traction, slip, status, weight, forces() and `comm`.
     """
 
-    def _sum(self, values):
-        return self.comm.allreduce(np.ascontiguousarray(values, dtype=float), MPI.SUM)
+    force = None  #: total contact force on the slave, (gdim); on the master it is the opposite [F]
+    moment = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
+    area = 0.0  #: area in contact (2D: length), of the points that touch [L^2]
 
-    @property
-    def force(self):
-        """Total contact force on the slave, (gdim); on the master it is the opposite [F]. Collective."""
-        return self._sum(np.einsum("n,na->a", np.where(self.status > 0, self.weight, 0.0), self.traction))
-
-    @property
-    def moment(self):
-        """Moment of the contact forces on the slave about the origin, (1) in the plane, (3) in space [F L].
-        Collective."""
-        local = np.where(self.status > 0, self.weight, 0.0)[:, None] * self.traction
-        if local.shape[1] == 2:
-            moments = (self.points[:, 0] * local[:, 1] - self.points[:, 1] * local[:, 0])[:, None]
+    def total(self):
+        """Sum up force, moment and area of the present state. Collective; a converged increment calls it."""
+        touching = self.status > 0
+        forces = np.where(touching, self.weight, 0.0)[:, None] * self.traction
+        if forces.shape[1] == 2:
+            moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
         else:
-            moments = np.cross(self.points, local)
-        return self._sum(moments.sum(axis=0))
-
-    @property
-    def area(self):
-        """Area in contact (2D: length), from the points that touch [L^2]. Collective."""
-        return float(self._sum(np.sum(self.weight[self.status > 0])))
+            moments = np.cross(self.points, forces)
+        parts = [forces.sum(axis=0), moments.sum(axis=0), [np.sum(self.weight[touching])]]
+        sums = self.comm.allreduce(np.concatenate(parts), MPI.SUM)
+        gdim = forces.shape[1]
+        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-1], float(sums[-1])
 
     def field(self, problem, values, name):
         """A nodal contact array as a function on the displacement's mesh, zero elsewhere, for ParaView.
