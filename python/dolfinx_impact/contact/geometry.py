@@ -64,6 +64,35 @@ class _Geometry:
         self.slave.move(u)
         self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
 
+    def covered(self, pressure, active):
+        """Part of each node's area that is in contact, (n), 0..1. Collective.
+
+        Inside the contact it is 1. At its rim the edge of the contact lies somewhere between the nodes, and the
+        pressure tells where: r is the node's pressure over that of its neighbours further inside. Where the pressure
+        falls like the square root of the distance from the edge (Hertz and any smooth bodies), nodal means of it give
+        r = 0.07, 0.28, 0.58 for the edge half a facet before, at, and half a facet behind the node, of whose area then
+        0, 1/2, 1 are in contact: nearly a straight line. Without this the length of a contact of n facets is wrong by
+        up to 1/n.
+        """
+        size = self.index_map.size_local + self.index_map.num_ghosts
+        p, touching, known = np.zeros(size), np.zeros(size), np.zeros(size)
+        p[self.nodes], touching[self.nodes], known[self.nodes] = pressure, active, 1.0
+        p, touching, known = (self.sum.forward(a).ravel() for a in (p, touching, known))
+        nodes = self.slave.nodes
+        rim = np.any((known[nodes] > 0) & (touching[nodes] == 0), axis=1) if len(nodes) else np.zeros(0, dtype=bool)
+        larger = p[nodes][:, None, :] > p[nodes][:, :, None]  # [facet, node, neighbour]
+        sums = [
+            np.broadcast_to(rim[:, None], nodes.shape),
+            larger.sum(axis=2),
+            (larger * p[nodes][:, None, :]).sum(axis=2),
+        ]
+        on_rim, count, total = (
+            self.sum(np.bincount(nodes.ravel(), weights=np.ravel(v), minlength=size)).ravel()[self.nodes] for v in sums
+        )
+        ratio = pressure * count / np.where(total > 0, total, 1.0)
+        part = np.clip((ratio - 0.07) / 0.51, 0.0, 1.0)
+        return np.where((on_rim > 0) & (total > 0), part, 1.0) * active
+
     def diagonal_stiffness(self, K):
         """Mean diagonal entry of each slave node's block [F/L]."""
         diagonal = K.getDiagonal()

@@ -198,6 +198,10 @@ class LagrangeContact(ContactOutput):
         """Area that belongs to each point, (n) [L^2]; a length in 2D."""
         return self.geometry.weight
 
+    def covered(self):
+        """Part of each point's area that is in contact, (n). Collective."""
+        return self.geometry.covered(self.pressure, self.active & self.usable)
+
     def forces(self):
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
         return self.geometry.forces(self.traction)

@@ -8,12 +8,13 @@ from mpi4py import MPI
 class ContactOutput:
     """Results of a contact; arrays are over this rank's contact points, totals over all ranks and the same on all.
 
-    A class derived from this has points, gap, normal, pressure, traction, slip, status, weight, forces() and `comm`.
+    A class derived from this has points, gap, normal, pressure, traction, slip, status, weight, covered(), forces() and
+    `comm`.
     """
 
     force = None  #: total contact force on the slave, (gdim); on the master it is the opposite [F]
     moment = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
-    area = 0.0  #: area in contact (2D: length), of the points that touch [L^2]
+    area = 0.0  #: area in contact (2D: length), see covered() [L^2]
 
     def total(self):
         """Sum up force, moment and area of the present state. Collective; a converged increment calls it."""
@@ -23,7 +24,7 @@ class ContactOutput:
             moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
         else:
             moments = np.cross(self.points, forces)
-        parts = [forces.sum(axis=0), moments.sum(axis=0), [np.sum(self.weight[touching])]]
+        parts = [forces.sum(axis=0), moments.sum(axis=0), [np.sum(self.weight * self.covered())]]
         sums = self.comm.allreduce(np.concatenate(parts), MPI.SUM)
         gdim = forces.shape[1]
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-1], float(sums[-1])
