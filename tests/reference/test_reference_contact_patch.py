@@ -1,0 +1,164 @@
+"""Contact patch tests of the hand-written solver, BENCHMARKS P-1 to P-4, on meshes that do not match."""
+
+import impact_reference as ir
+import numpy as np
+import pytest
+from contact_bodies import DEGREES, blocks, gdim_of
+from reference_meshes import CELLS
+
+E, PUSH = 1e6, 0.01
+# Round-off of the stresses: 1e-16 x E x displacement gradient of cells of size 1/4, some 1e-12; the benchmark wants 1e-10.
+EXACT = 1e-10
+
+
+def pushed(pair, sides, push=PUSH):
+    """Bottom and top held along the last axis, `sides` along theirs at the coordinate 0."""
+    d = pair.gdim
+    conditions = [(lambda x: x[-1] < -1 + 1e-9, d - 1, 0.0), (lambda x: x[-1] > 1 - 1e-9, d - 1, -push)]
+    conditions += [(lambda x, k=k: abs(x[k]) < 1e-9, k, 0.0) for k in sides]
+    return pair.held(*conditions)
+
+
+def stresses(pair, u):
+    """Normal stress along the last axis at every point, and the largest of the other components."""
+    stress, _ = pair.model.stress(u)
+    stress = stress.reshape(-1, stress.shape[-1])
+    k = pair.gdim - 1
+    return stress[:, k], np.abs(np.delete(stress, k, axis=1)).max()
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("degree, geometry_degree", DEGREES)
+@pytest.mark.parametrize("basis", ["dual", "standard"])
+def test_free_sides(cell, degree, geometry_degree, basis):
+    """P-2, P-3: nu = 0.3, uniaxial stress (plane strain in 2D), exact displacement, on two blocks of height 1."""
+    d = gdim_of(cell)
+    pair = blocks(cell, degree, geometry_degree, E=E, nu=0.3)
+    fixed, values = pushed(pair, range(d - 1))
+    contact = ir.Contact(pair.model, pair.slave, pair.master, prescribed=fixed)
+    s = contact.solve_lagrange(fixed, values, basis=basis)
+    stress, other = stresses(pair, s.u)
+    exact = -E * PUSH / 2 / ((1 - 0.3**2) if d == 2 else 1)
+    if cell == "tetrahedron" and degree == 2 and basis == "standard":
+        # multipliers at the midpoints alone do not contain the constants unless the basis is the dual one
+        assert np.abs(stress / exact - 1).max() < 0.1
+        return
+    assert np.allclose(stress, exact, rtol=EXACT) and other < EXACT * abs(exact)
+    closed = s.status > 0
+    assert np.array_equal(closed, np.isfinite(s.gap))
+    assert np.allclose(s.pressure[closed], -exact, rtol=EXACT)
+    assert np.abs(s.gap[closed]).max() < 1e-15  # lengths are of order 1
+    assert np.allclose(s.u.reshape(-1, d)[np.abs(pair.model.field_points[:, -1]) < 1e-9, -1], -PUSH / 2, atol=1e-14)
+    force = s.contact_force.reshape(-1, d)
+    assert np.allclose(np.abs(force[:, -1]).sum(), -2 * exact, rtol=1e-9)
+    assert np.allclose((s.contact_force + s.reactions).reshape(-1, d).sum(0), 0, atol=1e-9 * abs(exact))
+
+
+def test_no_lateral_strain():
+    """P-1: blocks 1 x 0.5, nu = 0: sigma_y = -1e4, u_y = -0.005 at the interface."""
+    pair = blocks("quadrilateral", mapping=lambda x: x * [1, 0.5], E=E, nu=0.0)
+    conditions = [(lambda x: x[1] < -0.5 + 1e-9, (0, 1), 0.0)]
+    conditions += [(lambda x: x[1] > 0.5 - 1e-9, 1, -0.01), (lambda x: x[1] > 0.5 - 1e-9, 0, 0.0)]
+    fixed, values = pair.held(*conditions)
+    s = ir.Contact(pair.model, pair.slave, pair.master).solve_lagrange(fixed, values)
+    stress, other = stresses(pair, s.u)
+    assert np.allclose(stress, -1e4, rtol=EXACT) and other < EXACT * 1e4
+    on = np.abs(pair.model.field_points[:, 1]) < 1e-9
+    assert np.allclose(s.u.reshape(-1, 2)[on, 1], -0.005, atol=1e-14)
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("degree", [1, 2])
+def test_inclined_interface(cell, degree):
+    """P-4: blocks turned by 30 degrees, pushed along the normal by tractions: the turned uniaxial stress."""
+    d = gdim_of(cell)
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    R = np.eye(d)
+    R[np.ix_([0, d - 1], [0, d - 1])] = [[c, -s], [s, c]]
+    pair = blocks(cell, degree, degree, mapping=lambda x: R @ x, E=E, nu=0.3)
+    normal, back = R[:, -1], lambda x: R.T @ x
+    model = pair.model
+    top = pair.facets(True, lambda x: back(x)[-1] > 1 - 1e-9)
+    bottom = pair.facets(False, lambda x: back(x)[-1] < -1 + 1e-9)
+    p = 5e3
+    load = model.traction(top, -p * normal) + model.traction(bottom, p * normal)
+    # the exact solution, at rest at the origin, is prescribed at enough nodes of either body to hold it
+    exact = (
+        (-p / E * np.outer(normal, normal) + 0.3 * p / E * (np.eye(d) - np.outer(normal, normal)))
+        if d == 3
+        else (
+            -p * (1 - 0.09) / E * np.outer(normal, normal) + 0.3 * 1.3 * p / E * (np.eye(2) - np.outer(normal, normal))
+        )
+    )
+    fixed, values = [], []
+    for node, x in enumerate(model.field_points):
+        y = back(x)
+        if abs(abs(y[-1]) - 1) < 1e-9 and np.all(np.minimum(abs(y[:-1]), abs(y[:-1] - 1)) < 1e-9):
+            fixed += [d * node + k for k in range(d)]
+            values += list(exact @ x)
+    assert len(fixed) >= 4 * d
+    contact = ir.Contact(model, pair.slave, pair.master)
+    solution = contact.solve_lagrange(fixed, np.array(values), load)
+    error = solution.u.reshape(-1, d) - model.field_points @ exact.T
+    # finite rotation of normals with the lateral strain does not change a plane interface: exact for small strain
+    assert np.abs(error).max() < 1e-10 * np.abs(exact).max()
+    closed = solution.status > 0
+    assert np.allclose(solution.pressure[closed], p, rtol=1e-8)
+    assert np.allclose(solution.traction[closed], 0, atol=1e-8 * p)
+
+
+@pytest.mark.parametrize("law", ["st_venant_kirchhoff", "neo_hookean"])
+@pytest.mark.parametrize("cell", ["triangle", "hexahedron"])
+def test_large_strain(cell, law):
+    """Squeezed by 20 %: homogeneous, the pressure is the nominal one."""
+    d = gdim_of(cell)
+    pair = blocks(cell, 2, 2, E=E, nu=0.3, law=law)
+    fixed, values = pushed(pair, range(d - 1), push=0.4)
+    contact = ir.Contact(pair.model, pair.slave, pair.master, prescribed=fixed)
+    s = contact.solve_lagrange(fixed, values, steps=2)
+    closed = s.status > 0
+    # the one-element answer by the same cells, which other tests verify: nominal force per reference area
+    single = blocks(cell, 1, 1, lower=(1,) * d, upper=(1,) * d, E=E, nu=0.3, law=law)
+    alone, held = pushed(single, range(d - 1), push=0.4)
+    both = single.model.solve_static(
+        np.concatenate([alone, [d * n + d - 1 for n in np.flatnonzero(abs(single.model.field_points[:, -1]) < 1e-9)]]),
+        np.concatenate([held, np.full(2**d, -0.2)]),
+        steps=2,
+    )
+    nominal = -both.reactions.reshape(-1, d)[single.model.field_points[:, -1] > 1 - 1e-9, -1].sum()
+    assert nominal > 0.1 * E
+    assert np.allclose(s.pressure[closed], nominal, rtol=1e-8)  # tolerance of the other solver: 1e-10 of the forces
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("degree", [1, 2])
+def test_penalty(cell, degree):
+    """Matching meshes: uniform penetration p / chi. Others: the weak integrals miss by the quadrature error only."""
+    d, chi = gdim_of(cell), 1e8
+    cut = (3,) * (d - 1) + (1,)
+    spread = []
+    for lower in (cut, (2,) * (d - 1) + (1,)):
+        pair = blocks(cell, degree, degree, lower=lower, upper=cut, E=E, nu=0.3)
+        fixed, values = pushed(pair, range(d - 1))
+        s = ir.Contact(pair.model, pair.slave, pair.master).solve_penalty(fixed, values, chi=chi)
+        stress, _ = stresses(pair, s.u)
+        modulus = E / ((1 - 0.3**2) if d == 2 else 1)
+        p = modulus * PUSH / (2 + modulus / chi)
+        assert np.isclose(s.pressure @ s.points.weight, p, rtol=1e-3)
+        assert np.allclose(-chi * s.gap, s.pressure, rtol=1e-12)
+        spread.append(max(np.ptp(s.pressure), np.ptp(stress)) / p)
+        if lower == cut:
+            assert np.allclose(s.gap, -p / chi, rtol=1e-9)
+    assert spread[0] < 1e-9 < 1e-4 < spread[1] < 0.3
+
+
+def test_penalty_augmented():
+    """Uzawa's method drives the penetration to 1e-8 of the size whatever chi."""
+    pair = blocks("quadrilateral", lower=(2, 1), upper=(2, 1), E=E, nu=0.3)
+    fixed, values = pushed(pair, [0])
+    contact = ir.Contact(pair.model, pair.slave, pair.master)
+    s = contact.solve_penalty(fixed, values, chi=2e7, augmented=True)
+    assert s.gap.min() > -2e-8  # the size of the model is 2
+    assert np.allclose(s.pressure, E * PUSH / 2 / (1 - 0.3**2), rtol=1e-5)
+    plain = contact.solve_penalty(fixed, values, chi=2e7)
+    assert plain.gap.min() < -1e-4
