@@ -106,8 +106,8 @@ def test_point_contact_with_a_rigid_sphere(method):
         else:
             s = contact.solve_penalty(fixed, chi=2e5)
         found.append(-s.contact_force[d - 1 :: d].sum() * (4 if d == 3 else 1))
-    # what a half-space gives below the block's depth is missing: u_z of a point force (Boussinesq) there. The rest is the
-    # mesh: ten facets inside a, and three
+    # what a half-space gives below the block's depth is missing: u_z of a point force (Boussinesq) there; the rest is
+    # the mesh: ten facets inside a, and three
     for P, depth, tolerance in ((found[1], 4.0, 0.03), (found[0], 2.0, 0.12)):
         missing = exact * (1 + NU) / (2 * np.pi * E) * (3 - 2 * NU) / depth
         assert np.isclose(P, exact * (1 + missing / delta) ** 1.5, rtol=tolerance)

@@ -46,7 +46,7 @@ def test_partition_of_unity_and_biorthogonality(cell, degree, geometry_degree, b
 @pytest.mark.parametrize("degree, geometry_degree", DEGREES)
 @pytest.mark.parametrize("basis", BASES)
 def test_polynomials_pass_between_flat_meshes(cell, degree, geometry_degree, basis):
-    """D times nodal values on the slave is M times those on the master for polynomials of the space; gamma = area gap."""
+    """D times values on the slave is M times those on the master for polynomials of the space; gamma = area gap."""
     d = gdim_of(cell)
     pair = blocks(cell, degree, geometry_degree, gap=0.05)
     contact = ir.Contact(pair.model, pair.slave, pair.master)

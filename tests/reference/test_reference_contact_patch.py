@@ -7,7 +7,7 @@ from contact_bodies import DEGREES, blocks, gdim_of
 from reference_meshes import CELLS
 
 E, PUSH = 1e6, 0.01
-# Round-off of the stresses: 1e-16 x E x displacement gradient of cells of size 1/4, some 1e-12; the benchmark wants 1e-10.
+# Round-off of stresses: 1e-16 x E x displacement gradient of cells of size 1/4, some 1e-12; the benchmark wants 1e-10.
 EXACT = 1e-10
 
 
