@@ -151,11 +151,11 @@ void impact::bindings::penalty(nb::module_& m)
       .def(
           "__init__",
           [](Pair* self, const Points& points, const Facets& slave, const Facets* master, PenaltyHistory& history,
-             double normal, double tangential, double friction)
-          { new (self) Pair{points, slave, master, {normal, tangential, friction}, history, {}, {}}; },
+             double normal, double tangential, double friction, double touch)
+          { new (self) Pair{points, slave, master, {normal, tangential, friction, touch}, history, {}, {}}; },
           nb::arg("points"), nb::arg("slave"), nb::arg("master").none(), nb::arg("history"), nb::arg("normal"),
-          nb::arg("tangential") = 0.0, nb::arg("friction") = 0.0, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
-          nb::keep_alive<1, 4>(), nb::keep_alive<1, 5>(), "master None: rigid")
+          nb::arg("tangential") = 0.0, nb::arg("friction") = 0.0, nb::arg("touch") = 0.0, nb::keep_alive<1, 2>(),
+          nb::keep_alive<1, 3>(), nb::keep_alive<1, 4>(), nb::keep_alive<1, 5>(), "master None: rigid")
       .def(
           "set_increment",
           [](Pair& self, Values increment, std::array<double, 3> rigid)

@@ -5,7 +5,7 @@ loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
 """
 
 from . import _cpp, forms, theory, verify
-from .contact import ContactPair, ContactStatus, Lagrange, RigidCylinder, RigidPlane, RigidSphere
+from .contact import ContactPair, ContactStatus, Lagrange, Penalty, RigidCylinder, RigidPlane, RigidSphere
 from .jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
@@ -32,6 +32,7 @@ __all__ = [
     "ContactPair",
     "ContactStatus",
     "Lagrange",
+    "Penalty",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",

@@ -106,12 +106,12 @@ class _Path:
         self.loads = [(c, reached) for load in problem.loads for c, reached in load.ramps()]
         self.load_ends = [np.array(c.value) for c, _ in self.loads]
         self.obstacles = [c for c in problem.contact if c.pair.rigid]
-        self.obstacle_starts = [c.geometry.displacement.copy() for c in self.obstacles]
+        self.obstacle_starts = [c.displacement.copy() for c in self.obstacles]
         self.obstacle_ends = [c.pair.master.displacement for c in self.obstacles]
 
     def values(self, fraction):
         """Prescribed displacements at a fraction (an array over all dofs, prescribed entries count)."""
-        return self.start + fraction * (self.target - self.start)
+        return self.target if fraction == 1.0 else self.start + fraction * (self.target - self.start)
 
     def apply(self, fraction):
         """Set loads; returns the displacements of the obstacles."""

@@ -181,9 +181,10 @@ PenaltyState evaluate(const PenaltyPair& pair)
                    pair.history.slip};
   for (std::size_t q = 0; q < p.size(); ++q)
   {
-    const double pressure = pair.history.multiplier[q] - pair.parameters.normal * p.gap[q];
-    if (!(pressure > 0.0))
+    const double trial = pair.history.multiplier[q] - pair.parameters.normal * p.gap[q];
+    if (!(trial > -pair.parameters.touch))
       continue;
+    const double pressure = std::max(trial, 0.0);
     out.pressure[q] = pressure;
     out.status[q] = ContactStatus::slip;
     if (pair.parameters.friction > 0.0)

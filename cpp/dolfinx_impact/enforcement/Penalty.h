@@ -14,6 +14,8 @@ struct PenaltyParameters
   double normal = 0.0;     ///< chi_N, pressure per penetration [F/L^3]
   double tangential = 0.0; ///< chi_T [F/L^3]; not used without friction
   double friction = 0.0;   ///< coefficient [1]
+  /// Points whose pressure would be above minus this are closed, with no pressure: bodies that just touch [F/L^2].
+  double touch = 0.0;
 };
 
 /// What points remember of the last converged state. Plain data: save it, and a run goes on where it was.

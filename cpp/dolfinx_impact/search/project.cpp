@@ -62,6 +62,11 @@ struct Umbrella
 };
 } // namespace
 
+/// How far beside its facet a point may be and keep it, in reference coordinates. Where a penetrating point changes
+/// facets at a kink, its coordinate jumps by penetration times angle over length: a Newton iteration that sees the jump
+/// every time does not converge.
+constexpr double keep_margin = 1e-2;
+
 SurfaceSearch::SurfaceSearch(const surface::Facets& master) : _master(&master)
 {
   bounding_boxes(master, _boxes);
@@ -121,8 +126,8 @@ Projection SurfaceSearch::project(const double* x, const double* slave_normal, d
     return out;
   if (previous >= 0 && previous < std::int32_t(m.size()) && previous != out.facet)
   {
-    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(previous), x, false, 1e-6);
-    if (at.status == ProjectionStatus::converged && at.distance <= best.distance + 1e-5 * _size[previous] &&
+    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(previous), x, false, keep_margin);
+    if (at.status == ProjectionStatus::converged && at.distance <= best.distance + 1e-3 * _size[previous] &&
         at.distance <= reach && faces(previous, at.xi))
     {
       best = at;

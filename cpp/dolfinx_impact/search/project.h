@@ -33,7 +33,7 @@ public:
   /// @param[in] slave_normal normal at x, out of the slave; only facets that face it are considered
   /// @param[in] reach search distance [L]
   /// @param[in] previous facet of the last projection, or -1: kept as long as the point lies over it or beside it by no
-  /// more than 1e-6 in reference coordinates, if no other facet is clearly nearer; so points over a common edge do not
+  /// more than 1e-2 in reference coordinates, if no other facet is clearly nearer; so points over a common edge do not
   /// jump to and fro
   Projection project(const double* x, const double* slave_normal, double reach, std::int32_t previous = -1) const;
 

@@ -2,6 +2,7 @@
 
 from .lagrange import Lagrange
 from .pair import ContactPair, ContactStatus
+from .penalty import Penalty
 from .rigid import RigidCylinder, RigidPlane, RigidSphere
 
-__all__ = ["ContactPair", "ContactStatus", "Lagrange", "RigidCylinder", "RigidPlane", "RigidSphere"]
+__all__ = ["ContactPair", "ContactStatus", "Lagrange", "Penalty", "RigidCylinder", "RigidPlane", "RigidSphere"]

@@ -7,6 +7,8 @@ from petsc4py import PETSc
 
 from .. import _cpp
 from .matrices import NodalSum, global_dofs, matrix, owned_rows
+from .neighbours import Neighbours
+from .size import body_size
 
 
 def _rule(shape, degree):
@@ -47,10 +49,7 @@ class _Geometry:
         self.nodes = np.flatnonzero(owned > 1e-6 * largest)
         self.share = owned[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
-        x = V.mesh.geometry.x
-        box = np.concatenate([np.max(-x, axis=0, initial=-np.inf), np.max(x, axis=0, initial=-np.inf)])
-        self.comm.Allreduce(MPI.IN_PLACE, box, MPI.MAX)
-        self.size = float(np.linalg.norm(box[:3] + box[3:]))
+        self.size = body_size(V.mesh)
         self.tolerance = 1e-12 * self.size
 
     def begin(self, u, displacement):
@@ -154,25 +153,14 @@ class MortarGeometry(_Geometry):
             flat = element.shape != "quadrilateral" and self.slave.geometry.degree == 1
             degree = 2 * element.degree + other.degree + (2 if flat else 4)
         self.points_of_rule, self.weights = _rule("interval" if self.gdim == 2 else "triangle", degree)
-        x = np.concatenate([s.X for s in (self.slave, self.master)])
-        largest = np.max(np.linalg.norm(np.ptp(x, axis=1), axis=-1), initial=0.0)
-        self.reach = self.pair.search_distance or 2.0 * self.comm.allreduce(float(largest), MPI.MAX)
+        self.neighbours = Neighbours(self.pair, V, self.slave, self.master)
         self._matrix = None
-
-    def _reach(self, u):
-        """Facets may have passed through each other by as much as they moved in this increment."""
-        step = np.abs(u - self.start).reshape(-1, self.gdim)
-        nodes = np.unique(np.concatenate([self.slave.nodes.ravel(), self.master.nodes.ravel()]))
-        moved = float(np.max(np.linalg.norm(step[nodes], axis=1), initial=0.0))
-        return max(self.reach, 2.0 * self.comm.allreduce(moved, MPI.MAX))
 
     def update(self, u):
         """Search, segments, mortar integrals, gaps and normals at u. Collective."""
         self._move(u)
-        self.master.move(self.u)
-        reach = self._reach(self.u)
-        self.exchange = _cpp.search.Exchange(self.V._cpp_object, self.slave, self.master, reach)
-        near = self.exchange
+        near = self.neighbours
+        reach = near.update(self.u, self.start)
         self.map = near.map
         num_owned, num_nodes = self.map.size_local, self.map.size_local + self.map.num_ghosts
         self.segments = _cpp.gap.segment(
@@ -246,7 +234,7 @@ class MortarGeometry(_Geometry):
         z[self.nodes[active]] = traction[active]
         force[self.nodes[active]] = (multiplier * self.weight)[active]
         z, force = NodalSum(self.map, self.gdim).forward(z), NodalSum(self.map, 1).forward(force)
-        near = self.exchange
+        near = self.neighbours
         parts = (
             _cpp.gap.sliding_tangent(near.slave, near.master, self.segments, self.mortar, z.ravel()),
             _cpp.gap.turning_tangent(near.slave, self.sums.ravel(), force.ravel()),

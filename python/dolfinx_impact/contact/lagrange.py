@@ -128,11 +128,23 @@ class LagrangeContact(ContactOutput):
         return self.comm.allreduce(int(np.count_nonzero(self.active)))
 
     def violation(self):
-        """Largest gap of an active node, of all ranks [L]. Collective."""
+        """Largest gap of an active node of all ranks, in sizes of the bodies [1]. Collective."""
         held = self.active & self.usable
-        return self.comm.allreduce(float(np.max(np.abs(self.geometry.gap[held]), initial=0.0)), MPI.MAX)
+        largest = self.comm.allreduce(float(np.max(np.abs(self.geometry.gap[held]), initial=0.0)), MPI.MAX)
+        return largest / self.geometry.size
+
+    def refine(self):
+        """Multipliers need no further rounds."""
+        return False
 
     # --- linear system ---------------------------------------------------------------------------------------------
+
+    @property
+    def displacement(self):
+        """Of a rigid master, as reached [L]."""
+        return self.geometry.displacement
+
+    symmetric = True  # what makes it not so is known to the transformation
 
     def constraints(self):
         """Constraints of the active nodes for the linear system."""

@@ -1,0 +1,287 @@
+"""Contact by penalty: Gauss point to surface, exact tangent, friction by return mapping; docs/contact.md."""
+
+import basix
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from .. import _cpp
+from ..materials import _number
+from .matrices import NodalSum, matrix
+from .neighbours import Neighbours
+from .output import ContactOutput
+from .pair import ContactPair
+from .size import body_size
+
+# The automatic penalty is this many times the stiffness per area that the slave's nodes have themselves: penetrations
+# are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
+FACTOR = 10.0
+
+
+class Penalty:
+    """Enforce contact of a pair by a penalty, seed (3.48), corrected.
+
+    Args:
+        pair: ContactPair.
+        penalty: pressure per penetration [F/L^3]; "auto": ten times the stiffness per area of the slave's nodes, from
+            material and mesh. Printed when it is found.
+        tangential: the same along the surface, with friction; None: equal to `penalty` [F/L^3].
+        augmented: repeat each increment with multipliers from the penetrations reached (Uzawa), until the penetration,
+            averaged around each corner of the slave's facets, is below `tolerance` times the size of the bodies.
+        quadrature_degree: on slave facets; None: 2 degree + 2.
+
+    Raises:
+        TypeError, ValueError: a penalty that is no positive number.
+    """
+
+    def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None):
+        if not isinstance(pair, ContactPair):
+            raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
+        self.pair, self.augmented, self.quadrature_degree = pair, bool(augmented), quadrature_degree
+        self.penalty = None if penalty == "auto" else _number("penalty", penalty, 0.0, " [F/L^3]")
+        self.tangential = None if tangential is None else _number("tangential penalty", tangential, 0.0, " [F/L^3]")
+        self.tolerance = _number("tolerance", tolerance, 0.0)
+
+    def _bind(self, problem):
+        return PenaltyContact(self, problem)
+
+
+class PenaltyContact(ContactOutput):
+    """Penalty of one pair in a problem. Points are the quadrature points of this rank's slave facets; see
+    ContactOutput. `penalty` is the one in use [F/L^3]."""
+
+    def __init__(self, spec, problem):
+        self.spec, self.pair, self.problem = spec, spec.pair, problem
+        V = problem.space
+        self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
+        self.slave, self.master = self.pair.surfaces(V)
+        self.size = body_size(V.mesh)
+        element = self.slave.displacement
+        degree = spec.quadrature_degree or 2 * element.degree + 2
+        rule = basix.make_quadrature(getattr(basix.CellType, element.shape), degree)
+        rule = [np.ascontiguousarray(a) for a in rule]
+        self._points = _cpp.penalty.Points(self.slave, *rule, problem.axisymmetric)
+        self.history = _cpp.penalty.PenaltyHistory(self._points)
+        self.neighbours = None if self.pair.rigid else Neighbours(self.pair, V, self.slave, self.master)
+        self.obstacle = self.pair.master._obstacle(self.gdim) if self.pair.rigid else None
+        self.displacement, self.start_displacement = np.zeros(3), np.zeros(3)
+        self.start = np.zeros_like(problem.u.x.array)
+        self.penalty, self.tangential = spec.penalty, spec.tangential
+        corners = _cpp.surface.FacetElement(element.shape, 1)
+        self._hats = np.array([corners.tabulate(*xi)[0] for xi in self._points.xi[: self._points.per_facet]])
+        self._hats = self._hats.reshape(-1, corners.num_nodes)
+        self._sum = NodalSum(V.dofmap.index_map, 1)
+        self.multiplier = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
+        self._status = np.zeros(self._points.size, dtype=np.int8)
+        self.constraints = None  # nothing to condense
+
+    def _automatic(self):
+        """Stiffness per area of the slave's nodes, times FACTOR. Collective."""
+        K = self.problem._tangent.assemble()
+        diagonal = K.getDiagonal()
+        num_owned = self.V.dofmap.index_map.size_local
+        marker = np.zeros(num_owned + self.V.dofmap.index_map.num_ghosts)
+        marker[self.slave.nodes.ravel()] = 1.0
+        nodes = np.flatnonzero(NodalSum(self.V.dofmap.index_map, 1)(marker).ravel()[:num_owned])
+        stiffness = np.abs(diagonal.array.reshape(-1, self.gdim)[nodes]).mean(axis=1).sum()
+        diagonal.destroy()
+        stiffness, area = (self.comm.allreduce(float(v)) for v in (stiffness, np.sum(self._points.weight)))
+        if self.comm.rank == 0:
+            print(f"{self.pair.name}: penalty {FACTOR * stiffness / area:.3e} from material and mesh", flush=True)
+        return FACTOR * stiffness / area
+
+    # --- state of an increment -------------------------------------------------------------------------------------
+
+    def save(self):
+        """State that an increment starts from, as a dict of copies."""
+        h = self.history
+        return {
+            "multiplier": h.multiplier,
+            "traction": h.traction,
+            "slip": h.slip,
+            "corners": self.multiplier.copy(),
+            "start": self.start.copy(),
+            "displacements": (self.start_displacement.copy(), self.displacement.copy()),
+        }
+
+    def restore(self, state):
+        """Back to a saved state."""
+        for name in ("multiplier", "traction", "slip"):
+            setattr(self.history, name, state[name])
+        self.start, self.multiplier = state["start"].copy(), state["corners"].copy()
+        self.start_displacement, self.displacement = (d.copy() for d in state["displacements"])
+
+    def begin(self, u, displacement):
+        """An increment starts at u; a rigid master goes to `displacement` in it."""
+        if self.penalty is None:
+            self.penalty = self._automatic()
+        self.tangential = self.tangential or self.penalty
+        self.start = np.array(u)
+        self._touch = 1e-12 * self.size * self.penalty  # where bodies just touch, round-off must not decide
+        if displacement is not None:
+            self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
+
+    def accept(self):
+        """The increment has converged: tractions and slip are history."""
+        self.history.advance(self._state)
+        self.total()
+
+    def refine(self):
+        """Augment where the surfaces still penetrate; returns whether another round is needed. Collective.
+
+        Multipliers live at the corners of the slave's facets, with piecewise linear functions: one at every quadrature
+        point would be more conditions than the nodes can fulfil. Seed (3.48) with (3.47); Simo and Laursen (1992).
+        """
+        if not self.spec.augmented:
+            return False
+        p, table, corners = self._points, self._hats, self.slave.nodes[:, : self._hats.shape[1]]
+        gap = p.gap.reshape(-1, p.per_facet)
+        weight = np.where(np.isfinite(gap), p.weight.reshape(gap.shape), 0.0)
+        parts = (weight * np.where(np.isfinite(gap), gap, 0.0), weight)
+        sums = []
+        for values in parts:
+            total = np.zeros(len(self.multiplier))
+            np.add.at(total, corners, values @ table)
+            sums.append(self._sum(total).ravel())
+        mean = np.where(sums[1] > 0.0, sums[0] / np.where(sums[1] > 0.0, sums[1], 1.0), np.inf)
+        new = np.maximum(0.0, self.multiplier - self.penalty * mean)
+        change = float(np.max(np.abs(new - self.multiplier), initial=0.0)) / self.penalty
+        if self.comm.allreduce(change, MPI.MAX) <= self.spec.tolerance * self.size:
+            return False
+        self.multiplier = new
+        self.history.multiplier = (new[corners] @ table.T).ravel()
+        return True
+
+    def update(self, u):
+        """Search, gaps and tractions at the displacements u. Collective."""
+        u = np.ascontiguousarray(u)
+        increment = u - self.start
+        if self.pair.rigid:
+            self.slave.move(u)
+            self.obstacle.displacement = self.displacement.tolist()
+            self._points.update_rigid(self.slave, self.obstacle)
+            surfaces = self.slave, None
+        else:
+            near = self.neighbours
+            reach = near.update(u, self.start)
+            self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept)
+            increment = near.exchange.forward(increment)
+            surfaces = near.slave, near.master
+        self._pair = _cpp.penalty.Penalty(
+            self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, self._touch
+        )
+        self._touch = 0.0
+        self._pair.set_increment(increment, (self.displacement - self.start_displacement).tolist())
+        self._state = self._pair.evaluate()
+
+    def switch(self, first):
+        """How many points of all ranks changed their state since the last iteration. Collective."""
+        changed = np.count_nonzero(self._state.status != self._status)
+        self._status = self._state.status
+        return self.comm.allreduce(changed)
+
+    def measure(self, residual):
+        """Nothing: tractions follow from gaps."""
+
+    def violation(self):
+        """Penetrations are part of the method."""
+        return 0.0
+
+    @property
+    def num_active(self):
+        """Points in contact, of all ranks. Collective."""
+        return self.comm.allreduce(int(np.count_nonzero(self._state.status)))
+
+    # --- linear system ---------------------------------------------------------------------------------------------
+
+    def forces(self):
+        """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
+        out = np.zeros_like(self.problem.u.x.array)
+        num_owned = self.gdim * self.V.dofmap.index_map.size_local
+        if self.pair.rigid:
+            self._pair.add_force(self._state, out)
+            return NodalSum(self.V.dofmap.index_map, self.gdim)(out).ravel()[:num_owned]
+        exchange = self.neighbours.exchange
+        values = np.zeros(exchange.size)
+        self._pair.add_force(self._state, values)
+        exchange.reverse(values, out)
+        return out[:num_owned]
+
+    @property
+    def symmetric(self):
+        """Is the tangent symmetric? Not where points slip with friction. Collective."""
+        slips = self.pair.friction > 0.0 and bool(np.any(self._state.status == 2))
+        return self.comm.allreduce(int(slips)) == 0
+
+    def add_stiffness(self, K):
+        """K + derivative of minus the contact force. Collective."""
+        index_map = self.V.dofmap.index_map if self.pair.rigid else self.neighbours.map
+        nodes = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+        entries = self._pair.tangent(self._state, index_map.local_to_global(nodes))
+        contact = matrix(self.comm, self.gdim * index_map.size_local, *entries)
+        total = K.copy()
+        total.axpy(1.0, contact, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        contact.destroy()
+        return total
+
+    # --- results ---------------------------------------------------------------------------------------------------
+
+    @property
+    def points(self):
+        """Current positions, (n, gdim) [L]."""
+        return self._points.x
+
+    @property
+    def gap(self):
+        """Gap, positive open; infinite where there is no master, (n) [L]."""
+        return self._points.gap
+
+    @property
+    def normal(self):
+        """Unit normals out of the master, (n, gdim)."""
+        return self._points.normal
+
+    @property
+    def pressure(self):
+        """Contact pressure per reference area, (n) [F/L^2]."""
+        return self._state.pressure
+
+    @property
+    def traction(self):
+        """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
+        return self._state.traction.reshape(-1, self.gdim)
+
+    @property
+    def slip(self):
+        """Tangential displacement of slave against master, added up while in contact, (n, gdim) [L]."""
+        return self._state.slip.reshape(-1, self.gdim)
+
+    @property
+    def status(self):
+        """ContactStatus numbers, (n)."""
+        return self._state.status
+
+    @property
+    def weight(self):
+        """Area that belongs to each point, (n) [L^2]; a length in 2D."""
+        return self._points.weight
+
+    def covered(self):
+        """Part of each point's area that is in contact: all of it or nothing, (n)."""
+        return (self.status > 0).astype(float)
+
+    def nodal(self, values):
+        """Means of point values at the slave's nodes: (nodes, values); weights are squares of the shape functions."""
+        points, element = self._points, self.slave.displacement
+        table = np.array([element.tabulate(*xi)[0] for xi in points.xi[: points.per_facet]])
+        w = points.weight.reshape(-1, points.per_facet)[:, :, None] * (table**2)[None]
+        values = np.asarray(values, dtype=float)
+        values = values.reshape(-1, points.per_facet, int(np.prod(values.shape[1:])))
+        size = self.V.dofmap.index_map.size_local + self.V.dofmap.index_map.num_ghosts
+        total, weight = np.zeros((size, values.shape[-1])), np.zeros(size)
+        np.add.at(total, self.slave.nodes, np.einsum("fqn,fqv->fnv", w, values))
+        np.add.at(weight, self.slave.nodes, w.sum(axis=1))
+        total = NodalSum(self.V.dofmap.index_map, values.shape[-1])(total)
+        weight = NodalSum(self.V.dofmap.index_map, 1)(weight).ravel()
+        nodes = np.flatnonzero(weight[: self.V.dofmap.index_map.size_local])
+        return nodes, total[nodes] / weight[nodes, None]
