@@ -46,7 +46,7 @@ private:
     std::int32_t left;        ///< children are left and left + 1; 0: a leaf
   };
   static constexpr int max_depth = 64;
-  static constexpr std::int32_t leaf_size = 4;
+  static constexpr std::int32_t leaf_size = 1;
 
   bool overlap(const double* a, const double* b) const;
   double squared_distance(const double* box, const double* x) const;

@@ -1,6 +1,7 @@
 #include "facet_projection.h"
 #include "curve_projection.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -132,6 +133,35 @@ void try_interior(const FacetElement& element, const double* nodes, const double
           std::sqrt(squared_distance(3, nodes, nodes + 3)));
 }
 
+/// Newton's method from nodes and centre, or some of them.
+void try_inside(const FacetElement& element, const double* nodes, const double* point, Starts starts, double margin,
+                FacetProjection& best)
+{
+  const int n = element.num_nodes();
+  std::array<double, 2> at[FacetElement::max_nodes + 1];
+  double squared[FacetElement::max_nodes + 1], x[3];
+  for (int i = 0; i < n; ++i)
+  {
+    at[i] = element.node(i);
+    squared[i] = squared_distance(3, nodes + 3 * i, point);
+  }
+  at[n] = element.centre();
+  position(element, 3, nodes, at[n].data(), x);
+  squared[n] = squared_distance(3, x, point);
+  const int nearest = int(std::min_element(squared, squared + n + 1) - squared);
+  if (starts == Starts::nearest)
+    return try_interior(element, nodes, point, at[nearest].data(), margin, best);
+  for (int i = 0; i <= n; ++i)
+  {
+    bool lowest = true;
+    for (int j = 0; j <= n && lowest; ++j)
+      lowest = starts == Starts::all || squared[i] <= squared[j] ||
+               std::hypot(at[i][0] - at[j][0], at[i][1] - at[j][1]) > 0.75;
+    if (lowest)
+      try_interior(element, nodes, point, at[i].data(), margin, best);
+  }
+}
+
 void try_edge(const FacetElement& element, int gdim, const double* nodes, const double* point, int edge, double margin,
               FacetProjection& best)
 {
@@ -158,33 +188,16 @@ const int* edge_corners(FacetShape shape, int edge)
 }
 
 FacetProjection project_on_facet(const FacetElement& element, int gdim, const double* nodes, const double* point,
-                                 bool one_start, double margin)
+                                 Starts starts, double margin)
 {
   FacetProjection best;
-  const int n = element.num_nodes(), corners = element.num_corners();
+  const int corners = element.num_corners();
   if (element.tdim() == 1)
     try_edge(element, gdim, nodes, point, 0, margin, best);
   else
   {
-    // Start at the node nearest to the point or at the centre; or at all of them.
-    const auto centre = element.centre();
-    double x[3];
-    position(element, 3, nodes, centre.data(), x);
-    double nearest = squared_distance(3, x, point);
-    auto start = centre;
-    if (!one_start)
-      try_interior(element, nodes, point, centre.data(), margin, best);
-    for (int i = 0; i < n; ++i)
-      if (!one_start)
-        try_interior(element, nodes, point, element.node(i).data(), margin, best);
-      else if (const double d = squared_distance(3, nodes + 3 * i, point); d < nearest)
-      {
-        nearest = d;
-        start = element.node(i);
-      }
-    if (one_start)
-      try_interior(element, nodes, point, start.data(), margin, best);
-    if (one_start && best.status == ProjectionStatus::converged)
+    try_inside(element, nodes, point, starts, margin, best);
+    if (starts == Starts::nearest && best.status == ProjectionStatus::converged)
       return best;
     for (int e = 0; e < corners; ++e)
       try_edge(element, gdim, nodes, point, e, 0.0, best);
@@ -199,32 +212,32 @@ FacetProjection project_on_facet(const FacetElement& element, int gdim, const do
   return best;
 }
 
-double convex_distance(const FacetElement& element, int gdim, const double* nodes)
+Bend bend(const FacetElement& element, int gdim, const double* nodes)
 {
   if (element.tdim() == 1) // all roots are found anyway
-    return std::numeric_limits<double>::infinity();
-  const int n = element.num_nodes();
-  double diameter = 0.0, least = std::numeric_limits<double>::infinity(), largest = 0.0, bend = 0.0;
-  for (int i = 0; i < n; ++i)
+    return {0.0, std::numeric_limits<double>::infinity()};
+  // Reference coordinates are scaled so that long facets are judged like square ones.
+  constexpr double origin[3] = {0.0, 0.0, 0.0};
+  double centre[3], g[2], m[3], h[3];
+  position(element, 3, nodes, element.centre().data(), centre);
+  derivatives(element, nodes, element.centre().data(), origin, g, m, h);
+  const double scale[3] = {1.0 / m[0], 1.0 / m[1], 1.0 / std::sqrt(m[0] * m[1])};
+  double radius = 0.0, least = std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (int i = 0; i < element.num_nodes(); ++i)
   {
-    for (int j = 0; j < i; ++j)
-      diameter = std::max(diameter, squared_distance(gdim, nodes + gdim * i, nodes + gdim * j));
-    double g[2], m[3], h[3], squares = 0.0;
+    radius = std::max(radius, squared_distance(gdim, nodes + gdim * i, centre));
+    double squares[3] = {0.0, 0.0, 0.0};
     for (int c = 0; c < 3; ++c)
     {
       const double unit[3] = {c == 0 ? 1.0 : 0.0, c == 1 ? 1.0 : 0.0, c == 2 ? 1.0 : 0.0};
       derivatives(element, nodes, element.node(i).data(), unit, g, m, h);
       for (int k = 0; k < 3; ++k)
-        squares += (k == 2 ? 2 : 1) * (m[k] - h[k]) * (m[k] - h[k]);
+        squares[k] += std::pow(scale[k] * (m[k] - h[k]), 2);
     }
-    bend = std::max(bend, std::sqrt(squares));
-    const double mean = 0.5 * (m[0] + m[1]), radius = std::hypot(0.5 * (m[0] - m[1]), m[2]);
-    least = std::min(least, mean - radius);
-    largest = std::max(largest, mean + radius);
+    largest = std::max(largest, std::sqrt(std::max(squares[0], squares[1])) + std::sqrt(squares[2]));
+    const double mean = 0.5 * (m[0] * scale[0] + m[1] * scale[1]);
+    least = std::min(least, mean - std::hypot(0.5 * (m[0] * scale[0] - m[1] * scale[1]), m[2] * scale[2]));
   }
-  if (bend <= 1e-12 * std::sqrt(largest))
-    return std::numeric_limits<double>::infinity();
-  // |r . x,ab| < the metric's lowest eigenvalue; a half of it for what lies between the nodes.
-  return 0.5 * least / bend - std::sqrt(diameter);
+  return {std::sqrt(radius), largest > 0.0 ? least / largest : std::numeric_limits<double>::infinity()};
 }
 } // namespace impact::search

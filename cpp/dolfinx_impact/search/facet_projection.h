@@ -23,19 +23,38 @@ struct FacetProjection
   double distance = 0.0;         ///< [L]
 };
 
+/// From how many places Newton's method starts on a facet.
+enum class Starts
+{
+  nearest, ///< of nodes and centre: enough where the squared distance is a convex function on the facet
+  lowest,  ///< all nodes that are nearer to the point than those around them
+  all
+};
+
 /// Closest point of a facet: all stationary points of the distance inside (Newton's method with backtracking, from one
-/// start or from many), on the edges (roots of a cubic) and the vertices are compared.
+/// start or from several), on the edges (roots of a cubic) and the vertices are compared.
 /// @param[in] gdim 2 or 3
 /// @param[in] nodes positions of the facet's nodes, nodes[i*gdim + c] [L]
 /// @param[in] point gdim coordinates [L]
-/// @param[in] one_start one start is enough: the squared distance is a convex function on the facet
 /// @param[in] margin points that are outside by less than this in reference coordinates count as inside
 FacetProjection project_on_facet(const surface::FacetElement& element, int gdim, const double* nodes,
-                                 const double* point, bool one_start, double margin = 1e-9);
+                                 const double* point, Starts starts, double margin = 1e-9);
 
-/// The distance of a point to the nearest node below which the squared distance is convex on the facet.
-/// @returns infinity on affine facets, less than zero where the facet is strongly curved
-double convex_distance(const surface::FacetElement& element, int gdim, const double* nodes);
+/// How strongly a facet is curved.
+struct Bend
+{
+  double radius = 0.0; ///< about the centre, of its nodes [L]
+  double length = 0.0; ///< lower bound of the radius of curvature; what bends inside the surface counts, too [L]
+  /// The starts needed for a point at a distance from the facet's centre: with |x_s - x_m| well below `length` the
+  /// second derivatives of the squared distance, metric - (x_s - x_m) . x,ab, are positive definite.
+  Starts starts(double centre_distance) const
+  {
+    const double farthest = centre_distance + radius;
+    return farthest < 0.7 * length ? Starts::nearest : farthest < 1.4 * length ? Starts::lowest : Starts::all;
+  }
+};
+
+Bend bend(const surface::FacetElement& element, int gdim, const double* nodes);
 
 /// Corners at the ends of an edge of a facet of dimension 2; in a facet of dimension 1 edge 0 is the facet.
 const int* edge_corners(surface::FacetShape shape, int edge);

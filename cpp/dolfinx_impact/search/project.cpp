@@ -15,17 +15,15 @@ double dot(const double* a, const double* b, int gdim)
   return sum;
 }
 
-double node_distance(const surface::Facets& facets, std::size_t f, const double* x)
+double centre_distance(const surface::Facets& facets, std::size_t f, const double* x)
 {
-  double least = std::numeric_limits<double>::infinity();
+  double phi[surface::FacetElement::max_nodes], d[3];
+  facets.geometry.values(facets.geometry.centre().data(), phi);
+  std::copy_n(x, facets.gdim, d);
   for (int i = 0; i < facets.geometry.num_nodes(); ++i)
-  {
-    double squared = 0.0;
     for (int c = 0; c < facets.gdim; ++c)
-      squared += std::pow(facets.x_of(f)[i * facets.gdim + c] - x[c], 2);
-    least = std::min(least, squared);
-  }
-  return std::sqrt(least);
+      d[c] -= phi[i] * facets.x_of(f)[i * facets.gdim + c];
+  return std::sqrt(dot(d, d, facets.gdim));
 }
 
 /// Position of a node among the corners of a facet, or -1.
@@ -79,11 +77,11 @@ void SurfaceSearch::update()
   const int gdim = _master->gdim;
   bounding_boxes(*_master, _boxes);
   _tree.refit(_boxes);
-  _convex.resize(_master->size());
+  _bend.resize(_master->size());
   _size.resize(_master->size());
   for (std::size_t f = 0; f < _master->size(); ++f)
   {
-    _convex[f] = convex_distance(_master->geometry, gdim, _master->x_of(f));
+    _bend[f] = bend(_master->geometry, gdim, _master->x_of(f));
     double squared = 0.0;
     for (int c = 0; c < gdim; ++c)
       squared += std::pow(_boxes[2 * gdim * f + gdim + c] - _boxes[2 * gdim * f + c], 2);
@@ -111,8 +109,8 @@ Projection SurfaceSearch::project(const double* x, const double* slave_normal, d
   FacetProjection best;
   const auto visit = [&](std::int32_t f)
   {
-    const bool one_start = _convex[f] > 0.0 && node_distance(m, f, x) <= _convex[f];
-    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(f), x, one_start);
+    const Starts starts = _bend[f].starts(centre_distance(m, f, x));
+    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(f), x, starts);
     if (at.distance <= reach && (out.facet < 0 || better(at, f, best, out.facet)) && faces(f, at.xi))
     {
       best = at;
@@ -126,7 +124,7 @@ Projection SurfaceSearch::project(const double* x, const double* slave_normal, d
     return out;
   if (previous >= 0 && previous < std::int32_t(m.size()) && previous != out.facet)
   {
-    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(previous), x, false, keep_margin);
+    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(previous), x, Starts::all, keep_margin);
     if (at.status == ProjectionStatus::converged && at.distance <= best.distance + 1e-3 * _size[previous] &&
         at.distance <= reach && faces(previous, at.xi))
     {

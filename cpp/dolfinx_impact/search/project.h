@@ -45,7 +45,7 @@ private:
   const surface::Facets* _master;
   BoxTree _tree;
   std::vector<double> _boxes;
-  std::vector<double> _convex; ///< convex_distance of the facets [L]
-  std::vector<double> _size;   ///< diagonals of their boxes [L]
+  std::vector<Bend> _bend;
+  std::vector<double> _size; ///< diagonals of their boxes [L]
 };
 } // namespace impact::search

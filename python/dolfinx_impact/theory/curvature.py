@@ -59,7 +59,7 @@ class RelativeCurvature(Result):
         return (self.A * x**2 + self.B * y**2)[()]
 
     def _figure(self):
-        s = np.linspace(-1, 1, 201) * 0.1 / math.sqrt(max(self.A, self.B, 1e-300)) ** 2
+        s = np.linspace(-1, 1, 201) * 0.1 / max(self.A, self.B)
         return "x, y [L]", "gap [L]", [("along x", s, self.gap(s, 0)), ("along y", s, self.gap(0, s))]
 
 

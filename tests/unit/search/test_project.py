@@ -114,6 +114,21 @@ def test_sign(cell, rng):
             assert np.sign(found["gap"][i]) == np.sign(height), (x[i], found["status"][i])
 
 
+@pytest.mark.parametrize("geometry_degree", (1, 2))
+@pytest.mark.parametrize("cell", CELLS)
+def test_boxes_contain_facets(cell, geometry_degree):
+    """Boxes hold the whole of curved facets, beyond their nodes, and are not much larger."""
+    facets = surface_of(cell, geometry_degree, lambda x: bent(x, 0.6))
+    dim = facets.gdim
+    grid = reference_grid(facets.geometry.shape, 60)
+    shapes = np.array([facets.geometry.tabulate(*xi)[0] for xi in grid])
+    points = np.einsum("qi,fic->fqc", shapes, facets.x)
+    boxes = _cpp.search.bounding_boxes(facets)
+    low, high = points.min(axis=1), points.max(axis=1)
+    assert np.all(boxes[:, :dim] <= low + 1e-15) and np.all(boxes[:, dim:] >= high - 1e-15)
+    assert np.all(boxes[:, dim:] - boxes[:, :dim] < 2.5 * (high - low) + 1e-12)
+
+
 def ridge(rise):
     """Upper side of two cells in the plane: straight from (0, 1) to (0.5, 1 + rise) to (1, 1)."""
 

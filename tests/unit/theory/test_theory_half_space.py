@@ -84,6 +84,24 @@ def test_uniform_pressure_on_a_circle():
     assert u == pytest.approx([2 * 0.91 * 2.0 / 5.0, 4 * 0.91 * 2.0 / (math.pi * 5.0)], rel=1e-4)
 
 
+def test_one_sided_pressure_on_a_strip():
+    """Pressure p (1 + x/a), whose integral of logarithms is elementary: an oracle that is not symmetric."""
+    a, E, nu = 2.0, 3.0, 0.25
+
+    def potential(x):
+        """int (1 + s/a) ln|x - s| ds over the strip: with t = x - s, int (1 + x/a - t/a) ln|t| dt."""
+
+        def upto(t):
+            return (1 + x / a) * t * (math.log(abs(t)) - 1) - t * t / a * (math.log(abs(t)) / 2 - 0.25)
+
+        return upto(x + a) - upto(x - a)
+
+    x = np.array([-3.0, -1.2, 0.7, 1.9, 5.0])
+    expected = [-2 * (1 - nu**2) / (math.pi * E) * 7.0 * (potential(s) - potential(0.0)) for s in x]
+    found = theory.half_plane_displacement(lambda s: 7.0 * (1 + s / a), x, a, E, nu)
+    assert found == pytest.approx(expected, rel=1e-8)  # quad is asked for 1e-10 per piece
+
+
 def test_against_cartesian_quadrature():
     """An unsymmetric pressure, far enough outside for the kernel to be smooth, in the plainest way there is."""
 

@@ -133,6 +133,20 @@ def test_where_bodies_yield_first():
         pytest.approx(0.481, abs=5e-4),
     )
     assert POINT.largest_shear()[0] == pytest.approx(mises / 2, rel=1e-12)  # two equal principal stresses
+    # Body 1 is meant unless told otherwise.
+    two = theory.hertz_line(1.0, 1.0, np.inf, 1.0, 0.4, 1.0, 0.1)
+    assert two.largest_shear() == two.largest_shear(1) != two.largest_shear(2)
+    assert two.largest_mises() == two.largest_mises(1) != two.largest_mises(2)
+    two = theory.hertz_point(1.0, 1.0, np.inf, 1.0, 0.4, 1.0, 0.1)
+    assert two.largest_shear() == two.largest_shear(1) != two.largest_shear(2)
+    assert two.largest_mises() == two.largest_mises(1) != two.largest_mises(2)
+    assert two.stress(0.1) == two.stress(0.1, 1) != two.stress(0.1, 2)
+    # The search goes as deep as the contact asks for, whatever the unit of length.
+    for unit in (1e-6, 1e6):
+        line = theory.hertz_line(1.0, unit, np.inf, 1.0 / unit, 0.3, np.inf, 0.3)
+        assert line.largest_shear()[1] == pytest.approx(0.7862 * line.half_width, rel=1e-4)
+        point = theory.hertz_point(1.0, unit, np.inf, 1.0 / unit**2, 0.3, np.inf, 0.3)
+        assert point.largest_shear()[1] == pytest.approx(0.481 * point.a, rel=1e-3)
     # Without lateral contraction a line contact is sheared most at its surface, across the plane.
     flat = theory.hertz_line(1.0, 1.0, np.inf, 1.0, 0.0, 1.0, 0.0)
     assert flat.largest_shear() == (pytest.approx(flat.peak_pressure / 2, rel=1e-14), 0.0)

@@ -27,6 +27,19 @@ def test_every_function_is_in_the_table():
         assert "[" in inspect.getdoc(getattr(theory, name)), f"{name} states no units"
 
 
+AXES = {"[L]": (0, 1), "[F/L²]": (1, -2), "[F]": (1, 0), "[T]": (0, 0), "[L/T]": (0, 1), "[1]": (0, 0)}
+
+
+def assert_same_picture(before, after, force, length):
+    """Curves scale as the units in the labels of their axes say."""
+    scales = [in_units(1.0, AXES[label[label.rindex("[") :]], force, length) for label in before[:2]]
+    assert before[:2] == after[:2] and len(before[2]) == len(after[2]) > 0
+    for old, new in zip(before[2], after[2]):
+        for scale, x, y in zip(scales, old[1:], new[1:]):
+            # Edges of contact: a root there makes 1e-8 of round-off, and infinite slopes.
+            assert np.asarray(y) == pytest.approx(scale * np.asarray(x), rel=1e-6, abs=1e-6 * np.max(np.abs(y)))
+
+
 @pytest.mark.parametrize("name", CALLS)
 @pytest.mark.parametrize("force, length", [(1e3, 1.0), (1.0, 1e-3), (0.2248, 1 / 25.4)])
 def test_any_consistent_units(name, force, length):
@@ -41,6 +54,7 @@ def test_any_consistent_units(name, force, length):
     for attribute, dimension in attributes.items():
         expected = in_units(getattr(before, attribute), dimension, force, length)
         assert getattr(after, attribute) == pytest.approx(expected, **same), attribute
+    assert_same_picture(before._figure(), after._figure(), force, length)
     for field, dimension in fields.items():
         where = np.array([0.3, 1.7, 60.0])  # somewhere inside and outside, as the case may be
         expected = [in_units(v, dimension, force, length) for v in getattr(before, field)(where)]
