@@ -1,5 +1,6 @@
 #include "contact_solve.h"
 #include <algorithm>
+#include <map>
 
 namespace impact::reference
 {
@@ -9,7 +10,8 @@ class PenaltySolver
 {
 public:
   PenaltySolver(const detail::System& system, const Rule& rule, double chi, double chi_t, const ContactOptions& options)
-      : system_(system), rule_(rule), chi_(chi), chi_t_(chi_t), options_(options)
+      : system_(system), rule_(rule), chi_(chi), chi_t_(chi_t), options_(options),
+        corners_(corner_functions(system.pair_.slave, rule))
   {
   }
 
@@ -17,20 +19,63 @@ public:
   bool step(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
   {
     const ContactHistory before = state.history; // of the last step, not of the last round
+    if (state.multiplier.size() == 0)
+      state.multiplier = Vector::Zero(corners_.cols());
     solution.iterations.push_back(0);
     solution.residuals.push_back(0);
     for (int round = 0; round < 500; ++round)
     {
       if (not equilibrium(pair, state, target, before, solution))
         return false;
-      if (not options_.augmented or solution.points.gap.minCoeff() >= -1e-8 * pair.size())
+      if (not options_.augmented)
         return true;
-      state.multiplier = solution.points.pressure;
+      const Vector next = augment(solution.points, state.multiplier);
+      if ((next - state.multiplier).lpNorm<Eigen::Infinity>() < 1e-8 * chi_ * pair.size())
+        return true;
+      state.multiplier = next;
     }
     return false;
   }
 
 private:
+  // Linear functions of the corners at every slave point: rows points, columns corners.
+  static Eigen::SparseMatrix<double> corner_functions(const Surface& slave, const Rule& rule)
+  {
+    std::map<std::int64_t, int> number;
+    for (const Facet& facet : slave.facets)
+      for (auto vertex : facet.vertices)
+        number.try_emplace(vertex, int(number.size()));
+    Entries entries;
+    int point = 0;
+    for (const Facet& facet : slave.facets)
+      for (int q = 0; q < rule.weights.size(); ++q, ++point)
+      {
+        const Local xi{rule.points(q, 0), slave.tdim() == 2 ? rule.points(q, 1) : 0};
+        const auto f = facet_functions<double>(slave.type, 1, xi);
+        for (std::size_t v = 0; v < facet.vertices.size(); ++v)
+          entries.emplace_back(point, number.at(facet.vertices[v]), f.N[v]);
+      }
+    Eigen::SparseMatrix<double> result(point, number.size());
+    result.setFromTriplets(entries.begin(), entries.end());
+    return result;
+  }
+
+  // Uzawa's step: the corners' multipliers grow with the mean penetration around them. Points without master do not
+  // count; a corner that has no other loses its multiplier.
+  Vector augment(const ContactPoints& points, const Vector& multiplier) const
+  {
+    Vector weight = points.weight, gap = points.gap;
+    for (int q = 0; q < gap.size(); ++q)
+      if (not std::isfinite(gap(q)))
+        weight(q) = gap(q) = 0;
+    const Vector sum = corners_.transpose() * weight, mean = corners_.transpose() * weight.cwiseProduct(gap);
+    Vector next = Vector::Zero(sum.size());
+    for (int c = 0; c < sum.size(); ++c)
+      if (sum(c) > 0)
+        next(c) = std::max(0.0, multiplier(c) - chi_ * mean(c) / sum(c));
+    return next;
+  }
+
   bool equilibrium(const ContactPair& pair, ContactState& state, const detail::Target& target,
                    const ContactHistory& before, ContactSolution& solution)
   {
@@ -64,9 +109,10 @@ private:
   {
     Vector change = system_.missing(state.u, target.values);
     double correction = std::numeric_limits<double>::infinity();
+    const Vector lambda = corners_ * state.multiplier;
     for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
     {
-      const Penalty contact = penalty(pair, rule_, state.u, chi_, chi_t, before, state.multiplier);
+      const Penalty contact = penalty(pair, rule_, state.u, chi_, chi_t, before, lambda);
       const Vector internal = system_.internal_force(state.u);
       const Vector residual = target.load + contact.force - internal;
       const double scale = internal.norm() + target.load.norm() + contact.force.norm();
@@ -107,6 +153,7 @@ private:
   const Rule& rule_;
   double chi_, chi_t_;
   const ContactOptions& options_;
+  Eigen::SparseMatrix<double> corners_;
 };
 } // namespace
 

@@ -129,11 +129,4 @@ ContactSolution march(const System& system, const ContactState& start, const Con
   return solution;
 }
 } // namespace detail
-
-ContactState at_rest(const ContactPair& pair, std::int64_t num_points)
-{
-  const std::int64_t n = pair.model.num_dofs();
-  return {Vector::Zero(n), Vector::Zero(n), no_history(pair, num_points), Vector::Zero(num_points),
-          Matrix::Zero(pair.model.field().points.rows(), pair.model.gdim())};
-}
 } // namespace impact::reference

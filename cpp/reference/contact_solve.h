@@ -19,7 +19,7 @@ struct ContactOptions
   int steps = 1;            ///< equal steps from the state before; one that fails is halved, up to eight times
   int max_iterations = 60;  ///< of Newton's method in a step
   double tolerance = 1e-12; ///< on the residual over the forces, or on the correction over the displacement
-  bool augmented = false;   ///< Uzawa's method on the pressures of the penalty method
+  bool augmented = false;   ///< Uzawa's method on multipliers at the corners of the slave's facets
 };
 
 /// A converged state; another analysis may start from it.
@@ -28,7 +28,7 @@ struct ContactState
   Vector u;               ///< [L]
   Vector load;            ///< [F]
   ContactHistory history; ///< of this state
-  Vector multiplier;      ///< lambda_q of the augmented method, per point [F/L^2]
+  Vector multiplier;      ///< of the augmented method, per corner of the slave's facets; empty before the first step
   Matrix z;               ///< multipliers of the mortar method (num_nodes, gdim) [F/L^2]
 };
 
@@ -44,9 +44,6 @@ struct ContactSolution
   Vector pressure, gap; ///< gap +infinity where no multiplier lives
   std::vector<ContactStatus> status;
 };
-
-/// State before anything was loaded.
-ContactState at_rest(const ContactPair& pair, std::int64_t num_points);
 
 /// Penalty method: Newton's method with the full tangent and sparse LU.
 /// @param rule of the model's cells, `contact_rule` of the slave's facets

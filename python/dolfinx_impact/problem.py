@@ -183,10 +183,12 @@ class StaticProblem:
 
     def _solve(self, K, residual, jump, transformation):
         """One linear solution and the update of u; returns what went wrong, or None."""
-        for contact in self.contact:
-            K = contact.add_stiffness(K)
         b, x = self._b, self._x
         b.array[:] = -residual
+        for contact in self.contact:
+            K, force = contact.add_stiffness(K)
+            if force is not None:
+                b.array[:] -= force
         pinned = self._fixed
         x.set(0.0)
         x.array[self._fixed] = jump

@@ -256,7 +256,7 @@ class Contact:
         h, nodes = self.no_history(), len(self.model.field_points)
         load = np.zeros(self.model.num_dofs)
         z = np.zeros((nodes, self.gdim))
-        return (h.u, load, h.u, h.displacement, h.traction, h.slip, np.zeros(self.num_points), z)
+        return (h.u, load, h.u, h.displacement, h.traction, h.slip, np.zeros(0), z)
 
     def _loads(self, fixed_dofs, values, load):
         fixed = _integers(fixed_dofs, "fixed_dofs", 1)
@@ -280,7 +280,8 @@ class Contact:
         """Equilibrium by the penalty method; returns a ContactSolution.
 
         Prescribed values, load and the obstacle's displacement go linearly from the state `start` (an earlier
-        solution; at rest by default) to what is given here, in `steps` steps. RuntimeError if Newton's method fails.
+        solution; at rest by default) to what is given here, in `steps` steps. augmented: Uzawa's method with linear
+        multipliers on the facets. RuntimeError if Newton's method fails.
         """
         if chi is None or not chi > 0 or (chi_t is not None and not chi_t > 0):
             raise ValueError(f"penalties must be positive, found chi = {chi!r}, chi_t = {chi_t!r}")

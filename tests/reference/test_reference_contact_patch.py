@@ -107,6 +107,28 @@ def test_inclined_interface(cell, degree):
     assert np.allclose(solution.traction[closed], 0, atol=1e-8 * p)
 
 
+@pytest.mark.parametrize("hypothesis", ["plane_stress", "axisymmetric"])
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("method", ["lagrange", "penalty"])
+def test_hypotheses(hypothesis, cell, degree, method):
+    """Uniaxial stress again; in axisymmetric problems the force is that on the whole disc, pi times the pressure."""
+    pair = blocks(cell, degree, 1, E=E, nu=0.3, hypothesis=hypothesis)
+    fixed, values = pushed(pair, [0])
+    contact = ir.Contact(pair.model, pair.slave, pair.master, prescribed=fixed)
+    if method == "lagrange":
+        s = contact.solve_lagrange(fixed, values)
+        stress, _ = pair.model.stress(s.u)
+        assert np.allclose(stress[..., 1], -E * PUSH / 2, rtol=EXACT)
+        assert np.allclose(s.pressure[s.status > 0], E * PUSH / 2, rtol=EXACT)
+    else:
+        s = contact.solve_penalty(fixed, values, chi=1e10)
+    area = np.pi if hypothesis == "axisymmetric" else 1
+    # penalty: E / (2 chi) = 5e-5 softer
+    force = np.abs(s.contact_force.reshape(-1, 2)[:, 1]).sum() / 2
+    assert np.isclose(force, area * E * PUSH / 2, rtol=1e-9 if method == "lagrange" else 1e-3)
+
+
 @pytest.mark.parametrize("law", ["st_venant_kirchhoff", "neo_hookean"])
 @pytest.mark.parametrize("cell", ["triangle", "hexahedron"])
 def test_large_strain(cell, law):
@@ -152,13 +174,22 @@ def test_penalty(cell, degree):
     assert spread[0] < 1e-9 < 1e-4 < spread[1] < 0.3
 
 
-def test_penalty_augmented():
-    """Uzawa's method drives the penetration to 1e-8 of the size whatever chi."""
-    pair = blocks("quadrilateral", lower=(2, 1), upper=(2, 1), E=E, nu=0.3)
-    fixed, values = pushed(pair, [0])
+@pytest.mark.parametrize("cell", CELLS)
+def test_penalty_augmented(cell):
+    """Uzawa's method with linear multipliers: the pressure without penetration whatever chi, on matching meshes."""
+    d = gdim_of(cell)
+    cut = (2,) * (d - 1) + (1,)
+    pair = blocks(cell, lower=cut, upper=cut, E=E, nu=0.3)
+    fixed, values = pushed(pair, range(d - 1))
     contact = ir.Contact(pair.model, pair.slave, pair.master)
-    s = contact.solve_penalty(fixed, values, chi=2e7, augmented=True)
-    assert s.gap.min() > -2e-8  # the size of the model is 2
-    assert np.allclose(s.pressure, E * PUSH / 2 / (1 - 0.3**2), rtol=1e-5)
-    plain = contact.solve_penalty(fixed, values, chi=2e7)
-    assert plain.gap.min() < -1e-4
+    exact = E * PUSH / 2 / ((1 - 0.3**2) if d == 2 else 1)
+    for chi in (2e7, 1e8):
+        s = contact.solve_penalty(fixed, values, chi=chi, augmented=True)
+        # multipliers change by less than 1e-8 of the size 2 in the end: 2e-8 / 5e-3 of the displacement
+        assert np.abs(s.gap).max() < 2.5e-8
+        assert np.allclose(s.pressure, exact, rtol=1e-5)
+        plain = contact.solve_penalty(fixed, values, chi=chi)
+        assert plain.gap.min() < -4e-5
+    # the state keeps its multipliers: nothing is left to do in a second step without loads
+    again = contact.solve_penalty(fixed, values, chi=1e8, augmented=True, start=s)
+    assert np.allclose(again.u, s.u, atol=1e-8) and sum(again.iterations) <= 2

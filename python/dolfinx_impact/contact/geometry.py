@@ -63,6 +63,25 @@ class _Geometry:
         self.slave.move(u)
         self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
 
+    def springs(self, rows, blocks):
+        """Matrix of springs between nodes and what they face on the master. Collective.
+
+        Args:
+            rows: of the nodes. blocks: (len(rows), gdim, gdim) stiffness [F/L].
+        """
+        pointers, columns, values = self.master_rows(rows)
+        own = self.index_map.local_to_global(self.nodes[rows].astype(np.int32))
+        parts = []
+        for i in range(len(rows)):
+            part = slice(pointers[i], pointers[i + 1])
+            nodes = np.concatenate([own[i : i + 1], columns[part]])
+            jump = np.concatenate([[1.0], -values[part]])
+            dofs = (self.gdim * nodes[:, None] + np.arange(self.gdim)).ravel()
+            block = np.kron(np.outer(jump, jump), blocks[i])
+            parts.append((np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs)), block.ravel()))
+        entries = [np.concatenate([p[i] for p in parts]) if parts else np.empty(0) for i in range(3)]
+        return matrix(self.comm, self.gdim * self.index_map.size_local, *entries)
+
     def covered(self, pressure, active):
         """Part of each node's area that is in contact, (n), 0..1. Collective.
 

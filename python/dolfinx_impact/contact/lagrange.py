@@ -2,6 +2,7 @@
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from . import condense
 from .geometry import MortarGeometry, RigidGeometry
@@ -161,9 +162,34 @@ class LagrangeContact(ContactOutput):
         )
 
     def add_stiffness(self, K):
-        """Geometric stiffness of the contact forces, added to K; returns K or a matrix in its place. Collective."""
+        """Geometric stiffness of the contact forces, and of turning slips, added to K. Collective.
+
+        Returns:
+            K or a matrix in its place; force (array over owned dofs) to take from the right-hand side, or None.
+        """
         self.stiffness = self.geometry.diagonal_stiffness(K)
-        return self.geometry.add_stiffness(K, self.multiplier, self.traction, self.active & self.usable)
+        K = self.geometry.add_stiffness(K, self.multiplier, self.traction, self.active & self.usable)
+        if self.gdim == 2 or not self.comm.allreduce(int(np.any(self.sliding))):
+            return K, None
+        # Where a point slips its traction turns with the slip: across the traction's direction, Newton's method sees a
+        # spring of the friction bound over the slip (return mapping t = bound trial / |trial|, linearised).
+        rows = np.flatnonzero(self.sliding & self.active & self.usable)
+        weight, slip = self.geometry.weight[rows], self.geometry.slip()[rows]
+        c = self.stiffness[rows] / weight
+        bound = self.pair.friction * np.maximum(self.multiplier[rows], 0.0)
+        size = np.linalg.norm(self.friction_traction[rows] - c[:, None] * slip, axis=1)
+        spring = np.minimum(bound * c / np.maximum(size - bound, 1e-3 * bound + 1e-300), 1e3 * c)
+        along = self._normal_direction()[rows]
+        across = np.eye(self.gdim) - np.einsum("na,nb->nab", along, along)
+        across -= np.einsum("na,nb->nab", self.direction[rows], self.direction[rows])
+        blocks = spring[:, None, None] * across
+        traction = np.zeros((len(self.nodes), self.gdim))
+        traction[rows] = np.einsum("nab,nb->na", blocks, slip)
+        springs = self.geometry.springs(rows, weight[:, None, None] * blocks)
+        total = K.copy()
+        total.axpy(1.0, springs, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        springs.destroy()
+        return total, self.geometry.forces(traction)
 
     # --- results ---------------------------------------------------------------------------------------------------
 

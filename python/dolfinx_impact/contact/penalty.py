@@ -214,7 +214,7 @@ class PenaltyContact(ContactOutput):
         return self.comm.allreduce(int(slips)) == 0
 
     def add_stiffness(self, K):
-        """K + derivative of minus the contact force. Collective."""
+        """K + derivative of minus the contact force, and no force besides. Collective."""
         index_map = self.V.dofmap.index_map if self.pair.rigid else self.neighbours.map
         nodes = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
         entries = self._pair.tangent(self._state, index_map.local_to_global(nodes))
@@ -222,7 +222,7 @@ class PenaltyContact(ContactOutput):
         total = K.copy()
         total.axpy(1.0, contact, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         contact.destroy()
-        return total
+        return total, None
 
     # --- results ---------------------------------------------------------------------------------------------------
 
