@@ -96,8 +96,8 @@ def pressure_beside(pressure, low, high, cells, degree):
 def test_narrower_block(cell, degree, swap):
     """P-5: the upper block ends inside facets of the lower one, on the rest of which the same pressure is a load.
 
-    Not exact with a wider slave of degree 2: over the covered part of a facet the integral of a quadratic shape function
-    may be negative, then its node has no multiplier, and on that facet the others do not contain the constants.
+    Not exact with a wider slave of degree 2: over the covered part of a facet a quadratic shape function may have a
+    negative integral; its node then has no multiplier, and those left on that facet do not contain the constants.
     """
     dim = CELLS[cell]
     strains = free_sides(dim, 0.3, STRAIN)
