@@ -131,7 +131,7 @@ class StaticProblem:
             Increment; its `fault` says why it did not converge.
         """
         result, comm, fixed = Increment(), self.space.mesh.comm, self._fixed
-        scale, inner, round_start = 0.0, 0.0, 0
+        scale, inner, noise, round_start = 0.0, 0.0, 0.0, 0
         for iteration in itertools.count():
             b = self._assemble_residual()
             residual = b.array.copy()
@@ -160,7 +160,8 @@ class StaticProblem:
             result.add(norm, sizes, changes)
             log.iteration(iteration, norm, max(scale, inner), sizes, changes)
             settled = iteration > 0 or not self.contact
-            if moved and settled and changes == 0 and violation < 1e-11 and norm <= max(atol, rtol * max(scale, inner)):
+            small = norm <= max(atol, noise, rtol * max(scale, inner))
+            if moved and settled and changes == 0 and violation < 1e-11 and small:
                 if not any([c.refine() for c in self.contact]):
                     return result.converged()
                 round_start = iteration
@@ -173,6 +174,7 @@ class StaticProblem:
                     return result.failed(loose, hopeless=True)
             K = self._tangent.assemble()
             inner = max(inner, self._tangent_force(K))
+            noise = self._round_off(K)
             # While the active set moves, three digits are enough; afterwards, what is still asked for.
             enough = 0.3 * max(atol, rtol * max(scale, inner)) / norm if norm > 0 else 1e-10
             fault = self._solve(K, residual, jump, transformation, 1e-3 if changes else enough if moved else 1e-10)
@@ -239,6 +241,13 @@ class StaticProblem:
         product.destroy()
         forces[self._fixed] = 0.0
         return self._norm(forces)
+
+    def _round_off(self, K):
+        """Norm of the round-off in the residual [F]: a stiff body's forces cancel to it wherever it moves as a whole."""
+        diagonal = K.getDiagonal()
+        forces = diagonal.array * self.u.x.array[: self._num_owned]
+        diagonal.destroy()
+        return 4 * np.finfo(float).eps * self._norm(forces)
 
     # --- load steps ------------------------------------------------------------------------------------------------
 
