@@ -243,7 +243,7 @@ class StaticProblem:
         return self._norm(forces)
 
     def _round_off(self, K):
-        """Norm of the round-off in the residual [F]: a stiff body's forces cancel to it wherever it moves as a whole."""
+        """Norm of the round-off in the residual [F]: a stiff body's forces cancel to it wherever it moves."""
         diagonal = K.getDiagonal()
         forces = diagonal.array * self.u.x.array[: self._num_owned]
         diagonal.destroy()
