@@ -4,6 +4,7 @@ import basix
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
+from scipy.spatial import cKDTree
 
 from .. import _cpp
 from ..materials import _number
@@ -13,7 +14,7 @@ from .output import ContactOutput
 from .pair import ContactPair
 from .size import body_size
 
-# The automatic penalty is this many times the stiffness per area that the slave's nodes have themselves: penetrations
+# The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
 FACTOR = 10.0
 
@@ -23,8 +24,8 @@ class Penalty:
 
     Args:
         pair: ContactPair.
-        penalty: pressure per penetration [F/L^3]; "auto": ten times the stiffness per area of the slave's nodes, from
-            material and mesh. Printed when it is found.
+        penalty: pressure per penetration [F/L^3]; "auto": ten times the stiffness per area of the nodes of the softer
+            surface where its facets are smallest, from material and mesh. Printed when it is found.
         tangential: the same along the surface, with friction; None: equal to `penalty` [F/L^3].
         augmented: repeat each increment with multipliers from the penetrations reached (Uzawa), until the penetration,
             averaged around each corner of the slave's facets, is below `tolerance` times the size of the bodies.
@@ -59,8 +60,8 @@ class PenaltyContact(ContactOutput):
         element = self.slave.displacement
         degree = spec.quadrature_degree or 2 * element.degree + 2
         rule = basix.make_quadrature(getattr(basix.CellType, element.shape), degree)
-        rule = [np.ascontiguousarray(a) for a in rule]
-        self._points = _cpp.penalty.Points(self.slave, *rule, problem.axisymmetric)
+        self._rule = [np.ascontiguousarray(a) for a in rule]
+        self._points = _cpp.penalty.Points(self.slave, *self._rule, problem.axisymmetric)
         self.history = _cpp.penalty.PenaltyHistory(self._points)
         self.neighbours = None if self.pair.rigid else Neighbours(self.pair, V, self.slave, self.master)
         self.obstacle = self.pair.master._obstacle(self.gdim) if self.pair.rigid else None
@@ -76,19 +77,30 @@ class PenaltyContact(ContactOutput):
         self.constraints = None  # nothing to condense
 
     def _automatic(self):
-        """Stiffness per area of the slave's nodes, times FACTOR. Collective."""
-        K = self.problem._tangent.assemble()
-        diagonal = K.getDiagonal()
-        num_owned = self.V.dofmap.index_map.size_local
-        marker = np.zeros(num_owned + self.V.dofmap.index_map.num_ghosts)
-        marker[self.slave.nodes.ravel()] = 1.0
-        nodes = np.flatnonzero(NodalSum(self.V.dofmap.index_map, 1)(marker).ravel()[:num_owned])
-        stiffness = np.abs(diagonal.array.reshape(-1, self.gdim)[nodes]).mean(axis=1).sum()
+        """Stiffness per area of the softer surface's nodes where its facets are smallest, times FACTOR. Collective."""
+        diagonal = self.problem._tangent.assemble().getDiagonal()
+        stiffness = np.zeros(len(self.multiplier))
+        stiffness[: self.V.dofmap.index_map.size_local] = np.abs(diagonal.array.reshape(-1, self.gdim)).mean(axis=1)
         diagonal.destroy()
-        stiffness, area = (self.comm.allreduce(float(v)) for v in (stiffness, np.sum(self._points.weight)))
+        stiffness = self._sum.forward(stiffness).ravel()
+        surfaces = [(self.slave, self._points)]
+        if not self.pair.rigid:
+            surfaces.append((self.master, _cpp.penalty.Points(self.master, *self._rule, self.problem.axisymmetric)))
+        penalty = FACTOR * min(self._per_area(stiffness, *s) for s in surfaces)
         if self.comm.rank == 0:
-            print(f"{self.pair.name}: penalty {FACTOR * stiffness / area:.3e} from material and mesh", flush=True)
-        return FACTOR * stiffness / area
+            print(f"{self.pair.name}: penalty {penalty:.3e} from material and mesh", flush=True)
+        return penalty
+
+    def _per_area(self, stiffness, surface, points):
+        """Largest stiffness per area of a facet: that of its nodes, times the surface's nodes per facet [F/L^3].
+        Collective."""
+        marker = np.zeros(len(self.multiplier))
+        marker[surface.nodes.ravel()] = 1.0
+        num_nodes = np.count_nonzero(self._sum(marker).ravel()[: self.V.dofmap.index_map.size_local])
+        area = np.asarray(points.weight).reshape(-1, points.per_facet).sum(axis=1)
+        num_nodes, num_facets = (self.comm.allreduce(n) for n in (num_nodes, len(area)))
+        largest = np.max(stiffness[surface.nodes].mean(axis=1) / area, initial=0.0)
+        return self.comm.allreduce(float(largest), MPI.MAX) * num_nodes / num_facets
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
@@ -223,6 +235,25 @@ class PenaltyContact(ContactOutput):
         total.axpy(1.0, contact, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         contact.destroy()
         return total, None
+
+    def held_rows(self, rows):
+        """What touching points hold, for held.free_motions: the slave's nodes stand for the points."""
+        touching = np.unique(np.flatnonzero(self._state.status) // self._points.per_facet)
+        nodes = self.slave.nodes[touching].ravel()
+        normals = self._points.normal.reshape(-1, self._points.per_facet, self.gdim)[touching, 0]
+        normals = np.repeat(normals, self.slave.nodes.shape[1], axis=0)
+        directions = [normals]
+        if self.pair.friction > 0.0:
+            directions = [np.tile(e, (len(nodes), 1)) for e in np.eye(self.gdim)]
+        slave = [rows(nodes, d) for d in directions]
+        if self.pair.rigid or len(nodes) == 0:
+            return slave
+        master = np.unique(self.master.nodes.ravel())
+        if len(master) == 0:
+            return slave
+        x = self.V.tabulate_dof_coordinates()
+        nearest = master[cKDTree(x[master]).query(x[nodes])[1]]
+        return [s + rows(nearest, d, -1.0) for s, d in zip(slave, directions)]
 
     # --- results ---------------------------------------------------------------------------------------------------
 
