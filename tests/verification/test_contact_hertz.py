@@ -63,22 +63,29 @@ def test_rigid_cylinder(cell, degree):
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_penalty(degree):
-    """With the penalty that is chosen by itself; points at the rim where the surfaces overlap: wider by a facet."""
+    """With the penalty that is chosen by itself: measured peak 0.1 %, width within a third of a facet. At the points of
+    straight facets the pressure follows their distance from the circle: 5 % in L2, on curved ones 0.4 %."""
     model = Round("quadrilateral", degree, 0.1 * degree, 6.0 * degree, di.Penalty, "displacement")
     steps = model.solve(steps=4)
     errors = model.errors()
     report(f"penalty, degree {degree}", model, errors, steps)
-    assert -PEAK < errors.peak < 0.0  # softer than a contact: measured -1.3 %
-    assert errors.pressure < PRESSURE and 0.0 < errors.width < 0.1
+    assert abs(errors.peak) < 0.005 and abs(errors.width) < 0.1
+    assert errors.pressure < (0.07 if degree == 1 else 0.01)
 
 
-def test_augmented_penalty_has_no_such_error():
-    method = functools.partial(di.Penalty, augmented=True)
-    model = Round("quadrilateral", 1, 0.1, 6.0, method, "displacement")
-    steps = model.solve(steps=1)
-    errors = model.errors()
-    report("augmented", model, errors, steps)
-    assert abs(errors.peak) < 0.005 and abs(errors.width) < 0.02 and errors.pressure < PRESSURE
+def test_soft_penalty_and_augmentation():
+    """A penalty of 10 E per half-width lowers the peak by 1.3 % and widens the contact by a third of a facet; augmented
+    it does neither."""
+    found = []
+    for augmented in (False, True):
+        method = functools.partial(di.Penalty, penalty=10 * E, augmented=augmented)
+        model = Round("quadrilateral", 1, 0.1, 6.0, method, "displacement")
+        steps = model.solve(steps=1)
+        found.append(model.errors())
+        report(f"augmented: {augmented}", model, found[-1], steps)
+    soft, augmented = found
+    assert -PEAK < soft.peak < -0.01 and 0.0 < soft.width < 0.1 and soft.pressure < PRESSURE
+    assert abs(augmented.peak) < 0.005 and abs(augmented.width) < 0.02 and augmented.pressure < PRESSURE
 
 
 def test_nafems_cylinder():
