@@ -13,8 +13,8 @@ PLANE = di.RigidPlane((0, 0), (0, 1))
 class Bar:
     """A bar on a rough plane, guided from above so that the pressure is even; `contact` is checked after every pull.
 
-    Friction acts on its underside, half the height away from the pull: at 1/67 of the slip length that is worth 0.3 % of
-    the displacements (measured: it goes with the height).
+    Friction acts on its underside, half the height away from the pull: at 1/67 of the slip length that is worth 0.3 %
+    of the displacements (measured: it goes with the height).
     """
 
     def __init__(self, method, num):

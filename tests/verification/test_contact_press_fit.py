@@ -60,7 +60,7 @@ def test_straight_facets(method):
 @pytest.mark.parametrize("method", ["Lagrange", "Penalty"])
 @pytest.mark.parametrize("degree", [1, 2])
 def test_ring_on_a_rigid_shaft(method, degree):
-    """Section of the ring in (r, z), held between rigid plates: a plane r = const is a rigid cylinder; weights 2 pi r."""
+    """Section of the ring in (r, z), held between rigid plates: a plane r = const is a rigid cylinder."""
     exact = di.theory.press_fit(INTERFERENCE, RADIUS, OUTER, np.inf, NU, E, NU, hypothesis="plane_strain")
     steel, size = di.LinearElastic(E, NU, hypothesis="axisymmetric"), (OUTER - RADIUS, 10.0)
     m = Model("block", steel, degree, size=size, cells=(25, 5), origin=(RADIUS, 0.0))
