@@ -55,7 +55,7 @@ def test_quadratic_convergence(method, degree):
 @pytest.mark.parametrize("method", ["Lagrange", "Penalty"])
 def test_with_friction(method):
     """The law holds at the end of a large sliding path, and friction makes the block stiffer."""
-    _, problem, report = pressed(method, 1, friction=0.1, steps=20)
+    _, problem, report = pressed(method, 1, friction=0.1, steps=10)
     contact = problem.contact[0]
     assert_coulomb(contact)
     assert np.any(contact.status == di.ContactStatus.stick) and np.any(contact.status == di.ContactStatus.slip)

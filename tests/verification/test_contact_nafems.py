@@ -85,10 +85,7 @@ def rounded_punch(method, degree, friction=0.0):
     return m, contact
 
 
-CASES = [("Lagrange", 1), ("Lagrange", 2), ("Penalty", 1)]
-
-
-@pytest.mark.parametrize("method, degree", CASES)
+@pytest.mark.parametrize("method, degree", [("Lagrange", 1), ("Lagrange", 2), ("Penalty", 1)])
 def test_rounded_punch(method, degree):
     """Sinking of the centre against -0.1340 of a fine mesh (published: -0.13073); contact to r = 40.4 mm."""
     m, contact = rounded_punch(method, degree)
@@ -99,7 +96,7 @@ def test_rounded_punch(method, degree):
     assert np.interp(5.0, *_sorted(r, contact.pressure)) == pytest.approx(87.3, rel=0.03)
 
 
-@pytest.mark.parametrize("method, degree", CASES)
+@pytest.mark.parametrize("method, degree", [("Lagrange", 1), ("Penalty", 1)])
 def test_rounded_punch_with_friction(method, degree):
     """Friction 0.1: the centre sinks 2.15 um less (both sources), and sticks to r = 17 mm."""
     smooth, _ = rounded_punch(method, degree)
