@@ -18,6 +18,9 @@ FILES = {
         "wheel_on_rail_3d.bp",
     ),
     "block_own_form": ("block.bp", "block_own_form.png"),
+    "hertz_cylinder": (
+        "convergence.csv", "convergence.h5", "hertz_cylinder.bp", "hertz_cylinder.png", "pressure.csv", "pressure.h5",
+    ),
     "rolling_disc": ("rim.csv", "rim.h5", "rolling_disc.bp", "rolling_disc.png"),
 }  # fmt: skip
 
