@@ -22,7 +22,8 @@ struct Facets
   /// +1 if the facet's own normal (tangent turned clockwise in the plane, a_1 x a_2 in space) points out of the body,
   /// else -1.
   std::vector<std::int8_t> orientation;
-  /// One number per facet, the same on all ranks: 8 * global cell + local facet.
+  /// One number per facet: 8 * number of the cell in the mesh's input + local facet. It depends neither on the ranks
+  /// nor on their number, so ties that it decides do not either.
   std::vector<std::int64_t> id;
 
   std::size_t size() const { return orientation.size(); }

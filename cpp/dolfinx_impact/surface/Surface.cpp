@@ -151,8 +151,7 @@ Facets make_surface(const FunctionSpace& V, std::span<const std::int32_t> facets
         out.X.push_back(x);
       }
     out.orientation.push_back(orientation(out.geometry, gdim, out.X.data() + first, centre));
-    const std::int64_t global = cell_map->local_range()[0] + c;
-    out.id.push_back(8 * global + local);
+    out.id.push_back(8 * topology->original_cell_index[0][c] + local);
   }
   out.x = out.X;
   return out;
