@@ -83,7 +83,7 @@ public:
       covered += area;
       sums.push_back(sum(slave, us, plane, master, um));
     }
-    if (covered >= 1e-6 * size)
+    if (covered >= 1e-2 * size)
       combine(slave, sums);
   }
 

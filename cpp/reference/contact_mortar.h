@@ -22,7 +22,7 @@ struct MortarNode
   NodalVector gamma;  ///< int psi_j (x_s - x_m) dA_0
   NodalVector moved;  ///< sum D_jk du_k - sum M_jl du_l since the last converged state
   NodalVector normal; ///< out of the master
-  bool takes_part() const { return D > 1e-6 * area; }
+  bool takes_part() const { return D > 1e-2 * area; }
 };
 
 struct Mortar

@@ -13,6 +13,7 @@ class Increment:
     """Iterations of one attempt at an increment."""
 
     fault: str = "not finished"
+    hopeless: bool = False  # a smaller increment would not help
     residual_norms: list = field(default_factory=list)
     active_set_sizes: list = field(default_factory=list)
     changes: list = field(default_factory=list)
@@ -26,8 +27,8 @@ class Increment:
         self.fault = ""
         return self
 
-    def failed(self, fault):
-        self.fault = fault
+    def failed(self, fault, hopeless=False):
+        self.fault, self.hopeless = fault, hopeless
         return self
 
     @property
@@ -150,6 +151,9 @@ def run_steps(problem, steps, rtol, atol, max_iterations, cut_backs, verbose):
         problem.u.x.array[:] = good
         for contact, state in zip(problem.contact, states):
             contact.restore(state)
+        if increment.hopeless:
+            path.finish(done)
+            raise RuntimeError(increment.fault)
         if halved == cut_backs:
             path.finish(done)
             where = f" (reached {done:.4f} of the way)" if done > 0 else ""

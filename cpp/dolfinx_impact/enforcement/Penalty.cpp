@@ -183,7 +183,10 @@ PenaltyState evaluate(const PenaltyPair& pair)
   {
     const double trial = pair.history.multiplier[q] - pair.parameters.normal * p.gap[q];
     if (!(trial > -pair.parameters.touch))
+    {
+      std::fill_n(out.slip.data() + q * gdim, gdim, 0.0); // an open point forgets
       continue;
+    }
     const double pressure = std::max(trial, 0.0);
     out.pressure[q] = pressure;
     out.status[q] = ContactStatus::slip;

@@ -33,7 +33,8 @@ FrictionResult evaluate(const Friction& p)
   for (int c = 0; c < p.gdim; ++c)
     out.trial[c] = scale * turned[c] - p.stiffness * s[c];
   const double trial = std::sqrt(dot(out.trial, out.trial, p.gdim)), limit = p.coefficient * p.pressure;
-  out.slips = trial > limit;
+  // A point that slipped in the last step begins this one at its limit: round-off must not make it slip on.
+  out.slips = trial > limit * (1.0 + 1e-12);
   for (int c = 0; c < p.gdim; ++c)
   {
     out.traction[c] = out.slips ? limit * out.trial[c] / trial : out.trial[c];

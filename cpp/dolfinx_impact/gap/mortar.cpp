@@ -91,7 +91,7 @@ Mortar mortar(const Facets& slave, const Facets& master, const Segments& segment
       }
     }
     const std::int32_t* nodes = slave.nodes_of(s);
-    if (segments.covered[s] < 1e-6)
+    if (segments.covered[s] < 1e-2)
     {
       std::fill(out.psi.begin() + first * n, out.psi.begin() + last * n, 0.0);
       first = last;

@@ -118,8 +118,8 @@ class Transformation:
         identity = start + np.flatnonzero(keep)
         right.append((identity, identity, np.ones(len(identity))))
         left.append((identity, identity, np.ones(len(identity))))
-        self.right = matrix(comm, num_owned, *_flat(right))
-        self.left = self.right if self.symmetric else matrix(comm, num_owned, *_flat(left))
+        self.right = matrix(comm, num_owned, *_flat(right), gdim)
+        self.left = self.right if self.symmetric else matrix(comm, num_owned, *_flat(left), gdim)
 
     def residual(self, values):
         """T_L^T times a nodal residual, zero where the equations are those of multipliers. Collective."""

@@ -4,6 +4,7 @@ import basix
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
+from scipy.spatial import cKDTree
 
 from .. import _cpp
 from .matrices import NodalSum, global_dofs, matrix, owned_rows
@@ -43,11 +44,15 @@ class _Geometry:
         full = np.zeros(len(self.sum._vector.array))
         np.add.at(full, self.slave.nodes.ravel(), mortar.share)
         share = self.sum(full).ravel()
+        area = np.bincount(self.whole.slave, weights=self.whole.weight, minlength=self.slave.size)
+        around = np.zeros(len(full))
+        np.add.at(around, self.slave.nodes, area[:, None])
+        around = self.sum(around).ravel()
         owned = share[: self.index_map.size_local]
         largest = self.comm.allreduce(float(np.max(share, initial=0.0)), MPI.MAX)
         # On quadratic triangles the shares of the corners vanish: the multipliers live at the midpoints of the edges.
         self.nodes = np.flatnonzero(owned > 1e-6 * largest)
-        self.share = owned[self.nodes]
+        self.share, self.area = owned[self.nodes], around[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)
         self.tolerance = 1e-12 * self.size
@@ -110,6 +115,10 @@ class _Geometry:
         ratio = pressure * count / np.where(total > 0, total, 1.0)
         part = np.clip((ratio - 0.07) / 0.51, 0.0, 1.0)
         return np.where((on_rim > 0) & (total > 0), part, 1.0) * active
+
+    def jump_rows(self, rows, held, directions):
+        """Rows of relative displacements of nodes along directions over rigid motions (held.free_motions)."""
+        return rows(self.nodes[held], directions)
 
     def diagonal_stiffness(self, K):
         """Mean diagonal entry of each slave node's block [F/L]."""
@@ -197,7 +206,7 @@ class MortarGeometry(_Geometry):
         self.sums = vectors(sums)
         self.normal = self._nodal_normals(self.sums[self.nodes])
         self.weight = weight[self.nodes]
-        self.participates = self.weight > 1e-6 * self.share
+        self.participates = self.weight > 1e-2 * self.area
         self.gap = np.full(len(self.nodes), np.inf)
         on = self.participates
         self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.weight[on]
@@ -211,7 +220,7 @@ class MortarGeometry(_Geometry):
         normals = sums / np.linalg.norm(sums, axis=1)[:, None]
         free = np.where(self.fixed, 0.0, normals)
         length = np.linalg.norm(free, axis=1)
-        usable = length > 1e-3
+        usable = length > np.sqrt(0.5)  # a body held across its surface keeps its normal
         return np.where(usable[:, None], free / np.where(usable, length, 1.0)[:, None], normals)
 
     def _over_master(self, values):
@@ -269,6 +278,20 @@ class MortarGeometry(_Geometry):
     def _global(self, dofs):
         nodes = self.map.local_to_global((dofs // self.gdim).astype(np.int32))
         return self.gdim * nodes + dofs % self.gdim
+
+    def jump_rows(self, rows, held, directions):
+        """Rows of relative displacements of nodes along directions over rigid motions (held.free_motions).
+
+        Near a slave node its master moves like the master's nearest known node: enough for a yes or no.
+        """
+        slave = rows(self.nodes[held], directions)
+        master = np.unique(self.master.nodes.ravel())
+        if len(held) == 0:
+            return slave
+        if len(master) == 0:  # the master is on other ranks: it counts as held, the linear solver has the last word
+            return slave
+        nearest = master[cKDTree(self.rest[master]).query(self.rest[self.nodes[held]])[1]]
+        return slave + rows(nearest, directions, -1.0)
 
     def forces(self, traction):
         """Nodal forces on slave and master, array over owned dofs [F]. Collective."""

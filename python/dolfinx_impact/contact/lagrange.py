@@ -31,7 +31,7 @@ class LagrangeContact(ContactOutput):
     """Multipliers of one pair in a problem. Points are the slave's nodes that this rank owns; see ContactOutput."""
 
     def __init__(self, spec, problem):
-        self.pair, self.comm = spec.pair, problem.space.mesh.comm
+        self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
         geometry = RigidGeometry if self.pair.rigid else MortarGeometry
         self.geometry = geometry(spec, problem.space, problem.axisymmetric, problem.fixed)
         self.nodes, self.gdim = self.geometry.nodes, self.geometry.gdim
@@ -175,7 +175,8 @@ class LagrangeContact(ContactOutput):
             K or a matrix in its place; force (array over owned dofs) to take from the right-hand side, or None.
         """
         self.stiffness = self.geometry.diagonal_stiffness(K)
-        K = self.geometry.add_stiffness(K, self.multiplier, self.traction, self.active & self.usable)
+        if self.pair.rigid or self.problem.exact_tangent:
+            K = self.geometry.add_stiffness(K, self.multiplier, self.traction, self.active & self.usable)
         if self.gdim == 2 or not self.comm.allreduce(int(np.any(self.sliding))):
             return K, None
         # Where a point slips its traction turns with the slip: across the traction's direction, Newton's method sees a
@@ -197,6 +198,14 @@ class LagrangeContact(ContactOutput):
         total.axpy(1.0, springs, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         springs.destroy()
         return total, self.geometry.forces(traction)
+
+    def held_rows(self, rows):
+        """What active nodes hold, for held.free_motions: one array of rows per kind of constraint."""
+        held = np.flatnonzero(self.active & self.usable)
+        directions = [self.geometry.normal]
+        if self.pair.friction > 0.0:
+            directions = [np.tile(e, (len(self.nodes), 1)) for e in np.eye(self.gdim)]
+        return [self.geometry.jump_rows(rows, held, d[held]) for d in directions]
 
     # --- results ---------------------------------------------------------------------------------------------------
 

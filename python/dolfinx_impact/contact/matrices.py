@@ -7,15 +7,15 @@ from petsc4py import PETSc
 from .. import _cpp
 
 
-def matrix(comm, num_owned, rows, cols, values, num_owned_columns=None):
-    """Matrix whose entries any rank may give; equal places add up. Collective.
+def matrix(comm, num_owned, rows, cols, values, block=1):
+    """Square matrix whose entries any rank may give; equal places add up. Collective.
 
     Args:
-        num_owned, num_owned_columns: rows and columns this rank owns. rows, cols: global numbers. values: entries.
+        num_owned: rows and columns of this rank. rows, cols: global numbers. values: entries. block: size of blocks.
     """
-    columns = num_owned if num_owned_columns is None else num_owned_columns
     A = PETSc.Mat().create(comm)
-    A.setSizes(((num_owned, PETSc.DETERMINE), (columns, PETSc.DETERMINE)))
+    A.setSizes(((num_owned, PETSc.DETERMINE), (num_owned, PETSc.DETERMINE)))
+    A.setBlockSize(block)
     A.setType(PETSc.Mat.Type.AIJ)
     integers = (np.ascontiguousarray(np.ravel(a), dtype=np.int64) for a in (rows, cols))
     _cpp.linear.add_triplets(A, *integers, np.ascontiguousarray(np.ravel(values), dtype=np.float64))

@@ -4,6 +4,7 @@ import basix
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
+from scipy.spatial import cKDTree
 
 from .. import _cpp
 from ..materials import _number
@@ -234,6 +235,25 @@ class PenaltyContact(ContactOutput):
         total.axpy(1.0, contact, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         contact.destroy()
         return total, None
+
+    def held_rows(self, rows):
+        """What touching points hold, for held.free_motions: the slave's nodes stand for the points."""
+        touching = np.unique(np.flatnonzero(self._state.status) // self._points.per_facet)
+        nodes = self.slave.nodes[touching].ravel()
+        normals = self._points.normal.reshape(-1, self._points.per_facet, self.gdim)[touching, 0]
+        normals = np.repeat(normals, self.slave.nodes.shape[1], axis=0)
+        directions = [normals]
+        if self.pair.friction > 0.0:
+            directions = [np.tile(e, (len(nodes), 1)) for e in np.eye(self.gdim)]
+        slave = [rows(nodes, d) for d in directions]
+        if self.pair.rigid or len(nodes) == 0:
+            return slave
+        master = np.unique(self.master.nodes.ravel())
+        if len(master) == 0:
+            return slave
+        x = self.V.tabulate_dof_coordinates()
+        nearest = master[cKDTree(x[master]).query(x[nodes])[1]]
+        return [s + rows(nearest, d, -1.0) for s, d in zip(slave, directions)]
 
     # --- results ---------------------------------------------------------------------------------------------------
 
