@@ -178,7 +178,7 @@ PenaltyState evaluate(const PenaltyPair& pair)
   const int gdim = p.gdim;
   PenaltyState out{std::vector<ContactStatus>(p.size(), ContactStatus::open), std::vector<double>(p.size(), 0.0),
                    std::vector<double>(p.size() * gdim, 0.0), std::vector<double>(p.size() * gdim, 0.0),
-                   std::vector<double>(p.size() * gdim, 0.0)};
+                   pair.history.slip};
   for (std::size_t q = 0; q < p.size(); ++q)
   {
     const double trial = pair.history.multiplier[q] - pair.parameters.normal * p.gap[q];
@@ -198,7 +198,7 @@ PenaltyState evaluate(const PenaltyPair& pair)
       out.status[q] = result.slips ? ContactStatus::slip : ContactStatus::stick;
       std::copy_n(result.traction, gdim, out.tangential.data() + q * gdim);
       for (int c = 0; c < gdim; ++c)
-        out.slip[q * gdim + c] = pair.history.slip[q * gdim + c] + result.slip[c];
+        out.slip[q * gdim + c] += result.slip[c];
     }
     for (int c = 0; c < gdim; ++c)
       out.traction[q * gdim + c] = pressure * p.normal[q * gdim + c] + out.tangential[q * gdim + c];

@@ -40,7 +40,7 @@ struct PenaltyState
   std::vector<double> pressure;   ///< [F/L^2]
   std::vector<double> tangential; ///< tangential traction on the slave [F/L^2]
   std::vector<double> traction;   ///< the whole traction on the slave: pressure * normal + tangential [F/L^2]
-  std::vector<double> slip;       ///< the history's slip and this step's; an open point forgets [L]
+  std::vector<double> slip;       ///< the history's slip and this step's [L]
 };
 
 /// The pair in its present configuration. All refer to arrays that live elsewhere.

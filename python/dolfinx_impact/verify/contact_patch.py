@@ -13,7 +13,7 @@ from .contact_bodies import rule
 
 TOLERANCE = 1e-10
 REASON = "round-off of projections, times body size over gap"
-TURNING = 1e-9
+TURNING = 1e-8
 PENALTY, TANGENTIAL = 3.0, 2.0
 
 
@@ -148,8 +148,8 @@ def mortar(report, body, name, seed):
     z[nodes[on]] = rng.uniform(-1, 1, (on.sum(), body.gdim))
     answer = theirs.mortar(body.to_theirs(u), multipliers=body.nodal_to_theirs(z), history=history)
     _matrices(rows, body, ours, answer)
-    # At nodes that may carry a multiplier: at corners of curved or partly covered quadratic triangles, where int phi is
-    # small and of either sign, ours never does, the other side's does where it is positive.
+    # At nodes that would carry a multiplier if the whole slave were covered. At corners of quadratic triangles int phi
+    # is small, of either sign: where facets are covered in part the other side may count one in, ours never does.
     rows("participates", on, body.nodal_to_ours(answer.participates)[nodes])
     normals = body.nodal_to_ours(answer.normals)[nodes]
     rows("normals", ours.normal, normals)
