@@ -1,7 +1,7 @@
 # The commands a person types. Every one enters the environment by env/run, which makes what is missing.
 SHELL := /bin/sh
 RUN := env/run
-DEMO ?= wheel_on_rail
+DEMO ?= wheel_contact
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help

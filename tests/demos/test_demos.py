@@ -17,6 +17,7 @@ FILES = {
         "axis.csv", "axis.h5", "two_solvers.png", "wheel_on_rail_2d.png", "wheel_on_rail_3d.png", "wheel_on_rail_2d.bp",
         "wheel_on_rail_3d.bp",
     ),
+    "wheel_contact": ("points.csv", "points.h5", "wheel_contact.bp", "wheel_contact.png"),
     "block_own_form": ("block.bp", "block_own_form.png"),
     "hertz_cylinder": (
         "convergence.csv", "convergence.h5", "hertz_cylinder.bp", "hertz_cylinder.png", "pressure.csv", "pressure.h5",
