@@ -76,6 +76,23 @@ double area(const Polygon& p)
   return twice / 2;
 }
 
+/// Centroid of a polygon with an area.
+Point centroid(const Polygon& p)
+{
+  double sum = 0.0;
+  Point first{0.0, 0.0};
+  const Point& o = p.corners[0];
+  for (int i = 2; i < p.size; ++i)
+  {
+    const Point &a = p.corners[i - 1], &b = p.corners[i];
+    const double twice = (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+    sum += twice;
+    for (int c = 0; c < 2; ++c)
+      first[c] += twice * (a[c] + b[c] - 2 * o[c]) / 3;
+  }
+  return {o[0] + first[0] / sum, o[1] + first[1] / sum};
+}
+
 /// Corners of a facet on the plane, counter-clockwise (in 2D: increasing).
 Polygon outline(const Facets& facets, std::size_t f, const Plane& plane)
 {
@@ -116,14 +133,16 @@ Polygon intersect(const Polygon& clip, const Polygon& subject)
   return in;
 }
 
-/// Reference coordinates whose point projects on y, by Newton's method (one step on affine facets).
+/// Reference coordinates whose point projects on y, by Newton's method (one step on affine facets). They may lie a little
+/// outside where an edge is curved: polygons are those of the corners, so that neighbours leave no slit between them.
 bool invert(const Facets& facets, std::size_t f, const Plane& plane, const Point& y, double* xi, FacetPoint& point)
 {
   const auto centre = facets.geometry.centre();
   xi[0] = centre[0];
   xi[1] = centre[1];
   const int dim = facets.gdim - 1;
-  for (int iteration = 0; iteration < 30; ++iteration)
+  double step = 1.0;
+  for (int iteration = 0; iteration < 30 && !(step < 1e-14); ++iteration)
   {
     point = surface::evaluate(facets, f, facets.x_of(f), xi);
     const Point at = plane.project(point.x);
@@ -146,14 +165,12 @@ bool invert(const Facets& facets, std::size_t f, const Plane& plane, const Point
     }
     xi[0] += d[0];
     xi[1] += d[1];
-    const double step = std::abs(d[0]) + std::abs(d[1]);
+    step = std::abs(d[0]) + std::abs(d[1]);
     if (!(step < 10.0)) // far outside, or not a number
       return false;
-    if (step < 1e-14)
-      break;
   }
   point = surface::evaluate(facets, f, facets.x_of(f), xi);
-  return facets.geometry.inside(xi, 1e-6);
+  return step < 1e-9 && facets.geometry.inside(xi, 1.0);
 }
 
 /// Area projected on the plane per reference area: the facet's own times the cosine between the normals.
@@ -253,10 +270,7 @@ Segments segment(const Facets& slave, const Facets& master, std::span<const std:
       const Polygon common = intersect(mine, theirs);
       if (common.size < 3 || area(common) < 1e-12 * area(mine))
         continue;
-      Point middle{0.0, 0.0};
-      for (int i = 0; i < common.size; ++i)
-        for (int c = 0; c < 2; ++c)
-          middle[c] += common.corners[i][c] / common.size;
+      const Point middle = centroid(common);
       for (int i = 0; i < common.size; ++i)
         collector.add(s, m, plane, middle, common.corners[i], common.corners[(i + 1) % common.size]);
     }

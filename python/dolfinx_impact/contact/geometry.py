@@ -2,7 +2,6 @@
 
 import basix
 import numpy as np
-from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
@@ -49,9 +48,9 @@ class _Geometry:
         np.add.at(around, self.slave.nodes, area[:, None])
         around = self.sum(around).ravel()
         owned = share[: self.index_map.size_local]
-        largest = self.comm.allreduce(float(np.max(share, initial=0.0)), MPI.MAX)
-        # On quadratic triangles the shares of the corners vanish: the multipliers live at the midpoints of the edges.
-        self.nodes = np.flatnonzero(owned > 1e-6 * largest)
+        # On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
+        # multipliers live at the midpoints of the edges.
+        self.nodes = np.flatnonzero(owned > 1e-2 * around[: len(owned)])
         self.share, self.area = owned[self.nodes], around[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)

@@ -120,6 +120,8 @@ class LagrangeContact(ContactOutput):
         ] * np.where(self.sliding[:, None], self.geometry.slip(), 0.0)
         size = np.linalg.norm(trial, axis=1)
         slips = held & (size > bound * (1 + 1e-10))
+        # What slipped and would now slip the other way comes to rest first, or it might go to and fro for ever.
+        slips &= ~(self.sliding & (np.einsum("na,na->n", trial, self.direction) < 0.0))
         self.direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
         self.sliding = np.where(held, slips, self.sliding)
 
@@ -129,10 +131,15 @@ class LagrangeContact(ContactOutput):
         return self.comm.allreduce(int(np.count_nonzero(self.active)))
 
     def violation(self):
-        """Largest gap of an active node of all ranks, in sizes of the bodies [1]. Collective."""
+        """Largest gap of an active node, or slip of one that sticks, of all ranks, in sizes of the bodies [1].
+        Collective."""
         held = self.active & self.usable
-        largest = self.comm.allreduce(float(np.max(np.abs(self.geometry.gap[held]), initial=0.0)), MPI.MAX)
-        return largest / self.geometry.size
+        largest = float(np.max(np.abs(self.geometry.gap[held]), initial=0.0))
+        if self.pair.friction > 0.0:
+            stuck = held & ~self.sliding
+            slip = np.einsum("nad,na->nd", self.frames[stuck], self.geometry.slip()[stuck])
+            largest = max(largest, float(np.max(np.abs(slip[~self.fixed[stuck]]), initial=0.0)))
+        return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
 
     def refine(self):
         """Multipliers need no further rounds."""

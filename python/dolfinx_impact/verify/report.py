@@ -4,7 +4,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "ranks", "user")
+LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "ranks", "user")
 
 
 @dataclass

@@ -5,10 +5,10 @@ import sys
 from pathlib import Path
 
 from ..forms import registry
-from . import catalogue, derivative, element, html, operator, order, ranks, solution, spectrum, user_form
+from . import catalogue, contact, derivative, element, html, operator, order, ranks, solution, spectrum, user_form
 from .report import Report
 
-LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "ranks")
+LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "ranks")
 
 
 def cross_check(
@@ -44,6 +44,7 @@ def cross_check(
         ("solution", solution),
         ("spectrum", spectrum),
         ("derivative", derivative),
+        ("contact", contact),
     ):
         if level in levels:
             module.run(report, progress)
@@ -118,6 +119,7 @@ def _run(report, args):
         ("solution", solution),
         ("spectrum", spectrum),
         ("derivative", derivative),
+        ("contact", contact),
     ):
         if level in args.levels:
             print(f"level {level}", file=sys.stderr)

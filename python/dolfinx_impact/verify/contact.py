@@ -1,0 +1,52 @@
+"""Level contact: gaps, forces, tangents and mortar integrals on random facing patches, then whole solutions."""
+
+import numpy as np
+
+from . import contact_patch, contact_static
+from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
+
+CASES = (
+    ("triangle", "plane_strain"),
+    ("quadrilateral", "plane_strain"),
+    ("quadrilateral", "axisymmetric"),
+    ("tetrahedron", "3d"),
+    ("hexahedron", "3d"),
+)
+FRICTION = 0.5
+OFFSET = 0.5  # of axisymmetric bodies from the axis
+
+
+def run(report, progress=True):
+    """Add the rows of this level."""
+    for cell, hypothesis in CASES:
+        for degree in (1, 2):
+            if not report.wants(cell, degree):
+                continue
+            for geometry_degree in (1, 2):
+                patches(report, cell, hypothesis, degree, geometry_degree)
+    contact_static.run(report)
+
+
+def patches(report, cell, hypothesis, degree, geometry_degree, seed=1):
+    """Rows of one kind of element: a deformable master, and rigid ones."""
+    body = random_patch(cell, hypothesis, degree, geometry_degree, seed)
+    contact_patch.penalty(report, body, "deformable master", seed)
+    contact_patch.mortar(report, body, "deformable master", seed)
+    rigid = obstacles(body.gdim, OFFSET if hypothesis == "axisymmetric" else 0.0)
+    if hypothesis == "axisymmetric":  # a sphere has its centre on the axis, a cylinder would be a torus
+        rigid = rigid[:1]
+    for name, *pair in rigid:
+        body.rigid = pair
+        contact_patch.penalty(report, body, name, seed)
+        contact_patch.nodes_on_obstacle(report, body, name, seed)
+
+
+def random_patch(cell, hypothesis, degree, geometry_degree, seed):
+    """Two bodies whose nodes are moved at random; the slave reaches over the master's edge by more than a facet."""
+    dim = 2 if facet_of(cell) == "interval" else 3
+    lower, upper = ((4, 2), (4, 1)) if dim == 2 else ((2, 2, 1), (3, 1, 1))
+    domain, tags = two_bodies(cell, lower, upper, geometry_degree, start=(0.45, 0.15), length=(0.9, 0.7))
+    roughen(domain, np.random.default_rng(seed), 0.02)
+    if hypothesis == "axisymmetric":
+        domain.geometry.x[:, 0] += OFFSET
+    return TwoBodies(domain, tags, degree, steel(hypothesis), FRICTION)

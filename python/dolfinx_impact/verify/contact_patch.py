@@ -1,0 +1,220 @@
+"""Level contact, a state given: what the two sides make of the same displacements, penalties and multipliers."""
+
+import impact_reference
+import numpy as np
+from dolfinx import fem
+from petsc4py import PETSc
+from scipy.sparse import coo_matrix
+
+from .. import _cpp, contact
+from ..problem import StaticProblem
+from . import bodies
+from .contact_bodies import rule
+
+TOLERANCE = 1e-10
+REASON = "round-off of projections, times body size over gap"
+TURNING = 1e-8
+PENALTY, TANGENTIAL = 3.0, 2.0
+
+
+class Rows:
+    """Adds the rows of one body and one kind of master to a report."""
+
+    def __init__(self, report, body, name):
+        self.report, self.body, self.name = report, body, name
+
+    def __call__(self, form, ours, theirs, tolerance=TOLERANCE, reason=REASON, remark=""):
+        """Arrays are compared entry by entry, against the largest entry."""
+        body = self.body
+        ours, theirs = np.asarray(ours, dtype=float), np.asarray(theirs, dtype=float)
+        if ours.shape != theirs.shape:
+            difference, note = np.inf, f"UFL side {ours.shape} values, hand-written side {theirs.shape}"
+        elif not np.any(theirs):
+            difference, note = np.max(np.abs(ours), initial=0.0), "all values of the hand-written side are zero"
+        else:
+            error = np.where(np.isnan(ours - theirs), np.inf, np.abs(ours - theirs))
+            k = np.unravel_index(np.argmax(error), error.shape)
+            difference = error[k] / np.max(np.abs(theirs))
+            note = f"entry {[int(i) for i in k]}: UFL {ours[k]:.15g}, hand-written {theirs[k]:.15g}"
+        element = (body.cell, body.degree, body.geometry_degree, body.hypothesis)
+        self.report.add("contact", f"contact.{form}", *element, difference, tolerance, reason, self.name, note + remark)
+
+
+def displacements(body, seed):
+    """Two random states near each other: the last converged one, and one; the surfaces partly penetrate in both."""
+    rng = np.random.default_rng([seed, 1])
+    start, step = (0.02 * rng.uniform(-1, 1, len(body.u.x.array)) for _ in range(2))
+    return start, start + 0.2 * step
+
+
+def bind(body, method, bcs=()):
+    """Our contact in a problem of its own."""
+    return StaticProblem(body.u, body.material, bcs=bcs, contact=[method]).contact[0]
+
+
+def begin(body, ours, start, moved):
+    """Our side at the start of an increment in which a rigid master goes to `moved`."""
+    ours.begin(start, np.pad(moved, (0, 3 - body.gdim)) if body.rigid else None)
+    if body.rigid:
+        body.rigid[1].displacement = moved
+
+
+def same_points(body, ours, theirs):
+    """Numbers of their quadrature points at ours, by reference positions: to be called before ours has moved."""
+    return bodies.matched(ours.points, theirs.closest_points(np.zeros(len(body.u.x.array))).position, body.size)
+
+
+def empty_matrix(size):
+    A = PETSc.Mat().createAIJ((size, size))
+    A.setUp()
+    A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
+    A.assemble()
+    return A
+
+
+# --- penalty ---------------------------------------------------------------------------------------------------------
+
+
+def penalty(report, body, name, seed):
+    """Gaps, normals, forces, tangent and friction at the quadrature points, from a history with random tractions."""
+    rows, rng = Rows(report, body, name), np.random.default_rng(seed)
+    degree = 2 * body.degree + 2
+    ours = bind(body, contact.Penalty(body.pair(), PENALTY, TANGENTIAL, quadrature_degree=degree))
+    theirs = body.theirs(rule(body.facet, degree))
+    place = same_points(body, ours, theirs)
+    start, u = displacements(body, seed)
+    moved = 0.004 * rng.uniform(-1, 1, body.gdim)
+    begin(body, ours, start, moved)
+    ours.update(u)
+    at, n = theirs.closest_points(body.to_theirs(u)), ours.normal
+    # Tractions of about the bound, so that some points stick and some slip; open points have none.
+    t = 0.02 * body.friction * PENALTY * rng.uniform(-1, 1, n.shape)
+    t -= np.einsum("qa,qb,qb->qa", n, n, t)
+    t[~np.isfinite(at.gap[place])] = 0.0
+    ours.history.traction, ours.history.slip = t.ravel(), (0.01 * t).ravel()
+    back = np.argsort(place)
+    zero = np.zeros(body.gdim)
+    history = impact_reference.contact.History(body.to_theirs(start), zero, t[back], 0.01 * t[back])
+    ours.update(u)
+    answer = theirs.penalty(body.to_theirs(u), PENALTY, TANGENTIAL, history)
+    _points(rows, ours, answer, place)
+    rows("penalty_force", ours.forces(), body.to_ours(answer.force))
+    tangent = bodies.petsc_to_scipy(ours.add_stiffness(empty_matrix(len(u)))[0])
+    rows("penalty_tangent", tangent.toarray(), body.matrix_to_ours(answer.tangent).toarray())
+    ours.accept()
+    rows("friction_slip", ours.history.slip.reshape(-1, body.gdim), answer.history.slip[place])
+
+
+def _points(rows, ours, answer, place):
+    points = answer.points
+    gap, normal = points.gap[place], points.normal[place]
+    faces = np.isfinite(gap)
+    rows("gap", ours.gap[faces], gap[faces])
+    # Beside the master's edge the other side knows no gap, ours a positive one: open is what both must say.
+    rows("status", ours.status, points.status[place])
+    rows("normals", ours.normal[faces], normal[faces])
+    rows("point_area", ours.weight, points.weight[place])
+    rows("pressure", ours.pressure, points.pressure[place])
+    rows("friction_traction", ours._state.tangential, points.traction[place])
+
+
+# --- multipliers -----------------------------------------------------------------------------------------------------
+
+
+def _prescribed(body):
+    """Boundary conditions on the first component of the first slave nodes, as on a plane of symmetry; and the dofs."""
+    from .contact_bodies import SLAVE
+
+    nodes = fem.locate_dofs_topological(body.V, body.gdim - 1, body.tags.find(SLAVE))
+    x = body.V.tabulate_dof_coordinates()[nodes, 0]
+    dofs = body.gdim * nodes[x < x.min() + 0.1].astype(np.int32)
+    return [fem.dirichletbc(0.0, dofs, body.V.sub(0))], dofs
+
+
+def mortar(report, body, name, seed):
+    """Mortar matrices, weighted gaps and slips, nodal normals, forces and tangents of random multipliers."""
+    rows, rng = Rows(report, body, name), np.random.default_rng(seed)
+    degree = 3 * body.degree + 4
+    bcs, body.prescribed = _prescribed(body)
+    ours = bind(body, contact.Lagrange(body.pair(), quadrature_degree=degree), bcs).geometry
+    theirs = body.theirs(rule(body.segment, degree))
+    start, u = displacements(body, seed)
+    ours.begin(start, np.zeros(3))
+    ours.update(u)
+    nodes, on = ours.nodes, ours.participates
+    history = theirs.no_history()
+    history.u = body.to_theirs(start)
+    z = np.zeros((len(body.nodes), body.gdim))
+    z[nodes[on]] = rng.uniform(-1, 1, (on.sum(), body.gdim))
+    answer = theirs.mortar(body.to_theirs(u), multipliers=body.nodal_to_theirs(z), history=history)
+    _matrices(rows, body, ours, answer)
+    # At nodes that would carry a multiplier if the whole slave were covered. At corners of quadratic triangles int phi
+    # is small, of either sign: where facets are covered in part the other side may count one in, ours never does.
+    rows("participates", on, body.nodal_to_ours(answer.participates)[nodes])
+    normals = body.nodal_to_ours(answer.normals)[nodes]
+    rows("normals", ours.normal, normals)
+    gap, weight = (body.nodal_to_ours(v)[nodes][on] for v in (answer.gap, answer.diagonal))
+    rows("weighted_gap", ours.gap[on] * ours.weight[on], gap * weight)
+    slip = body.nodal_to_ours(answer.moved)[nodes][on] / ours.weight[on, None]
+    n = normals[on]
+    rows("mortar_slip", ours.slip()[on], slip - np.einsum("ja,jb,jb->ja", n, n, slip))
+    rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))
+    _turning(rows, body, ours, theirs, u, rng)
+    body.prescribed = ()
+
+
+def _dense(entries, size):
+    rows, cols, values = entries
+    return coo_matrix((values, (rows, cols)), shape=(size, size)).toarray()
+
+
+def _matrices(rows, body, ours, answer):
+    num = len(body.nodes)
+    for form, entries, matrix in (("D", ours.mortar.D, answer.D), ("M", ours.mortar.M, answer.M)):
+        rows(f"mortar_{form}", _dense(entries, num), body.nodal_matrix_to_ours(matrix).toarray())
+    gamma = np.zeros((num, body.gdim))
+    np.add.at(gamma, ours.neighbours.slave.nodes.ravel(), ours.mortar.gamma.reshape(-1, body.gdim))
+    rows("gamma", gamma, body.nodal_to_ours(answer.gamma))
+
+
+def _turning(rows, body, ours, theirs, u, rng, step=1e-4):
+    """Derivative of the nodal normals along a random direction: ours against differences of the other side's."""
+    theirs = type(theirs)(
+        body.model, body.their_facets(body.tags, 1), body.their_facets(body.tags, 2), rule=theirs.rule
+    )  # nothing prescribed: what that changes is no part of this tangent
+    force = np.zeros(len(body.nodes))
+    force[ours.nodes] = rng.uniform(-1, 1, len(ours.nodes))
+    tangent = _cpp.gap.turning_tangent(ours.neighbours.slave, ours.sums.ravel(), force)
+    direction = rng.uniform(-1, 1, len(u))
+
+    def normals(h):
+        return body.nodal_to_ours(theirs.mortar(body.to_theirs(u + h * direction)).normals)
+
+    # Central differences of fourth order: of step^4, over round-off divided by the step.
+    turn = (8 * (normals(step) - normals(-step)) - (normals(2 * step) - normals(-2 * step))) / (12 * step)
+    reason = "differences of fourth order, step 1e-4"
+    product = (_dense(tangent, len(u)) @ direction).reshape(-1, body.gdim)
+    rows("turning_tangent", product, -force[:, None] * turn, TURNING, reason)
+
+
+def nodes_on_obstacle(report, body, name, seed):
+    """Gaps, normals and forces at the slave's nodes against a rigid master."""
+    rows, rng = Rows(report, body, name), np.random.default_rng(seed)
+    ours = bind(body, contact.Lagrange(body.pair())).geometry
+    theirs = body.theirs(rule(body.facet, 2 * body.degree + 2))
+    start, u = displacements(body, seed)
+    begin(body, ours, start, 0.004 * rng.uniform(-1, 1, body.gdim))
+    ours.update(u)
+    nodes = ours.nodes
+    z = np.zeros((len(body.nodes), body.gdim))
+    z[nodes] = rng.uniform(-1, 1, (len(nodes), body.gdim))
+    history = theirs.no_history()
+    history.u = body.to_theirs(start)
+    answer = theirs.mortar(body.to_theirs(u), multipliers=body.nodal_to_theirs(z), history=history)
+    normals = body.nodal_to_ours(answer.normals)[nodes]
+    rows("normals", ours.normal, normals)
+    gap, weight = (body.nodal_to_ours(v)[nodes] for v in (answer.gap, answer.diagonal))
+    rows("weighted_gap", ours.gap * ours.weight, gap * weight)
+    slip = body.nodal_to_ours(answer.moved)[nodes] / ours.weight[:, None]
+    rows("mortar_slip", ours.slip(), slip - np.einsum("ja,jb,jb->ja", normals, normals, slip))
+    rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))
