@@ -133,8 +133,9 @@ Polygon intersect(const Polygon& clip, const Polygon& subject)
   return in;
 }
 
-/// Reference coordinates whose point projects on y, by Newton's method (one step on affine facets). They may lie a little
-/// outside where an edge is curved: polygons are those of the corners, so that neighbours leave no slit between them.
+/// Reference coordinates whose point projects on y, by Newton's method (one step on affine facets). They may lie a
+/// little outside where an edge is curved: polygons are those of the corners, so that neighbours leave no slit between
+/// them.
 bool invert(const Facets& facets, std::size_t f, const Plane& plane, const Point& y, double* xi, FacetPoint& point)
 {
   const auto centre = facets.geometry.centre();
