@@ -104,7 +104,9 @@ class _Path:
             bc.set(target.x.array)
         target.x.scatter_forward()
         self.target = target.x.array.copy()
-        self.loads = [(c, reached) for load in problem.loads for c, reached in load.ramps()]
+        # A load of the user's own may have nothing to ramp: it acts in full from the first increment.
+        ramped = [load for load in problem.loads if hasattr(load, "ramps")]
+        self.loads = [(c, reached) for load in ramped for c, reached in load.ramps()]
         self.load_ends = [np.array(c.value) for c, _ in self.loads]
         self.obstacles = [c for c in problem.contact if c.pair.rigid]
         self.obstacle_starts = [c.displacement.copy() for c in self.obstacles]
