@@ -1,4 +1,4 @@
-"""PETSc linear solvers for the problems: chosen by size, checked after every solution."""
+"""PETSc linear solvers for the problems: chosen by size, factors kept while they serve, every solution checked."""
 
 import itertools
 import weakref
@@ -7,18 +7,18 @@ import numpy as np
 from petsc4py import PETSc
 
 # LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
-# pivots.
+# pivots. One iteration with factors of its own matrix, some more with those of an earlier one.
 DIRECT = {
-    "ksp_type": "preonly",
+    "ksp_type": "gmres",
     "pc_type": "lu",
     "pc_factor_mat_solver_type": "mumps",
     "mat_mumps_icntl_24": 1,
     "mat_mumps_cntl_3": 1e-14,
 }
 # Conjugate gradients with smoothed aggregation, which needs the rigid motions as near-nullspace.
+CG = {"ksp_type": "cg", "ksp_max_it": 500}
 ITERATIVE = {
-    "ksp_type": "cg",
-    "ksp_max_it": 500,
+    **CG,
     "pc_type": "gamg",
     "pc_gamg_threshold": 0.01,
     "mg_levels_ksp_type": "chebyshev",
@@ -27,6 +27,8 @@ ITERATIVE = {
 # Above these numbers of unknowns factors of 3D and 2D meshes cost more than iterations (measured: 108k unknowns in 3D,
 # factorisation 10 s, conjugate gradients 3 s).
 LARGEST_DIRECT = {2: 400_000, 3: 40_000}
+# Operations of a factorisation run this much faster than those of a solution (measured: 5 in 2D to ... in 3D).
+BLOCKED = 8.0
 _SOLVERS = itertools.count()
 
 
@@ -74,7 +76,7 @@ class LinearSolver:
         given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
         chosen = {**(options or {}), **given}
         named = chosen.get("pc_type", self.default["pc_type"])
-        base = self.default if named == self.default["pc_type"] else DIRECT if named in ("lu", "cholesky") else {}
+        base = self.default if named == self.default["pc_type"] else DIRECT if named in ("lu", "cholesky") else CG
         chosen = {**base, **chosen}
         for key, value in chosen.items():
             database[own + key] = value
@@ -85,39 +87,80 @@ class LinearSolver:
         self.near_nullspace = None if self.direct else rigid_motions(V)
         self._given_rtol = "ksp_rtol" in chosen
         self._pins = chosen.get("ksp_type") == "cg"
+        # Options of the user's own are taken by the word: no iterations with a preconditioner of an earlier matrix.
+        self._keeps = chosen.get("ksp_type") == base["ksp_type"]
+        self._max_it = self.ksp.getTolerances()[3]
+        self._matrix, self._pace, self._worth = None, 1.0, 0
+        self.num_set_ups, self.num_iterations = 0, 0
 
     @property
     def direct(self):
         """Does it factorise?"""
         return self.ksp.getPC().getType() in ("lu", "cholesky")
 
-    def solve(self, A, b, x, symmetric=True, rtol=1e-10, reuse=False):
-        """Solve A x = b; returns what is wrong with the solution, or None. Collective.
+    def solve(self, system, b, x, rtol=1e-10):
+        """Solve a LinearSystem from the guess x; returns what is wrong with the solution, or None. Collective.
+
+        Factors (or the multigrid hierarchy) of an earlier system serve as preconditioner as long as that needs few
+        iterations; then the present one is factorised.
 
         Args:
-            symmetric: may conjugate gradients be used? rtol: of the residual, for iterative methods whose tolerance
-                the options do not set. reuse: the matrix has hardly changed, the preconditioner is still good.
+            rtol: of the residual, for tolerances that the options do not set.
         """
-        if not self.direct and not self._given_rtol:
-            self.ksp.setTolerances(rtol=min(max(rtol, 1e-10), 1e-3))
         if self._pins:
-            self.ksp.setType("cg" if symmetric else "gmres")
-        if self.near_nullspace is not None:
-            A.setNearNullSpace(self.near_nullspace)
-        self.ksp.setOperators(A)
-        pc = self.ksp.getPC()
-        pc.setReusePreconditioner(not self.direct and reuse)
-        self.ksp.solve(b, x)
-        fault = self._fault(A, b, x)
+            self.ksp.setType("cg" if system.symmetric else "gmres")
+        if self.ksp.getType() == "gmres":
+            # Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
+            self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
+        self.ksp.setInitialGuessNonzero(self._keeps)
+        if not self._given_rtol:
+            self.ksp.setTolerances(rtol=min(max(rtol, 1e-12), 1e-3))
+        if self._keeps and self._matrix is not None:
+            self.ksp.setTolerances(max_it=self._patience(rtol))
+            self._run(system, b, x)
+            if self.ksp.getConvergedReason() > 0 and not self._fault(system, b, x):
+                return None
+        if not np.isfinite(x.norm()):
+            x.set(0.0)
+        self._prepare(system)
+        self._run(system, b, x)
+        fault = self._fault(system, b, x)
         if fault and not self.direct and not self._given_rtol:
             # Preconditioned residuals say little where a body hangs on a few points: once more, and to the end.
             self.ksp.setTolerances(rtol=1e-10)
-            pc.setReusePreconditioner(False)
-            self.ksp.solve(b, x)
-            fault = self._fault(A, b, x)
+            self._run(system, b, x)
+            fault = self._fault(system, b, x)
+        if self.direct and self._keeps:
+            factors = self.ksp.getPC().getFactorMatrix()
+            self._worth = 1 + int(factors.getMumpsRinfog(3) / (4 * abs(factors.getMumpsInfog(29))) / BLOCKED)
+        # Digits gained per iteration, to judge by how well the preconditioner serves later.
+        self._pace = max(self.ksp.getIterationNumber(), 1) / -np.log10(min(max(rtol, 1e-12), 1e-3))
         return fault
 
-    def _fault(self, A, b, x):
+    def _patience(self, rtol):
+        """Iterations with an earlier preconditioner that cost no more than to make a new one."""
+        if self.direct:
+            return self._worth
+        return int(10 + 2 * self._pace * -np.log10(min(max(rtol, 1e-12), 1e-3)))
+
+    def _prepare(self, system):
+        """Preconditioner of the present system."""
+        if self._matrix is not None:
+            self._matrix.destroy()
+        self._matrix = system.assemble()
+        if self.near_nullspace is not None:
+            self._matrix.setNearNullSpace(self.near_nullspace)
+        self.ksp.setTolerances(max_it=self._max_it)
+        self.ksp.getPC().setReusePreconditioner(False)
+        self.num_set_ups += 1
+
+    def _run(self, system, b, x):
+        self.ksp.setOperators(system.operator, self._matrix)
+        self.ksp.solve(b, x)
+        self.ksp.getPC().setReusePreconditioner(True)
+        self.num_iterations += self.ksp.getIterationNumber()
+
+    def _fault(self, system, b, x):
         reason, pc = self.ksp.getConvergedReason(), self.ksp.getPC()
         if reason < 0:
             return f"PETSc reason {reason}"
@@ -126,7 +169,7 @@ class LinearSolver:
             if null_pivots > 0:
                 return f"{null_pivots} pivots vanish"
         residual = b.duplicate()  # not the solver's own word for it
-        A.mult(x, residual)
+        system.operator.mult(x, residual)
         residual.axpy(-1.0, b)
         error, right = residual.norm(), b.norm()
         residual.destroy()
@@ -134,3 +177,78 @@ class LinearSolver:
         if error <= 2e-2 * right:
             return None
         return f"the residual of the linear system is {error:.1e}, its right side {right:.1e}"
+
+
+class LinearSystem:
+    """Stiffness and what contacts add to it, condensed by a transformation, some unknowns pinned.
+
+    A = Q T_L^T (K + sum of extra) T Q + d (1 - Q), where Q sets pinned unknowns to zero. Products need no A; only a
+    preconditioner forms it.
+
+    Args:
+        K: PETSc matrix of the displacements. extra: list of matrices of the same size. symmetric: are they?
+        transformation: condense.Transformation or None. pinned: mask over owned degrees of freedom.
+        diagonal: d, an entry of the size of K's.
+    """
+
+    def __init__(self, K, extra, symmetric, transformation, pinned, diagonal):
+        self.K, self.extra, self.transformation = K, extra, transformation
+        self.symmetric = symmetric and (transformation is None or transformation.symmetric)
+        self.pinned, self.diagonal = np.flatnonzero(pinned), diagonal
+        self.operator = PETSc.Mat().createPython(K.getSizes(), self, comm=K.getComm())
+        self.operator.setUp()
+        self._work = [K.createVecRight() for _ in range(3)]
+
+    def free(self):
+        """Give back the memory of what was made here. Collective."""
+        for thing in (self.operator, *self._work):
+            thing.destroy()
+
+    def stiffness(self, x, y):
+        """y = (K + sum of extra) x, before condensation. Collective."""
+        self.K.mult(x, y)
+        for E in self.extra:
+            E.multAdd(x, y, y)
+
+    def mult(self, _, x, y):
+        """y = A x; PETSc calls it. Collective."""
+        free, moved, force = self._work
+        x.copy(free)
+        free.array[self.pinned] = 0.0
+        if self.transformation is None:
+            self.stiffness(free, y)
+        else:
+            self.transformation.right.mult(free, moved)
+            self.stiffness(moved, force)
+            self.transformation.left.multTranspose(force, y)
+        y.array[self.pinned] = self.diagonal * x.array_r[self.pinned]
+
+    def load(self, residual, values, b):
+        """Right side b for a residual (array over owned dofs) and a vector of pinned values. Collective."""
+        pinned, moved, force = self._work
+        pinned.set(0.0)
+        pinned.array[self.pinned] = values.array_r[self.pinned]
+        moved.array[:] = self.displacements(pinned)
+        self.stiffness(moved, force)
+        force.array[:] = -residual - force.array
+        if self.transformation is None:
+            force.copy(b)
+        else:
+            self.transformation.left.multTranspose(force, b)
+        b.array[self.pinned] = self.diagonal * values.array_r[self.pinned]
+
+    def displacements(self, y):
+        """Increments of displacement that unknowns stand for, array over owned dofs. Collective."""
+        return y.array_r.copy() if self.transformation is None else self.transformation.increment(y)
+
+    def assemble(self):
+        """A as a matrix of its own. Collective."""
+        total = self.K.copy()
+        for E in self.extra:
+            total.axpy(1.0, E, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        A = total
+        if self.transformation is not None:
+            A = self.transformation.condense(total)
+            total.destroy()
+        A.zeroRowsColumns(A.getOwnershipRange()[0] + self.pinned.astype(np.int32), self.diagonal)
+        return A

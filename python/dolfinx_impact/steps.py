@@ -17,6 +17,7 @@ class Increment:
     residual_norms: list = field(default_factory=list)
     active_set_sizes: list = field(default_factory=list)
     changes: list = field(default_factory=list)
+    iterations: int = 0  # linear problems, each with its contact settled
 
     def add(self, norm, size, changes):
         self.residual_norms.append(norm)
@@ -31,18 +32,13 @@ class Increment:
         self.fault, self.hopeless = fault, hopeless
         return self
 
-    @property
-    def iterations(self):
-        """Linear solutions."""
-        return max(len(self.residual_norms) - 1, 0)
-
 
 @dataclass
 class Report:
     """What a solve did; lists have one entry per converged increment.
 
     Attributes:
-        converged: of all steps. iterations: Newton iterations (linear solutions).
+        converged: of all steps. iterations: Newton iterations (linearised problems, each with its contact settled).
         residual_norms: lists of the norms of the free residual by iteration [F].
         active_set_sizes: lists of the number of contact points that touch, by iteration.
         contact_changes: lists of the number of points whose state changed, by iteration.
@@ -129,7 +125,7 @@ class _Path:
             constant.value = end
 
 
-def run_steps(problem, steps, rtol, atol, max_iterations, cut_backs, verbose):
+def run_steps(problem, newton, steps, cut_backs, verbose):
     """The loop of StaticProblem.solve."""
     report, log, path = Report(), _Log(problem.space.mesh.comm, verbose), _Path(problem)
     width, done, halved = 1.0 / steps, 0.0, 0
@@ -143,7 +139,7 @@ def run_steps(problem, steps, rtol, atol, max_iterations, cut_backs, verbose):
         displacements = iter(path.apply(fraction))
         for contact in problem.contact:
             contact.begin(problem.u.x.array, next(displacements) if contact.pair.rigid else None)
-        increment = problem._newton(path.values(fraction), rtol, atol, max_iterations, log)
+        increment = newton.run(path.values(fraction), log)
         if not increment.fault:
             for contact in problem.contact:
                 contact.accept()

@@ -89,10 +89,12 @@ class Transformation:
         self.symmetric = not comm.allreduce(int(any(np.any(p.tilt) for p in parts)))
         keep = np.ones(num_owned, dtype=bool)
         right, left = [], []
+        self._frames = []
         for p in parts:
             if len(p.nodes) == 0:
                 continue
             dofs = gdim * p.nodes[:, None] + np.arange(gdim)
+            self._frames.append((dofs, p.frames))
             keep[dofs.ravel()] = False
             self.dummies[dofs[p.constrained]] = True
             known = np.einsum("nad,nd->na", p.frames, np.where(p.constrained, p.known, 0.0))
@@ -133,16 +135,19 @@ class Transformation:
             v.destroy()
         return out
 
-    def load(self, K, b):
-        """b becomes T_L^T (b - K known). Collective."""
-        known, product = K.createVecRight(), K.createVecLeft()
-        known.array[:] = self.known
-        K.mult(known, product)
-        product.aypx(-1.0, b)
-        self.left.multTranspose(product, known)
-        b.array[:] = known.array
-        for v in (known, product):
-            v.destroy()
+    def unknowns(self, increments):
+        """Unknowns y that stand for displacement increments (arrays over owned dofs), as a first guess."""
+        y = increments.copy()
+        for dofs, frames in self._frames:
+            y[dofs] = np.einsum("nad,na->nd", frames, increments[dofs])
+        y[self.dummies] = 0.0
+        return y
+
+    def destroy(self):
+        """Free the matrices. Collective."""
+        self.right.destroy()
+        if not self.symmetric:
+            self.left.destroy()
 
     def increment(self, y):
         """Displacement increments T y + known, array over owned dofs. Collective."""
@@ -157,7 +162,9 @@ class Transformation:
         if self.symmetric:
             return K.ptap(self.right)
         product = K.matMult(self.right)
-        return self.left.transposeMatMult(product)
+        condensed = self.left.transposeMatMult(product)
+        product.destroy()
+        return condensed
 
 
 def _flat(parts):

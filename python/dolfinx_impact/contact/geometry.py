@@ -1,8 +1,9 @@
 """Nodal gaps, normals and weights of a contact by multipliers: against rigid obstacles, and by mortar integrals."""
 
+import copy
+
 import basix
 import numpy as np
-from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from .. import _cpp
@@ -21,7 +22,7 @@ class _Geometry:
     """Common part: the slave's nodes on this rank and what belongs to each.
 
     Attributes:
-        nodes: (n) owned nodes of the slave surface. weight: (n) integral of the node's shape function over the part of
+        nodes: (n) owned nodes of the slave surface. numbers: (n) their global numbers. weight: (n) integral of the node's shape function over the part of
         the surface that faces a master [L^2]. participates: (n) mask. gap: (n) [L]. normal: (n, gdim).
         tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment.
     """
@@ -51,6 +52,7 @@ class _Geometry:
         # On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
         # multipliers live at the midpoints of the edges.
         self.nodes = np.flatnonzero(owned > 1e-2 * around[: len(owned)])
+        self.numbers = self.index_map.local_to_global(self.nodes.astype(np.int32))
         self.share, self.area = owned[self.nodes], around[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)
@@ -59,13 +61,42 @@ class _Geometry:
     def begin(self, u, displacement):
         """An increment starts at u; the rigid master is to go to `displacement`."""
         self.start = np.array(u)
-        self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
+        if displacement is not None:
+            self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
+
+    def save(self):
+        """Where the increment starts, as a dict of copies."""
+        return {name: getattr(self, name).copy() for name in ("start", "start_displacement", "displacement")}
+
+    def restore(self, state):
+        """Back to a saved state."""
+        for name, value in state.items():
+            setattr(self, name, value.copy())
 
     def _move(self, u):
         u = np.ascontiguousarray(u)
         self.u = u
         self.slave.move(u)
         self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
+
+    def look_ahead(self, u):
+        """Gap and slip at other displacements u (array over owned and ghost dofs); this state stays. Collective."""
+        there = copy.copy(self)
+        there._matrix = None
+        there.update(u)
+        slip = there.slip()
+        if there._matrix is not None:
+            there._matrix.destroy()
+        return there.gap, slip
+
+    def tangential(self, jump):
+        """Part of relative displacements along the surface, (n, gdim)."""
+        return jump - np.einsum("na,nb,nb->na", self.normal, self.normal, jump)
+
+    def slip(self):
+        """Tangential displacement of slave against master in this increment, (n, gdim) [L]. Collective."""
+        moved = self.jump((self.u - self.start)[: self.gdim * self.index_map.size_local])
+        return self.tangential(moved - (self.displacement - self.start_displacement)[: self.gdim])
 
     def springs(self, rows, blocks):
         """Matrix of springs between nodes and what they face on the master. Collective.
@@ -141,25 +172,24 @@ class RigidGeometry(_Geometry):
         self.obstacle.displacement = self.displacement.tolist()
         self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
 
-    def slip(self):
-        """Tangential displacement of the nodes against the obstacle in this increment, (n, gdim) [L]."""
-        moved = (self.u - self.start).reshape(-1, self.gdim)[self.nodes]
-        moved = moved - (self.displacement - self.start_displacement)[: self.gdim]
-        return moved - np.einsum("na,nb,nb->na", self.normal, self.normal, moved)
+    def jump(self, moved):
+        """Displacements of the nodes against an obstacle at rest, (n, gdim), of increments over owned dofs."""
+        return moved.reshape(-1, self.gdim)[self.nodes]
 
     def master_rows(self, rows):
         """No master nodes."""
         return np.zeros(len(rows) + 1, dtype=int), np.empty(0, dtype=int), np.empty(0)
 
-    def add_stiffness(self, K, multiplier, traction, active):
-        """The normal turns where a node slides over a curved obstacle: K - D lambda d n/dx. Collective."""
+    def stiffness(self, multiplier, traction, active):
+        """The normal turns where a node slides over a curved obstacle: matrix of - D lambda d n/dx, or None.
+        Collective."""
         rows = np.flatnonzero(active & (multiplier != 0.0))
         blocks = -(self.weight * multiplier)[rows, None, None] * self.hessian[rows]
-        dofs = global_dofs(self.index_map, self.nodes[rows], self.gdim).astype(np.int32)
-        for d, block in zip(dofs, blocks):
-            K.setValues(d, d, block, addv=True)
-        K.assemble()
-        return K
+        if not self.comm.allreduce(int(np.any(blocks))):
+            return None
+        dofs = global_dofs(self.index_map, self.nodes[rows], self.gdim)
+        i = np.broadcast_to(dofs[:, :, None], blocks.shape)
+        return matrix(self.comm, self.gdim * self.index_map.size_local, i, np.swapaxes(i, 1, 2), blocks)
 
     def forces(self, traction):
         """Nodal forces on the slave, array over owned dofs [F]."""
@@ -234,14 +264,12 @@ class MortarGeometry(_Geometry):
         out.destroy()
         return result
 
-    def slip(self):
-        """Weighted tangential displacement of the slave against the master in this increment, (n, gdim) [L]."""
-        num_owned = self.index_map.size_local
-        moved = (self.u - self.start).reshape(-1, self.gdim)[:num_owned]
-        over = self._over_master(np.ascontiguousarray(moved))[self.nodes]
+    def jump(self, moved):
+        """Weighted displacements of slave against master, (n, gdim), of increments over owned dofs. Collective."""
+        moved = np.ascontiguousarray(moved.reshape(-1, self.gdim))
+        over = self._over_master(moved)[self.nodes]
         weight = np.where(self.participates, self.weight, 1.0)
-        relative = np.where(self.participates[:, None], moved[self.nodes] - over / weight[:, None], 0.0)
-        return relative - np.einsum("na,nb,nb->na", self.normal, self.normal, relative)
+        return np.where(self.participates[:, None], moved[self.nodes] - over / weight[:, None], 0.0)
 
     def master_rows(self, rows):
         """Rows of D^-1 M of some of the nodes: pointers, global master nodes, values."""
@@ -252,10 +280,10 @@ class MortarGeometry(_Geometry):
         where = np.repeat(pointers[nodes] - ends[:-1], counts) + np.arange(ends[-1])
         return ends, columns[where], values[where] / np.repeat(self.weight[rows], counts)
 
-    def add_stiffness(self, K, multiplier, traction, active):
-        """Points slide over the master, normals turn: K + derivative of minus the contact force. Collective."""
+    def stiffness(self, multiplier, traction, active):
+        """Points slide over the master, normals turn: derivative of minus the contact force, or None. Collective."""
         if self.comm.allreduce(int(np.any(multiplier[active]))) == 0:
-            return K
+            return None
         size = self.map.size_local + self.map.num_ghosts
         z, force = np.zeros((size, self.gdim)), np.zeros(size)
         z[self.nodes[active]] = traction[active]
@@ -268,11 +296,7 @@ class MortarGeometry(_Geometry):
         )
         rows, cols, values = (np.concatenate([p[i] for p in parts]) for i in range(3))
         rows, cols = (self._global(dofs) for dofs in (rows, cols))
-        geometric = matrix(self.comm, self.gdim * self.map.size_local, rows, cols, values)
-        total = K.copy()
-        total.axpy(1.0, geometric, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-        geometric.destroy()
-        return total
+        return matrix(self.comm, self.gdim * self.map.size_local, rows, cols, values)
 
     def _global(self, dofs):
         nodes = self.map.local_to_global((dofs // self.gdim).astype(np.int32))

@@ -2,7 +2,6 @@
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from . import condense
 from .geometry import MortarGeometry, RigidGeometry
@@ -43,20 +42,20 @@ class LagrangeContact(ContactOutput):
         self.multiplier = np.zeros(n)
         self.friction_traction = np.zeros((n, self.gdim))
         self.total_slip = np.zeros((n, self.gdim))
-        self.stiffness = np.ones(n)
+        self.nodal_stiffness = np.ones(n)  # of the bodies at the slave's nodes [F/L]
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
     def save(self):
         """State that an increment starts from, as a dict of copies."""
         names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip")
-        return {name: getattr(self, name).copy() for name in names} | {"u": self.geometry.start.copy()}
+        return {name: getattr(self, name).copy() for name in names} | {"geometry": self.geometry.save()}
 
     def restore(self, state):
         """Back to a saved state."""
         for name, value in state.items():
-            if name == "u":
-                self.geometry.start = value.copy()
+            if name == "geometry":
+                self.geometry.restore(value)
             else:
                 setattr(self, name, value.copy())
 
@@ -66,7 +65,7 @@ class LagrangeContact(ContactOutput):
 
     def accept(self):
         """The increment has converged: slip adds up."""
-        self.total_slip += np.where(self.active[:, None], self.geometry.slip(), 0.0)
+        self.total_slip += np.where(self.active[:, None], self._slip, 0.0)
         self.total_slip[~self.active] = 0.0
         self.total()
 
@@ -75,6 +74,27 @@ class LagrangeContact(ContactOutput):
         self.geometry.update(u)
         self.frames, self.place, self.free_length = condense.frames_at(self.geometry.normal, self.fixed)
         self.usable = self.geometry.participates & (self.place >= 0)
+        self._gap, self._slip = self.geometry.gap, self.geometry.slip()
+        self._at = self._gap, self._slip
+
+    def predict(self, increments):
+        """Gaps and slips after displacement increments (array over owned dofs), linear in them. Collective."""
+        jump = self.geometry.jump(increments)
+        gap, slip = self._at
+        self._gap = gap + np.einsum("na,na->n", self.geometry.normal, jump)
+        self._slip = slip + self.geometry.tangential(jump)
+
+    def correct(self, u):
+        """After predict: take in what gaps and slips at the displacements u differ from the linear ones.
+
+        A second-order correction, as in sequential quadratic programming: normals turn and points slide over the master
+        also in the conditions, which condensed multipliers cannot see in their matrix. Collective.
+        """
+        gap, slip = self.geometry.look_ahead(u)
+        known = self.usable & np.isfinite(gap)
+        gap = np.where(known, gap - self._gap, 0.0)
+        slip = np.where(known[:, None], self.geometry.tangential(slip) - self._slip, 0.0)
+        self._at = self._at[0] + gap, self._at[1] + slip
 
     # --- active set ------------------------------------------------------------------------------------------------
 
@@ -94,36 +114,42 @@ class LagrangeContact(ContactOutput):
             tangential = free - along[:, None] * self._normal_direction()
             self.friction_traction = np.where((self.active & self.usable)[:, None], tangential / weight[:, None], 0.0)
 
-    def switch(self, first):
-        """Change the active set and who sticks; returns how many nodes of all ranks changed. Collective.
+    def switch(self, first, last=None):
+        """Change the active set and who sticks; returns how many nodes of all ranks would change. Collective.
 
         Args:
             first: the increment has just begun: no multipliers yet, only gaps count.
+            last: change no node but the one with this number, of all nodes of all ranks; see `last_change`.
         """
-        g, tolerance = self.geometry, self.geometry.tolerance
-        before = self.active.copy(), self.sliding.copy()
-        closing = ~self.active & self.usable & (g.gap < (tolerance if first else -tolerance))
+        active, sliding, direction = self._proposal(first)
+        changed = (active != self.active) | (sliding != self.sliding)
+        number = self.geometry.numbers
+        self.last_change = self.comm.allreduce(int(np.max(number[changed], initial=-1)), MPI.MAX)
+        take = np.ones_like(changed) if last is None else number == last
+        self.active = np.where(take, active, self.active)
+        self.sliding = np.where(take, sliding, self.sliding)
+        self.direction = np.where(take[:, None], direction, self.direction)
+        return self.comm.allreduce(int(np.count_nonzero(changed)))
+
+    def _proposal(self, first):
+        """Active and sliding masks and friction's directions that gaps, multipliers and slips ask for."""
+        tolerance = self.geometry.tolerance
+        closing = ~self.active & self.usable & (self._gap < (tolerance if first else -tolerance))
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
         opening = self.active & (~self.usable | (not first) & (self.multiplier < -1e-12 * largest))
-        self.active = (self.active | closing) & ~opening
-        self.sliding &= self.active
-        if self.pair.friction > 0.0 and not first:
-            self._switch_friction(before[0])
-        changed = np.count_nonzero((self.active != before[0]) | (self.sliding != before[1]))
-        return self.comm.allreduce(changed)
-
-    def _switch_friction(self, old):
-        held = self.active & old
+        active = (self.active | closing) & ~opening
+        if self.pair.friction == 0.0 or first:
+            return active, self.sliding & active, self.direction
+        held = active & self.active
         bound = self.pair.friction * np.maximum(self.multiplier, 0.0)
-        trial = self.friction_traction - (self.stiffness / np.where(self.usable, self.geometry.weight, 1.0))[
-            :, None
-        ] * np.where(self.sliding[:, None], self.geometry.slip(), 0.0)
+        c = self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0)
+        trial = self.friction_traction - c[:, None] * np.where(self.sliding[:, None], self._slip, 0.0)
         size = np.linalg.norm(trial, axis=1)
         slips = held & (size > bound * (1 + 1e-10))
         # What slipped and would now slip the other way comes to rest first, or it might go to and fro for ever.
         slips &= ~(self.sliding & (np.einsum("na,na->n", trial, self.direction) < 0.0))
-        self.direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
-        self.sliding = np.where(held, slips, self.sliding)
+        direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
+        return active, np.where(held, slips, self.sliding & active), direction
 
     @property
     def num_active(self):
@@ -137,7 +163,7 @@ class LagrangeContact(ContactOutput):
         largest = float(np.max(np.abs(self.geometry.gap[held]), initial=0.0))
         if self.pair.friction > 0.0:
             stuck = held & ~self.sliding
-            slip = np.einsum("nad,na->nd", self.frames[stuck], self.geometry.slip()[stuck])
+            slip = np.einsum("nad,na->nd", self.frames[stuck], self._slip[stuck])
             largest = max(largest, float(np.max(np.abs(slip[~self.fixed[stuck]]), initial=0.0)))
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
 
@@ -161,43 +187,47 @@ class LagrangeContact(ContactOutput):
         place = self.place[rows]
         constrained = np.where(stick[:, None], ~self.fixed[rows], False)
         constrained[np.arange(len(rows)), place] = True
-        known = -np.einsum("nad,na->nd", self.frames[rows], self.geometry.slip()[rows])
-        known[np.arange(len(rows)), place] = -self.geometry.gap[rows] / self.free_length[rows]
+        gap, slip = self._at
+        known = -np.einsum("nad,na->nd", self.frames[rows], slip[rows])
+        known[np.arange(len(rows)), place] = -gap[rows] / self.free_length[rows]
         tilt = np.where(self.sliding[rows][:, None], self.pair.friction * self.direction[rows], 0.0)
         return condense.Constraints(
             self.nodes[rows], self.frames[rows], constrained, known, tilt, place, *self.geometry.master_rows(rows)
         )
 
-    def add_stiffness(self, K):
-        """Geometric stiffness of the contact forces, and of turning slips, added to K. Collective.
+    def look_at(self, K):
+        """Take from the bodies' stiffness what the changes of state need. Collective."""
+        self.nodal_stiffness = self.geometry.diagonal_stiffness(K)
+
+    def stiffness(self):
+        """Geometric stiffness of the contact forces: a matrix, or None. Collective."""
+        if self.pair.rigid or self.problem.exact_tangent:
+            return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
+        return None
+
+    def springs(self):
+        """Where a point slips its traction turns with the slip, in 3D: across the traction's direction, Newton's method
+        sees a spring of the friction bound over the slip (return mapping t = bound trial / |trial|, linearised).
+        Collective.
 
         Returns:
-            K or a matrix in its place; force (array over owned dofs) to take from the right-hand side, or None.
+            matrix, and force (array over owned dofs) to take from the right-hand side; or None.
         """
-        self.stiffness = self.geometry.diagonal_stiffness(K)
-        if self.pair.rigid or self.problem.exact_tangent:
-            K = self.geometry.add_stiffness(K, self.multiplier, self.traction, self.active & self.usable)
         if self.gdim == 2 or not self.comm.allreduce(int(np.any(self.sliding))):
-            return K, None
-        # Where a point slips its traction turns with the slip: across the traction's direction, Newton's method sees a
-        # spring of the friction bound over the slip (return mapping t = bound trial / |trial|, linearised).
+            return None
         rows = np.flatnonzero(self.sliding & self.active & self.usable)
-        weight, slip = self.geometry.weight[rows], self.geometry.slip()[rows]
-        c = self.stiffness[rows] / weight
+        weight = self.geometry.weight[rows]
+        c = self.nodal_stiffness[rows] / weight
         bound = self.pair.friction * np.maximum(self.multiplier[rows], 0.0)
-        size = np.linalg.norm(self.friction_traction[rows] - c[:, None] * slip, axis=1)
+        size = np.linalg.norm(self.friction_traction[rows] - c[:, None] * self._slip[rows], axis=1)
         spring = np.minimum(bound * c / np.maximum(size - bound, 1e-3 * bound + 1e-300), 1e3 * c)
         along = self._normal_direction()[rows]
         across = np.eye(self.gdim) - np.einsum("na,nb->nab", along, along)
         across -= np.einsum("na,nb->nab", self.direction[rows], self.direction[rows])
         blocks = spring[:, None, None] * across
         traction = np.zeros((len(self.nodes), self.gdim))
-        traction[rows] = np.einsum("nab,nb->na", blocks, slip)
-        springs = self.geometry.springs(rows, weight[:, None, None] * blocks)
-        total = K.copy()
-        total.axpy(1.0, springs, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-        springs.destroy()
-        return total, self.geometry.forces(traction)
+        traction[rows] = np.einsum("nab,nb->na", blocks, self._at[1][rows])
+        return self.geometry.springs(rows, weight[:, None, None] * blocks), self.geometry.forces(traction)
 
     def held_rows(self, rows):
         """What active nodes hold, for held.free_motions: one array of rows per kind of constraint."""

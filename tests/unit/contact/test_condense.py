@@ -6,6 +6,7 @@ from mpi4py import MPI
 
 from dolfinx_impact.contact import condense
 from dolfinx_impact.contact.matrices import matrix
+from dolfinx_impact.linear import LinearSystem
 
 
 @pytest.mark.parametrize("gdim", (2, 3))
@@ -67,12 +68,13 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     assert transformation.symmetric != slips
     i, j = np.indices((size, size))
     P = matrix(comm, size, i.ravel(), j.ravel(), K.ravel())
-    b, x = P.createVecLeft(), P.createVecRight()
-    b.array[:] = f
-    transformation.load(P, b)
-    condensed = transformation.condense(P)
-    condensed.zeroRowsColumns(np.flatnonzero(transformation.dummies).astype(np.int32), 1.0, x, b)
-    dense = condensed.convert("dense").getDenseArray()
+    b, x, product = P.createVecLeft(), P.createVecRight(), P.createVecLeft()
+    system = LinearSystem(P, [], True, transformation, transformation.dummies, 1.0)
+    system.load(-f, x, b)
+    dense = system.assemble().convert("dense").getDenseArray()
+    x.array[:] = rng.normal(size=size)
+    system.operator.mult(x, product)  # without forming it
+    assert np.allclose(product.array, dense @ x.array, atol=1e-11)
     assert np.allclose(dense, dense.T, rtol=0, atol=1e-12) != slips
     x.array[:] = np.linalg.solve(dense, b.array)
     u = transformation.increment(x)

@@ -1,0 +1,276 @@
+"""Newton's method on equilibrium and contact together; seed (3.61)-(3.66), figure 3.5.
+
+Every iteration linearises the bodies and the geometry of contact about the present displacements, and settles the
+active set on that linear problem: a primal-dual active set method with the stiffness frozen, so that its linear systems
+differ in few rows and share a preconditioner.
+"""
+
+import itertools
+
+import numpy as np
+from mpi4py import MPI
+
+from . import held
+from .contact.condense import Transformation
+from .linear import LinearSystem
+from .steps import Increment
+
+LOOSE_DIGITS = 1e-3  # of linear solutions while the active set moves
+MAX_CHANGES = 60  # changes of the active set in one linear problem
+NOBODY = -2  # number of no node
+PATIENCE = 3  # changes of many nodes at once that may fail to bring the active set nearer to its end
+
+
+class Newton:
+    """Solves one increment of a StaticProblem.
+
+    Args:
+        problem: StaticProblem. rtol, atol, max_iterations: as in StaticProblem.solve.
+    """
+
+    def __init__(self, problem, rtol, atol, max_iterations):
+        self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
+        self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
+        self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
+        self.multipliers = [c for c in problem.contact if c.constraints]
+
+    def run(self, target, log):
+        """From the present u to prescribed values `target` (array over all dofs, prescribed entries count). Collective.
+
+        Returns:
+            Increment; its `fault` says why it did not converge.
+        """
+        p, result = self.problem, Increment()
+        scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
+        self._K = None
+        for iteration in itertools.count():
+            residual = p._assemble_residual().array.copy()
+            if not np.isfinite(self._norm(residual)):
+                result.residual_norms.append(float("nan"))
+                return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
+                                     "evaluated (inverted cells?)")  # fmt: skip
+            for contact in p.contact:
+                contact.update(p.u.x.array)
+                if not contact.constraints:
+                    residual -= contact.forces()
+            changes, pending = self._switch(residual, iteration == 0)
+            scale = max(scale, self._norm(residual))
+            norm = self._free_norm(residual)
+            jump = target[self.fixed] - p.u.x.array[self.fixed]
+            moved = self.comm.allreduce(int(np.any(jump))) == 0
+            violation = max((c.violation() for c in p.contact), default=0.0)
+            result.add(norm, sum(c.num_active for c in p.contact), changes + settling)
+            log.iteration(iteration, norm, max(scale, inner), result.active_set_sizes[-1], result.changes[-1])
+            settled = iteration > 0 or not p.contact
+            small = norm <= max(self.atol, noise, self.rtol * max(scale, inner))
+            if moved and settled and pending == 0 and violation < 1e-11 and small:
+                if not any([c.refine() for c in p.contact]):
+                    return result.converged()
+                round_start = iteration
+                continue
+            if iteration - round_start == self.max_iterations:
+                break
+            if iteration == 0 and p.contact:
+                loose = self._loose()
+                if loose:
+                    return result.failed(loose, hopeless=True)
+            K = self._stiffness()
+            inner = max(inner, self._tangent_force(K))
+            noise = self._round_off(K)
+            # What is still asked for, but no more than Newton's quadratic convergence may bring from here.
+            digits = 1e-10 if not p.contact and p._linear else LOOSE_DIGITS
+            if moved and norm > 0:
+                enough = 0.3 * max(self.atol, self.rtol * max(scale, inner)) / norm
+                likely = 0.1 * (norm / before) ** 2 if before else 1e-4
+                digits = min(digits, max(enough, min(likely, LOOSE_DIGITS)))
+            before = norm if moved else None
+            fault, settling = self._solve(K, residual, jump, digits, log)
+            result.iterations += 1
+            p.u.x.array[p.fixed] = target[p.fixed]  # to the last digit
+            if fault:
+                return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
+        return result.failed(
+            f"Newton's method did not converge in {self.max_iterations} iterations; residual norms: "
+            f"{', '.join(f'{n:.3e}' for n in result.residual_norms)}"
+        )
+
+    # --- what an iteration looks at --------------------------------------------------------------------------------
+
+    def _norm(self, values):
+        return float(np.sqrt(self.comm.allreduce(float(values @ values))))
+
+    def _switch(self, residual, first, last=None):
+        """Measure multipliers and change states; returns the number of changes, and of those that multipliers wait
+        for. Collective."""
+        changes, pending = 0, 0
+        for contact in self.problem.contact:
+            if not first:
+                contact.measure(residual)
+            changed = contact.switch(first)
+            changes += changed
+            # A penalty's residual is that of the new state already; at |t| = friction p round-off decides on it.
+            pending += changed if contact.constraints else 0
+        return changes, pending
+
+    def _free_norm(self, residual):
+        """Norm of what is left of a residual in the equations that are not those of multipliers or supports."""
+        transformation = self._transformation()
+        free = transformation.residual(residual) if transformation else residual.copy()
+        if transformation:
+            transformation.destroy()
+        free[self.fixed] = 0.0
+        return self._norm(free)
+
+    def _loose(self):
+        """What is wrong with the supports, or an empty string: bodies that supports and contact leave free.
+        Collective."""
+        p = self.problem
+        loose = held.free_motions(p.space, p.fixed, p.contact, p.axisymmetric)
+        if not loose:
+            return ""
+        gaps = [
+            (c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact
+        ]
+        apart = [f"{name}: smallest gap {gap:.3e}" for name, gap in gaps if gap > 0]
+        hint = f" ({'; '.join(apart)}: let them touch first, or hold or move the body)" if apart else ""
+        return f"not held against rigid motion: {'; '.join(loose)}{hint}"
+
+    def _stiffness(self):
+        """Tangent of the bodies at u; that of a linear law once per increment."""
+        if self._K is None or not self.problem._linear:
+            self._K = self.problem._tangent.assemble()
+        return self._K
+
+    def _tangent_force(self, K):
+        """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each
+        other."""
+        product = K.createVecLeft()
+        K.mult(self.problem.u.x.petsc_vec, product)
+        forces = product.array.copy()
+        product.destroy()
+        forces[self.fixed] = 0.0
+        return self._norm(forces)
+
+    def _round_off(self, K):
+        """Norm of the round-off in the residual [F]: forces of a stiff body that moves as a whole cancel to that."""
+        diagonal = K.getDiagonal()
+        forces = diagonal.array * self.problem.u.x.array[: self.num_owned]
+        diagonal.destroy()
+        return 4 * np.finfo(float).eps * self._norm(forces)
+
+    # --- the linear problem ----------------------------------------------------------------------------------------
+
+    def _transformation(self):
+        if not self.multipliers:
+            return None
+        space = self.problem.space
+        start = space.dofmap.index_map.local_range[0] * space.dofmap.index_map_bs
+        parts = [c.constraints() for c in self.multipliers]
+        return Transformation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
+
+    def _solve(self, K, residual, jump, rtol, log):
+        """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, and the
+        number of changes. Collective."""
+        p, changes = self.problem, 0
+        for contact in p.contact:
+            contact.look_at(K)
+        geometric = [s for s in (c.stiffness() for c in p.contact) if s is not None]
+        symmetric = all([c.symmetric for c in p.contact])
+        diagonal = K.getDiagonal()
+        mean = self.comm.allreduce(float(np.abs(diagonal.array).sum())) / diagonal.getSize() or 1.0
+        diagonal.destroy()
+        moved = np.zeros(self.num_owned)
+        moved[self.fixed] = jump
+        digits, settle, corrected = (LOOSE_DIGITS if self.multipliers else rtol), Settling(), False
+        while True:
+            fault, moved, forces = self._one_solution(K, geometric, symmetric, residual, moved, mean, digits)
+            if fault or not self.multipliers:
+                break
+            for contact in self.multipliers:
+                contact.predict(moved)
+                contact.measure(residual + forces)
+            found = settle.change(self.multipliers)
+            if found == 0:
+                if corrected and digits <= rtol:
+                    break
+                digits = rtol
+                if not corrected:
+                    self._correct(moved)
+                    corrected = True
+            elif settle.count == MAX_CHANGES:
+                log(f"    contact not settled after {settle.count} changes: {found} nodes to and fro")
+                break
+            changes += found
+        for matrix in geometric:
+            matrix.destroy()
+        p.u.x.array[: self.num_owned] += moved
+        p.u.x.scatter_forward()
+        return fault, changes
+
+    def _correct(self, moved):
+        """Let contacts look at the state that the linear problem leads to. Collective."""
+        u = self.problem.u.x
+        here = u.array.copy()
+        u.array[: self.num_owned] += moved
+        u.scatter_forward()
+        for contact in self.multipliers:
+            contact.correct(u.array)
+        u.array[:] = here
+
+    def _one_solution(self, K, geometric, symmetric, residual, guess, mean, rtol):
+        """Displacement increments for the present active set, from a guess.
+
+        Returns:
+            what went wrong, or None; increments; what the bodies' and contacts' stiffness make of them [F].
+        """
+        transformation = self._transformation()
+        springs = [s for s in (c.springs() for c in self.multipliers) if s is not None]
+        pinned = np.zeros(self.num_owned, dtype=bool)
+        pinned[self.fixed] = True
+        if transformation:
+            pinned |= transformation.dummies
+        for _, force in springs:
+            residual = residual + force
+        system = LinearSystem(
+            K, geometric + [matrix for matrix, _ in springs], symmetric, transformation, pinned, mean
+        )
+        x, b = K.createVecRight(), K.createVecLeft()
+        x.array[:] = transformation.unknowns(guess) if transformation else guess
+        system.load(residual, x, b)
+        fault = self.problem._solver.solve(system, b, x, rtol)
+        moved = system.displacements(x)
+        x.array[:] = moved
+        K.mult(x, b)
+        for matrix in geometric:
+            matrix.multAdd(x, b, b)
+        forces = b.array.copy()
+        system.free()
+        for thing in (x, b, *(matrix for matrix, _ in springs), *((transformation,) if transformation else ())):
+            thing.destroy()
+        return fault, moved, forces
+
+
+class Settling:
+    """Keeps the changes of an active set from going round for ever.
+
+    All nodes change at once while that brings the number of wrong ones down; if it fails to several times running, one
+    node changes at a time, that with the largest number, until there are fewer wrong ones than ever before: finite for
+    P-matrices. Judice and Pires (1994), Murty (1974).
+    """
+
+    def __init__(self):
+        self.count, self.best, self.patience = 0, np.inf, PATIENCE
+
+    def change(self, contacts):
+        """Let the contacts change states; returns how many nodes were wrong, on all ranks. Collective."""
+        single = self.patience == 0
+        found = sum([c.switch(False, NOBODY if single else None) for c in contacts])
+        self.count += 1
+        if found < self.best:
+            self.best, self.patience = found, PATIENCE
+        elif not single:
+            self.patience -= 1
+        if single and found:
+            contact = next(c for c in contacts if c.last_change >= 0)
+            contact.switch(False, None if self.patience else contact.last_change)
+        return found
