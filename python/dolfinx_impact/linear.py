@@ -90,6 +90,8 @@ class LinearSolver:
         # Options of the user's own are taken by the word: no iterations with a preconditioner of an earlier matrix.
         self._keeps = chosen.get("ksp_type") == base["ksp_type"]
         self._max_it = self.ksp.getTolerances()[3]
+        if self._keeps:
+            self.ksp.setTolerances(divtol=1e30)  # the guess may be far worse than none
         self._matrix, self._pace, self._worth = None, 1.0, 0
         self.num_set_ups, self.num_iterations = 0, 0
 

@@ -141,15 +141,16 @@ class LagrangeContact(ContactOutput):
         if self.pair.friction == 0.0 or first:
             return active, self.sliding & active, self.direction
         held = active & self.active
-        bound = self.pair.friction * np.maximum(self.multiplier, 0.0)
         c = self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0)
-        trial = self.friction_traction - c[:, None] * np.where(self.sliding[:, None], self._slip, 0.0)
+        # A node that closes has no multiplier yet: what its overlap and its slip would call for decides.
+        bound = self.pair.friction * np.maximum(self.multiplier - np.where(closing, c * self._gap, 0.0), 0.0)
+        trial = self.friction_traction - c[:, None] * np.where((self.sliding | closing)[:, None], self._slip, 0.0)
         size = np.linalg.norm(trial, axis=1)
-        slips = held & (size > bound * (1 + 1e-10))
+        slips = (held | closing) & (size > bound * (1 + 1e-10))
         # What slipped and would now slip the other way comes to rest first, or it might go to and fro for ever.
         slips &= ~(self.sliding & (np.einsum("na,na->n", trial, self.direction) < 0.0))
         direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
-        return active, np.where(held, slips, self.sliding & active), direction
+        return active, slips, direction
 
     @property
     def num_active(self):

@@ -71,7 +71,8 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     b, x, product = P.createVecLeft(), P.createVecRight(), P.createVecLeft()
     system = LinearSystem(P, [], True, transformation, transformation.dummies, 1.0)
     system.load(-f, x, b)
-    dense = system.assemble().convert("dense").getDenseArray()
+    A = system.assemble().convert("dense")
+    dense = A.getDenseArray()
     x.array[:] = rng.normal(size=size)
     system.operator.mult(x, product)  # without forming it
     assert np.allclose(product.array, dense @ x.array, atol=1e-11)
