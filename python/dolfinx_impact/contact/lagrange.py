@@ -92,7 +92,7 @@ class LagrangeContact(ContactOutput):
         """
         gap, slip = self.geometry.look_ahead(u)
         known = self.usable & np.isfinite(gap)
-        gap = np.where(known, gap - self._gap, 0.0)
+        gap = np.where(known, gap, 0.0) - np.where(known, self._gap, 0.0)
         slip = np.where(known[:, None], self.geometry.tangential(slip) - self._slip, 0.0)
         self._at = self._at[0] + gap, self._at[1] + slip
 
@@ -144,7 +144,8 @@ class LagrangeContact(ContactOutput):
         c = self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0)
         # A node that closes has no multiplier yet: what its overlap and its slip would call for decides.
         bound = self.pair.friction * np.maximum(self.multiplier - np.where(closing, c * self._gap, 0.0), 0.0)
-        trial = self.friction_traction - c[:, None] * np.where((self.sliding | closing)[:, None], self._slip, 0.0)
+        moving = (self.sliding | closing)[:, None] & ~self.fixed
+        trial = self.friction_traction - c[:, None] * np.where(moving, self._slip, 0.0)
         size = np.linalg.norm(trial, axis=1)
         slips = (held | closing) & (size > bound * (1 + 1e-10))
         # What slipped and would now slip the other way comes to rest first, or it might go to and fro for ever.
@@ -220,14 +221,15 @@ class LagrangeContact(ContactOutput):
         weight = self.geometry.weight[rows]
         c = self.nodal_stiffness[rows] / weight
         bound = self.pair.friction * np.maximum(self.multiplier[rows], 0.0)
-        size = np.linalg.norm(self.friction_traction[rows] - c[:, None] * self._slip[rows], axis=1)
+        slip, start = (np.where(self.fixed[rows], 0.0, s[rows]) for s in (self._slip, self._at[1]))
+        size = np.linalg.norm(self.friction_traction[rows] - c[:, None] * slip, axis=1)
         spring = np.minimum(bound * c / np.maximum(size - bound, 1e-3 * bound + 1e-300), 1e3 * c)
         along = self._normal_direction()[rows]
         across = np.eye(self.gdim) - np.einsum("na,nb->nab", along, along)
         across -= np.einsum("na,nb->nab", self.direction[rows], self.direction[rows])
         blocks = spring[:, None, None] * across
         traction = np.zeros((len(self.nodes), self.gdim))
-        traction[rows] = np.einsum("nab,nb->na", blocks, self._at[1][rows])
+        traction[rows] = np.einsum("nab,nb->na", blocks, start)
         return self.geometry.springs(rows, weight[:, None, None] * blocks), self.geometry.forces(traction)
 
     def held_rows(self, rows):
