@@ -92,7 +92,7 @@ class LinearSolver:
         self._max_it = self.ksp.getTolerances()[3]
         if self._keeps:
             self.ksp.setTolerances(divtol=1e30)  # the guess may be far worse than none
-        self._matrix, self._pace, self._worth = None, 1.0, 0
+        self._matrix, self._pace, self._worth, self._spent = None, 1.0, 0, 0
         self.num_set_ups, self.num_iterations = 0, 0
 
     @property
@@ -116,10 +116,10 @@ class LinearSolver:
             self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
         self.ksp.setInitialGuessNonzero(self._keeps)
         if not self._given_rtol:
-            self.ksp.setTolerances(rtol=min(max(rtol, 1e-12), 1e-3))
-        if self._keeps and self._matrix is not None:
-            self.ksp.setTolerances(max_it=self._patience(rtol))
+            self.ksp.setTolerances(rtol=10.0 ** -self._digits(rtol))
+        if self._keeps and self._serves(system, rtol):
             self._run(system, b, x)
+            self._spent += max(self.ksp.getIterationNumber() - 1, 0)
             if self.ksp.getConvergedReason() > 0 and not self._fault(system, b, x):
                 return None
         if not np.isfinite(x.norm()):
@@ -132,18 +132,36 @@ class LinearSolver:
             self.ksp.setTolerances(rtol=1e-10)
             self._run(system, b, x)
             fault = self._fault(system, b, x)
-        if self.direct and self._keeps:
-            factors = self.ksp.getPC().getFactorMatrix()
-            self._worth = 1 + int(factors.getMumpsRinfog(3) / (4 * abs(factors.getMumpsInfog(29))) / BLOCKED)
-        # Digits gained per iteration, to judge by how well the preconditioner serves later.
-        self._pace = max(self.ksp.getIterationNumber(), 1) / -np.log10(min(max(rtol, 1e-12), 1e-3))
+        self._judge(rtol)
         return fault
 
-    def _patience(self, rtol):
-        """Iterations with an earlier preconditioner that cost no more than to make a new one."""
-        if self.direct:
-            return self._worth
-        return int(10 + 2 * self._pace * -np.log10(min(max(rtol, 1e-12), 1e-3)))
+    def _serves(self, system, rtol):
+        """May the earlier preconditioner be tried? Sets how many iterations it may take. Collective.
+
+        What it spends in all may cost as much as a new one: never more than twice the least that is possible.
+        """
+        if self._matrix is None:
+            return False
+        worth = self._worth if self.direct else int(2 * self._pace * self._digits(rtol)) + 10
+        left = worth - (self._spent if self.direct else 0)
+        # Every unknown that was pinned and is not, or the other way round, takes an iteration at least.
+        differ = np.count_nonzero(self._pinned != system.mask)
+        if system.K.getComm().tompi4py().allreduce(differ) >= left:
+            return False
+        self.ksp.setTolerances(max_it=left)
+        return True
+
+    @staticmethod
+    def _digits(rtol):
+        return -np.log10(min(max(rtol, 1e-12), 1e-3))
+
+    def _judge(self, rtol):
+        """How long the preconditioner that has just solved its own system may serve others."""
+        self._spent = 0
+        self._pace = max(self.ksp.getIterationNumber(), 1) / self._digits(rtol)  # iterations per digit
+        if self.direct and self._keeps:
+            factors = self.ksp.getPC().getFactorMatrix()
+            self._worth = int(factors.getMumpsRinfog(3) / (4 * abs(factors.getMumpsInfog(29))) / BLOCKED)
 
     def _prepare(self, system):
         """Preconditioner of the present system."""
@@ -155,6 +173,7 @@ class LinearSolver:
         self.ksp.setTolerances(max_it=self._max_it)
         self.ksp.getPC().setReusePreconditioner(False)
         self.num_set_ups += 1
+        self._pinned = system.mask
 
     def _run(self, system, b, x):
         self.ksp.setOperators(system.operator, self._matrix)
@@ -196,7 +215,7 @@ class LinearSystem:
     def __init__(self, K, extra, symmetric, transformation, pinned, diagonal):
         self.K, self.extra, self.transformation = K, extra, transformation
         self.symmetric = symmetric and (transformation is None or transformation.symmetric)
-        self.pinned, self.diagonal = np.flatnonzero(pinned), diagonal
+        self.mask, self.pinned, self.diagonal = pinned, np.flatnonzero(pinned), diagonal
         self.operator = PETSc.Mat().createPython(K.getSizes(), self, comm=K.getComm())
         self.operator.setUp()
         self._work = [K.createVecRight() for _ in range(3)]
