@@ -92,6 +92,7 @@ class LinearSolver:
         self._max_it = self.ksp.getTolerances()[3]
         if self._keeps:
             self.ksp.setTolerances(divtol=1e30)  # the guess may be far worse than none
+        self._operator, self._system = None, None
         self._matrix, self._pace, self._worth, self._spent = None, 1.0, 0, 0
         self.num_set_ups, self.num_iterations = 0, 0
 
@@ -176,10 +177,19 @@ class LinearSolver:
         self._pinned = system.mask
 
     def _run(self, system, b, x):
-        self.ksp.setOperators(system.operator, self._matrix)
+        if self._operator is None:
+            self._operator = PETSc.Mat().createPython(system.K.getSizes(), self, comm=system.K.getComm())
+            self._operator.setUp()
+            self.ksp.getPC().setUseAmat(False)
+        self._system = system
+        self.ksp.setOperators(self._operator, self._matrix)
         self.ksp.solve(b, x)
         self.ksp.getPC().setReusePreconditioner(True)
         self.num_iterations += self.ksp.getIterationNumber()
+
+    def mult(self, _, x, y):
+        """Product with the present system; PETSc calls it. One operator for all systems: preconditioners keep it."""
+        self._system.mult(x, y)
 
     def _fault(self, system, b, x):
         reason, pc = self.ksp.getConvergedReason(), self.ksp.getPC()
@@ -190,7 +200,7 @@ class LinearSolver:
             if null_pivots > 0:
                 return f"{null_pivots} pivots vanish"
         residual = b.duplicate()  # not the solver's own word for it
-        system.operator.mult(x, residual)
+        system.mult(x, residual)
         residual.axpy(-1.0, b)
         error, right = residual.norm(), b.norm()
         residual.destroy()
@@ -216,14 +226,12 @@ class LinearSystem:
         self.K, self.extra, self.transformation = K, extra, transformation
         self.symmetric = symmetric and (transformation is None or transformation.symmetric)
         self.mask, self.pinned, self.diagonal = pinned, np.flatnonzero(pinned), diagonal
-        self.operator = PETSc.Mat().createPython(K.getSizes(), self, comm=K.getComm())
-        self.operator.setUp()
         self._work = [K.createVecRight() for _ in range(3)]
 
     def free(self):
         """Give back the memory of what was made here. Collective."""
-        for thing in (self.operator, *self._work):
-            thing.destroy()
+        for vector in self._work:
+            vector.destroy()
 
     def stiffness(self, x, y):
         """y = (K + sum of extra) x, before condensation. Collective."""
@@ -231,8 +239,8 @@ class LinearSystem:
         for E in self.extra:
             E.multAdd(x, y, y)
 
-    def mult(self, _, x, y):
-        """y = A x; PETSc calls it. Collective."""
+    def mult(self, x, y):
+        """y = A x. Collective."""
         free, moved, force = self._work
         x.copy(free)
         free.array[self.pinned] = 0.0

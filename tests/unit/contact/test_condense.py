@@ -74,7 +74,7 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     A = system.assemble().convert("dense")
     dense = A.getDenseArray()
     x.array[:] = rng.normal(size=size)
-    system.operator.mult(x, product)  # without forming it
+    system.mult(x, product)  # without forming it
     assert np.allclose(product.array, dense @ x.array, atol=1e-11)
     assert np.allclose(dense, dense.T, rtol=0, atol=1e-12) != slips
     x.array[:] = np.linalg.solve(dense, b.array)
