@@ -179,8 +179,8 @@ def test_derivative_of_the_force(cell, degree, geometry_degree, basis):
 
 @pytest.mark.parametrize("height, in_plane", [(2.2, True), (1.9, False), (1.0, False)])
 def test_nodal_normals(height, in_plane):
-    """Mean of the facets' normals, each with the same weight, turned round. Where that is within 5 degrees of a plane of
-    symmetry (4.4 of 4.4, 6.3 and 13) the prescribed component is taken out."""
+    """Mean of the facets' normals, each with the same weight, turned round. Where that is within 5 degrees of a plane
+    of symmetry (4.4 is, 6.3 and 13 are not) the prescribed component is taken out."""
     roof = np.array([[-1.0, 1], [0, 0], [3, height], [-1, 4], [0, 4], [3, 4]]), np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
     plane = box("quadrilateral", (1, 1), 1, lambda x: np.array([10 * x[0] - 5, x[1] - 2]))
     pair = Pair(plane, roof, "quadrilateral", material("quadrilateral"))

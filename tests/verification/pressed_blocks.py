@@ -27,8 +27,8 @@ class PressedBlocks:
     """Two blocks with separate nodes and displacements u = strains * x, component by component, as the solution.
 
     Below and above they are held by rollers, and at x = 0 (y = 0); other sides are free. Or, with `pressed`, the sides
-    carry the tractions of that uniform stress, and the lowest and uppermost faces have all components prescribed: then no
-    node of the contact is held by anything else. With `rollers` they are held as before instead.
+    carry the tractions of that uniform stress, and the lowest and uppermost faces have all components prescribed: then
+    no node of the contact is held by anything else. With `rollers` they are held as before instead.
 
     Args:
         cell, degree: of the displacement. strains, nu: diagonal of the strain, Poisson's ratio.

@@ -219,7 +219,7 @@ class MortarGeometry(_Geometry):
         self._matrix = matrix(self.comm, num_owned, rows, cols, values)
 
     def _nodal_normals(self, sums):
-        """Unit normals; where nearly orthogonal to a prescribed axis, orthogonal: a plane of symmetry, facets or not."""
+        """Unit normals; on planes of symmetry, which facets meet nearly at right angles, in them."""
         normals = sums / np.linalg.norm(sums, axis=1)[:, None]
         normals[self.fixed & (np.abs(normals) < SYMMETRY)] = 0.0
         return normals / np.linalg.norm(normals, axis=1)[:, None]
