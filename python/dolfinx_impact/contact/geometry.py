@@ -9,6 +9,7 @@ from .. import _cpp
 from .matrices import NodalSum, global_dofs, matrix, owned_rows
 from .neighbours import Neighbours
 from .size import body_size
+from .start import InitialGap, check_side
 
 
 def _rule(shape, degree):
@@ -55,6 +56,13 @@ class _Geometry:
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)
         self.tolerance = 1e-12 * self.size
+        self.offset = np.zeros(len(self.nodes))
+
+    def _look(self):
+        """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
+        self.update(self.start)
+        self.initial = InitialGap(self.pair, self.V, self.slave, self.master, self.points, self.gap)
+        self.offset = self.initial.offset
 
     def begin(self, u, displacement):
         """An increment starts at u; the rigid master is to go to `displacement`."""
@@ -134,12 +142,15 @@ class RigidGeometry(_Geometry):
         super().__init__(spec, V, axisymmetric)
         self.obstacle = self.pair.master._obstacle(self.gdim)
         self.weight, self.participates = self.share, np.ones(len(self.nodes), dtype=bool)
+        check_side(self.pair, V, self.slave, self.obstacle)
+        self._look()
 
     def update(self, u):
         """Gaps and normals at u. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()
         self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
+        self.gap = self.gap + self.offset
 
     def slip(self):
         """Tangential displacement of the nodes against the obstacle in this increment, (n, gdim) [L]."""
@@ -182,6 +193,7 @@ class MortarGeometry(_Geometry):
         self.points_of_rule, self.weights = _rule("interval" if self.gdim == 2 else "triangle", degree)
         self.neighbours = Neighbours(self.pair, V, self.slave, self.master)
         self._matrix = None
+        self._look()
 
     def update(self, u):
         """Search, segments, mortar integrals, gaps and normals at u. Collective."""
@@ -208,7 +220,7 @@ class MortarGeometry(_Geometry):
         self.participates = self.weight > 1e-2 * self.area
         self.gap = np.full(len(self.nodes), np.inf)
         on = self.participates
-        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.weight[on]
+        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.weight[on] + self.offset[on]
         rows, cols, values = self.mortar.M
         if self._matrix is not None:
             self._matrix.destroy()

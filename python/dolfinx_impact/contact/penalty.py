@@ -13,6 +13,7 @@ from .neighbours import Neighbours
 from .output import ContactOutput
 from .pair import ContactPair
 from .size import body_size
+from .start import InitialGap, check_side
 
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
@@ -51,6 +52,8 @@ class PenaltyContact(ContactOutput):
     """Penalty of one pair in a problem. Points are the quadrature points of this rank's slave facets; see
     ContactOutput. `penalty` is the one in use [F/L^3]."""
 
+    initial = None
+
     def __init__(self, spec, problem):
         self.spec, self.pair, self.problem = spec, spec.pair, problem
         V = problem.space
@@ -75,6 +78,11 @@ class PenaltyContact(ContactOutput):
         self.multiplier = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
         self._status = np.zeros(self._points.size, dtype=np.int8)
         self.constraints = None  # nothing to condense
+        if self.pair.rigid:
+            check_side(self.pair, V, self.slave, self.obstacle)
+        self._seen = False  # the state before the first increment is nothing to stay on a facet from
+        self._search(self.start)
+        self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
 
     def _automatic(self):
         """Stiffness per area of the softer surface's nodes where its facets are smallest, times FACTOR. Collective."""
@@ -128,6 +136,7 @@ class PenaltyContact(ContactOutput):
         if self.penalty is None:
             self.penalty = self._automatic()
         self.tangential = self.tangential or self.penalty
+        self._spread_multiplier()
         self.start = np.array(u)
         self._touch = 1e-12 * self.size * self.penalty  # where bodies just touch, round-off must not decide
         if displacement is not None:
@@ -147,7 +156,7 @@ class PenaltyContact(ContactOutput):
         if not self.spec.augmented:
             return False
         p, table, corners = self._points, self._hats, self.slave.nodes[:, : self._hats.shape[1]]
-        gap = p.gap.reshape(-1, p.per_facet)
+        gap = self.gap.reshape(-1, p.per_facet)
         weight = np.where(np.isfinite(gap), p.weight.reshape(gap.shape), 0.0)
         parts = (weight * np.where(np.isfinite(gap), gap, 0.0), weight)
         sums = []
@@ -161,24 +170,35 @@ class PenaltyContact(ContactOutput):
         if self.comm.allreduce(change, MPI.MAX) <= self.spec.tolerance * self.size:
             return False
         self.multiplier = new
-        self.history.multiplier = (new[corners] @ table.T).ravel()
+        self._spread_multiplier()
         return True
 
-    def update(self, u):
-        """Search, gaps and tractions at the displacements u. Collective."""
-        u = np.ascontiguousarray(u)
-        increment = u - self.start
+    def _spread_multiplier(self):
+        """Multipliers at the points from those at the corners. An offset of the gap is a pressure less: the law
+        p = <multiplier - penalty (gap + offset)> needs no other."""
+        corners = self.multiplier[self.slave.nodes[:, : self._hats.shape[1]]]
+        self.history.multiplier = (corners @ self._hats.T).ravel() - self.penalty * self.initial.offset
+
+    def _search(self, u):
+        """Gaps at the displacements u; returns slave and master facets. Collective."""
         if self.pair.rigid:
             self.slave.move(u)
             self.obstacle.displacement = self.displacement.tolist()
             self._points.update_rigid(self.slave, self.obstacle)
-            surfaces = self.slave, None
-        else:
-            near = self.neighbours
-            reach = near.update(u, self.start)
-            self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept)
-            increment = near.exchange.forward(increment)
-            surfaces = near.slave, near.master
+            return self.slave, None
+        near = self.neighbours
+        reach = near.update(u, self.start)
+        self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept and self._seen)
+        return near.slave, near.master
+
+    def update(self, u):
+        """Search, gaps and tractions at the displacements u. Collective."""
+        u = np.ascontiguousarray(u)
+        surfaces = self._search(u)
+        self._seen = True
+        increment = u - self.start
+        if not self.pair.rigid:
+            increment = self.neighbours.exchange.forward(increment)
         self._pair = _cpp.penalty.Penalty(
             self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, self._touch
         )
@@ -265,7 +285,7 @@ class PenaltyContact(ContactOutput):
     @property
     def gap(self):
         """Gap, positive open; infinite where there is no master, (n) [L]."""
-        return self._points.gap
+        return self._points.gap + self.initial.offset
 
     @property
     def normal(self):
