@@ -141,7 +141,7 @@ def test_values_of_a_point():
 
 
 def test_motion_counts_from_closing():
-    """Points that were open stick to the part -g/(g_n - g) of their motion; closed ones to all, unknown ones to none."""
+    """Points that were open stick to the part -g/(g_n - g) of their motion; closed ones to all of it."""
     model = Rigid("quadrilateral", 1, "plane", friction=100.0)
     u = np.zeros(model.num)
     u[0::2] = 1e-5
