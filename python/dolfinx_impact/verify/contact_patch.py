@@ -1,6 +1,5 @@
 """Level contact, a state given: what the two sides make of the same displacements, penalties and multipliers."""
 
-import impact_reference
 import numpy as np
 from dolfinx import fem
 from petsc4py import PETSc
