@@ -45,7 +45,7 @@ namespace detail
 /// Areas of the facets around every node.
 void areas(const ContactPair& pair, Mortar& out);
 
-/// Normals of the slave's nodes: mean of the facets' normals, turned round, orthogonal to prescribed components.
+/// Normals of the slave's nodes: mean of the facets' normals, turned round, in the planes of symmetry.
 void normals(const ContactPair& pair, const Vector& u, Mortar& out);
 
 /// All of it against an obstacle: the multiplier's integrals are constant, the gap is that of the node itself.

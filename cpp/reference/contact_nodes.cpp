@@ -1,4 +1,5 @@
 #include "contact_mortar.h"
+#include <numbers>
 
 namespace impact::reference
 {
@@ -35,20 +36,16 @@ void normals(const ContactPair& pair, const Vector& u, Mortar& out)
   with_variables(s, [&](auto n) { facet_normals<n>(pair, u, out); });
   for (auto& [number, node] : out.nodes)
   {
+    // A prescribed component takes its part out of a normal that is nearly orthogonal to it, and of no other.
     Vec<double> kept = node.normal.value;
+    const double small = std::sin(5 * std::numbers::pi / 180) * norm(kept);
     std::array<bool, 3> hold{};
     for (int c = 0; c < s.gdim; ++c)
-      if (not pair.prescribed.empty() and pair.prescribed[s.gdim * number + c])
-      {
+      if (not pair.prescribed.empty() and pair.prescribed[s.gdim * number + c] and std::abs(kept[c]) < small)
         hold[c] = true;
+    for (int c = 0; c < 3; ++c)
+      if (hold[c])
         kept[c] = 0;
-      }
-    // A prescribed component takes its part out of a normal that is nearly orthogonal to it, and of no other.
-    if (norm(kept) < norm(node.normal.value) / std::sqrt(2.0))
-    {
-      hold = {};
-      kept = node.normal.value;
-    }
     const double length = norm(kept);
     const Vec<double> n = (1 / length) * kept;
     for (auto& [dof, slope] : node.normal.slope)

@@ -107,6 +107,34 @@ def test_inclined_interface(cell, degree):
     assert np.allclose(solution.traction[closed], 0, atol=1e-8 * p)
 
 
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("swap", [False, True])
+def test_inclined_interface_that_meets_rollers(cell, degree, swap):
+    """P-4, 30 degrees: no shear on the interface where the stresses along x and z are equal. Nodes on the rollers x = 0
+    keep the normal of the incline: it is none of a plane of symmetry."""
+    d = gdim_of(cell)
+    pair = blocks(cell, degree, mapping=lambda x: x + np.tan(np.pi / 6) * x[0] * (1 - abs(x[-1])) * np.eye(d)[-1], E=E)
+    model = pair.model
+    strain = np.array([-0.01, -0.005, -0.01] if d == 3 else [-0.01, -0.01])
+    stress = E / 1.3 * (strain + 0.3 / 0.4 * strain.sum())
+    load = np.zeros(model.num_dofs)
+    conditions = []
+    for k in range(d):
+        low, high = (0, 1) if k < d - 1 else (-1, 1)
+        conditions.append((lambda x, k=k, low=low: x[k] < low + 1e-9, k, low * strain[k]))
+        faces = [
+            pair.facets(upper, lambda x, k=k, high=high: x[k] > high - 1e-9) for upper in (False, True)[d - 1 == k :]
+        ]
+        load += sum(model.traction(f, stress[k] * np.eye(d)[k]) for f in faces)
+    fixed, values = pair.held(*conditions)
+    sides = (pair.master, pair.slave) if swap else (pair.slave, pair.master)
+    s = ir.Contact(model, *sides, prescribed=fixed).solve_lagrange(fixed, values, load)
+    assert np.abs(s.u.reshape(-1, d) - model.field_points * strain).max() < EXACT * 0.01
+    closed = s.status > 0
+    assert np.allclose(s.pressure[closed], -stress[-1], rtol=EXACT)
+
+
 @pytest.mark.parametrize("hypothesis", ["plane_stress", "axisymmetric"])
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 @pytest.mark.parametrize("degree", [1, 2])

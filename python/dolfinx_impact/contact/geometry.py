@@ -11,6 +11,9 @@ from .neighbours import Neighbours
 from .size import body_size
 from .start import InitialGap, check_side
 
+# Sine of the largest angle by which facets may tilt a normal at a plane of symmetry: 5 degrees, docs/contact.md.
+SYMMETRY = np.sin(np.deg2rad(5.0))
+
 
 def _rule(shape, degree):
     """Points (flat) and weights of a rule on a reference facet."""
@@ -228,11 +231,10 @@ class MortarGeometry(_Geometry):
         self._matrix = matrix(self.comm, num_owned, rows, cols, values)
 
     def _nodal_normals(self, sums):
+        """Unit normals; on planes of symmetry, which facets meet nearly at right angles, in them."""
         normals = sums / np.linalg.norm(sums, axis=1)[:, None]
-        free = np.where(self.fixed, 0.0, normals)
-        length = np.linalg.norm(free, axis=1)
-        usable = length > np.sqrt(0.5)  # a body held across its surface keeps its normal
-        return np.where(usable[:, None], free / np.where(usable, length, 1.0)[:, None], normals)
+        normals[self.fixed & (np.abs(normals) < SYMMETRY)] = 0.0
+        return normals / np.linalg.norm(normals, axis=1)[:, None]
 
     def _over_master(self, values):
         """M times nodal values (owned nodes, gdim)."""

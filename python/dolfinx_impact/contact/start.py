@@ -70,8 +70,8 @@ def _check_depth(pair, V, slave, master, shallowest):
     if shallowest > 0.5 * thinner:
         raise ValueError(
             f"{pair.name}: every slave point lies at least {shallowest:.3e} inside the master before anything is "
-            f"loaded, more than half of the thinner body ({thinner:.3e}): move the bodies apart, or correct the tags, the "
-            "normal of a plane or the sign of a radius"
+            f"loaded, more than half of the thinner body ({thinner:.3e}): move the bodies apart, or correct the tags, "
+            "the normal of a plane or the sign of a radius"
         )
 
 
@@ -101,6 +101,5 @@ def check_side(pair, V, slave, obstacle):
     lowest = comm.allreduce(float(np.min(gap, initial=np.inf)), MPI.MIN)
     # +1: face to face; -1: back to back. Between, edges and both sides of thin bodies: no judgement.
     if agreement < -0.5 * number and lowest <= facet:
-        raise ValueError(
-            f"{pair.name}: the slave looks away from the obstacle where it is nearest: {pair.master._turn()}"
-        )
+        turn = pair.master._turn()
+        raise ValueError(f"{pair.name}: the slave looks away from the obstacle where it is nearest: {turn}")
