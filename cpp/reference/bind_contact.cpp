@@ -67,7 +67,7 @@ Basis basis_of(const std::string& name)
   throw std::invalid_argument("unknown basis '" + name + "': use 'dual', 'standard' or 'linear'");
 }
 
-using State = std::tuple<Vector, Vector, Vector, Vector, Matrix, Matrix, Vector, Matrix>;
+using State = std::tuple<Vector, Vector, Vector, Vector, Matrix, Matrix, Integers, Vector, Matrix>;
 
 class Bound
 {
@@ -108,15 +108,16 @@ public:
     return pair;
   }
 
-  ContactHistory history(const Vector& u, const Vector& displacement, const Matrix& traction, const Matrix& slip) const
+  ContactHistory history(const Vector& u, const Vector& displacement, const Matrix& traction, const Matrix& slip,
+                         const Integers& touched) const
   {
     check(u);
-    return {u, vec(displacement, gdim_), traction, slip};
+    return {u, vec(displacement, gdim_), traction, slip, touched};
   }
 
   nb::tuple tuple(const ContactHistory& h) const
   {
-    return nb::make_tuple(h.u, vector(h.displacement, gdim_), h.traction, h.slip);
+    return nb::make_tuple(h.u, vector(h.displacement, gdim_), h.traction, h.slip, h.touched);
   }
 
   nb::tuple tuple(const ContactPoints& p) const
@@ -127,16 +128,16 @@ public:
 
   ContactState state(const State& s) const
   {
-    const auto& [u, load, history_u, displacement, traction, slip, multiplier, z] = s;
+    const auto& [u, load, history_u, displacement, traction, slip, touched, multiplier, z] = s;
     check(u);
-    return {u, load, history(history_u, displacement, traction, slip), multiplier, z};
+    return {u, load, history(history_u, displacement, traction, slip, touched), multiplier, z};
   }
 
   nb::tuple tuple(const ContactSolution& s) const
   {
     const ContactState& t = s.state;
     return nb::make_tuple(nb::make_tuple(t.u, t.load, t.history.u, vector(t.history.displacement, gdim_),
-                                         t.history.traction, t.history.slip, t.multiplier, t.z),
+                                         t.history.traction, t.history.slip, t.history.touched, t.multiplier, t.z),
                           s.contact_force, s.reactions, s.iterations, s.residuals, tuple(s.points), s.pressure, s.gap,
                           integers(s.status));
   }
@@ -173,11 +174,11 @@ void bind_contact(nb::module_& m)
       .def_prop_ro("num_facets", [](const Bound& s) { return s.pair_.slave.facets.size(); })
       .def("penalty",
            [](const Bound& s, P points, V weights, V displacement, V u, double chi, double chi_t, V history_u,
-              V history_displacement, P traction, P slip, V multiplier)
+              V history_displacement, P traction, P slip, const Integers& touched, V multiplier)
            {
              s.check(u);
              const Penalty r = penalty(s.at(displacement), {points, weights}, u, chi, chi_t,
-                                       s.history(history_u, history_displacement, traction, slip), multiplier);
+                                       s.history(history_u, history_displacement, traction, slip, touched), multiplier);
              return nb::make_tuple(r.force, csr(r.tangent, u.size()), s.tuple(r.points), s.tuple(r.history));
            })
       .def("mortar",
@@ -185,7 +186,7 @@ void bind_contact(nb::module_& m)
               V history_displacement, P z)
            {
              s.check(u);
-             const ContactHistory h = s.history(history_u, history_displacement, {}, {});
+             const ContactHistory h = s.history(history_u, history_displacement, {}, {}, {});
              const Mortar r = mortar(s.at(displacement), {points, weights}, basis_of(basis), u, h, z);
              const std::int64_t n = z.rows();
              Matrix gamma = Matrix::Zero(n, s.gdim_), normal = gamma, moved = gamma;

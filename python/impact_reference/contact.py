@@ -52,6 +52,7 @@ class History:
     displacement: np.ndarray  # of the rigid master (gdim) [L]
     traction: np.ndarray  # tangential, at the slave's points (num_points, gdim) [F/L^2]
     slip: np.ndarray  # sum over the steps (num_points, gdim) [L]
+    touched: np.ndarray  # 1 where a point was closed, integers (num_points)
 
 
 @dataclass
@@ -196,14 +197,15 @@ class Contact:
     def no_history(self):
         """The state before anything happened."""
         zero = np.zeros((self.num_points, self.gdim))
-        return History(np.zeros(self.model.num_dofs), np.zeros(self.gdim), zero, zero.copy())
+        touched = np.zeros(self.num_points, dtype=np.int64)
+        return History(np.zeros(self.model.num_dofs), np.zeros(self.gdim), zero, zero.copy(), touched)
 
     def _history(self, history):
         h = self.no_history() if history is None else history
         traction, slip = _floats(h.traction), _floats(h.slip)
         if traction.shape != (self.num_points, self.gdim) or slip.shape != traction.shape:
             raise ValueError(f"a history of this contact has {self.num_points} points, found {traction.shape}")
-        return _vector(h.u), _vector(h.displacement), traction, slip
+        return _vector(h.u), _vector(h.displacement), traction, slip, _integers(h.touched, "touched", 1)
 
     def closest_points(self, u):
         """Points: gap, normal, master facet, coordinate and position of every slave point; pressures are zero."""
@@ -259,7 +261,7 @@ class Contact:
         h, nodes = self.no_history(), len(self.model.field_points)
         load = np.zeros(self.model.num_dofs)
         z = np.zeros((nodes, self.gdim))
-        return (h.u, load, h.u, h.displacement, h.traction, h.slip, np.zeros(0), z)
+        return (h.u, load, h.u, h.displacement, h.traction, h.slip, h.touched, np.zeros(0), z)
 
     def _loads(self, fixed_dofs, values, load):
         fixed = _integers(fixed_dofs, "fixed_dofs", 1)
@@ -303,7 +305,7 @@ class Contact:
         state, force, reactions, iterations, residuals, points, *_ = result
         p = Points(*points)
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:6])
+        history = History(*state[2:7])
         return ContactSolution(
             state[0], p.pressure, p.traction, p.gap, p.status, *common, points=p, history=history, state=state
         )
@@ -331,11 +333,11 @@ class Contact:
             tolerance,
         )
         state, force, reactions, iterations, residuals, _, pressure, gap, status = result
-        z = state[7]
+        z = state[8]
         normals = self.mortar(state[0], basis).normals
         traction = z - pressure[:, None] * normals
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:6])
+        history = History(*state[2:7])
         return ContactSolution(
             state[0], pressure, traction, gap, status, *common, multipliers=z, history=history, state=state
         )

@@ -9,6 +9,7 @@ from .. import _cpp
 from .matrices import NodalSum, global_dofs, matrix, owned_rows
 from .neighbours import Neighbours
 from .size import body_size
+from .start import InitialGap, check_side
 
 # A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
 LEAST = 1e-2
@@ -62,6 +63,13 @@ class _Geometry:
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)
         self.tolerance = 1e-12 * self.size
+        self.offset = np.zeros(len(self.nodes))
+
+    def _look(self):
+        """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
+        self.update(self.start)
+        self.initial = InitialGap(self.pair, self.V, self.slave, self.master, self.points, self.gap)
+        self.offset = self.initial.offset
 
     def begin(self, u, displacement):
         """An increment starts at u; the rigid master is to go to `displacement`."""
@@ -142,12 +150,15 @@ class RigidGeometry(_Geometry):
         self.obstacle = self.pair.master._obstacle(self.gdim)
         self.weight = self.cover = self.share
         self.participates = np.ones(len(self.nodes), dtype=bool)
+        check_side(self.pair, V, self.slave, self.obstacle)
+        self._look()
 
     def update(self, u):
         """Gaps and normals at u. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()
         self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
+        self.gap = self.gap + self.offset
 
     def slip(self):
         """Tangential displacement of the nodes against the obstacle in this increment, (n, gdim) [L]."""
@@ -194,6 +205,7 @@ class MortarGeometry(_Geometry):
         self.points_of_rule, self.weights = _rule("interval" if self.gdim == 2 else "triangle", degree)
         self.neighbours = Neighbours(self.pair, V, self.slave, self.master)
         self._matrix = None
+        self._look()
 
     def update(self, u):
         """Search, segments, mortar integrals, gaps and normals at u. Collective."""
@@ -229,7 +241,7 @@ class MortarGeometry(_Geometry):
         self.normal = self._nodal_normals(self.sums[self.nodes])
         self.gap = np.full(len(self.nodes), np.inf)
         on = self.participates
-        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.cover[on]
+        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.cover[on] + self.offset[on]
         if self._matrix is not None:
             self._matrix.destroy()
         # Slave nodes beside the diagonal of D, without a multiplier of their own, stand among the master's.
