@@ -58,7 +58,16 @@ Rigid rigid(const Obstacle& o, int gdim)
   return r;
 }
 
-using State = std::tuple<Vector, Vector, Vector, Vector, Matrix, Matrix, Vector, Matrix>;
+Basis basis_of(const std::string& name)
+{
+  for (const auto& [known, basis] :
+       {std::pair{"dual", Basis::dual}, {"standard", Basis::standard}, {"linear", Basis::linear}})
+    if (name == known)
+      return basis;
+  throw std::invalid_argument("unknown basis '" + name + "': use 'dual', 'standard' or 'linear'");
+}
+
+using State = std::tuple<Vector, Vector, Vector, Vector, Matrix, Matrix, Integers, Vector, Matrix>;
 
 class Bound
 {
@@ -99,15 +108,16 @@ public:
     return pair;
   }
 
-  ContactHistory history(const Vector& u, const Vector& displacement, const Matrix& traction, const Matrix& slip) const
+  ContactHistory history(const Vector& u, const Vector& displacement, const Matrix& traction, const Matrix& slip,
+                         const Integers& touched) const
   {
     check(u);
-    return {u, vec(displacement, gdim_), traction, slip};
+    return {u, vec(displacement, gdim_), traction, slip, touched};
   }
 
   nb::tuple tuple(const ContactHistory& h) const
   {
-    return nb::make_tuple(h.u, vector(h.displacement, gdim_), h.traction, h.slip);
+    return nb::make_tuple(h.u, vector(h.displacement, gdim_), h.traction, h.slip, h.touched);
   }
 
   nb::tuple tuple(const ContactPoints& p) const
@@ -118,16 +128,16 @@ public:
 
   ContactState state(const State& s) const
   {
-    const auto& [u, load, history_u, displacement, traction, slip, multiplier, z] = s;
+    const auto& [u, load, history_u, displacement, traction, slip, touched, multiplier, z] = s;
     check(u);
-    return {u, load, history(history_u, displacement, traction, slip), multiplier, z};
+    return {u, load, history(history_u, displacement, traction, slip, touched), multiplier, z};
   }
 
   nb::tuple tuple(const ContactSolution& s) const
   {
     const ContactState& t = s.state;
     return nb::make_tuple(nb::make_tuple(t.u, t.load, t.history.u, vector(t.history.displacement, gdim_),
-                                         t.history.traction, t.history.slip, t.multiplier, t.z),
+                                         t.history.traction, t.history.slip, t.history.touched, t.multiplier, t.z),
                           s.contact_force, s.reactions, s.iterations, s.residuals, tuple(s.points), s.pressure, s.gap,
                           integers(s.status));
   }
@@ -164,33 +174,33 @@ void bind_contact(nb::module_& m)
       .def_prop_ro("num_facets", [](const Bound& s) { return s.pair_.slave.facets.size(); })
       .def("penalty",
            [](const Bound& s, P points, V weights, V displacement, V u, double chi, double chi_t, V history_u,
-              V history_displacement, P traction, P slip, V multiplier)
+              V history_displacement, P traction, P slip, const Integers& touched, V multiplier)
            {
              s.check(u);
              const Penalty r = penalty(s.at(displacement), {points, weights}, u, chi, chi_t,
-                                       s.history(history_u, history_displacement, traction, slip), multiplier);
+                                       s.history(history_u, history_displacement, traction, slip, touched), multiplier);
              return nb::make_tuple(r.force, csr(r.tangent, u.size()), s.tuple(r.points), s.tuple(r.history));
            })
       .def("mortar",
-           [](const Bound& s, P points, V weights, V displacement, bool dual, V u, V history_u, V history_displacement,
-              P z)
+           [](const Bound& s, P points, V weights, V displacement, const std::string& basis, V u, V history_u,
+              V history_displacement, P z)
            {
              s.check(u);
-             const ContactHistory h = s.history(history_u, history_displacement, {}, {});
-             const Mortar r = mortar(s.at(displacement), {points, weights}, dual, u, h, z);
+             const ContactHistory h = s.history(history_u, history_displacement, {}, {}, {});
+             const Mortar r = mortar(s.at(displacement), {points, weights}, basis_of(basis), u, h, z);
              const std::int64_t n = z.rows();
              Matrix gamma = Matrix::Zero(n, s.gdim_), normal = gamma, moved = gamma;
-             Vector D = Vector::Zero(n);
+             Vector cover = Vector::Zero(n);
              Integers part = Integers::Zero(n);
              for (const auto& [number, node] : r.nodes)
              {
                gamma.row(number) = vector(node.gamma.value, s.gdim_).transpose();
                normal.row(number) = vector(node.normal.value, s.gdim_).transpose();
                moved.row(number) = vector(node.moved.value, s.gdim_).transpose();
-               D(number) = node.D;
-               part(number) = node.takes_part();
+               cover(number) = node.cover;
+               part(number) = node.part;
              }
-             return nb::make_tuple(csr(r.D, n), csr(r.M, n), gamma, normal, moved, D, part, r.force,
+             return nb::make_tuple(csr(r.D, n), csr(r.M, n), gamma, normal, moved, cover, part, r.force,
                                    csr(r.tangent, u.size()));
            })
       .def("solve_penalty",
@@ -203,11 +213,12 @@ void bind_contact(nb::module_& m)
                                           {steps, iterations, tolerance, augmented}));
            })
       .def("solve_lagrange",
-           [](const Bound& s, P points, V weights, P contact_points, V contact_weights, bool dual, const State& state,
-              Dofs fixed, V values, V load, V displacement, int steps, int iterations, double tolerance)
+           [](const Bound& s, P points, V weights, P contact_points, V contact_weights, const std::string& basis,
+              const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
+              double tolerance)
            {
-             return s.tuple(solve_lagrange(s.pair_, {points, weights}, {contact_points, contact_weights}, dual,
-                                           s.state(state), s.loads(fixed, values, load, displacement),
+             return s.tuple(solve_lagrange(s.pair_, {points, weights}, {contact_points, contact_weights},
+                                           basis_of(basis), s.state(state), s.loads(fixed, values, load, displacement),
                                            {steps, iterations, tolerance}));
            });
 }

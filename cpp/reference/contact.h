@@ -22,6 +22,8 @@ struct ContactPair
   double size() const; ///< longest side of the box around the model [L]
 };
 
+using Flags = Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>;
+
 /// Converged state friction refers to.
 struct ContactHistory
 {
@@ -29,6 +31,7 @@ struct ContactHistory
   Vec<double> displacement; ///< of the rigid obstacle [L]
   Matrix traction;          ///< tangential, per slave point (num_points, gdim) [F/L^2]
   Matrix slip;              ///< sum of the steps, per slave point (num_points, gdim) [L]
+  Flags touched;            ///< per slave point: 1 where it was closed
 };
 
 enum class ContactStatus : std::int64_t
@@ -36,6 +39,14 @@ enum class ContactStatus : std::int64_t
   open,
   stick,
   slip
+};
+
+/// Functions psi of the multipliers: dual to the shape functions, these themselves, or linear ones of the corners.
+enum class Basis
+{
+  dual,
+  standard,
+  linear
 };
 
 using Entries = std::vector<Eigen::Triplet<double>>;

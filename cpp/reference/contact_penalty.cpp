@@ -9,6 +9,7 @@ namespace
 struct PointData
 {
   double chi, chi_t, friction, multiplier, tolerance;
+  bool touched;
   Vec<double> traction_n, slip_n;
 };
 
@@ -72,7 +73,11 @@ public:
       : pair_(pair), rule_(rule), u_(u), history_(history), half_(N / 2), tolerance_(1e-12 * pair.size())
   {
     if (not pair.rigid)
+    {
       projector_.emplace(pair.master, u, pair.search_distance);
+      if (pair.friction > 0)
+        projector_n_.emplace(pair.master, history.u, pair.search_distance);
+    }
   }
 
   Penalty run(double chi, double chi_t, const Vector& multiplier)
@@ -100,6 +105,7 @@ public:
                            pair_.friction,
                            multiplier.size() ? multiplier(i) : 0,
                            tolerance_,
+                           history_.touched(i) != 0,
                            get(history_.traction, i),
                            get(history_.slip, i)};
       point(i, i / n, i % n, data, result);
@@ -165,17 +171,43 @@ private:
       out.status[i] = pair_.friction > 0 ? ContactStatus::stick : ContactStatus::slip;
     if (pair_.friction > 0)
     {
-      const auto friction = coulomb(data, p, normal, moved);
+      const auto friction = coulomb(data, p, normal, closed_part(data, p, facet, xi) * moved);
       traction = traction + friction.traction;
       put(out.traction, i, friction.traction);
       if (p.v > 0)
       {
         out.status[i] = friction.status;
+        result.history.touched(i) = 1;
         put(result.history.traction, i, friction.traction);
       }
       put(result.history.slip, i, friction.slip);
     }
     add(result, facet, us.size(), s.f, other, fm, weight, traction);
+  }
+
+  // Gap of a point of the slave in state n.
+  double gap_n(const Facet& facet, const Local& xi) const
+  {
+    const auto before = gather(pair_.slave, facet, history_.u);
+    const Spot<double> s = spot(pair_.slave, facet, before, {xi[0], xi[1]});
+    if (pair_.rigid)
+      return gap_and_normal<double>(*pair_.rigid, history_.displacement, s.x).gap;
+    const Foot foot = projector_n_->closest(s.x, s.normal());
+    if (foot.facet < 0)
+      return std::numeric_limits<double>::infinity();
+    const auto master = gather(pair_.master, pair_.master.facets[foot.facet], history_.u);
+    return projector_n_->follow(foot, master, s.x).gap;
+  }
+
+  // How much of the step comes after closing, if lambda - chi g changes evenly in the step.
+  T closed_part(const PointData& data, const T& p, const Facet& facet, const Local& xi) const
+  {
+    if (data.touched)
+      return T(1);
+    const double g = gap_n(facet, xi), lacking = data.chi * g - data.multiplier;
+    if (g <= data.tolerance or lacking <= 0)
+      return T(1);
+    return std::isfinite(g) ? p / (p + T(lacking)) : T(0);
   }
 
   void add(Penalty& result, const Facet& facet, std::size_t nodes, const FacetFunctions<T>& fs, const Facet* other,
@@ -208,7 +240,7 @@ private:
   const ContactHistory& history_;
   int half_;
   double tolerance_;
-  std::optional<Projector> projector_;
+  std::optional<Projector> projector_, projector_n_;
 };
 } // namespace
 
@@ -242,7 +274,11 @@ Csr csr(const Entries& entries, std::int64_t size)
 ContactHistory no_history(const ContactPair& pair, std::int64_t num_points)
 {
   const int d = pair.slave.gdim;
-  return {Vector::Zero(pair.model.num_dofs()), {}, Matrix::Zero(num_points, d), Matrix::Zero(num_points, d)};
+  return {Vector::Zero(pair.model.num_dofs()),
+          {},
+          Matrix::Zero(num_points, d),
+          Matrix::Zero(num_points, d),
+          Flags::Zero(num_points)};
 }
 
 Penalty penalty(const ContactPair& pair, const Rule& rule, const Vector& u, double chi, double chi_t,

@@ -112,9 +112,12 @@ class LinearSolver:
         """
         if self._pins:
             self.ksp.setType("cg" if system.symmetric else "gmres")
+        # Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
         if self.ksp.getType() == "gmres":
-            # Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
             self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
+        elif self.ksp.getType() == "cg":
+            self.ksp.setPCSide(PETSc.PC.Side.LEFT)
+            self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         self.ksp.setInitialGuessNonzero(self._keeps)
         if not self._given_rtol:
             self.ksp.setTolerances(rtol=10.0 ** -self._digits(rtol))

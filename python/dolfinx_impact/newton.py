@@ -231,10 +231,17 @@ class Newton:
             pinned |= transformation.dummies
         for _, force in springs:
             residual = residual + force
-        system = LinearSystem(
-            K, geometric + [matrix for matrix, _ in springs], symmetric, transformation, pinned, mean
-        )
         x, b = K.createVecRight(), K.createVecLeft()
+        extra = [matrix for matrix, _ in springs]
+        if self.problem.exact_tangent:
+            extra += geometric
+        elif geometric:  # from the guess: small, but not symmetric
+            x.array[:] = guess
+            b.set(0.0)
+            for matrix in geometric:
+                matrix.multAdd(x, b, b)
+            residual = residual + b.array
+        system = LinearSystem(K, extra, symmetric, transformation, pinned, mean)
         x.array[:] = transformation.unknowns(guess) if transformation else guess
         system.load(residual, x, b)
         fault = self.problem._solver.solve(system, b, x, rtol)

@@ -52,6 +52,7 @@ class History:
     displacement: np.ndarray  # of the rigid master (gdim) [L]
     traction: np.ndarray  # tangential, at the slave's points (num_points, gdim) [F/L^2]
     slip: np.ndarray  # sum over the steps (num_points, gdim) [L]
+    touched: np.ndarray  # 1 where a point was closed, integers (num_points)
 
 
 @dataclass
@@ -93,17 +94,17 @@ class Mortar:
     gamma: np.ndarray  # int psi_j (x_s - x_m) dA_0 (num_nodes, gdim)
     normals: np.ndarray  # (num_nodes, gdim), zero off the slave
     moved: np.ndarray  # sum D_jk du_k - sum M_jl du_l since the history (num_nodes, gdim)
-    diagonal: np.ndarray  # D_j (num_nodes)
+    cover: np.ndarray  # int psi_j (num_nodes)
     participates: np.ndarray  # True where a multiplier lives
     force: np.ndarray  # of the multipliers (num_dofs) [F]
     tangent: Csr  # derivative of minus this force at constant multipliers [F/L]
 
     @property
     def gap(self):
-        """n_j . gamma_j / D_j [L]; inf where no multiplier lives."""
+        """n_j . gamma_j / int psi_j [L]; inf where no multiplier lives."""
         part = self.participates
         gap = np.full(len(part), np.inf)
-        gap[part] = np.einsum("ja,ja->j", self.normals[part], self.gamma[part]) / self.diagonal[part]
+        gap[part] = np.einsum("ja,ja->j", self.normals[part], self.gamma[part]) / self.cover[part]
         return gap
 
 
@@ -196,14 +197,15 @@ class Contact:
     def no_history(self):
         """The state before anything happened."""
         zero = np.zeros((self.num_points, self.gdim))
-        return History(np.zeros(self.model.num_dofs), np.zeros(self.gdim), zero, zero.copy())
+        touched = np.zeros(self.num_points, dtype=np.int64)
+        return History(np.zeros(self.model.num_dofs), np.zeros(self.gdim), zero, zero.copy(), touched)
 
     def _history(self, history):
         h = self.no_history() if history is None else history
         traction, slip = _floats(h.traction), _floats(h.slip)
         if traction.shape != (self.num_points, self.gdim) or slip.shape != traction.shape:
             raise ValueError(f"a history of this contact has {self.num_points} points, found {traction.shape}")
-        return _vector(h.u), _vector(h.displacement), traction, slip
+        return _vector(h.u), _vector(h.displacement), traction, slip, _integers(h.touched, "touched", 1)
 
     def closest_points(self, u):
         """Points: gap, normal, master facet, coordinate and position of every slave point; pressures are zero."""
@@ -232,23 +234,26 @@ class Contact:
         return Penalty(force, Csr(*tangent.arrays), Points(*points), History(*history))
 
     def mortar(self, u, basis="dual", multipliers=None, history=None):
-        """Mortar integrals at u (num_dofs) [L], and the force of multipliers (num_nodes, gdim); returns a Mortar."""
+        """Mortar integrals at u (num_dofs) [L], and the force of multipliers (num_nodes, gdim); returns a Mortar.
+
+        basis: "dual", "standard" (the shape functions) or "linear" (hats of the corners). ValueError for others.
+        """
         nodes = len(self.model.field_points)
         z = np.zeros((nodes, self.gdim)) if multipliers is None else _floats(multipliers)
         if z.shape != (nodes, self.gdim):
             raise ValueError(f"multipliers need shape ({nodes}, {self.gdim}), found {z.shape}")
         h = self.no_history() if history is None else history
-        D, M, gamma, normals, moved, diagonal, part, force, tangent = self._contact.mortar(
+        D, M, gamma, normals, moved, cover, part, force, tangent = self._contact.mortar(
             *self.segment_rule(),
             self._displacement(),
-            _dual(basis),
+            basis,
             _vector(u),
             _vector(h.u),
             _vector(h.displacement),
             z,
         )
         D, M, tangent = (Csr(*a.arrays) for a in (D, M, tangent))
-        return Mortar(D, M, gamma, normals, moved, diagonal, part.astype(bool), force, tangent)
+        return Mortar(D, M, gamma, normals, moved, cover, part.astype(bool), force, tangent)
 
     def _start(self, start):
         if start is not None:
@@ -256,7 +261,7 @@ class Contact:
         h, nodes = self.no_history(), len(self.model.field_points)
         load = np.zeros(self.model.num_dofs)
         z = np.zeros((nodes, self.gdim))
-        return (h.u, load, h.u, h.displacement, h.traction, h.slip, np.zeros(0), z)
+        return (h.u, load, h.u, h.displacement, h.traction, h.slip, h.touched, np.zeros(0), z)
 
     def _loads(self, fixed_dofs, values, load):
         fixed = _integers(fixed_dofs, "fixed_dofs", 1)
@@ -300,7 +305,7 @@ class Contact:
         state, force, reactions, iterations, residuals, points, *_ = result
         p = Points(*points)
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:6])
+        history = History(*state[2:7])
         return ContactSolution(
             state[0], p.pressure, p.traction, p.gap, p.status, *common, points=p, history=history, state=state
         )
@@ -320,7 +325,7 @@ class Contact:
         result = self._contact.solve_lagrange(
             *self.model._strain_rule(),
             *self.segment_rule(),
-            _dual(basis),
+            basis,
             self._start(start),
             *self._loads(fixed_dofs, values, load),
             steps,
@@ -328,17 +333,11 @@ class Contact:
             tolerance,
         )
         state, force, reactions, iterations, residuals, _, pressure, gap, status = result
-        z = state[7]
+        z = state[8]
         normals = self.mortar(state[0], basis).normals
         traction = z - pressure[:, None] * normals
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:6])
+        history = History(*state[2:7])
         return ContactSolution(
             state[0], pressure, traction, gap, status, *common, multipliers=z, history=history, state=state
         )
-
-
-def _dual(basis):
-    if basis not in ("dual", "standard"):
-        raise ValueError(f"unknown basis {basis!r}: use 'dual' or 'standard'")
-    return basis == "dual"

@@ -180,6 +180,31 @@ def test_coulomb_law_by_hand():
     assert np.allclose(contact.penalty(state(0.0), chi, chi_t).traction, [-0.4, 0])
 
 
+@pytest.mark.parametrize("rigid", [True, False])
+def test_motion_counts_from_closing(rigid):
+    """Lowered from a gap of 0.03 to a penetration of 0.01 and dragged by 0.02: a quarter of that is in contact."""
+    if rigid:
+        points, cells = box("quadrilateral", (1, 1), 1)
+        model, master = ir.Model(points, cells, "quadrilateral", material("quadrilateral")), ir.RigidPlane(
+            [0, 0], [0, 1]
+        )
+        slave, upper = facets_where(points, cells, "quadrilateral", lambda x: x[1] < 1e-9), slice(None)
+    else:
+        pair = blocks("quadrilateral", lower=(1, 1), upper=(1, 1), gap=0.0)
+        model, slave, master = pair.model, pair.slave, pair.master
+        upper = np.unique(model.field_cells[1:])
+    contact = ir.Contact(model, slave, master, friction=9.0, rule=2)
+    u = np.zeros((len(model.field_points), 2))
+    u[upper] = [0.02, -0.01]
+    history = contact.no_history()
+    history.u = np.where(u != 0, [0.0, 0.03], 0.0).ravel()
+    assert np.allclose(contact.closest_points(history.u).gap, 0.03)
+    result = contact.penalty(u.ravel(), 100.0, 40.0, history)
+    assert np.allclose(result.traction, [-40 * 0.02 / 4, 0]) and np.all(result.history.touched == 1)
+    history.touched[:] = 1  # held closed by a multiplier: the whole step counts
+    assert np.allclose(contact.penalty(u.ravel(), 100.0, 40.0, history).traction, [-40 * 0.02, 0])
+
+
 def test_traction_turns_with_the_normal():
     """A rigid rotation of both bodies turns the traction of the last state, keeping its length and the stick."""
     pair = blocks("quadrilateral", degree=2, geometry_degree=1, lower=(1, 1), upper=(1, 1))

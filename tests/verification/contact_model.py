@@ -1,5 +1,7 @@
 """A body on a mesh recipe with supports, loads and one contact, and the checks every result of contact must pass."""
 
+import math
+
 import numpy as np
 from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
@@ -87,6 +89,12 @@ class Model:
         if hasattr(contact, "nodes"):
             return self.V.tabulate_dof_coordinates()[contact.nodes, : self.gdim]
         return contact.points
+
+
+def plane_approach(load, stiffness, depth, half_width):
+    """Roughly how far a body of plane-strain modulus `stiffness` gives way under a line load: sets the displacements
+    only, the loads are read from the result."""
+    return load / (math.pi * stiffness) * (2 * math.log(2 * depth / half_width) - 1)
 
 
 def tangential(contact):

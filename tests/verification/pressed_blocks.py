@@ -26,20 +26,21 @@ def free_sides(dim, nu, strain):
 class PressedBlocks:
     """Two blocks with separate nodes and displacements u = strains * x, component by component, as the solution.
 
-    Below and above they are held by rollers, and at x = 0 (y = 0); other sides are free. Or, with `pressed`, the lowest
-    and uppermost faces have all components prescribed and the sides carry the tractions of that uniform stress: then no
-    node of the contact is held by anything else, which an inclined interface needs.
+    Below and above they are held by rollers, and at x = 0 (y = 0); other sides are free. Or, with `pressed`, the sides
+    carry the tractions of that uniform stress, and the lowest and uppermost faces have all components prescribed: then
+    no node of the contact is held by anything else. With `rollers` they are held as before instead.
 
     Args:
         cell, degree: of the displacement. strains, nu: diagonal of the strain, Poisson's ratio.
-        method: function of a ContactPair. pressed: diagonal of the stress, or None. swap: slave and master.
+        method: function of a ContactPair. pressed: diagonal of the stress, or None. rollers: in place of held faces.
+        swap: slave and master.
         rigid: the whole lower block has its displacement prescribed. sink: how much lower the upper block comes to lie.
         more_loads: function of the mesh, returns a list.
         comm: communicator. mesh: parameters of two_blocks.
     """
 
     def __init__(
-        self, cell, degree, strains, nu, method, pressed=None, swap=False, rigid=False, sink=0.0,
+        self, cell, degree, strains, nu, method, pressed=None, rollers=False, swap=False, rigid=False, sink=0.0,
         more_loads=None, comm=MPI.COMM_SELF, **mesh,
     ):  # fmt: skip
         self.strains, dim = strains, len(strains)
@@ -60,7 +61,7 @@ class PressedBlocks:
         self.exact.x.array[dim * upper + dim - 1] -= sink
         self.material = di.LinearElastic(E, nu, hypothesis="3d" if dim == 3 else "plane_strain")
         ends, loads = ("bottom", "top"), list(more_loads(self.m)) if more_loads else []
-        if pressed is None:
+        if pressed is None or rollers:
             sides = [(name, dim - 1) for name in ends]
             sides += [
                 (p + name, axis) for axis, name in enumerate(("left", "front")[: dim - 1]) for p in ("", "slave_")
@@ -68,6 +69,7 @@ class PressedBlocks:
             self.bcs = [self.roller(facets.find(tags[name]), axis, (name == "top") * sink) for name, axis in sides]
         else:
             self.bcs = [self.prescribed(dim - 1, facets.find(tags[name])) for name in ends]
+        if pressed is not None:
             for k, name in enumerate(("left", "right", "front", "back")[: 2 * dim - 2]):
                 traction = (2 * (k % 2) - 1) * pressed[k // 2] * np.eye(dim)[k // 2]
                 loads += [di.Traction(facets, tags[p + name], traction) for p in ("", "slave_")]

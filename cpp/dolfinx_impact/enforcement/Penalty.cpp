@@ -38,6 +38,22 @@ void increment_derivative(const PenaltyPair& pair, std::size_t q, const Variatio
       out[c] += v.shape[1 + r][v.num_slave + i] * pair.increment[nodes[i] * v.gdim + c];
 }
 
+/// Part of the step's motion that counts for friction: what comes after closing, if pressure and gap go straight from
+/// the beginning of the step to its end (docs/contact.md).
+/// @param[out] slope its derivative with respect to the pressure
+double counted_part(const PenaltyPair& pair, double pressure, std::size_t q, double& slope)
+{
+  const double before = pair.history.multiplier[q] - pair.parameters.normal * pair.history.gap[q];
+  slope = 0.0;
+  if (!(pair.history.gap[q] > 0.0) || before >= 0.0)
+    return 1.0;
+  if (std::isinf(before))
+    return 0.0;
+  const double whole = pressure - before;
+  slope = -before / (whole * whole);
+  return pressure / whole;
+}
+
 Friction friction_point(const PenaltyPair& pair, const PenaltyState& state, std::size_t q, const double* increment)
 {
   const int gdim = pair.points.gdim;
@@ -75,6 +91,14 @@ void traction_derivative(const PenaltyPair& pair, const PenaltyState& state, std
     for (int c = 0; c < gdim; ++c)
       for (int j = 0; j < num; ++j)
         d_increment[c * num + j] -= slope[c] * v.d_xi[r * num + j];
+  }
+  double slope;
+  const double part = counted_part(pair, state.pressure[q], q, slope);
+  for (int c = 0; c < gdim; ++c)
+  {
+    for (int j = 0; j < num; ++j)
+      d_increment[c * num + j] = part * d_increment[c * num + j] + slope * dp[j] * increment[c];
+    increment[c] *= part;
   }
   const Friction point = friction_point(pair, state, q, increment);
   linearise(point, evaluate(point), num, dp, v.d_normal, d_increment, dt);
@@ -141,7 +165,7 @@ void check(const PenaltyPair& pair)
   const gap::Points& p = pair.points;
   const std::size_t num = p.size();
   if (pair.history.multiplier.size() != num || pair.history.traction.size() != num * p.gdim ||
-      pair.history.slip.size() != num * p.gdim)
+      pair.history.slip.size() != num * p.gdim || pair.history.gap.size() != num || pair.history.offset.size() != num)
     throw std::invalid_argument("the history belongs to other points");
   if (p.gdim != pair.slave.gdim || num != p.per_facet * pair.slave.size())
     throw std::invalid_argument("the points belong to another slave");
@@ -168,7 +192,8 @@ void check(const PenaltyPair& pair)
 PenaltyHistory make_history(const gap::Points& points)
 {
   const std::size_t num = points.size() * points.gdim;
-  return {std::vector<double>(points.size(), 0.0), std::vector<double>(num, 0.0), std::vector<double>(num, 0.0)};
+  return {std::vector<double>(points.size(), 0.0), std::vector<double>(num, 0.0), std::vector<double>(num, 0.0),
+          std::vector<double>(points.size(), 0.0), std::vector<double>(points.size(), 0.0)};
 }
 
 PenaltyState evaluate(const PenaltyPair& pair)
@@ -181,7 +206,8 @@ PenaltyState evaluate(const PenaltyPair& pair)
                    pair.history.slip};
   for (std::size_t q = 0; q < p.size(); ++q)
   {
-    const double trial = pair.history.multiplier[q] - pair.parameters.normal * p.gap[q];
+    const double gap = p.gap[q] + pair.history.offset[q];
+    const double trial = pair.history.multiplier[q] - pair.parameters.normal * gap;
     if (!(trial > -pair.parameters.touch))
     {
       std::fill_n(out.slip.data() + q * gdim, gdim, 0.0); // an open point forgets
@@ -192,8 +218,11 @@ PenaltyState evaluate(const PenaltyPair& pair)
     out.status[q] = ContactStatus::slip;
     if (pair.parameters.friction > 0.0)
     {
-      double increment[3];
+      double increment[3], unused;
       relative_increment(pair, q, increment);
+      const double part = counted_part(pair, pressure, q, unused);
+      for (int c = 0; c < gdim; ++c)
+        increment[c] *= part;
       const FrictionResult result = evaluate(friction_point(pair, out, q, increment));
       out.status[q] = result.slips ? ContactStatus::slip : ContactStatus::stick;
       std::copy_n(result.traction, gdim, out.tangential.data() + q * gdim);
@@ -266,10 +295,5 @@ void advance(const PenaltyState& state, PenaltyHistory& history)
 {
   history.traction = state.tangential;
   history.slip = state.slip;
-}
-
-void augment(const PenaltyState& state, PenaltyHistory& history)
-{
-  history.multiplier = state.pressure;
 }
 } // namespace impact::enforcement

@@ -24,6 +24,8 @@ struct PenaltyHistory
   std::vector<double> multiplier; ///< lambda_q; zero in the pure penalty method [F/L^2]
   std::vector<double> traction;   ///< tangential, traction[q*gdim + c] [F/L^2]
   std::vector<double> slip;       ///< tangential, added up over the steps, slip[q*gdim + c] [L]
+  std::vector<double> gap;        ///< of points that were open: infinite without master; of others not positive [L]
+  std::vector<double> offset;     ///< added to the gaps: penetrations of the start that are removed [L]
 };
 
 enum class ContactStatus : std::int8_t
@@ -64,7 +66,7 @@ struct Triplets
   std::vector<double> values;
 };
 
-/// @returns history of points that were never in contact
+/// @returns history of points that just touched: gaps, tractions and multipliers are zero
 PenaltyHistory make_history(const gap::Points& points);
 
 /// Pressures, tractions, slips and status.
@@ -85,8 +87,6 @@ void add_force(const PenaltyPair& pair, const PenaltyState& state, std::span<dou
 void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const std::int64_t> global_nodes,
              Triplets& out);
 
-/// The state is the last converged one from now on.
+/// The state is the last converged one from now on. (`gap` is for the caller to set.)
 void advance(const PenaltyState& state, PenaltyHistory& history);
-/// Augmentation (Uzawa): multipliers become the pressures.
-void augment(const PenaltyState& state, PenaltyHistory& history);
 } // namespace impact::enforcement

@@ -189,9 +189,10 @@ class LagrangeContact(ContactOutput):
         place = self.place[rows]
         constrained = np.where(stick[:, None], ~self.fixed[rows], False)
         constrained[np.arange(len(rows)), place] = True
-        gap, slip = self._at
-        known = -np.einsum("nad,na->nd", self.frames[rows], slip[rows])
-        known[np.arange(len(rows)), place] = -gap[rows] / self.free_length[rows]
+        # Gaps and slips are means over the cover, rows of D^-1 M speak of the node.
+        gap, slip = (self.geometry.spread(rows, values) for values in self._at)
+        known = -np.einsum("nad,na->nd", self.frames[rows], slip)
+        known[np.arange(len(rows)), place] = -gap / self.free_length[rows]
         tilt = np.where(self.sliding[rows][:, None], self.pair.friction * self.direction[rows], 0.0)
         return condense.Constraints(
             self.nodes[rows], self.frames[rows], constrained, known, tilt, place, *self.geometry.master_rows(rows)
@@ -203,9 +204,7 @@ class LagrangeContact(ContactOutput):
 
     def stiffness(self):
         """Geometric stiffness of the contact forces: a matrix, or None. Collective."""
-        if self.pair.rigid or self.problem.exact_tangent:
-            return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
-        return None
+        return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
 
     def springs(self):
         """Where a point slips its traction turns with the slip, in 3D: across the traction's direction, Newton's method
@@ -283,7 +282,7 @@ class LagrangeContact(ContactOutput):
     @property
     def weight(self):
         """Area that belongs to each point, (n) [L^2]; a length in 2D."""
-        return self.geometry.weight
+        return self.geometry.cover
 
     def covered(self):
         """Part of each point's area that is in contact, (n). Collective."""

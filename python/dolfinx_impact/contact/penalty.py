@@ -12,10 +12,13 @@ from .neighbours import Neighbours
 from .output import ContactOutput
 from .pair import ContactPair
 from .size import body_size
+from .start import InitialGap, check_side
 
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
 FACTOR = 10.0
+# Where bodies just touch, round-off must not decide: gaps up to this times their size are closed.
+TOUCH = 1e-12
 
 
 class Penalty:
@@ -50,6 +53,8 @@ class PenaltyContact(ContactOutput):
     """Penalty of one pair in a problem. Points are the quadrature points of this rank's slave facets; see
     ContactOutput. `penalty` is the one in use [F/L^3]."""
 
+    initial = None
+
     def __init__(self, spec, problem):
         self.spec, self.pair, self.problem = spec, spec.pair, problem
         V = problem.space
@@ -73,7 +78,14 @@ class PenaltyContact(ContactOutput):
         self._sum = NodalSum(V.dofmap.index_map, 1)
         self.multiplier = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
         self._status = np.zeros(self._points.size, dtype=np.int8)
+        self._touched = np.zeros(self._points.size, dtype=bool)  # closed in the last converged state
         self.constraints = None  # nothing to condense
+        if self.pair.rigid:
+            check_side(self.pair, V, self.slave, self.obstacle)
+        self._seen = False  # the state before the first increment is nothing to stay on a facet from
+        self._locate(self.start)
+        self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
+        self.history.offset = self.initial.offset
 
     def _automatic(self):
         """Stiffness per area of the softer surface's nodes where its facets are smallest, times FACTOR. Collective."""
@@ -110,6 +122,7 @@ class PenaltyContact(ContactOutput):
             "multiplier": h.multiplier,
             "traction": h.traction,
             "slip": h.slip,
+            "touched": self._touched.copy(),
             "corners": self.multiplier.copy(),
             "start": self.start.copy(),
             "displacements": (self.start_displacement.copy(), self.displacement.copy()),
@@ -120,21 +133,27 @@ class PenaltyContact(ContactOutput):
         for name in ("multiplier", "traction", "slip"):
             setattr(self.history, name, state[name])
         self.start, self.multiplier = state["start"].copy(), state["corners"].copy()
+        self._touched = state["touched"].copy()
         self.start_displacement, self.displacement = (d.copy() for d in state["displacements"])
 
     def begin(self, u, displacement):
-        """An increment starts at u; a rigid master goes to `displacement` in it."""
+        """An increment starts at u; a rigid master goes to `displacement` in it. Collective."""
         if self.penalty is None:
             self.penalty = self._automatic()
         self.tangential = self.tangential or self.penalty
         self.start = np.array(u)
-        self._touch = 1e-12 * self.size * self.penalty  # where bodies just touch, round-off must not decide
+        self._touch = TOUCH * self.size * self.penalty
+        if self.pair.friction > 0.0:  # motion counts from where a point closes
+            self._locate(self.start)
+            gap = self.gap
+            self.history.gap = np.where(self._touched | (gap <= TOUCH * self.size), 0.0, gap)
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
     def accept(self):
         """The increment has converged: tractions and slip are history."""
         self.history.advance(self._state)
+        self._touched = self._state.status > 0
         self.total()
 
     def refine(self):
@@ -146,7 +165,7 @@ class PenaltyContact(ContactOutput):
         if not self.spec.augmented:
             return False
         p, table, corners = self._points, self._hats, self.slave.nodes[:, : self._hats.shape[1]]
-        gap = p.gap.reshape(-1, p.per_facet)
+        gap = self.gap.reshape(-1, p.per_facet)
         weight = np.where(np.isfinite(gap), p.weight.reshape(gap.shape), 0.0)
         parts = (weight * np.where(np.isfinite(gap), gap, 0.0), weight)
         sums = []
@@ -166,24 +185,29 @@ class PenaltyContact(ContactOutput):
     def update(self, u):
         """Search, gaps and tractions at the displacements u. Collective."""
         u = np.ascontiguousarray(u)
+        surfaces = self._locate(u)
+        self._seen = True
         increment = u - self.start
-        if self.pair.rigid:
-            self.slave.move(u)
-            self.obstacle.displacement = self.displacement.tolist()
-            self._points.update_rigid(self.slave, self.obstacle)
-            surfaces = self.slave, None
-        else:
-            near = self.neighbours
-            reach = near.update(u, self.start)
-            self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept)
-            increment = near.exchange.forward(increment)
-            surfaces = near.slave, near.master
+        if not self.pair.rigid:
+            increment = self.neighbours.exchange.forward(increment)
         self._pair = _cpp.penalty.Penalty(
             self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, self._touch
         )
         self._touch = 0.0
         self._pair.set_increment(increment, (self.displacement - self.start_displacement).tolist())
         self._state = self._pair.evaluate()
+
+    def _locate(self, u):
+        """Closest points and gaps at the displacements u; returns the slave's and the master's facets. Collective."""
+        if self.pair.rigid:
+            self.slave.move(u)
+            self.obstacle.displacement = self.displacement.tolist()
+            self._points.update_rigid(self.slave, self.obstacle)
+            return self.slave, None
+        near = self.neighbours
+        reach = near.update(u, self.start)
+        self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept and self._seen)
+        return near.slave, near.master
 
     def switch(self, first):
         """How many points of all ranks changed their state since the last iteration. Collective."""
@@ -263,7 +287,7 @@ class PenaltyContact(ContactOutput):
     @property
     def gap(self):
         """Gap, positive open; infinite where there is no master, (n) [L]."""
-        return self._points.gap
+        return self._points.gap + self.initial.offset
 
     @property
     def normal(self):

@@ -1,6 +1,5 @@
 """Level contact, a state given: what the two sides make of the same displacements, penalties and multipliers."""
 
-import impact_reference
 import numpy as np
 from dolfinx import fem
 from petsc4py import PETSc
@@ -93,8 +92,8 @@ def penalty(report, body, name, seed):
     t[~np.isfinite(at.gap[place])] = 0.0
     ours.history.traction, ours.history.slip = t.ravel(), (0.01 * t).ravel()
     back = np.argsort(place)
-    zero = np.zeros(body.gdim)
-    history = impact_reference.contact.History(body.to_theirs(start), zero, t[back], 0.01 * t[back])
+    history = theirs.no_history()  # nothing touched: the motion of points that close counts in part
+    history.u, history.traction, history.slip = body.to_theirs(start), t[back], 0.01 * t[back]
     ours.update(u)
     answer = theirs.penalty(body.to_theirs(u), PENALTY, TANGENTIAL, history)
     _points(rows, ours, answer, place)
@@ -153,9 +152,9 @@ def mortar(report, body, name, seed):
     rows("participates", on, body.nodal_to_ours(answer.participates)[nodes])
     normals = body.nodal_to_ours(answer.normals)[nodes]
     rows("normals", ours.normal, normals)
-    gap, weight = (body.nodal_to_ours(v)[nodes][on] for v in (answer.gap, answer.diagonal))
-    rows("weighted_gap", ours.gap[on] * ours.weight[on], gap * weight)
-    slip = body.nodal_to_ours(answer.moved)[nodes][on] / ours.weight[on, None]
+    gap, cover = (body.nodal_to_ours(v)[nodes][on] for v in (answer.gap, answer.cover))
+    rows("weighted_gap", ours.gap[on] * ours.cover[on], gap * cover)
+    slip = body.nodal_to_ours(answer.moved)[nodes][on] / ours.cover[on, None]
     n = normals[on]
     rows("mortar_slip", ours.slip()[on], slip - np.einsum("ja,jb,jb->ja", n, n, slip))
     rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))
@@ -213,8 +212,8 @@ def nodes_on_obstacle(report, body, name, seed):
     answer = theirs.mortar(body.to_theirs(u), multipliers=body.nodal_to_theirs(z), history=history)
     normals = body.nodal_to_ours(answer.normals)[nodes]
     rows("normals", ours.normal, normals)
-    gap, weight = (body.nodal_to_ours(v)[nodes] for v in (answer.gap, answer.diagonal))
-    rows("weighted_gap", ours.gap * ours.weight, gap * weight)
-    slip = body.nodal_to_ours(answer.moved)[nodes] / ours.weight[:, None]
+    gap, cover = (body.nodal_to_ours(v)[nodes] for v in (answer.gap, answer.cover))
+    rows("weighted_gap", ours.gap * ours.cover, gap * cover)
+    slip = body.nodal_to_ours(answer.moved)[nodes] / ours.cover[:, None]
     rows("mortar_slip", ours.slip(), slip - np.einsum("ja,jb,jb->ja", normals, normals, slip))
     rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))

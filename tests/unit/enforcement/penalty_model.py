@@ -119,10 +119,12 @@ class Rigid(Deformable):
 
 
 def remember(model, rng, pressure=0.0):
-    """A history: tractions, multipliers (so that open points are in contact, too) and an old displacement."""
+    """A history: tractions, multipliers (so that open points are in contact, too), gaps (two thirds of the points
+    were open, some of them without master) and an old displacement."""
     num, dim = model.points.size, model.dim
     model.history.traction = rng.uniform(-0.3, 0.3, size=num * dim)
     model.history.multiplier = np.full(num, pressure)
+    model.history.gap = rng.permutation(np.resize([-0.01, 0.02, 0.05, 0.01, np.inf, 0.0], num))
     model.u_n = smooth(model.V, 0.02, 1.0)[: model.num]
 
 

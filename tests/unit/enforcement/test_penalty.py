@@ -140,17 +140,49 @@ def test_values_of_a_point():
     assert weight.sum() > 0.9  # the slave's length
 
 
+def test_motion_counts_from_closing():
+    """Points that were open stick to the part -g/(g_n - g) of their motion; closed ones to all of it."""
+    model = Rigid("quadrilateral", 1, "plane", friction=100.0)
+    u = np.zeros(model.num)
+    u[0::2] = 1e-5
+    model.state(u)
+    model.penalty.set_increment(u)
+    gap = model.points.gap
+    closed = gap < 0
+    assert closed.any()
+    for before, part in ((0.03, gap / (gap - 0.03)), (0.0, 1.0), (-0.01, 1.0), (np.inf, 0.0)):
+        model.history.gap = np.full(gap.size, before)
+        found = -model.penalty.evaluate().tangential[:, 0] / (0.7 * CHI * 1e-5)
+        assert np.allclose(found[closed], np.broadcast_to(part, gap.shape)[closed], rtol=1e-12, atol=1e-15)
+    # With a multiplier the trial pressure grows evenly: from 0.2 - chi 0.03 to 0.2 - chi g.
+    model.history.multiplier, model.history.gap = np.full(gap.size, 0.2), np.full(gap.size, 0.03)
+    state = model.penalty.evaluate()
+    part = state.pressure / (state.pressure + CHI * 0.03 - 0.2)
+    closed = state.pressure > 0
+    assert np.allclose(-state.tangential[closed, 0], 0.7 * CHI * 1e-5 * part[closed], rtol=1e-12)
+
+
+def test_offset_is_a_gap():
+    """What is added to the gaps takes penalty times as much from the pressure."""
+    model = Rigid("quadrilateral", 1, "plane")
+    before = model.state(np.zeros(model.num)).pressure
+    model.history.offset = np.linspace(0.001, 0.02, model.points.size)
+    after = model.state(np.zeros(model.num)).pressure
+    lost = CHI * model.history.offset
+    assert np.any(before > lost)
+    assert np.allclose(after[before > 0], np.maximum(before - lost, 0.0)[before > 0], rtol=1e-10, atol=1e-12)
+
+
 def test_history():
-    """advance and augment copy the state; saved arrays restore it; an open point forgets."""
+    """advance copies the state; saved arrays restore it; an open point forgets."""
     model = Rigid("quadrilateral", 1, "plane", friction=0.2)
     u = np.zeros(model.num)
     u[0::2] = 0.01
     first = model.state(u)
     model.history.advance(first)
-    model.history.augment(first)
+    model.history.multiplier = first.pressure
     assert np.array_equal(model.history.traction, first.tangential.ravel())
     assert np.array_equal(model.history.slip, first.slip.ravel())
-    assert np.array_equal(model.history.multiplier, first.pressure)
     saved = model.history.traction, model.history.slip, model.history.multiplier
     model.u_n = u.copy()
     second = model.state(1.1 * u)
