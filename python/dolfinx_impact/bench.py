@@ -20,7 +20,7 @@ import ufl
 from dolfinx import cpp, fem, mesh
 from mpi4py import MPI
 
-from . import _cpp, materials, operators
+from . import _cpp, bench_contact, materials, operators
 
 STRICT = ["-O3", "-march=native"]
 FAST = ["-O3", "-march=native", "-ffast-math"]
@@ -209,7 +209,7 @@ def show(rows, about):
 
     console = Console(width=130)
     console.print(", ".join(f"{k} {v:.1f}" if isinstance(v, float) else f"{k} {v}" for k, v in about.items()))
-    table = Table(title="Element applications: ratios within this run, medians of 5")
+    table = Table(title="Ratios within this run; of element applications, medians of 5")
     for column in ("name", "cell", "ranks", "value", "unit", "baseline", "ratio"):
         table.add_column(column, justify="left" if column in ("name", "cell", "unit") else "right")
     for r in rows:
@@ -222,6 +222,7 @@ def main(argv=None):
     """Returns the exit status."""
     parser = argparse.ArgumentParser(prog="dolfinx-impact bench", description=__doc__)
     parser.add_argument("--json", metavar="OUT", help="write rows and machine here")
+    parser.add_argument("--large", action="store_true", help="also contact problems of 300,000 unknowns")
     parser.add_argument("--rate", nargs=4, help=argparse.SUPPRESS)
     args = parser.parse_args(argv)
     if args.rate:
@@ -232,6 +233,7 @@ def main(argv=None):
     for law in (materials.StVenantKirchhoff, materials.NeoHookean):
         rows += force_rows(FINITE, law, bandwidth, peak)
     rows += rank_rows()
+    rows += bench_contact.contact_rows(row, bench_contact.CASES + (bench_contact.LARGE if args.large else ()))
     about = machine(bandwidth, peak)
     show(rows, about)
     if args.json:

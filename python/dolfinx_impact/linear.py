@@ -67,11 +67,12 @@ class LinearSolver:
         V: displacement space. options: dict of PETSc options without prefix; None chooses by size.
         prefix: what the command line says of it goes first; a number is added to it, so that the options of one
             problem are not those of the next.
+        indefinite: the systems are saddle points: a direct solver is the default at any size.
     """
 
-    def __init__(self, V, options, prefix):
+    def __init__(self, V, options, prefix, indefinite=False):
         size = V.dofmap.index_map.size_global * V.dofmap.index_map_bs
-        self.default = DIRECT if size <= LARGEST_DIRECT[V.mesh.geometry.dim] else ITERATIVE
+        self.default = DIRECT if indefinite or size <= LARGEST_DIRECT[V.mesh.geometry.dim] else ITERATIVE
         database, own = PETSc.Options(), f"{prefix}{next(_SOLVERS)}_"
         given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
         chosen = {**(options or {}), **given}
@@ -181,7 +182,7 @@ class LinearSolver:
 
     def _run(self, system, b, x):
         if self._operator is None:
-            self._operator = PETSc.Mat().createPython(system.K.getSizes(), self, comm=system.K.getComm())
+            self._operator = PETSc.Mat().createPython(system.sizes, self, comm=system.K.getComm())
             self._operator.setUp()
             self.ksp.getPC().setUseAmat(False)
         self._system = system
@@ -230,6 +231,15 @@ class LinearSystem:
         self.symmetric = symmetric and (transformation is None or transformation.symmetric)
         self.mask, self.pinned, self.diagonal = pinned, np.flatnonzero(pinned), diagonal
         self._work = [K.createVecRight() for _ in range(3)]
+
+    @property
+    def sizes(self):
+        """Of the operator, as PETSc takes them."""
+        return self.K.getSizes()
+
+    def create(self):
+        """A vector of the unknowns."""
+        return self.K.createVecRight()
 
     def free(self):
         """Give back the memory of what was made here. Collective."""

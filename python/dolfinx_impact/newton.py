@@ -5,13 +5,16 @@ active set on that linear problem: a primal-dual active set method with the stif
 differ in few rows and share a preconditioner.
 """
 
+import contextlib
 import itertools
+import time
 
 import numpy as np
 from mpi4py import MPI
 
 from . import held
 from .contact.condense import Transformation
+from .contact.saddle import SaddlePoint
 from .linear import LinearSystem
 from .steps import Increment
 
@@ -26,6 +29,10 @@ class Newton:
 
     Args:
         problem: StaticProblem. rtol, atol, max_iterations: as in StaticProblem.solve.
+
+    Attributes:
+        seconds: spent on this rank so far, dict of "bodies" (residual, stiffness), "contact" (search, integrals,
+        assembly, states) and "linear" (condensation, preconditioner, solution).
     """
 
     def __init__(self, problem, rtol, atol, max_iterations):
@@ -33,6 +40,11 @@ class Newton:
         self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
         self.multipliers = [c for c in problem.contact if c.constraints]
+        self.saddle = problem._saddle
+        # How much further than asked for linear solutions go: with factors at hand digits are cheap.
+        self.margin = 1e-3 if problem._solver.direct else 0.3
+        self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
+        self._forces = np.zeros(sum(c.gdim * len(c.nodes) for c in self.multipliers) if self.saddle else 0)
 
     def run(self, target, log):
         """From the present u to prescribed values `target` (array over all dofs, prescribed entries count). Collective.
@@ -44,18 +56,22 @@ class Newton:
         scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
         self._K = None
         for iteration in itertools.count():
-            residual = p._assemble_residual().array.copy()
+            with self._clock("bodies"):
+                residual = p._assemble_residual().array.copy()
             if not np.isfinite(self._norm(residual)):
                 result.residual_norms.append(float("nan"))
                 return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
                                      "evaluated (inverted cells?)")  # fmt: skip
-            for contact in p.contact:
-                contact.update(p.u.x.array)
-                if not contact.constraints:
-                    residual -= contact.forces()
-            changes, pending = self._switch(residual, iteration == 0)
-            scale = max(scale, self._norm(residual))
-            norm = self._free_norm(residual)
+            with self._clock("contact"):
+                for contact in p.contact:
+                    contact.update(p.u.x.array)
+                    if not contact.constraints:
+                        residual -= contact.forces()
+                changes, pending = self._switch(residual, iteration == 0)
+                if self.saddle:
+                    residual -= sum(c.forces() for c in self.multipliers)
+                scale = max(scale, self._norm(residual))
+                norm = self._free_norm(residual)
             jump = target[self.fixed] - p.u.x.array[self.fixed]
             moved = self.comm.allreduce(int(np.any(jump))) == 0
             violation = max((c.violation() for c in p.contact), default=0.0)
@@ -80,7 +96,7 @@ class Newton:
             # What is still asked for, but no more than Newton's quadratic convergence may bring from here.
             digits = 1e-10 if not p.contact and p._linear else LOOSE_DIGITS
             if moved and norm > 0:
-                enough = 0.3 * max(self.atol, self.rtol * max(scale, inner)) / norm
+                enough = self.margin * max(self.atol, self.rtol * max(scale, inner)) / norm
                 likely = 0.1 * (norm / before) ** 2 if before else 1e-4
                 digits = min(digits, max(enough, min(likely, LOOSE_DIGITS)))
             before = norm if moved else None
@@ -94,6 +110,12 @@ class Newton:
             f"{', '.join(f'{n:.3e}' for n in result.residual_norms)}"
         )
 
+    @contextlib.contextmanager
+    def _clock(self, part):
+        start = time.perf_counter()
+        yield
+        self.seconds[part] += time.perf_counter() - start
+
     # --- what an iteration looks at --------------------------------------------------------------------------------
 
     def _norm(self, values):
@@ -104,7 +126,7 @@ class Newton:
         for. Collective."""
         changes, pending = 0, 0
         for contact in self.problem.contact:
-            if not first:
+            if not first and not self.saddle:
                 contact.measure(residual)
             changed = contact.switch(first)
             changes += changed
@@ -138,16 +160,14 @@ class Newton:
     def _stiffness(self):
         """Tangent of the bodies at u; that of a linear law once per increment."""
         if self._K is None or not self.problem._linear:
-            self._K = self.problem._tangent.assemble()
+            with self._clock("bodies"):
+                self._K = self.problem._tangent.assemble()
         return self._K
 
     def _tangent_force(self, K):
         """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each
         other."""
-        product = K.createVecLeft()
-        K.mult(self.problem.u.x.petsc_vec, product)
-        forces = product.array.copy()
-        product.destroy()
+        forces = self._product([K], self.problem.u.x.array[: self.num_owned])
         forces[self.fixed] = 0.0
         return self._norm(forces)
 
@@ -161,7 +181,7 @@ class Newton:
     # --- the linear problem ----------------------------------------------------------------------------------------
 
     def _transformation(self):
-        if not self.multipliers:
+        if not self.multipliers or self.saddle:
             return None
         space = self.problem.space
         start = space.dofmap.index_map.local_range[0] * space.dofmap.index_map_bs
@@ -172,10 +192,14 @@ class Newton:
         """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, and the
         number of changes. Collective."""
         p, changes = self.problem, 0
-        for contact in p.contact:
-            contact.look_at(K)
-        geometric = [s for s in (c.stiffness() for c in p.contact) if s is not None]
-        symmetric = all([c.symmetric for c in p.contact])
+        if self.saddle:
+            residual = residual + sum(c.forces() for c in self.multipliers)
+            self._start = self._forces.copy()
+        with self._clock("contact"):
+            for contact in p.contact:
+                contact.look_at(K)
+            geometric = [s for s in (c.stiffness() for c in p.contact) if s is not None]
+            symmetric = all([c.symmetric for c in p.contact])
         diagonal = K.getDiagonal()
         mean = self.comm.allreduce(float(np.abs(diagonal.array).sum())) / diagonal.getSize() or 1.0
         diagonal.destroy()
@@ -186,16 +210,21 @@ class Newton:
             fault, moved, forces = self._one_solution(K, geometric, symmetric, residual, moved, mean, digits)
             if fault or not self.multipliers:
                 break
-            for contact in self.multipliers:
-                contact.predict(moved)
-                contact.measure(residual + forces)
-            found = settle.change(self.multipliers)
+            with self._clock("contact"):
+                for contact in self.multipliers:
+                    contact.predict(moved)
+                    if not self.saddle:
+                        contact.measure(residual + forces)
+                if self.saddle:
+                    self._take(mean)
+                found = settle.change(self.multipliers)
             if found == 0:
                 if corrected and digits <= rtol:
                     break
                 digits = rtol
                 if not corrected:
-                    self._correct(moved)
+                    with self._clock("contact"):
+                        self._correct(moved)
                     corrected = True
             elif settle.count == MAX_CHANGES:
                 log(f"    contact not settled after {settle.count} changes: {found} nodes to and fro")
@@ -223,38 +252,61 @@ class Newton:
         Returns:
             what went wrong, or None; increments; what the bodies' and contacts' stiffness make of them [F].
         """
-        transformation = self._transformation()
-        springs = [s for s in (c.springs() for c in self.multipliers) if s is not None]
+        with self._clock("contact"):
+            transformation = self._transformation()
+            springs = [s for s in (c.springs() for c in self.multipliers) if s is not None]
         pinned = np.zeros(self.num_owned, dtype=bool)
         pinned[self.fixed] = True
         if transformation:
             pinned |= transformation.dummies
         for _, force in springs:
             residual = residual + force
-        x, b = K.createVecRight(), K.createVecLeft()
         extra = [matrix for matrix, _ in springs]
         if self.problem.exact_tangent:
             extra += geometric
         elif geometric:  # from the guess: small, but not symmetric
-            x.array[:] = guess
-            b.set(0.0)
-            for matrix in geometric:
-                matrix.multAdd(x, b, b)
-            residual = residual + b.array
-        system = LinearSystem(K, extra, symmetric, transformation, pinned, mean)
-        x.array[:] = transformation.unknowns(guess) if transformation else guess
+            residual = residual + self._product(geometric, guess)
+        if self.saddle:
+            parts = [c.constraints() for c in self.multipliers]
+            sizes = [len(c.nodes) for c in self.multipliers]
+            system = SaddlePoint(K, extra, pinned, mean, parts, sizes, self._start)
+            start = np.concatenate([guess, np.where(system.mask[self.num_owned :], 0.0, self._forces - system.forces)])
+        else:
+            system = LinearSystem(K, extra, symmetric, transformation, pinned, mean)
+            start = transformation.unknowns(guess) if transformation else guess
+        x, b = system.create(), system.create()
+        x.array[:] = start
         system.load(residual, x, b)
-        fault = self.problem._solver.solve(system, b, x, rtol)
+        with self._clock("linear"):
+            fault = self.problem._solver.solve(system, b, x, rtol)
         moved = system.displacements(x)
-        x.array[:] = moved
-        K.mult(x, b)
-        for matrix in geometric:
-            matrix.multAdd(x, b, b)
-        forces = b.array.copy()
+        if self.saddle:
+            self._forces = system.forces + x.array_r[self.num_owned :]
+        forces = self._product([K, *geometric], moved)
         system.free()
         for thing in (x, b, *(matrix for matrix, _ in springs), *((transformation,) if transformation else ())):
             thing.destroy()
         return fault, moved, forces
+
+    def _product(self, matrices, values):
+        """Sum of the products of matrices with values over owned dofs. Collective."""
+        x, y = matrices[0].createVecRight(), matrices[0].createVecLeft()
+        x.array[:] = values
+        y.set(0.0)
+        for matrix in matrices:
+            matrix.multAdd(x, y, y)
+        product = y.array.copy()
+        x.destroy()
+        y.destroy()
+        return product
+
+    def _take(self, unit):
+        """Give every contact its part of the saddle point's multipliers."""
+        start = 0
+        for contact in self.multipliers:
+            end = start + contact.gdim * len(contact.nodes)
+            contact.take(unit * self._forces[start:end].reshape(-1, contact.gdim))
+            start = end
 
 
 class Settling:

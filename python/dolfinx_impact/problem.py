@@ -77,7 +77,9 @@ class StaticProblem:
         self._tangent = operators.Tangent(tangent)
         self._tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._b = petsc.create_vector(self._residual)
-        self._solver = LinearSolver(V, options, prefix)
+        # Multipliers with other bases than the dual one cannot be condensed: then all stay in the system.
+        self._saddle = any(getattr(c, "basis", "dual") != "dual" for c in contact)
+        self._solver = LinearSolver(V, options, prefix, indefinite=self._saddle)
         # Contact forces between deformable bodies have a tangent that is not symmetric. Newton's method converges
         # nearly as fast without it (by pressure over stiffness), conjugate gradients do not converge with it.
         self.exact_tangent = self._solver.direct

@@ -44,6 +44,8 @@ class Report:
         contact_changes: lists of the number of points whose state changed, by iteration.
         fractions: of the whole way, reached at the end of each increment.
         cut_backs: increments that were halved.
+        seconds: this rank's, dict of "bodies" (residual, stiffness), "contact" (search, integrals, assembly, states),
+        "linear" (condensation, preconditioner, solution).
     """
 
     converged: bool = True
@@ -53,6 +55,7 @@ class Report:
     contact_changes: list = field(default_factory=list)
     fractions: list = field(default_factory=list)
     cut_backs: int = 0
+    seconds: dict = field(default_factory=dict)
 
     def add(self, increment, fraction):
         self.iterations.append(increment.iterations)
@@ -69,7 +72,9 @@ class Report:
             lines.append(
                 f"{i:9d}  {fraction:8.4f}  {iterations:10d}  {sum(changes):7d}  {sizes[-1]:10d}  {norms[-1]:8.1e}"
             )
-        return "\n".join(lines) + (f"\ncut back {self.cut_backs} times" if self.cut_backs else "")
+        if self.cut_backs:
+            lines.append(f"cut back {self.cut_backs} times")
+        return "\n".join([*lines, ", ".join(f"{part} {s:.2f} s" for part, s in self.seconds.items())])
 
 
 class _Log:
@@ -160,5 +165,6 @@ def run_steps(problem, newton, steps, cut_backs, verbose):
         report.cut_backs += 1
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")
     path.finish(1.0)
+    report.seconds = newton.seconds
     log(report.table())
     return report

@@ -21,13 +21,14 @@ class Constraints:
     """Constrained slave nodes of one contact on this rank.
 
     Attributes:
-        nodes: (n) owned nodes. frames: (n, gdim, gdim), columns are the directions. constrained: (n, gdim) of these.
+        rows: (n) index of the nodes among the contact's. nodes: (n) owned nodes. frames: (n, gdim, gdim), columns are the directions. constrained: (n, gdim) of these.
         known: (n, gdim) increments along constrained directions [L]. tilt: (n, gdim) force direction per unit normal
         force where a node slips, else the zero vector; then direction `normal` carries it.
         normal: (n) index of the normal direction.
         pointers, columns, values: rows of P = D^-1 M (global master nodes); empty rows for rigid masters.
     """
 
+    rows: np.ndarray
     nodes: np.ndarray
     frames: np.ndarray
     constrained: np.ndarray

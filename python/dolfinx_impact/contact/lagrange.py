@@ -9,18 +9,31 @@ from .pair import ContactPair, ContactStatus
 from .output import ContactOutput
 
 
+BASES = ("dual", "standard", "linear")
+
+
 class Lagrange:
     """Enforce contact of a pair by Lagrange multipliers, seed (3.47), corrected.
 
     Args:
         pair: ContactPair.
         quadrature_degree: of the integrals over segments; None: exact on flat, affine facets.
+        basis: "dual": multipliers are condensed, the linear system keeps the size and character of elasticity;
+            "standard": the shape functions of the displacements; "linear": linear functions also for displacements of
+            degree 2. These two stay in the system, a saddle point for a direct solver. Obstacles take the dual one.
+
+    Raises:
+        TypeError: not a ContactPair. ValueError: another basis, or one that an obstacle does not take.
     """
 
-    def __init__(self, pair, quadrature_degree=None):
+    def __init__(self, pair, quadrature_degree=None, basis="dual"):
         if not isinstance(pair, ContactPair):
             raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
-        self.pair, self.quadrature_degree = pair, quadrature_degree
+        if basis not in BASES:
+            raise ValueError(f"basis is {basis!r}: give one of {', '.join(BASES)}")
+        if pair.rigid and basis != "dual":
+            raise ValueError(f"basis is {basis!r}: against a rigid obstacle multipliers are nodal, give 'dual'")
+        self.pair, self.quadrature_degree, self.basis = pair, quadrature_degree, basis
 
     def _bind(self, problem):
         return LagrangeContact(self, problem)
@@ -31,8 +44,8 @@ class LagrangeContact(ContactOutput):
 
     def __init__(self, spec, problem):
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
-        geometry = RigidGeometry if self.pair.rigid else MortarGeometry
-        self.geometry = geometry(spec, problem.space, problem.axisymmetric, problem.fixed)
+        where = spec, problem.space, problem.axisymmetric, problem.fixed
+        self.geometry = RigidGeometry(*where) if self.pair.rigid else MortarGeometry(*where, spec.basis)
         self.nodes, self.gdim = self.geometry.nodes, self.geometry.gdim
         n = len(self.nodes)
         self.fixed = problem.fixed.reshape(-1, self.gdim)[self.nodes]
@@ -113,6 +126,19 @@ class LagrangeContact(ContactOutput):
         if self.pair.friction > 0.0:
             tangential = free - along[:, None] * self._normal_direction()
             self.friction_traction = np.where((self.active & self.usable)[:, None], tangential / weight[:, None], 0.0)
+
+    def take(self, forces):
+        """Multipliers from a saddle point: forces (n, gdim) along the directions of the frames, zero where nothing is
+        constrained. After `predict`."""
+        on = (self.active & self.usable)[:, None]
+        forces = np.einsum("nad,nd->na", self.frames, forces)
+        weight = np.where(self.usable, self.geometry.weight, 1.0)
+        along = np.einsum("na,na->n", self._normal_direction(), forces)
+        self.multiplier = np.where(on[:, 0], along / (weight * np.maximum(self.free_length, 1e-3)), 0.0)
+        tangential = (forces - along[:, None] * self._normal_direction()) / weight[:, None]
+        slides = np.where(self.sliding, self.pair.friction * along / weight, 0.0)[:, None] * self.direction
+        slides -= np.einsum("nab,nb->na", self._turning, self._slip)
+        self.friction_traction = np.where(on, tangential + np.where(self.sliding[:, None], slides, 0.0), 0.0)
 
     def switch(self, first, last=None):
         """Change the active set and who sticks; returns how many nodes of all ranks would change. Collective.
@@ -195,7 +221,7 @@ class LagrangeContact(ContactOutput):
         known[np.arange(len(rows)), place] = -gap / self.free_length[rows]
         tilt = np.where(self.sliding[rows][:, None], self.pair.friction * self.direction[rows], 0.0)
         return condense.Constraints(
-            self.nodes[rows], self.frames[rows], constrained, known, tilt, place, *self.geometry.master_rows(rows)
+            rows, self.nodes[rows], self.frames[rows], constrained, known, tilt, place, *self.geometry.master_rows(rows)
         )
 
     def look_at(self, K):
@@ -214,6 +240,7 @@ class LagrangeContact(ContactOutput):
         Returns:
             matrix, and force (array over owned dofs) to take from the right-hand side; or None.
         """
+        self._turning = np.zeros((len(self.nodes), self.gdim, self.gdim))  # stiffness per area
         if self.gdim == 2 or not self.comm.allreduce(int(np.any(self.sliding))):
             return None
         rows = np.flatnonzero(self.sliding & self.active & self.usable)
@@ -226,7 +253,7 @@ class LagrangeContact(ContactOutput):
         along = self._normal_direction()[rows]
         across = np.eye(self.gdim) - np.einsum("na,nb->nab", along, along)
         across -= np.einsum("na,nb->nab", self.direction[rows], self.direction[rows])
-        blocks = spring[:, None, None] * across
+        blocks = self._turning[rows] = spring[:, None, None] * across
         traction = np.zeros((len(self.nodes), self.gdim))
         traction[rows] = np.einsum("nab,nb->na", blocks, start)
         return self.geometry.springs(rows, weight[:, None, None] * blocks), self.geometry.forces(traction)

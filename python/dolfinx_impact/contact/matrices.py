@@ -13,8 +13,13 @@ def matrix(comm, num_owned, rows, cols, values, block=1):
     Args:
         num_owned: rows and columns of this rank. rows, cols: global numbers. values: entries. block: size of blocks.
     """
+    return rectangle(comm, num_owned, num_owned, rows, cols, values, block)
+
+
+def rectangle(comm, num_rows, num_columns, rows, cols, values, block=1):
+    """As `matrix`, with rows and columns of different spaces. Collective."""
     A = PETSc.Mat().create(comm)
-    A.setSizes(((num_owned, PETSc.DETERMINE), (num_owned, PETSc.DETERMINE)))
+    A.setSizes(((num_rows, PETSc.DETERMINE), (num_columns, PETSc.DETERMINE)))
     A.setBlockSize(block)
     A.setType(PETSc.Mat.Type.AIJ)
     integers = (np.ascontiguousarray(np.ravel(a), dtype=np.int64) for a in (rows, cols))
