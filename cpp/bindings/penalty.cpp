@@ -121,12 +121,12 @@ void bind_state(nb::module_& m)
       .def_prop_rw(
           "gap", [](const PenaltyHistory& h) { return copy(h.gap, {h.gap.size()}); }, [](PenaltyHistory& h, Values v)
           { set(h.gap, v, "gap"); }, nb::rv_policy::move, "Of points that were open; of others not positive")
+      .def_prop_rw(
+          "offset", [](const PenaltyHistory& h) { return copy(h.offset, {h.offset.size()}); },
+          [](PenaltyHistory& h, Values v) { set(h.offset, v, "offset"); }, nb::rv_policy::move, "Added to the gaps")
       .def(
           "advance", [](PenaltyHistory& h, const PenaltyState& s) { advance(s, h); }, nb::arg("state"),
-          "The state is the last converged one from now on")
-      .def(
-          "augment", [](PenaltyHistory& h, const PenaltyState& s) { augment(s, h); }, nb::arg("state"),
-          "Multipliers become the pressures");
+          "The state is the last converged one from now on");
   const auto vectors = [](const PenaltyState& s, const std::vector<double>& v)
   {
     const std::size_t num = s.pressure.size();

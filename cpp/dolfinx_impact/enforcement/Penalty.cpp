@@ -165,7 +165,7 @@ void check(const PenaltyPair& pair)
   const gap::Points& p = pair.points;
   const std::size_t num = p.size();
   if (pair.history.multiplier.size() != num || pair.history.traction.size() != num * p.gdim ||
-      pair.history.slip.size() != num * p.gdim || pair.history.gap.size() != num)
+      pair.history.slip.size() != num * p.gdim || pair.history.gap.size() != num || pair.history.offset.size() != num)
     throw std::invalid_argument("the history belongs to other points");
   if (p.gdim != pair.slave.gdim || num != p.per_facet * pair.slave.size())
     throw std::invalid_argument("the points belong to another slave");
@@ -193,7 +193,7 @@ PenaltyHistory make_history(const gap::Points& points)
 {
   const std::size_t num = points.size() * points.gdim;
   return {std::vector<double>(points.size(), 0.0), std::vector<double>(num, 0.0), std::vector<double>(num, 0.0),
-          std::vector<double>(points.size(), 0.0)};
+          std::vector<double>(points.size(), 0.0), std::vector<double>(points.size(), 0.0)};
 }
 
 PenaltyState evaluate(const PenaltyPair& pair)
@@ -206,7 +206,8 @@ PenaltyState evaluate(const PenaltyPair& pair)
                    pair.history.slip};
   for (std::size_t q = 0; q < p.size(); ++q)
   {
-    const double trial = pair.history.multiplier[q] - pair.parameters.normal * p.gap[q];
+    const double gap = p.gap[q] + pair.history.offset[q];
+    const double trial = pair.history.multiplier[q] - pair.parameters.normal * gap;
     if (!(trial > -pair.parameters.touch))
     {
       std::fill_n(out.slip.data() + q * gdim, gdim, 0.0); // an open point forgets
@@ -294,10 +295,5 @@ void advance(const PenaltyState& state, PenaltyHistory& history)
 {
   history.traction = state.tangential;
   history.slip = state.slip;
-}
-
-void augment(const PenaltyState& state, PenaltyHistory& history)
-{
-  history.multiplier = state.pressure;
 }
 } // namespace impact::enforcement

@@ -25,6 +25,7 @@ struct PenaltyHistory
   std::vector<double> traction;   ///< tangential, traction[q*gdim + c] [F/L^2]
   std::vector<double> slip;       ///< tangential, added up over the steps, slip[q*gdim + c] [L]
   std::vector<double> gap;        ///< of points that were open: infinite without master; of others not positive [L]
+  std::vector<double> offset;     ///< added to the gaps: penetrations of the start that are removed [L]
 };
 
 enum class ContactStatus : std::int8_t
@@ -88,6 +89,4 @@ void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const
 
 /// The state is the last converged one from now on. (`gap` is for the caller to set.)
 void advance(const PenaltyState& state, PenaltyHistory& history);
-/// Augmentation (Uzawa): multipliers become the pressures.
-void augment(const PenaltyState& state, PenaltyHistory& history);
 } // namespace impact::enforcement

@@ -12,6 +12,16 @@ class ContactOutput:
     `comm`.
     """
 
+    @property
+    def initial(self):
+        """InitialGap: penetrations before anything was loaded."""
+        return self.geometry.initial
+
+    @property
+    def initial_penetration(self):
+        """Largest penetration before anything was loaded, of all ranks; removed or not [L]."""
+        return self.initial.depth
+
     force = None  #: total contact force on the slave, (gdim); on the master it is the opposite [F]
     moment = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
     area = 0.0  #: area in contact (2D: length), see covered() [L^2]

@@ -29,6 +29,8 @@ class ContactPair:
         master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder.
         friction: Coulomb's coefficient, zero or more [1].
         search_distance: within which slave and master are paired; None: from the sizes of the facets [L].
+        remove_penetration: contact points that penetrate before anything is loaded start in touch instead: what they
+            penetrate by is added to their gaps from then on. For meshes that overlap where the bodies do not.
         name: for messages and files.
 
     Raises:
@@ -36,7 +38,9 @@ class ContactPair:
         surface, negative or infinite friction. What needs the mesh is checked when a problem takes the pair.
     """
 
-    def __init__(self, facet_tags, slave, master, friction=0.0, search_distance=None, name=None):
+    def __init__(
+        self, facet_tags, slave, master, friction=0.0, search_distance=None, remove_penetration=False, name=None
+    ):
         if not hasattr(facet_tags, "find"):
             raise TypeError(f"facet_tags must be MeshTags of facets, found {type(facet_tags).__name__}")
         self.facet_tags, self.slave = facet_tags, _tag(slave)
@@ -52,6 +56,7 @@ class ContactPair:
         self.search_distance = None
         if search_distance is not None:
             self.search_distance = _number("search_distance", search_distance, 0.0, " [L]")
+        self.remove_penetration = bool(remove_penetration)
         self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
 
     def surfaces(self, V):

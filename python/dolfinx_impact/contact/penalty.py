@@ -13,6 +13,7 @@ from .neighbours import Neighbours
 from .output import ContactOutput
 from .pair import ContactPair
 from .size import body_size
+from .start import InitialGap, check_side
 
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
@@ -53,6 +54,8 @@ class PenaltyContact(ContactOutput):
     """Penalty of one pair in a problem. Points are the quadrature points of this rank's slave facets; see
     ContactOutput. `penalty` is the one in use [F/L^3]."""
 
+    initial = None
+
     def __init__(self, spec, problem):
         self.spec, self.pair, self.problem = spec, spec.pair, problem
         V = problem.space
@@ -78,6 +81,12 @@ class PenaltyContact(ContactOutput):
         self._status = np.zeros(self._points.size, dtype=np.int8)
         self._touched = np.zeros(self._points.size, dtype=bool)  # closed in the last converged state
         self.constraints = None  # nothing to condense
+        if self.pair.rigid:
+            check_side(self.pair, V, self.slave, self.obstacle)
+        self._seen = False  # the state before the first increment is nothing to stay on a facet from
+        self._locate(self.start)
+        self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
+        self.history.offset = self.initial.offset
 
     def _automatic(self):
         """Stiffness per area of the softer surface's nodes where its facets are smallest, times FACTOR. Collective."""
@@ -137,7 +146,7 @@ class PenaltyContact(ContactOutput):
         self._touch = TOUCH * self.size * self.penalty
         if self.pair.friction > 0.0:  # motion counts from where a point closes
             self._locate(self.start)
-            gap = self._points.gap
+            gap = self.gap
             self.history.gap = np.where(self._touched | (gap <= TOUCH * self.size), 0.0, gap)
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
@@ -157,7 +166,7 @@ class PenaltyContact(ContactOutput):
         if not self.spec.augmented:
             return False
         p, table, corners = self._points, self._hats, self.slave.nodes[:, : self._hats.shape[1]]
-        gap = p.gap.reshape(-1, p.per_facet)
+        gap = self.gap.reshape(-1, p.per_facet)
         weight = np.where(np.isfinite(gap), p.weight.reshape(gap.shape), 0.0)
         parts = (weight * np.where(np.isfinite(gap), gap, 0.0), weight)
         sums = []
@@ -178,6 +187,7 @@ class PenaltyContact(ContactOutput):
         """Search, gaps and tractions at the displacements u. Collective."""
         u = np.ascontiguousarray(u)
         surfaces = self._locate(u)
+        self._seen = True
         increment = u - self.start
         if not self.pair.rigid:
             increment = self.neighbours.exchange.forward(increment)
@@ -197,7 +207,7 @@ class PenaltyContact(ContactOutput):
             return self.slave, None
         near = self.neighbours
         reach = near.update(u, self.start)
-        self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept)
+        self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept and self._seen)
         return near.slave, near.master
 
     def switch(self, first):
@@ -279,7 +289,7 @@ class PenaltyContact(ContactOutput):
     @property
     def gap(self):
         """Gap, positive open; infinite where there is no master, (n) [L]."""
-        return self._points.gap
+        return self._points.gap + self.initial.offset
 
     @property
     def normal(self):

@@ -42,6 +42,14 @@ class _Rigid:
     def displacement(self, value):
         self._displacement = _vector("displacement", value)
 
+    def _turn(self):
+        """What to do where the slave is on the wrong side."""
+        place = "inside" if self._radius > 0.0 else "around"
+        return (
+            f"change the sign of the radius {self._radius:g} of the {self._kind} if the body is {place} it "
+            "(positive: the obstacle is solid, negative: a hole that holds the body), or correct the slave's tag"
+        )
+
     def _obstacle(self, gdim):
         if gdim == 2:
             if self._kind == "plane" and self._direction[2] != 0.0:
@@ -64,6 +72,9 @@ class RigidPlane(_Rigid):
 
     def __init__(self, point, normal):
         super().__init__("plane", _vector("point", point), _unit("normal", normal), 0.0)
+
+    def _turn(self):
+        return f"turn the plane's normal {self._direction.tolist()} round, it must point out of the obstacle"
 
 
 def _radius(value):

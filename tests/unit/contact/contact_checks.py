@@ -138,6 +138,6 @@ CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) 
 if __name__ == "__main__":
     for name in sys.argv[1:] or CHECKS:
         CHECKS[name]()
-    COMM.barrier()
-    if COMM.rank == 0:
-        print("passed", *(sys.argv[1:] or CHECKS))
+        COMM.barrier()
+        if COMM.rank == 0:
+            print(f"passed: {name}", flush=True)

@@ -162,17 +162,27 @@ def test_motion_counts_from_closing():
     assert np.allclose(-state.tangential[closed, 0], 0.7 * CHI * 1e-5 * part[closed], rtol=1e-12)
 
 
+def test_offset_is_a_gap():
+    """What is added to the gaps takes penalty times as much from the pressure."""
+    model = Rigid("quadrilateral", 1, "plane")
+    before = model.state(np.zeros(model.num)).pressure
+    model.history.offset = np.linspace(0.001, 0.02, model.points.size)
+    after = model.state(np.zeros(model.num)).pressure
+    lost = CHI * model.history.offset
+    assert np.any(before > lost)
+    assert np.allclose(after[before > 0], np.maximum(before - lost, 0.0)[before > 0], rtol=1e-10, atol=1e-12)
+
+
 def test_history():
-    """advance and augment copy the state; saved arrays restore it; an open point forgets."""
+    """advance copies the state; saved arrays restore it; an open point forgets."""
     model = Rigid("quadrilateral", 1, "plane", friction=0.2)
     u = np.zeros(model.num)
     u[0::2] = 0.01
     first = model.state(u)
     model.history.advance(first)
-    model.history.augment(first)
+    model.history.multiplier = first.pressure
     assert np.array_equal(model.history.traction, first.tangential.ravel())
     assert np.array_equal(model.history.slip, first.slip.ravel())
-    assert np.array_equal(model.history.multiplier, first.pressure)
     saved = model.history.traction, model.history.slip, model.history.multiplier
     model.u_n = u.copy()
     second = model.state(1.1 * u)

@@ -1,25 +1,15 @@
 """Static problems on 1, 2 and 3 ranks, and what StaticProblem refuses."""
 
-import pathlib
-
 import problem_checks
 import pytest
+from on_ranks import rank_tests
 import ufl
 from dolfinx import fem
 
 import dolfinx_impact as di
 
 
-@pytest.mark.parametrize("name", problem_checks.CHECKS)
-def test_one_rank(name):
-    problem_checks.CHECKS[name]()
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
-def test_several_ranks(mpirun, ranks):
-    output = mpirun(ranks, pathlib.Path(problem_checks.__file__), timeout=300)
-    assert output.count("passed: ") == len(problem_checks.CHECKS)
+test_one_rank, test_several_ranks = rank_tests(problem_checks)
 
 
 def test_material_or_residual():

@@ -1,25 +1,15 @@
 """Facets and values travel to the ranks that need them, and only those."""
 
-import pathlib
-
 import exchange_checks
 import numpy as np
 import pairs
 import pytest
+from on_ranks import rank_tests
 
 from dolfinx_impact import _cpp
 
 
-@pytest.mark.parametrize("name", exchange_checks.CHECKS)
-def test_one_rank(name):
-    exchange_checks.CHECKS[name]()
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3, 4])
-def test_several_ranks(mpirun, ranks):
-    output = mpirun(ranks, pathlib.Path(exchange_checks.__file__), timeout=100)
-    assert output.count("passed: ") == len(exchange_checks.CHECKS)
+test_one_rank, test_several_ranks = rank_tests(exchange_checks, ranks=(2, 3, 4), timeout=100)
 
 
 def test_refused():
