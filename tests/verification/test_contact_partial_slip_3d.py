@@ -32,8 +32,8 @@ def half_space(x, depth, P, Q):
 
 
 class Bodies:
-    """Two blocks, cut out of half-spaces: the lower face of the upper one is a paraboloid. Their outer sides move as the
-    half-spaces under the loads do there, so that approach and shift are those of distant points.
+    """Two blocks, cut out of half-spaces: the lower face of the upper one is a paraboloid. Their outer sides move as
+    the half-spaces under the loads do there, so that approach and shift are those of distant points.
 
     A whole sphere of this size is no half-space (it is 2 % softer for Q, held at its flat side), and blocks whose
     sides are free or held err by their size.
