@@ -26,6 +26,10 @@ class ContactOutput:
     moment = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
     area = 0.0  #: area in contact (2D: length), see covered() [L^2]
 
+    def touch_nearest(self):
+        """Take the nearest points as touching, if they nearly do; returns whether there are any. Collective."""
+        return False
+
     def total(self):
         """Sum up force, moment and area of the present state. Collective; a converged increment calls it."""
         touching = self.status > 0
