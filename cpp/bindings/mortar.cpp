@@ -9,6 +9,7 @@ using impact::surface::Facets;
 namespace
 {
 using namespace impact::bindings;
+typedef nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Flags;
 
 SegmentRule rule(const Facets& slave, const Values& points, const Values& weights)
 {
@@ -98,11 +99,25 @@ void impact::bindings::mortar(nb::module_& m)
       .def_prop_ro("M", [](const Mortar& s) { return as_arrays(s.M); })
       .def_prop_ro(
           "gamma", [](const Mortar& s) { return copy(s.gamma, {s.gamma.size()}); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "share", [](const Mortar& s) { return copy(s.share, {s.share.size()}); }, nb::rv_policy::move)
       .def_prop_ro("psi", [](const Mortar& s) { return copy(s.psi, {s.psi.size()}); }, nb::rv_policy::move);
-  m.def("mortar", &impact::gap::mortar, nb::arg("slave"), nb::arg("master"), nb::arg("segments"), nb::arg("dual"),
-        nb::arg("whole"));
+  nb::enum_<Multipliers>(m, "Multipliers", "Functions of the multipliers")
+      .value("dual", Multipliers::dual)
+      .value("standard", Multipliers::standard)
+      .value("linear", Multipliers::linear);
+  m.def(
+      "cover", [](const Facets& slave, const Segments& segments, Multipliers basis)
+      { return take(cover(slave, segments, basis), {slave.size(), std::size_t(slave.displacement.num_nodes())}); },
+      nb::arg("slave"), nb::arg("segments"), nb::arg("basis"),
+      "Integrals of the multiplier functions over the points of each facet, (facets, nodes)");
+  m.def(
+      "mortar",
+      [](const Facets& slave, const Facets& master, const Segments& segments, Multipliers basis, const Flags& carries)
+      {
+        check_nodal(slave, carries.size(), 1);
+        return mortar(slave, master, segments, basis, {carries.data(), carries.size()});
+      },
+      nb::arg("slave"), nb::arg("master"), nb::arg("segments"), nb::arg("basis"), nb::arg("carries"),
+      "Mortar integrals; `carries` (by node, int8) marks the nodes that have a multiplier");
   m.def(
       "add_normals",
       [](const Facets& slave, MutableValues normals)

@@ -58,6 +58,15 @@ Rigid rigid(const Obstacle& o, int gdim)
   return r;
 }
 
+Basis basis_of(const std::string& name)
+{
+  for (const auto& [known, basis] :
+       {std::pair{"dual", Basis::dual}, {"standard", Basis::standard}, {"linear", Basis::linear}})
+    if (name == known)
+      return basis;
+  throw std::invalid_argument("unknown basis '" + name + "': use 'dual', 'standard' or 'linear'");
+}
+
 using State = std::tuple<Vector, Vector, Vector, Vector, Matrix, Matrix, Integers, Vector, Matrix>;
 
 class Bound
@@ -173,25 +182,25 @@ void bind_contact(nb::module_& m)
              return nb::make_tuple(r.force, csr(r.tangent, u.size()), s.tuple(r.points), s.tuple(r.history));
            })
       .def("mortar",
-           [](const Bound& s, P points, V weights, V displacement, bool dual, V u, V history_u, V history_displacement,
-              P z)
+           [](const Bound& s, P points, V weights, V displacement, const std::string& basis, V u, V history_u,
+              V history_displacement, P z)
            {
              s.check(u);
              const ContactHistory h = s.history(history_u, history_displacement, {}, {}, {});
-             const Mortar r = mortar(s.at(displacement), {points, weights}, dual, u, h, z);
+             const Mortar r = mortar(s.at(displacement), {points, weights}, basis_of(basis), u, h, z);
              const std::int64_t n = z.rows();
              Matrix gamma = Matrix::Zero(n, s.gdim_), normal = gamma, moved = gamma;
-             Vector D = Vector::Zero(n);
+             Vector cover = Vector::Zero(n);
              Integers part = Integers::Zero(n);
              for (const auto& [number, node] : r.nodes)
              {
                gamma.row(number) = vector(node.gamma.value, s.gdim_).transpose();
                normal.row(number) = vector(node.normal.value, s.gdim_).transpose();
                moved.row(number) = vector(node.moved.value, s.gdim_).transpose();
-               D(number) = node.D;
-               part(number) = node.takes_part();
+               cover(number) = node.cover;
+               part(number) = node.part;
              }
-             return nb::make_tuple(csr(r.D, n), csr(r.M, n), gamma, normal, moved, D, part, r.force,
+             return nb::make_tuple(csr(r.D, n), csr(r.M, n), gamma, normal, moved, cover, part, r.force,
                                    csr(r.tangent, u.size()));
            })
       .def("solve_penalty",
@@ -204,11 +213,12 @@ void bind_contact(nb::module_& m)
                                           {steps, iterations, tolerance, augmented}));
            })
       .def("solve_lagrange",
-           [](const Bound& s, P points, V weights, P contact_points, V contact_weights, bool dual, const State& state,
-              Dofs fixed, V values, V load, V displacement, int steps, int iterations, double tolerance)
+           [](const Bound& s, P points, V weights, P contact_points, V contact_weights, const std::string& basis,
+              const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
+              double tolerance)
            {
-             return s.tuple(solve_lagrange(s.pair_, {points, weights}, {contact_points, contact_weights}, dual,
-                                           s.state(state), s.loads(fixed, values, load, displacement),
+             return s.tuple(solve_lagrange(s.pair_, {points, weights}, {contact_points, contact_weights},
+                                           basis_of(basis), s.state(state), s.loads(fixed, values, load, displacement),
                                            {steps, iterations, tolerance}));
            });
 }

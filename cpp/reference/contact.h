@@ -41,6 +41,14 @@ enum class ContactStatus : std::int64_t
   slip
 };
 
+/// Functions psi of the multipliers: dual to the shape functions, these themselves, or linear ones of the corners.
+enum class Basis
+{
+  dual,
+  standard,
+  linear
+};
+
 using Entries = std::vector<Eigen::Triplet<double>>;
 /// Sum of entries by rows.
 Csr csr(const Entries& entries, std::int64_t size);

@@ -58,13 +58,13 @@ NodeEquations equations(const MortarNode& node, const Vec<double>& z_value, bool
   }
   const Nodal pressure = dot(z, n);
   const auto [basis, held] = tangents(node.normal.value, locked, gdim);
-  const Vec<Nodal> t = z - pressure * n, s = (1 / node.D) * (w - dot(w, n) * n);
+  const Vec<Nodal> t = z - pressure * n, s = (1 / node.cover) * (w - dot(w, n) * n);
   Vec<Nodal> trial = t - Nodal(tangential_scale) * s;
   for (int a = 0; a < held; ++a)
     trial = trial - dot(trial, constant<Nodal>(basis[a])) * constant<Nodal>(basis[a]);
   const double size = norm(values(trial)), bound = friction * std::max(0.0, pressure.v);
   e.status = friction > 0 and size <= bound ? ContactStatus::stick : ContactStatus::slip;
-  e.rows.push_back(dot(n, gamma) / node.D);
+  e.rows.push_back(dot(n, gamma) / node.cover);
   e.length.push_back(true);
   for (int a = 0; a < gdim - 1; ++a)
   {
@@ -89,16 +89,16 @@ Vec<double> row(const Matrix& z, std::int64_t node)
 class Saddle
 {
 public:
-  Saddle(const detail::System& system, const Rule& rule, bool dual, const ContactOptions& options,
+  Saddle(const detail::System& system, const Rule& rule, Basis basis, const ContactOptions& options,
          const ContactState& start)
-      : system_(system), rule_(rule), dual_(dual), options_(options), d_(system.pair_.slave.gdim)
+      : system_(system), rule_(rule), basis_(basis), options_(options), d_(system.pair_.slave.gdim)
   {
     // Only to give rows and columns of the system one size: the largest stiffness over a length.
     double largest = 0;
     for (const auto& e : system.stiffness(start.u))
       largest = std::max(largest, std::abs(e.value()));
     stress_ = largest / std::pow(system.pair_.size(), d_ - 2);
-    const Mortar m = mortar(system.pair_, rule, dual, start.u, start.history, start.z);
+    const Mortar m = mortar(system.pair_, rule, basis, start.u, start.history, start.z);
     for (const auto& [number, node] : m.nodes)
       if (dot(row(start.z, number), node.normal.value) > 0)
         active_.insert(number);
@@ -129,9 +129,9 @@ private:
     std::set<std::int64_t> active = active_;
     for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
     {
-      Mortar m = mortar(pair, rule_, dual_, state.u, before, state.z);
+      Mortar m = mortar(pair, rule_, basis_, state.u, before, state.z);
       if (drop_idle(m, state.z))
-        m = mortar(pair, rule_, dual_, state.u, before, state.z);
+        m = mortar(pair, rule_, basis_, state.u, before, state.z);
       const bool same = update(m, state.z, active, size);
       const Vector internal = system_.internal_force(state.u);
       const Vector residual = target.load + m.force - internal;
@@ -171,7 +171,7 @@ private:
   {
     bool any = false;
     for (const auto& [number, node] : m.nodes)
-      if (not node.takes_part() and not z.row(number).isZero(0))
+      if (not node.part and not z.row(number).isZero(0))
       {
         z.row(number).setZero();
         any = true;
@@ -186,10 +186,10 @@ private:
     std::set<std::int64_t> next;
     for (const auto& [number, node] : m.nodes)
     {
-      if (not node.takes_part())
+      if (not node.part)
         continue;
       const double pressure = dot(row(z, number), node.normal.value);
-      const double gap = dot(node.normal.value, node.gamma.value) / node.D;
+      const double gap = dot(node.normal.value, node.gamma.value) / node.cover;
       const bool was = active.count(number) > 0;
       if (was ? pressure >= -1e-11 * largest : gap < (largest > 0 ? -1e-12 : 1e-10) * size)
         next.insert(number);
@@ -222,7 +222,7 @@ private:
     unknown_.clear();
     int next = int(system_.num_free());
     for (const auto& [number, node] : m.nodes)
-      if (node.takes_part())
+      if (node.part)
       {
         unknown_[number] = next;
         next += d_;
@@ -294,10 +294,10 @@ private:
     solution.pressure = Vector::Zero(state.z.rows());
     solution.gap = Vector::Constant(state.z.rows(), std::numeric_limits<double>::infinity());
     for (const auto& [number, node] : m.nodes)
-      if (node.takes_part())
+      if (node.part)
       {
         solution.pressure(number) = dot(row(state.z, number), node.normal.value);
-        solution.gap(number) = dot(node.normal.value, node.gamma.value) / node.D;
+        solution.gap(number) = dot(node.normal.value, node.gamma.value) / node.cover;
       }
     state.history = before;
     state.history.u = state.u;
@@ -307,7 +307,7 @@ private:
 
   const detail::System& system_;
   const Rule& rule_;
-  bool dual_;
+  Basis basis_;
   const ContactOptions& options_;
   int d_;
   double stress_;
@@ -319,11 +319,11 @@ private:
 };
 } // namespace
 
-ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, bool dual,
+ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, Basis basis,
                                const ContactState& start, const ContactLoads& loads, const ContactOptions& options)
 {
   const detail::System system(pair, rule, loads);
-  Saddle saddle(system, contact_rule, dual, options, start);
+  Saddle saddle(system, contact_rule, basis, options, start);
   return detail::march(system, start, options,
                        [&](const ContactPair& now, ContactState& state, const detail::Target& target,
                            ContactSolution& solution) { return saddle.step(now, state, target, solution); });

@@ -54,14 +54,32 @@ class Integration
 {
 public:
   using T = Dual<N>;
-  Integration(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u, const ContactHistory& history,
+  Integration(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u, const ContactHistory& history,
               const Matrix& z, Mortar& out)
-      : pair_(pair), rule_(rule), dual_(dual), u_(u), history_(history), z_(z), out_(out), n_(pair.slave.num_nodes()),
+      : pair_(pair), rule_(rule), basis_(basis), u_(u), history_(history), z_(z), out_(out), n_(pair.slave.num_nodes()),
         d_(pair.slave.gdim)
   {
   }
 
-  void facet(const Facet& slave)
+  void run()
+  {
+    std::vector<std::vector<Sums<T>>> sums;
+    for (const Facet& slave : pair_.slave.facets)
+      sums.push_back(facet(slave));
+    for (std::size_t f = 0; f < sums.size(); ++f)
+      count(pair_.slave.facets[f], sums[f]);
+    for (auto& [number, node] : out_.nodes)
+    {
+      node.part = node.is_enough(node.share) and node.is_enough(node.cover);
+      node.cover = 0;
+    }
+    for (std::size_t f = 0; f < sums.size(); ++f)
+      combine(pair_.slave.facets[f], sums[f]);
+  }
+
+private:
+  // Sums of a facet, master by master; none if it counts as not covered.
+  std::vector<Sums<T>> facet(const Facet& slave) const
   {
     const auto us = gather(pair_.slave, slave, u_);
     const auto plane = plane_of(pair_.slave, slave, us);
@@ -83,11 +101,26 @@ public:
       covered += area;
       sums.push_back(sum(slave, us, plane, master, um));
     }
-    if (covered >= 1e-2 * size)
-      combine(slave, sums);
+    if (covered < 1e-2 * size)
+      sums.clear();
+    return sums;
   }
 
-private:
+  // Adds up the integrals of the multipliers' functions, which decide where multipliers live.
+  void count(const Facet& slave, const std::vector<Sums<T>>& sums)
+  {
+    Vector d = Vector::Zero(n_);
+    for (const auto& s : sums)
+    {
+      const auto ds = numbers(s.d);
+      d += Eigen::Map<const Vector>(ds.data(), n_);
+    }
+    if (basis_ == Basis::linear)
+      d = detail::corner_functions(pair_.slave) * d;
+    for (int j = 0; j < n_; ++j)
+      out_.nodes.at(slave.nodes[j]).cover += d(j);
+  }
+
   Sums<T> sum(const Facet& slave, const std::vector<Vec<double>>& us_value, const Plane<double>& plane_value,
               const Facet& master, const std::vector<Vec<double>>& um_value) const
   {
@@ -139,23 +172,29 @@ private:
       distance += rows(s.distance);
       moved += rows(s.moved);
     }
+    const Square B = detail::handed_over(slave, out_);
+    if (sums.empty() or B.isZero(0))
+      return;
     for (int j = 0; j < n_; ++j)
       z.row(j).head(d_) = z_.row(slave.nodes[j]);
     const Eigen::FullPivLU<Square> lu(m);
-    const Square A = dual_ ? Square(lu.solve(Square(d.asDiagonal())).transpose()) : Square::Identity(n_, n_);
-    const Matrix zhat = A.transpose() * z, gamma = A * distance, slip = A * moved;
+    Square A = B;
+    if (is_dual())
+      A = B * lu.solve(Square(d.asDiagonal())).transpose();
+    else if (basis_ == Basis::linear)
+      A = B * detail::corner_functions(pair_.slave);
+    const Square D = is_dual() ? Square(B * d.asDiagonal()) : Square(A * m);
+    const Matrix zhat = A.transpose() * z, gamma = A * distance, slip = A * moved, force = D.transpose() * z;
     for (int j = 0; j < n_; ++j)
     {
       MortarNode& node = out_.nodes.at(slave.nodes[j]);
-      node.D += d(j);
+      node.cover += D.row(j).sum();
       node.gamma.value = node.gamma.value + vec(gamma.row(j));
       node.moved.value = node.moved.value + vec(slip.row(j));
       for (int k = 0; k < n_; ++k)
-        if (const double D = dual_ ? (j == k ? d(j) : 0) : m(j, k); D != 0)
-        {
-          out_.D.emplace_back(slave.nodes[j], slave.nodes[k], D);
-          add(slave.nodes[k], D * z.row(j));
-        }
+        if (D(j, k) != 0)
+          out_.D.emplace_back(slave.nodes[j], slave.nodes[k], D(j, k));
+      add(slave.nodes[j], force.row(j));
     }
     for (const auto& s : sums)
     {
@@ -163,18 +202,22 @@ private:
       for (int l = 0; l < n_; ++l)
       {
         for (int j = 0; j < n_; ++j)
-          out_.M.emplace_back(slave.nodes[j], s.master->nodes[l], mixed(j, l));
+          if (mixed(j, l) != 0)
+            out_.M.emplace_back(slave.nodes[j], s.master->nodes[l], mixed(j, l));
         add(s.master->nodes[l], -mixed.col(l).transpose() * z);
       }
     }
     for (const auto& s : sums)
-      differentiate(slave, sums, s, lu, A, distance, moved, z, zhat);
+      differentiate(slave, sums, s, lu, A, B, distance, moved, B.transpose() * z, zhat);
   }
 
-  // Derivatives by the degrees of freedom of one pair. With A m = diag(d): dA = (diag(dd) - A dm) m^-1.
+  bool is_dual() const { return basis_ == Basis::dual; }
+
+  // Derivatives by the degrees of freedom of one pair. With A m = B diag(d): dA = (B diag(dd) - A dm) m^-1.
+  // zb = B^T z, zhat = A^T z.
   void differentiate(const Facet& slave, const std::vector<Sums<T>>& sums, const Sums<T>& s,
-                     const Eigen::FullPivLU<Square>& lu, const Square& A, const Matrix& distance, const Matrix& moved,
-                     const Matrix& z, const Matrix& zhat)
+                     const Eigen::FullPivLU<Square>& lu, const Square& A, const Square& B, const Matrix& distance,
+                     const Matrix& moved, const Matrix& zb, const Matrix& zhat)
   {
     const Matrix distance_m = lu.solve(distance), moved_m = lu.solve(moved);
     auto dofs = facet_dofs(pair_.slave, slave);
@@ -200,23 +243,23 @@ private:
         }
       }
       Matrix dgamma = A * ddistance, dslip = A * dmoved, dzhat = Matrix::Zero(n_, 3);
-      if (dual_)
+      if (is_dual())
       {
-        dgamma += dd.asDiagonal() * distance_m - A * dm * distance_m;
-        dslip += dd.asDiagonal() * moved_m - A * dm * moved_m;
-        dzhat = lu.solve(Matrix(dd.asDiagonal() * z - dm * zhat));
+        dgamma += B * dd.asDiagonal() * distance_m - A * dm * distance_m;
+        dslip += B * dd.asDiagonal() * moved_m - A * dm * moved_m;
+        dzhat = lu.solve(Matrix(dd.asDiagonal() * zb - dm * zhat));
       }
       for (int j = 0; j < n_; ++j)
       {
         MortarNode& node = out_.nodes.at(slave.nodes[j]);
         node.gamma.slope.emplace_back(dofs[v], vec(dgamma.row(j)));
         node.moved.slope.emplace_back(dofs[v], vec(dslip.row(j)));
-        const Eigen::RowVectorXd force = dual_ ? Eigen::RowVectorXd(dd(j) * z.row(j)) : dm.row(j) * zhat;
+        const Eigen::RowVectorXd force = is_dual() ? Eigen::RowVectorXd(dd(j) * zb.row(j)) : dm.row(j) * zhat;
         add(slave.nodes[j], dofs[v], force);
       }
       for (int l = 0; l < n_; ++l)
         add(s.master->nodes[l], dofs[v], -dmixed.col(l).transpose() * zhat);
-      if (dual_ and not dzhat.isZero(0))
+      if (is_dual() and not dzhat.isZero(0))
         for (const auto& other : sums)
         {
           const Matrix force = matrix(numbers(other.mixed), n_).transpose() * dzhat;
@@ -240,7 +283,7 @@ private:
 
   const ContactPair& pair_;
   const Rule& rule_;
-  bool dual_;
+  Basis basis_;
   const Vector& u_;
   const ContactHistory& history_;
   const Matrix& z_;
@@ -250,24 +293,18 @@ private:
 
 } // namespace
 
-Mortar mortar(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u, const ContactHistory& history,
+Mortar mortar(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u, const ContactHistory& history,
               const Matrix& z)
 {
   Mortar out;
   out.force = Vector::Zero(u.size());
-  detail::areas(pair, out);
+  detail::areas(pair, basis, out);
   if (pair.rigid)
-    detail::against_obstacle(pair, rule, dual, u, history, z, out);
+    detail::against_obstacle(pair, rule, basis, u, history, z, out);
   else
   {
     detail::normals(pair, u, out);
-    with_variables(pair.slave,
-                   [&](auto n)
-                   {
-                     Integration<n> integration(pair, rule, dual, u, history, z, out);
-                     for (const Facet& facet : pair.slave.facets)
-                       integration.facet(facet);
-                   });
+    with_variables(pair.slave, [&](auto n) { Integration<n>(pair, rule, basis, u, history, z, out).run(); });
   }
   return out;
 }

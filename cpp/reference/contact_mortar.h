@@ -17,12 +17,15 @@ struct NodalVector
 /// What mortar contact knows of one slave node.
 struct MortarNode
 {
-  double D = 0;       ///< int psi_j dA_0
   double area = 0;    ///< of its facets
+  double share = 0;   ///< int psi_j over the whole of them
+  double cover = 0;   ///< int psi_j over what is covered, with what other nodes leave to it
+  bool part = false;  ///< a multiplier lives here
   NodalVector gamma;  ///< int psi_j (x_s - x_m) dA_0
   NodalVector moved;  ///< sum D_jk du_k - sum M_jl du_l since the last converged state
   NodalVector normal; ///< out of the master
-  bool takes_part() const { return D > 1e-2 * area; }
+
+  bool is_enough(double integral) const { return integral > 1e-2 * area; }
 };
 
 struct Mortar
@@ -36,21 +39,28 @@ struct Mortar
 /// Integrals and forces, all with exact derivatives: the text holds weights and dual basis, which changes the way to
 /// the solution, not the solution.
 /// @param rule on the interval or triangle for segments; on the facet if the master is rigid
-/// @param z multipliers (num_nodes, gdim), zero where there is none [F/L^2]
-Mortar mortar(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u, const ContactHistory& history,
+/// @param z multipliers (num_nodes, gdim); only those of nodes that take part count [F/L^2]
+Mortar mortar(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u, const ContactHistory& history,
               const Matrix& z);
 
 namespace detail
 {
-/// Areas of the facets around every node.
-void areas(const ContactPair& pair, Mortar& out);
+/// What the functions of a facet's nodes become when nodes without multiplier leave theirs in equal parts to the
+/// others. Zero if no node has one.
+Eigen::MatrixXd handed_over(const Facet& facet, const Mortar& mortar);
+
+/// Linear functions of a facet's corners at its nodes: N_j = sum A_jk phi_k; no rows for other nodes.
+Eigen::MatrixXd corner_functions(const Surface& s);
+
+/// Areas of the facets around every node and shares of the multipliers' functions.
+void areas(const ContactPair& pair, Basis basis, Mortar& out);
 
 /// Normals of the slave's nodes: mean of the facets' normals, turned round, in the planes of symmetry.
 void normals(const ContactPair& pair, const Vector& u, Mortar& out);
 
 /// All of it against an obstacle: the multiplier's integrals are constant, the gap is that of the node itself.
 /// @param rule on the facet
-void against_obstacle(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u,
+void against_obstacle(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u,
                       const ContactHistory& history, const Matrix& z, Mortar& out);
 } // namespace detail
 } // namespace impact::reference

@@ -59,26 +59,64 @@ void normals(const ContactPair& pair, const Vector& u, Mortar& out)
   }
 }
 
-void areas(const ContactPair& pair, Mortar& out)
+Eigen::MatrixXd corner_functions(const Surface& s)
+{
+  const Matrix places = reference_nodes(s.type, s.degree);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(s.num_nodes(), s.num_nodes());
+  for (int k = 0; k < s.num_nodes(); ++k)
+  {
+    const auto f = facet_functions<double>(s.type, 1, {places(k, 0), s.tdim() == 2 ? places(k, 1) : 0});
+    for (int v = 0; v < s.num_vertices(); ++v)
+      A(v, k) = f.N[v];
+  }
+  return A;
+}
+
+Eigen::MatrixXd handed_over(const Facet& facet, const Mortar& mortar)
+{
+  const int n = int(facet.nodes.size());
+  Eigen::VectorXd part(n);
+  for (int j = 0; j < n; ++j)
+    part(j) = mortar.nodes.at(facet.nodes[j]).part;
+  Eigen::MatrixXd B = part.asDiagonal();
+  if (part.sum() > 0)
+    B += part * (Eigen::VectorXd::Ones(n) - part).transpose() / part.sum();
+  return B;
+}
+
+void areas(const ContactPair& pair, Basis basis, Mortar& out)
 {
   const Surface& s = pair.slave;
   const Rule rule = quadrature(s.type, default_rule(Purpose::facet, s.type, 2, 2, s.axisymmetric));
+  const auto linear = corner_functions(s);
   for (const Facet& facet : s.facets)
   {
     double area = 0;
+    Eigen::VectorXd share = Eigen::VectorXd::Zero(s.num_nodes());
     for (int q = 0; q < rule.weights.size(); ++q)
-      area += rule.weights(q) *
-              reference_area<double>(s, facet, {rule.points(q, 0), s.tdim() == 2 ? rule.points(q, 1) : 0});
-    for (auto node : facet.nodes)
-      out.nodes[node].area += area;
+    {
+      const Local xi{rule.points(q, 0), s.tdim() == 2 ? rule.points(q, 1) : 0};
+      const double w = rule.weights(q) * reference_area<double>(s, facet, xi);
+      const auto f = facet_functions<double>(s.type, s.degree, xi);
+      area += w;
+      for (int j = 0; j < s.num_nodes(); ++j)
+        share(j) += w * f.N[j];
+    }
+    if (basis == Basis::linear)
+      share = linear * share;
+    for (int j = 0; j < s.num_nodes(); ++j)
+    {
+      out.nodes[facet.nodes[j]].area += area;
+      out.nodes[facet.nodes[j]].share += share(j);
+    }
   }
 }
 
-void against_obstacle(const ContactPair& pair, const Rule& rule, bool dual, const Vector& u,
+void against_obstacle(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u,
                       const ContactHistory& history, const Matrix& z, Mortar& out)
 {
   const Surface& s = pair.slave;
-  const int d = s.gdim;
+  const int d = s.gdim, n = s.num_nodes();
   const auto at = [&](const Vector& values, std::int64_t node)
   {
     Vec<double> v;
@@ -86,20 +124,31 @@ void against_obstacle(const ContactPair& pair, const Rule& rule, bool dual, cons
       v[c] = values(d * node + c);
     return v;
   };
+  for (auto& [number, node] : out.nodes)
+    node.part = node.is_enough(node.share);
   for (const Facet& facet : s.facets)
+  {
+    Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n, n);
     for (int q = 0; q < rule.weights.size(); ++q)
     {
       const Local xi{rule.points(q, 0), s.tdim() == 2 ? rule.points(q, 1) : 0};
       const double w = rule.weights(q) * reference_area<double>(s, facet, xi);
       const auto f = facet_functions<double>(s.type, s.degree, xi);
-      for (int j = 0; j < s.num_nodes(); ++j)
-      {
-        out.nodes.at(facet.nodes[j]).D += w * f.N[j];
-        for (int k = 0; k < s.num_nodes(); ++k)
-          if (not dual or j == k)
-            out.D.emplace_back(facet.nodes[j], facet.nodes[k], w * f.N[j] * (dual ? 1 : f.N[k]));
-      }
+      for (int j = 0; j < n; ++j)
+        for (int k = 0; k < n; ++k)
+          m(j, k) += w * f.N[j] * f.N[k];
     }
+    Eigen::MatrixXd D = m.rowwise().sum().asDiagonal();
+    if (basis != Basis::dual)
+      D = handed_over(facet, out) * (basis == Basis::linear ? corner_functions(s) * m : m);
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k)
+        if (D(j, k) != 0)
+        {
+          out.nodes.at(facet.nodes[j]).cover += D(j, k);
+          out.D.emplace_back(facet.nodes[j], facet.nodes[k], D(j, k));
+        }
+  }
   for (const auto& D : out.D)
   {
     out.force.segment(d * D.col(), d) += D.value() * z.row(D.row()).transpose();
@@ -119,8 +168,8 @@ void against_obstacle(const ContactPair& pair, const Rule& rule, bool dual, cons
     for (int c = 0; c < d; ++c)
       x[c] = T::variable(pair.model.field().points(number, c) + u(d * number + c), c);
     const auto g = gap_and_normal<T>(*pair.rigid, pair.rigid->displacement, x);
-    const Vec<T> gamma = (node.D * g.gap) * g.normal;
-    node.moved.value = node.moved.value - node.D * (pair.rigid->displacement - history.displacement);
+    const Vec<T> gamma = (node.cover * g.gap) * g.normal;
+    node.moved.value = node.moved.value - node.cover * (pair.rigid->displacement - history.displacement);
     node.gamma.value = values(gamma);
     node.normal.value = values(g.normal);
     for (int c = 0; c < d; ++c)

@@ -54,7 +54,7 @@ ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const R
 
 /// Multipliers at the slave's nodes: semismooth Newton method on the saddle-point system.
 /// @param contact_rule of segments, or of the slave's facets if the master is rigid
-ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, bool dual,
+ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, Basis basis,
                                const ContactState& start, const ContactLoads& loads, const ContactOptions& options);
 
 namespace detail

@@ -94,17 +94,17 @@ class Mortar:
     gamma: np.ndarray  # int psi_j (x_s - x_m) dA_0 (num_nodes, gdim)
     normals: np.ndarray  # (num_nodes, gdim), zero off the slave
     moved: np.ndarray  # sum D_jk du_k - sum M_jl du_l since the history (num_nodes, gdim)
-    diagonal: np.ndarray  # D_j (num_nodes)
+    cover: np.ndarray  # int psi_j (num_nodes)
     participates: np.ndarray  # True where a multiplier lives
     force: np.ndarray  # of the multipliers (num_dofs) [F]
     tangent: Csr  # derivative of minus this force at constant multipliers [F/L]
 
     @property
     def gap(self):
-        """n_j . gamma_j / D_j [L]; inf where no multiplier lives."""
+        """n_j . gamma_j / int psi_j [L]; inf where no multiplier lives."""
         part = self.participates
         gap = np.full(len(part), np.inf)
-        gap[part] = np.einsum("ja,ja->j", self.normals[part], self.gamma[part]) / self.diagonal[part]
+        gap[part] = np.einsum("ja,ja->j", self.normals[part], self.gamma[part]) / self.cover[part]
         return gap
 
 
@@ -234,23 +234,26 @@ class Contact:
         return Penalty(force, Csr(*tangent.arrays), Points(*points), History(*history))
 
     def mortar(self, u, basis="dual", multipliers=None, history=None):
-        """Mortar integrals at u (num_dofs) [L], and the force of multipliers (num_nodes, gdim); returns a Mortar."""
+        """Mortar integrals at u (num_dofs) [L], and the force of multipliers (num_nodes, gdim); returns a Mortar.
+
+        basis: "dual", "standard" (the shape functions) or "linear" (hats of the corners). ValueError for others.
+        """
         nodes = len(self.model.field_points)
         z = np.zeros((nodes, self.gdim)) if multipliers is None else _floats(multipliers)
         if z.shape != (nodes, self.gdim):
             raise ValueError(f"multipliers need shape ({nodes}, {self.gdim}), found {z.shape}")
         h = self.no_history() if history is None else history
-        D, M, gamma, normals, moved, diagonal, part, force, tangent = self._contact.mortar(
+        D, M, gamma, normals, moved, cover, part, force, tangent = self._contact.mortar(
             *self.segment_rule(),
             self._displacement(),
-            _dual(basis),
+            basis,
             _vector(u),
             _vector(h.u),
             _vector(h.displacement),
             z,
         )
         D, M, tangent = (Csr(*a.arrays) for a in (D, M, tangent))
-        return Mortar(D, M, gamma, normals, moved, diagonal, part.astype(bool), force, tangent)
+        return Mortar(D, M, gamma, normals, moved, cover, part.astype(bool), force, tangent)
 
     def _start(self, start):
         if start is not None:
@@ -322,7 +325,7 @@ class Contact:
         result = self._contact.solve_lagrange(
             *self.model._strain_rule(),
             *self.segment_rule(),
-            _dual(basis),
+            basis,
             self._start(start),
             *self._loads(fixed_dofs, values, load),
             steps,
@@ -338,9 +341,3 @@ class Contact:
         return ContactSolution(
             state[0], pressure, traction, gap, status, *common, multipliers=z, history=history, state=state
         )
-
-
-def _dual(basis):
-    if basis not in ("dual", "standard"):
-        raise ValueError(f"unknown basis {basis!r}: use 'dual' or 'standard'")
-    return basis == "dual"

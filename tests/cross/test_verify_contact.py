@@ -147,7 +147,8 @@ def after(monkeypatch, cls, name, change):
 )
 def test_values_at_points_that_are_wrong(name, form, change, monkeypatch):
     scaled_property(monkeypatch, PenaltyContact, name, change)
-    rows = failed(patches(), [form], ["penalty_force", "mortar_D"])
+    # Friction counts from where a point closes: gaps of the history decide forces as well.
+    rows = failed(patches(), [form], ["mortar_D"] + ["penalty_force"] * (name != "gap"))
     assert "deformable master" in {r.name for r in rows}
 
 

@@ -13,8 +13,56 @@ constexpr int N = FacetElement::max_nodes;
 
 namespace
 {
+/// Facets of which less is covered count as not covered.
+constexpr double least_cover = 1e-2;
+
+/// Points of one slave facet: [first, last).
+struct Range
+{
+  std::size_t first, last;
+};
+
+/// Points of the facet that point `first` belongs to.
+Range points_of_facet(const Segments& segments, std::size_t first)
+{
+  std::size_t last = first;
+  while (last < segments.weight.size() && segments.slave[last] == segments.slave[first])
+    ++last;
+  return {first, last};
+}
+
+/// d_i = integral of phi_i, M_ij = integral of phi_i phi_j.
+void integrate(const FacetElement& element, const Segments& segments, Range points, double* d, double M[N][N])
+{
+  const int n = element.num_nodes();
+  double phi[N];
+  for (std::size_t q = points.first; q < points.last; ++q)
+  {
+    element.values(&segments.xi_slave[2 * q], phi);
+    for (int i = 0; i < n; ++i)
+    {
+      d[i] += segments.weight[q] * phi[i];
+      for (int j = 0; j < n; ++j)
+        M[i][j] += segments.weight[q] * phi[i] * phi[j];
+    }
+  }
+}
+
+/// Hat functions of the corners in terms of the shape functions: their values at the nodes.
+void hats(const FacetElement& element, double A[N][N])
+{
+  const FacetElement corners{element.shape, 1};
+  double values[N];
+  for (int j = 0; j < element.num_nodes(); ++j)
+  {
+    corners.values(element.node(j).data(), values);
+    for (int i = 0; i < corners.num_nodes(); ++i)
+      A[i][j] = values[i];
+  }
+}
+
 /// Solves M^T-systems of one facet: A = D M^-1 by Gauss elimination with row pivoting. M is symmetric positive
-/// definite.
+/// definite and destroyed.
 void dual_coefficients(int n, double M[N][N], const double* d, double A[N][N])
 {
   double inverse[N][N];
@@ -60,56 +108,85 @@ void dual_coefficients(int n, double M[N][N], const double* d, double A[N][N])
 }
 } // namespace
 
-Mortar mortar(const Facets& slave, const Facets& master, const Segments& segments, bool dual, const Segments& whole)
+std::vector<double> cover(const Facets& slave, const Segments& segments, Multipliers basis)
+{
+  const FacetElement element = slave.displacement;
+  const int n = element.num_nodes();
+  std::vector<double> out(slave.size() * n, 0.0);
+  double corners[N][N] = {};
+  hats(element, corners);
+  for (std::size_t first = 0; first < segments.weight.size();)
+  {
+    const Range points = points_of_facet(segments, first);
+    const std::int32_t s = segments.slave[first];
+    first = points.last;
+    if (segments.covered[s] < least_cover)
+      continue;
+    double mass[N][N] = {}, d[N] = {};
+    integrate(element, segments, points, d, mass);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        out[s * n + i] += (basis == Multipliers::linear ? corners[i][j] : i == j ? 1.0 : 0.0) * d[j];
+  }
+  return out;
+}
+
+Mortar mortar(const Facets& slave, const Facets& master, const Segments& segments, Multipliers basis,
+              std::span<const std::int8_t> carries)
 {
   const FacetElement es = slave.displacement, em = master.displacement;
   const int n = es.num_nodes(), gdim = slave.gdim;
   Mortar out;
-  out.psi.resize(segments.weight.size() * n);
+  out.psi.assign(segments.weight.size() * n, 0.0);
   out.gamma.assign(slave.size() * n * gdim, 0.0);
-  out.share.assign(slave.size() * n, 0.0);
   double phi[N];
-  for (std::size_t q = 0; q < whole.weight.size(); ++q)
-  {
-    es.values(&whole.xi_slave[2 * q], phi);
-    for (int i = 0; i < n; ++i)
-      out.share[whole.slave[q] * n + i] += whole.weight[q] * phi[i];
-  }
   for (std::size_t first = 0; first < segments.weight.size();)
   {
+    const auto [begin, last] = points_of_facet(segments, first);
     const std::int32_t s = segments.slave[first];
-    std::size_t last = first;
-    double mass[N][N] = {}, A[N][N] = {}, d[N] = {};
-    for (; last < segments.weight.size() && segments.slave[last] == s; ++last)
-    {
-      es.values(&segments.xi_slave[2 * last], phi);
-      for (int i = 0; i < n; ++i)
-      {
-        d[i] += segments.weight[last] * phi[i];
-        for (int j = 0; j < n; ++j)
-          mass[i][j] += segments.weight[last] * phi[i] * phi[j];
-      }
-    }
     const std::int32_t* nodes = slave.nodes_of(s);
-    if (segments.covered[s] < 1e-2)
+    const int num_kept = int(std::count_if(nodes, nodes + n, [&](auto node) { return carries[node] != 0; }));
+    if (segments.covered[s] < least_cover || num_kept == 0)
     {
-      std::fill(out.psi.begin() + first * n, out.psi.begin() + last * n, 0.0);
       first = last;
       continue;
     }
-    if (dual)
+    double mass[N][N] = {}, A[N][N] = {}, d[N] = {};
+    integrate(es, segments, {begin, last}, d, mass);
+    double D[N][N] = {};
+    if (basis == Multipliers::dual)
     {
       for (int i = 0; i < n; ++i)
-        out.D.add(nodes[i], nodes[i], d[i]);
+        D[i][i] = d[i];
       dual_coefficients(n, mass, d, A);
     }
     else
+    {
+      if (basis == Multipliers::linear)
+        hats(es, A);
+      else
+        for (int i = 0; i < n; ++i)
+          A[i][i] = 1.0;
       for (int i = 0; i < n; ++i)
-      {
-        A[i][i] = 1.0;
-        for (int j = 0; j < n; ++j)
-          out.D.add(nodes[i], nodes[j], mass[i][j]);
-      }
+        for (int k = 0; k < n; ++k)
+          for (int j = 0; j < n; ++j)
+            D[i][j] += A[i][k] * mass[k][j];
+    }
+    // Rows of nodes without multiplier go in equal parts to the others.
+    for (int i = 0; i < n; ++i)
+      if (carries[nodes[i]] == 0)
+        for (int k = 0; k < n; ++k)
+          for (int j = 0; j < n && carries[nodes[k]] != 0; ++j)
+          {
+            A[k][j] += A[i][j] / num_kept;
+            D[k][j] += D[i][j] / num_kept;
+          }
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        if (carries[nodes[i]] == 0)
+          A[i][j] = 0.0;
+        else if (D[i][j] != 0.0)
+          out.D.add(nodes[i], nodes[j], D[i][j]);
     // Entries of one master facet are summed before they are stored.
     for (std::size_t q = first; q < last;)
     {
@@ -140,8 +217,8 @@ Mortar mortar(const Facets& slave, const Facets& master, const Segments& segment
             out.gamma[(s * n + i) * gdim + c] += psi[i] * (ps.x[c] - pm.x[c]);
         }
       }
-      if (m >= 0)
-        for (int i = 0; i < n; ++i)
+      for (int i = 0; i < n && m >= 0; ++i)
+        if (carries[nodes[i]] != 0)
           for (int l = 0; l < em.num_nodes(); ++l)
             out.M.add(nodes[i], master.nodes_of(m)[l], Me[i][l]);
     }

@@ -16,21 +16,32 @@ struct Entries
   }
 };
 
+/// Functions psi of the multipliers on a facet, one per node.
+enum class Multipliers
+{
+  dual,     ///< biorthogonal to the shape functions over the covered part
+  standard, ///< the shape functions
+  linear    ///< hat functions of the corners, none at other nodes
+};
+
+/// Integrals of psi_i over the points of each slave facet: [facet*num_nodes + i] [L, L^2]. Zero on facets that count as
+/// not covered. Multipliers live at nodes with enough of it (docs/contact.md).
+std::vector<double> cover(const surface::Facets& slave, const Segments& segments, Multipliers basis);
+
 /// Mortar integrals of this rank's slave facets, docs/contact.md.
 struct Mortar
 {
   std::vector<double> psi;   ///< multiplier functions at the points, times the weight: [point*num_nodes + i]
-  Entries D, M;              ///< slave x slave, slave x master nodes [L, L^2]
+  Entries D, M;              ///< rows: nodes with a multiplier; columns: slave nodes, master nodes [L, L^2]
   std::vector<double> gamma; ///< integral of psi_i (x_s - x_m): [(facet*num_nodes + i)*gdim + c] [L^2, L^3]
-  std::vector<double> share; ///< integral of phi_i over the whole facet: [facet*num_nodes + i] [L, L^2]
 };
 
-/// @param[in] slave, master current positions; the master may be empty (rigid)
-/// @param[in] dual biorthogonal multipliers; else the shape functions themselves
-/// @param[in] whole points on whole facets (whole_facets), for `share`
+/// @param[in] slave, master current positions; on points without master (whole_facets) there are neither M nor gamma
+/// @param[in] carries by node: not zero where a multiplier lives. Functions of other nodes go in equal parts to those
+/// nodes of the same facet that have one: psi then adds up to one wherever a facet has a multiplier at all.
 /// @throws std::runtime_error if the integrals of a facet are singular
-Mortar mortar(const surface::Facets& slave, const surface::Facets& master, const Segments& segments, bool dual,
-              const Segments& whole);
+Mortar mortar(const surface::Facets& slave, const surface::Facets& master, const Segments& segments, Multipliers basis,
+              std::span<const std::int8_t> carries);
 
 /// Mean of the facets' normals at the nodes, turned round so that they point out of the master: this rank's sum, not
 /// normalised, for map nodes: [node*gdim + c].

@@ -11,6 +11,8 @@ from .neighbours import Neighbours
 from .size import body_size
 from .start import InitialGap, check_side, nearly_touching
 
+# A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
+LEAST = 1e-2
 # Sine of the largest angle by which facets may tilt a normal at a plane of symmetry: 5 degrees, docs/contact.md.
 SYMMETRY = np.sin(np.deg2rad(5.0))
 
@@ -25,13 +27,16 @@ class _Geometry:
     """Common part: the slave's nodes on this rank and what belongs to each.
 
     Attributes:
-        nodes: (n) owned nodes of the slave surface. weight: (n) integral of the node's shape function over the part of
-        the surface that faces a master [L^2]. participates: (n) mask. gap: (n) [L]. normal: (n, gdim).
+        basis: Multipliers. nodes: (n) owned nodes of the slave surface that a multiplier may live at. participates: (n)
+        mask of those where one does. weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n)
+        integral of the multiplier's function over the part of the surface that faces a master [L^2]; gaps and slips are
+        means over it. gap: (n) [L]. normal: (n, gdim).
         tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment.
     """
 
-    def __init__(self, spec, V, axisymmetric):
+    def __init__(self, spec, V, axisymmetric, basis):
         self.pair, self.V, self.axisymmetric = spec.pair, V, axisymmetric
+        self.basis = getattr(_cpp.gap.Multipliers, basis)
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         self.slave, self.master = self.pair.surfaces(V)
         self.index_map = V.dofmap.index_map
@@ -43,9 +48,8 @@ class _Geometry:
         # Exact for the shape functions on flat, affine facets, with the radius as weight.
         points, weights = _rule(element.shape, 2 * element.degree + 2)
         self.whole = _cpp.gap.whole_facets(self.slave, points, weights, axisymmetric)
-        mortar = _cpp.gap.mortar(self.slave, self.slave, self.whole, False, self.whole)
         full = np.zeros(len(self.sum._vector.array))
-        np.add.at(full, self.slave.nodes.ravel(), mortar.share)
+        np.add.at(full, self.slave.nodes, _cpp.gap.cover(self.slave, self.whole, self.basis))
         share = self.sum(full).ravel()
         area = np.bincount(self.whole.slave, weights=self.whole.weight, minlength=self.slave.size)
         around = np.zeros(len(full))
@@ -53,8 +57,8 @@ class _Geometry:
         around = self.sum(around).ravel()
         owned = share[: self.index_map.size_local]
         # On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
-        # multipliers live at the midpoints of the edges.
-        self.nodes = np.flatnonzero(owned > 1e-2 * around[: len(owned)])
+        # multipliers live at the midpoints of the edges; linear ones live at the corners.
+        self.nodes = np.flatnonzero(owned > LEAST * around[: len(owned)])
         self.share, self.area = owned[self.nodes], around[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)
@@ -153,9 +157,10 @@ class RigidGeometry(_Geometry):
     """The slave's nodes against an obstacle whose gap is known in closed form."""
 
     def __init__(self, spec, V, axisymmetric, fixed):
-        super().__init__(spec, V, axisymmetric)
+        super().__init__(spec, V, axisymmetric, "dual")
         self.obstacle = self.pair.master._obstacle(self.gdim)
-        self.weight, self.participates = self.share, np.ones(len(self.nodes), dtype=bool)
+        self.weight = self.cover = self.share
+        self.participates = np.ones(len(self.nodes), dtype=bool)
         check_side(self.pair, V, self.slave, self.obstacle)
         self._look()
 
@@ -194,10 +199,14 @@ class RigidGeometry(_Geometry):
 
 
 class MortarGeometry(_Geometry):
-    """Weighted gaps between two deformable surfaces, and the matrices D and M of docs/contact.md."""
+    """Weighted gaps between two deformable surfaces, and the matrices D and M of docs/contact.md.
 
-    def __init__(self, spec, V, axisymmetric, fixed):
-        super().__init__(spec, V, axisymmetric)
+    Args:
+        basis: "dual", "standard", "linear". With the dual basis D is diagonal among the nodes with a multiplier.
+    """
+
+    def __init__(self, spec, V, axisymmetric, fixed, basis="dual"):
+        super().__init__(spec, V, axisymmetric, basis)
         self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
         element, other = self.slave.displacement, self.master.displacement
         degree = spec.quadrature_degree
@@ -215,14 +224,25 @@ class MortarGeometry(_Geometry):
         near = self.neighbours
         reach = near.update(self.u, self.start)
         self.map = near.map
-        num_owned, num_nodes = self.map.size_local, self.map.size_local + self.map.num_ghosts
+        num_nodes = self.map.size_local + self.map.num_ghosts
         self.segments = _cpp.gap.segment(
             near.slave, near.master, self.points_of_rule, self.weights, reach, self.axisymmetric
         )
-        self.mortar = _cpp.gap.mortar(near.slave, near.master, self.segments, True, self.whole)
         scalars, vectors = NodalSum(self.map, 1), NodalSum(self.map, self.gdim)
-        nodes, _, values = self.mortar.D
-        weight = scalars(np.bincount(nodes, weights=values, minlength=num_nodes)).ravel()
+
+        def nodal(nodes, values):
+            return scalars(np.bincount(np.ravel(nodes), weights=np.ravel(values), minlength=num_nodes)).ravel()
+
+        around = nodal(near.slave.nodes, _cpp.gap.cover(near.slave, self.segments, self.basis))[self.nodes]
+        self.participates = around > LEAST * self.area
+        carries = np.zeros(num_nodes)
+        carries[self.nodes[self.participates]] = 1.0
+        carries = scalars.forward(carries).ravel().astype(np.int8)
+        self.mortar = _cpp.gap.mortar(near.slave, near.master, self.segments, self.basis, carries)
+        rows, cols, values = self.mortar.D
+        own = rows == cols
+        self.weight = nodal(rows[own], values[own])[self.nodes]
+        self.cover = nodal(rows, values)[self.nodes]  # the shape functions add up to one
         gamma = np.zeros((num_nodes, self.gdim))
         np.add.at(gamma, near.slave.nodes.ravel(), self.mortar.gamma.reshape(-1, self.gdim))
         gamma = vectors(gamma)[self.nodes]
@@ -230,16 +250,25 @@ class MortarGeometry(_Geometry):
         _cpp.gap.add_normals(near.slave, sums)
         self.sums = vectors(sums)
         self.normal = self._nodal_normals(self.sums[self.nodes])
-        self.weight = weight[self.nodes]
-        self.participates = self.weight > 1e-2 * self.area
         self.gap = np.full(len(self.nodes), np.inf)
         on = self.participates
-        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.weight[on] + self.offset[on]
-        rows, cols, values = self.mortar.M
+        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.cover[on] + self.offset[on]
         if self._matrix is not None:
             self._matrix.destroy()
+        # Slave nodes beside the diagonal of D, without a multiplier of their own, stand among the master's.
+        self._matrix = self._nodal_matrix(self.mortar.M, (rows[~own], cols[~own], -values[~own]))
+
+    def _nodal_matrix(self, *parts):
+        """Matrix (nodes, nodes) from entries numbered as the facets' nodes. Collective."""
+        rows, cols, values = (np.concatenate([p[i] for p in parts]) for i in range(3))
         rows, cols = (self.map.local_to_global(np.asarray(a, dtype=np.int32)) for a in (rows, cols))
-        self._matrix = matrix(self.comm, num_owned, rows, cols, values)
+        return matrix(self.comm, self.map.size_local, rows, cols, values)
+
+    def jump_matrix(self):
+        """D - M: weighted displacements of the slave against the master, (nodes, nodes), rows of nodes with a
+        multiplier [L^2]. The caller destroys it. Collective."""
+        rows, cols, values = self.mortar.M
+        return self._nodal_matrix(self.mortar.D, (rows, cols, -values))
 
     def _nodal_normals(self, sums):
         """Unit normals; on planes of symmetry, which facets meet nearly at right angles, in them."""
@@ -264,12 +293,13 @@ class MortarGeometry(_Geometry):
         num_owned = self.index_map.size_local
         moved = (self.u - self.start).reshape(-1, self.gdim)[:num_owned]
         over = self._over_master(np.ascontiguousarray(moved))[self.nodes]
-        weight = np.where(self.participates, self.weight, 1.0)
-        relative = np.where(self.participates[:, None], moved[self.nodes] - over / weight[:, None], 0.0)
+        weight, cover = (np.where(self.participates, w, 1.0)[:, None] for w in (self.weight, self.cover))
+        relative = np.where(self.participates[:, None], (weight * moved[self.nodes] - over) / cover, 0.0)
         return relative - np.einsum("na,nb,nb->na", self.normal, self.normal, relative)
 
     def master_rows(self, rows):
-        """Rows of D^-1 M of some of the nodes: pointers, global master nodes, values."""
+        """Rows of D^-1 M of some of the nodes, D the diagonal: pointers, global nodes (the master's, and slave nodes
+        without a multiplier), values."""
         pointers, columns, values = owned_rows(self._matrix)
         nodes = self.nodes[rows]
         counts = (pointers[nodes + 1] - pointers[nodes]).astype(int)

@@ -152,9 +152,9 @@ def mortar(report, body, name, seed):
     rows("participates", on, body.nodal_to_ours(answer.participates)[nodes])
     normals = body.nodal_to_ours(answer.normals)[nodes]
     rows("normals", ours.normal, normals)
-    gap, weight = (body.nodal_to_ours(v)[nodes][on] for v in (answer.gap, answer.diagonal))
-    rows("weighted_gap", ours.gap[on] * ours.weight[on], gap * weight)
-    slip = body.nodal_to_ours(answer.moved)[nodes][on] / ours.weight[on, None]
+    gap, cover = (body.nodal_to_ours(v)[nodes][on] for v in (answer.gap, answer.cover))
+    rows("weighted_gap", ours.gap[on] * ours.cover[on], gap * cover)
+    slip = body.nodal_to_ours(answer.moved)[nodes][on] / ours.cover[on, None]
     n = normals[on]
     rows("mortar_slip", ours.slip()[on], slip - np.einsum("ja,jb,jb->ja", n, n, slip))
     rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))
@@ -212,8 +212,8 @@ def nodes_on_obstacle(report, body, name, seed):
     answer = theirs.mortar(body.to_theirs(u), multipliers=body.nodal_to_theirs(z), history=history)
     normals = body.nodal_to_ours(answer.normals)[nodes]
     rows("normals", ours.normal, normals)
-    gap, weight = (body.nodal_to_ours(v)[nodes] for v in (answer.gap, answer.diagonal))
-    rows("weighted_gap", ours.gap * ours.weight, gap * weight)
-    slip = body.nodal_to_ours(answer.moved)[nodes] / ours.weight[:, None]
+    gap, cover = (body.nodal_to_ours(v)[nodes] for v in (answer.gap, answer.cover))
+    rows("weighted_gap", ours.gap * ours.cover, gap * cover)
+    slip = body.nodal_to_ours(answer.moved)[nodes] / ours.cover[:, None]
     rows("mortar_slip", ours.slip(), slip - np.einsum("ja,jb,jb->ja", normals, normals, slip))
     rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))
