@@ -9,7 +9,7 @@ from .. import _cpp
 from .matrices import NodalSum, global_dofs, matrix, owned_rows
 from .neighbours import Neighbours
 from .size import body_size
-from .start import InitialGap, check_side
+from .start import InitialGap, check_side, nearly_touching
 
 # A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
 LEAST = 1e-2
@@ -81,6 +81,17 @@ class _Geometry:
         self.u = u
         self.slave.move(u)
         self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
+
+    def nearest(self):
+        """Nodes to be closed where nothing touches but the bodies nearly do, mask (n), or None: they are apart.
+        Collective."""
+        size = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)[:, None], self.slave.nodes.shape[1], 1)
+        sums, counts = (np.zeros(len(self.sum._vector.array)) for _ in range(2))
+        np.add.at(sums, self.slave.nodes, size)
+        np.add.at(counts, self.slave.nodes, 1.0)
+        sums, counts = (self.sum(a).ravel()[self.nodes] for a in (sums, counts))
+        gap = nearly_touching(self.comm, self.gap, sums / counts)
+        return None if gap is None else self.gap < gap
 
     def springs(self, rows, blocks):
         """Matrix of springs between nodes and what they face on the master. Collective.

@@ -28,6 +28,10 @@ class ContactOutput:
     dissipated = 0.0  #: work of friction so far: in each increment, tractions at its end times its slip [F L]
     _slip_before = 0.0
 
+    def touch_nearest(self):
+        """Take the nearest points as touching, if they nearly do; returns whether there are any. Collective."""
+        return False
+
     def total(self):
         """Sum up force, moment, area and work of the present state. Collective; a converged increment calls it."""
         touching = self.status > 0

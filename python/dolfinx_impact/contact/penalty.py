@@ -13,7 +13,7 @@ from .neighbours import Neighbours
 from .output import ContactOutput
 from .pair import ContactPair
 from .size import body_size
-from .start import InitialGap, check_side
+from .start import InitialGap, check_side, nearly_touching
 
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
@@ -191,12 +191,27 @@ class PenaltyContact(ContactOutput):
         increment = u - self.start
         if not self.pair.rigid:
             increment = self.neighbours.exchange.forward(increment)
+        self._evaluate(surfaces, increment, self._touch)
+        self._touch, self._pulls = 0.0, False
+
+    def _evaluate(self, surfaces, increment, touch):
+        self._at = surfaces, increment
         self._pair = _cpp.penalty.Penalty(
-            self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, self._touch
+            self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, touch
         )
-        self._touch = 0.0
         self._pair.set_increment(increment, (self.displacement - self.start_displacement).tolist())
         self._state = self._pair.evaluate()
+
+    def touch_nearest(self):
+        """Close the points nearest to the master in this iteration, which draws them together, if they nearly touch and
+        no point does; returns whether there are any. For bodies that nothing else holds. Collective."""
+        size = np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)
+        gap = nearly_touching(self.comm, self.gap, np.repeat(size, self._points.per_facet))
+        if gap is None or self.num_active > 0:
+            return False
+        self._evaluate(*self._at, gap * self.penalty)
+        self._pulls = True
+        return True
 
     def _locate(self, u):
         """Closest points and gaps at the displacements u; returns the slave's and the master's facets. Collective."""
@@ -232,14 +247,17 @@ class PenaltyContact(ContactOutput):
 
     def forces(self):
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
+        return self._nodal_forces(self._state)
+
+    def _nodal_forces(self, state):
         out = np.zeros_like(self.problem.u.x.array)
         num_owned = self.gdim * self.V.dofmap.index_map.size_local
         if self.pair.rigid:
-            self._pair.add_force(self._state, out)
+            self._pair.add_force(state, out)
             return NodalSum(self.V.dofmap.index_map, self.gdim)(out).ravel()[:num_owned]
         exchange = self.neighbours.exchange
         values = np.zeros(exchange.size)
-        self._pair.add_force(self._state, values)
+        self._pair.add_force(state, values)
         exchange.reverse(values, out)
         return out[:num_owned]
 
@@ -250,7 +268,7 @@ class PenaltyContact(ContactOutput):
         return self.comm.allreduce(int(slips)) == 0
 
     def add_stiffness(self, K):
-        """K + derivative of minus the contact force, and no force besides. Collective."""
+        """K + derivative of minus the contact force; force to take from the right-hand side, or None. Collective."""
         index_map = self.V.dofmap.index_map if self.pair.rigid else self.neighbours.map
         nodes = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
         entries = self._pair.tangent(self._state, index_map.local_to_global(nodes))
@@ -258,7 +276,7 @@ class PenaltyContact(ContactOutput):
         total = K.copy()
         total.axpy(1.0, contact, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         contact.destroy()
-        return total, None
+        return total, -self._nodal_forces(self._pair.stretched(self._state)) if self._pulls else None
 
     def held_rows(self, rows):
         """What touching points hold, for held.free_motions: the slave's nodes stand for the points."""

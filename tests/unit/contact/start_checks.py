@@ -155,6 +155,29 @@ def check_removed_then_pressed():
         assert change < 1e-5, change
 
 
+def check_first_touch():
+    """A round body that touches at a node, pressed by a force: the same on the ranks as alone."""
+    results = []
+    for comm in (COMM, MPI.COMM_SELF):
+        m = meshes.make("cylinder_on_half_plane", comm, cell="triangle", radius=10.0, a=1.0, h=0.25, width=10.0,
+                        height=10.0, coarse=4.0)  # fmt: skip
+        V = fem.functionspace(m.mesh, ("Lagrange", 1, (2,)))
+        places = (("bottom", 0), ("bottom", 1), ("symmetry_x", 0))
+        dofs = [fem.locate_dofs_topological(V.sub(axis), 1, m.facet_tags.find(m.tags[name])) for name, axis in places]
+        bcs = [fem.dirichletbc(0.0, d, V.sub(axis)) for d, (_, axis) in zip(dofs, places)]
+        load = di.Traction(m.facet_tags, m.tags["top"], (0.0, -10.0))
+        pair = di.ContactPair(m.facet_tags, m.tags["slave_surface"], m.tags["master_surface"])
+        law = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")
+        problem = di.StaticProblem(fem.Function(V), law, bcs=bcs, loads=[load], contact=[di.Penalty(pair, 1e4)])
+        problem.solve()
+        contact = problem.contact[0]
+        results.append([*contact.force, contact.area, comm.allreduce(np.max(contact.pressure, initial=0.0), MPI.MAX)])
+    here, alone = np.array(results)
+    assert abs(alone[1] - 100.0) < 1e-6 and alone[2] > 1.0
+    # The same equations, summed and solved in another order; Newton's method ends at 1e-10 of the force.
+    assert np.abs(here - alone).max() < 1e-8 * np.abs(alone).max(), (here, alone)
+
+
 CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) if name.startswith("check_")}
 
 if __name__ == "__main__":
