@@ -11,7 +11,7 @@ from ..materials import _number
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
 from .output import ContactOutput
-from .pair import ContactPair
+from .pair import ContactPair, ContactStatus
 from .size import body_size
 from .start import InitialGap, check_side, nearly_touching
 
@@ -358,3 +358,19 @@ class PenaltyContact(ContactOutput):
         weight = NodalSum(self.V.dofmap.index_map, 1)(weight).ravel()
         nodes = np.flatnonzero(weight[: self.V.dofmap.index_map.size_local])
         return nodes, total[nodes] / weight[nodes, None]
+
+    def at_nodes(self, values):
+        """A contact array by nodes: their numbers on this rank, (m), and values, (m) or (m, gdim). Collective.
+
+        Numbers are means over the points that know one (a gap without master is none; nodes without any: infinite). Of
+        whole numbers, as status, it is the one that most of the node's area has.
+        """
+        values = np.asarray(values)
+        if np.issubdtype(values.dtype, np.integer):
+            nodes, parts = self.nodal(values[:, None] == np.arange(len(ContactStatus)))
+            return nodes, np.argmax(parts, axis=1).astype(float)
+        known = np.isfinite(values)
+        nodes, sums = self.nodal(np.where(known, values, 0.0))
+        parts = self.nodal(known)[1]
+        means = np.divide(sums, parts, out=np.full_like(sums, np.inf), where=parts > 0.0)
+        return nodes, means.reshape(-1, *values.shape[1:])
