@@ -4,9 +4,9 @@ import basix
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
-from scipy.spatial import cKDTree
 
 from .. import _cpp
+from ..held import against_master
 from ..materials import _number
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
@@ -287,15 +287,8 @@ class PenaltyContact(ContactOutput):
         directions = [normals]
         if self.pair.friction > 0.0:
             directions = [np.tile(e, (len(nodes), 1)) for e in np.eye(self.gdim)]
-        slave = [rows(nodes, d) for d in directions]
-        if self.pair.rigid or len(nodes) == 0:
-            return slave
-        master = np.unique(self.master.nodes.ravel())
-        if len(master) == 0:
-            return slave
         x = self.V.tabulate_dof_coordinates()
-        nearest = master[cKDTree(x[master]).query(x[nodes])[1]]
-        return [s + rows(nearest, d, -1.0) for s, d in zip(slave, directions)]
+        return [against_master(rows, x, nodes, d, self.master) for d in directions]
 
     # --- results ---------------------------------------------------------------------------------------------------
 
