@@ -171,6 +171,14 @@ void impact::bindings::penalty(nb::module_& m)
       .def(
           "evaluate", [](const Pair& self) { return evaluate(self.view()); }, "PenaltyState: pressures, tractions")
       .def(
+          "stretched",
+          [](const Pair& self, const PenaltyState& state)
+          {
+            self.check(state);
+            return stretched(self.view(), state);
+          },
+          nb::arg("state"), "PenaltyState whose tractions pull closed points that are apart on the master")
+      .def(
           "energy",
           [](const Pair& self, const PenaltyState& state)
           {

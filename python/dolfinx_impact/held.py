@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 AXES = "xyz"
 
@@ -52,11 +53,33 @@ def motions(x, centre, axisymmetric):
     return np.array(fields), names
 
 
+def against_master(rows, x, nodes, directions, master):
+    """Rows of a contact's held_rows: slave nodes along directions, less what they face on a deformable master.
+
+    Near a slave node its master moves like the master's nearest known node: enough for a yes or no.
+
+    Args:
+        rows: as free_motions gives it. x: reference positions of all nodes. nodes: (n) of the slave. directions: (n,
+        gdim). master: facets, or None for a rigid obstacle.
+    """
+    slave = rows(nodes, directions)
+    known = np.empty(0, dtype=int) if master is None else np.unique(master.nodes.ravel())
+    if (
+        len(nodes) == 0 or len(known) == 0
+    ):  # on other ranks only: it counts as held, the linear solver has the last word
+        return slave
+    nearest = known[cKDTree(x[known]).query(x[nodes])[1]]
+    return slave + rows(nearest, directions, -1.0)
+
+
 def free_motions(V, fixed, contacts, axisymmetric=False):
     """Sentences about the rigid motions that supports and active contacts leave. Collective.
 
+    Bodies that nothing holds but that nearly touch are held by it: their contacts are told to `touch_nearest()`.
+
     Args:
-        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: with `held_rows()`.
+        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: with `held_rows(rows)` and
+            `touch_nearest()`.
 
     Returns:
         list of str, empty if everything is held; the same on all ranks.
@@ -88,17 +111,21 @@ def free_motions(V, fixed, contacts, axisymmetric=False):
             out[at[:, None], b * modes + np.arange(modes)] = sign * np.einsum("mna,na->nm", fields, vectors[at])
         return out
 
-    gram = np.zeros((count * modes, count * modes))
+    supports = np.zeros((count * modes, count * modes))
     dofs = np.flatnonzero(fixed[: num_owned * gdim])
     for part in np.array_split(dofs, max(1, len(dofs) // 10000)):
         r = rows(part // gdim, np.eye(gdim)[part % gdim])
-        gram += r.T @ r
-    for contact in contacts:
-        for r in contact.held_rows(rows):
-            gram += r.T @ r
-    gram = np.sum(comm.allgather(gram), axis=0)
-    values, vectors = np.linalg.eigh(gram)
-    loose = vectors[:, values < 1e-10 * max(values[-1], 1.0)]
+        supports += r.T @ r
+
+    def free():
+        gram = supports + sum(r.T @ r for contact in contacts for r in contact.held_rows(rows))
+        gram = np.sum(comm.allgather(gram), axis=0)
+        values, vectors = np.linalg.eigh(gram)
+        return vectors[:, values < 1e-10 * max(values[-1], 1.0)]
+
+    loose = free()
+    if loose.shape[1] > 0 and any([c.touch_nearest() for c in contacts]):
+        loose = free()
     if loose.shape[1] == 0:
         return []
     sentences = []

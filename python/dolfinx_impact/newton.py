@@ -200,6 +200,8 @@ class Newton:
                 contact.look_at(K)
             geometric = [s for s in (c.stiffness() for c in p.contact) if s is not None]
             symmetric = all([c.symmetric for c in p.contact])
+            for force in [c.pull() for c in p.contact]:
+                residual = residual if force is None else residual + force
         diagonal = K.getDiagonal()
         mean = self.comm.allreduce(float(np.abs(diagonal.array).sum())) / diagonal.getSize() or 1.0
         diagonal.destroy()

@@ -38,6 +38,13 @@ void increment_derivative(const PenaltyPair& pair, std::size_t q, const Variatio
       out[c] += v.shape[1 + r][v.num_slave + i] * pair.increment[nodes[i] * v.gdim + c];
 }
 
+/// Pressure, were the contact glued.
+double trial_pressure(const PenaltyPair& pair, std::size_t q)
+{
+  const double gap = pair.points.gap[q] + pair.history.offset[q];
+  return pair.history.multiplier[q] - pair.parameters.normal * gap;
+}
+
 /// Part of the step's motion that counts for friction: what comes after closing, if pressure and gap go straight from
 /// the beginning of the step to its end (docs/contact.md).
 /// @param[out] slope its derivative with respect to the pressure
@@ -196,6 +203,18 @@ PenaltyHistory make_history(const gap::Points& points)
           std::vector<double>(points.size(), 0.0), std::vector<double>(points.size(), 0.0)};
 }
 
+PenaltyState stretched(const PenaltyPair& pair, const PenaltyState& state)
+{
+  PenaltyState out = state;
+  const int gdim = pair.points.gdim;
+  for (std::size_t q = 0; q < pair.points.size(); ++q)
+    for (int c = 0; c < gdim; ++c)
+      out.traction[q * gdim + c] = state.status[q] == ContactStatus::open
+                                       ? 0.0
+                                       : std::min(trial_pressure(pair, q), 0.0) * pair.points.normal[q * gdim + c];
+  return out;
+}
+
 PenaltyState evaluate(const PenaltyPair& pair)
 {
   check(pair);
@@ -206,8 +225,7 @@ PenaltyState evaluate(const PenaltyPair& pair)
                    pair.history.slip};
   for (std::size_t q = 0; q < p.size(); ++q)
   {
-    const double gap = p.gap[q] + pair.history.offset[q];
-    const double trial = pair.history.multiplier[q] - pair.parameters.normal * gap;
+    const double trial = trial_pressure(pair, q);
     if (!(trial > -pair.parameters.touch))
     {
       std::fill_n(out.slip.data() + q * gdim, gdim, 0.0); // an open point forgets

@@ -73,6 +73,10 @@ PenaltyHistory make_history(const gap::Points& points);
 /// @throws std::invalid_argument for arrays of wrong sizes, friction without tangential stiffness
 PenaltyState evaluate(const PenaltyPair& pair);
 
+/// The tractions that would pull the closed points that are apart (see PenaltyParameters::touch) on the master: those
+/// of springs, negative trial pressures; zero elsewhere.
+PenaltyState stretched(const PenaltyPair& pair, const PenaltyState& state);
+
 /// Sum of w p^2 / (2 chi_N) over this rank's points: its gradient is minus the contact force, without friction and
 /// multipliers [F L].
 double energy(const PenaltyPair& pair, const PenaltyState& state);

@@ -1,31 +1,33 @@
-"""Nodal gaps, normals and weights of a contact by multipliers: against rigid obstacles, and by mortar integrals."""
+"""Nodal gaps, normals and weights of a contact by multipliers; those against rigid obstacles. mortar.py has the others."""
 
 import copy
 
 import basix
 import numpy as np
-from petsc4py import PETSc
-from scipy.spatial import cKDTree
 
 from .. import _cpp
-from .matrices import NodalSum, global_dofs, matrix, owned_rows
-from .neighbours import Neighbours
+from ..held import against_master
+from .matrices import NodalSum, global_dofs, matrix
 from .size import body_size
-from .start import InitialGap, check_side
+from .start import InitialGap, check_side, nearly_touching
 
 # A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
 LEAST = 1e-2
-# Sine of the largest angle by which facets may tilt a normal at a plane of symmetry: 5 degrees, docs/contact.md.
-SYMMETRY = np.sin(np.deg2rad(5.0))
 
 
-def _rule(shape, degree):
+def quadrature_rule(shape, degree):
     """Points (flat) and weights of a rule on a reference facet."""
     points, weights = basix.make_quadrature(getattr(basix.CellType, shape), degree)
     return np.ascontiguousarray(points).ravel(), np.ascontiguousarray(weights)
 
 
-class _Geometry:
+def block_entries(row_dofs, col_dofs, blocks):
+    """Rows, columns and values of dense blocks: degrees of freedom (n, a) and (n, b), values (n, a, b)."""
+    rows, cols = np.broadcast_arrays(row_dofs[:, :, None], col_dofs[:, None, :])
+    return rows.ravel(), cols.ravel(), np.ravel(blocks)
+
+
+class SurfaceGeometry:
     """Common part: the slave's nodes on this rank and what belongs to each.
 
     Attributes:
@@ -48,7 +50,7 @@ class _Geometry:
         self.displacement = np.zeros(3)
         element = self.slave.displacement
         # Exact for the shape functions on flat, affine facets, with the radius as weight.
-        points, weights = _rule(element.shape, 2 * element.degree + 2)
+        points, weights = quadrature_rule(element.shape, 2 * element.degree + 2)
         self.whole = _cpp.gap.whole_facets(self.slave, points, weights, axisymmetric)
         full = np.zeros(len(self.sum._vector.array))
         np.add.at(full, self.slave.nodes, _cpp.gap.cover(self.slave, self.whole, self.basis))
@@ -119,6 +121,17 @@ class _Geometry:
         moved = self.jump((self.u - self.start)[: self.gdim * self.index_map.size_local])
         return self.tangential(moved - (self.displacement - self.start_displacement)[: self.gdim])
 
+    def nearest(self):
+        """Nodes to be closed where nothing touches but the bodies nearly do, mask (n), or None: they are apart.
+        Collective."""
+        size = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)[:, None], self.slave.nodes.shape[1], 1)
+        sums, counts = (np.zeros(len(self.sum._vector.array)) for _ in range(2))
+        np.add.at(sums, self.slave.nodes, size)
+        np.add.at(counts, self.slave.nodes, 1.0)
+        sums, counts = (self.sum(a).ravel()[self.nodes] for a in (sums, counts))
+        gap = nearly_touching(self.comm, self.gap, sums / counts)
+        return None if gap is None else self.gap < gap
+
     def springs(self, rows, blocks):
         """Matrix of springs between nodes and what they face on the master. Collective.
 
@@ -126,16 +139,18 @@ class _Geometry:
             rows: of the nodes. blocks: (len(rows), gdim, gdim) stiffness [F/L].
         """
         pointers, columns, values = self.master_rows(rows)
-        own = self.index_map.local_to_global(self.nodes[rows].astype(np.int32))
-        parts = []
-        for i in range(len(rows)):
-            part = slice(pointers[i], pointers[i + 1])
-            nodes = np.concatenate([own[i : i + 1], columns[part]])
-            jump = np.concatenate([[1.0], -values[part]])
-            dofs = (self.gdim * nodes[:, None] + np.arange(self.gdim)).ravel()
-            block = np.kron(np.outer(jump, jump), blocks[i])
-            parts.append((np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs)), block.ravel()))
-        entries = [np.concatenate([p[i] for p in parts]) if parts else np.empty(0) for i in range(3)]
+        counts = np.diff(pointers) + 1  # each node and the nodes it faces, with their parts in the jump
+        starts = np.cumsum(counts) - counts
+        nodes, jump = np.empty(counts.sum(), dtype=np.int64), np.ones(counts.sum())
+        others = np.setdiff1d(np.arange(len(nodes)), starts, assume_unique=True)
+        nodes[starts] = self.index_map.local_to_global(self.nodes[rows].astype(np.int32))
+        nodes[others], jump[others] = columns, -values
+        # All pairs (a, b) of entries of the same row.
+        row = np.repeat(np.arange(len(rows)), counts**2)
+        pair = np.arange(len(row)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
+        a, b = starts[row] + pair // counts[row], starts[row] + pair % counts[row]
+        dofs = self.gdim * nodes[:, None] + np.arange(self.gdim)
+        entries = block_entries(dofs[a], dofs[b], (jump[a] * jump[b])[:, None, None] * blocks[row])
         return matrix(self.comm, self.gdim * self.index_map.size_local, *entries)
 
     def covered(self, pressure, active):
@@ -169,7 +184,7 @@ class _Geometry:
 
     def jump_rows(self, rows, held, directions):
         """Rows of relative displacements of nodes along directions over rigid motions (held.free_motions)."""
-        return rows(self.nodes[held], directions)
+        return against_master(rows, self.rest, self.nodes[held], directions, self.master)
 
     def diagonal_stiffness(self, K):
         """Mean diagonal entry of each slave node's block [F/L]."""
@@ -179,7 +194,7 @@ class _Geometry:
         return values
 
 
-class RigidGeometry(_Geometry):
+class RigidGeometry(SurfaceGeometry):
     """The slave's nodes against an obstacle whose gap is known in closed form."""
 
     def __init__(self, spec, V, axisymmetric, fixed):
@@ -213,189 +228,10 @@ class RigidGeometry(_Geometry):
         if not self.comm.allreduce(int(np.any(blocks))):
             return None
         dofs = global_dofs(self.index_map, self.nodes[rows], self.gdim)
-        i = np.broadcast_to(dofs[:, :, None], blocks.shape)
-        return matrix(self.comm, self.gdim * self.index_map.size_local, i, np.swapaxes(i, 1, 2), blocks)
+        return matrix(self.comm, self.gdim * self.index_map.size_local, *block_entries(dofs, dofs, blocks))
 
     def forces(self, traction):
         """Nodal forces on the slave, array over owned dofs [F]."""
         out = np.zeros((self.index_map.size_local, self.gdim))
         out[self.nodes] = self.weight[:, None] * traction
-        return out.ravel()
-
-
-class MortarGeometry(_Geometry):
-    """Weighted gaps between two deformable surfaces, and the matrices D and M of docs/contact.md.
-
-    Args:
-        basis: "dual", "standard", "linear". With the dual basis D is diagonal among the nodes with a multiplier.
-    """
-
-    def __init__(self, spec, V, axisymmetric, fixed, basis="dual"):
-        super().__init__(spec, V, axisymmetric, basis)
-        self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
-        element, other = self.slave.displacement, self.master.displacement
-        degree = spec.quadrature_degree
-        if degree is None:
-            flat = element.shape != "quadrilateral" and self.slave.geometry.degree == 1
-            degree = 2 * element.degree + other.degree + (2 if flat else 4)
-        self.points_of_rule, self.weights = _rule("interval" if self.gdim == 2 else "triangle", degree)
-        self.neighbours = Neighbours(self.pair, V, self.slave, self.master)
-        self._matrix = None
-        self._look()
-
-    def update(self, u):
-        """Search, segments, mortar integrals, gaps and normals at u. Collective."""
-        self._move(u)
-        near = self.neighbours
-        reach = near.update(self.u, self.start)
-        self.map = near.map
-        num_nodes = self.map.size_local + self.map.num_ghosts
-        self.segments = _cpp.gap.segment(
-            near.slave, near.master, self.points_of_rule, self.weights, reach, self.axisymmetric
-        )
-        scalars, vectors = NodalSum(self.map, 1), NodalSum(self.map, self.gdim)
-
-        def nodal(nodes, values):
-            return scalars(np.bincount(np.ravel(nodes), weights=np.ravel(values), minlength=num_nodes)).ravel()
-
-        around = nodal(near.slave.nodes, _cpp.gap.cover(near.slave, self.segments, self.basis))[self.nodes]
-        self.participates = around > LEAST * self.area
-        carries = np.zeros(num_nodes)
-        carries[self.nodes[self.participates]] = 1.0
-        carries = scalars.forward(carries).ravel().astype(np.int8)
-        self.mortar = _cpp.gap.mortar(near.slave, near.master, self.segments, self.basis, carries)
-        rows, cols, values = self.mortar.D
-        own = rows == cols
-        self.weight = nodal(rows[own], values[own])[self.nodes]
-        self.cover = nodal(rows, values)[self.nodes]  # the shape functions add up to one
-        gamma = np.zeros((num_nodes, self.gdim))
-        np.add.at(gamma, near.slave.nodes.ravel(), self.mortar.gamma.reshape(-1, self.gdim))
-        gamma = vectors(gamma)[self.nodes]
-        sums = np.zeros(num_nodes * self.gdim)
-        _cpp.gap.add_normals(near.slave, sums)
-        self.sums = vectors(sums)
-        self.normal = self._nodal_normals(self.sums[self.nodes])
-        self.gap = np.full(len(self.nodes), np.inf)
-        on = self.participates
-        self.gap[on] = np.einsum("na,na->n", self.normal[on], gamma[on]) / self.cover[on] + self.offset[on]
-        if self._matrix is not None:
-            self._matrix.destroy()
-        # Slave nodes beside the diagonal of D, without a multiplier of their own, stand among the master's.
-        self._matrix = self._nodal_matrix(self.mortar.M, (rows[~own], cols[~own], -values[~own]))
-
-    def _nodal_matrix(self, *parts):
-        """Matrix (nodes, nodes) from entries numbered as the facets' nodes. Collective."""
-        rows, cols, values = (np.concatenate([p[i] for p in parts]) for i in range(3))
-        rows, cols = (self.map.local_to_global(np.asarray(a, dtype=np.int32)) for a in (rows, cols))
-        return matrix(self.comm, self.map.size_local, rows, cols, values)
-
-    def jump_matrix(self):
-        """D - M: weighted displacements of the slave against the master, (nodes, nodes), rows of nodes with a
-        multiplier [L^2]. The caller destroys it. Collective."""
-        rows, cols, values = self.mortar.M
-        return self._nodal_matrix(self.mortar.D, (rows, cols, -values))
-
-    def _nodal_normals(self, sums):
-        """Unit normals; on planes of symmetry, which facets meet nearly at right angles, in them."""
-        normals = sums / np.linalg.norm(sums, axis=1)[:, None]
-        normals[self.fixed & (np.abs(normals) < SYMMETRY)] = 0.0
-        return normals / np.linalg.norm(normals, axis=1)[:, None]
-
-    def _over_master(self, values):
-        """M times nodal values (owned nodes, gdim)."""
-        source, out = self._matrix.createVecRight(), self._matrix.createVecLeft()
-        result = np.empty_like(values)
-        for c in range(values.shape[1]):
-            source.array[:] = values[:, c]
-            self._matrix.mult(source, out)
-            result[:, c] = out.array
-        source.destroy()
-        out.destroy()
-        return result
-
-    def jump(self, moved):
-        """Weighted displacements of slave against master, (n, gdim), of increments over owned dofs. Collective."""
-        moved = np.ascontiguousarray(moved.reshape(-1, self.gdim))
-        over = self._over_master(moved)[self.nodes]
-        weight, cover = (np.where(self.participates, w, 1.0)[:, None] for w in (self.weight, self.cover))
-        return np.where(self.participates[:, None], (weight * moved[self.nodes] - over) / cover, 0.0)
-
-    def master_rows(self, rows):
-        """Rows of D^-1 M of some of the nodes, D the diagonal: pointers, global nodes (the master's, and slave nodes
-        without a multiplier), values."""
-        pointers, columns, values = owned_rows(self._matrix)
-        nodes = self.nodes[rows]
-        counts = (pointers[nodes + 1] - pointers[nodes]).astype(int)
-        ends = np.concatenate([[0], np.cumsum(counts)])
-        where = np.repeat(pointers[nodes] - ends[:-1], counts) + np.arange(ends[-1])
-        return ends, columns[where], values[where] / np.repeat(self.weight[rows], counts)
-
-    def stiffness(self, multiplier, traction, active):
-        """Points slide over the master, normals turn: derivative of minus the contact force, or None. Collective."""
-        if self.comm.allreduce(int(np.any(multiplier[active]))) == 0:
-            return None
-        size = self.map.size_local + self.map.num_ghosts
-        z, force = np.zeros((size, self.gdim)), np.zeros(size)
-        z[self.nodes[active]] = traction[active]
-        force[self.nodes[active]] = (multiplier * self.weight)[active]
-        z, force = NodalSum(self.map, self.gdim).forward(z), NodalSum(self.map, 1).forward(force)
-        near = self.neighbours
-        sliding, turning = (
-            matrix(self.comm, self.gdim * self.map.size_local, self._global(rows), self._global(cols), values)
-            for rows, cols, values in (
-                _cpp.gap.sliding_tangent(near.slave, near.master, self.segments, self.mortar, z.ravel()),
-                _cpp.gap.turning_tangent(near.slave, self.sums.ravel(), force.ravel()),
-            )
-        )
-        # What turns on the slave turns on the master.
-        jump = self._jumps(np.flatnonzero(active))
-        both = jump.transposeMatMult(turning)
-        both.axpy(1.0, sliding, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-        for part in (sliding, turning, jump):
-            part.destroy()
-        return both
-
-    def _jumps(self, rows):
-        """Matrix of displacements of nodes against what they face on the master, (dofs, dofs). Collective."""
-        pointers, columns, values = self.master_rows(rows)
-        nodes = self.map.local_to_global(self.nodes[rows].astype(np.int32))
-        i = np.concatenate([nodes, np.repeat(nodes, np.diff(pointers))])
-        j, values = np.concatenate([nodes, columns]), np.concatenate([np.ones(len(nodes)), -values])
-        axes = np.arange(self.gdim)
-        i, j = (self.gdim * k[:, None] + axes for k in (i, j))
-        return matrix(self.comm, self.gdim * self.map.size_local, i, j, np.repeat(values, self.gdim))
-
-    def _global(self, dofs):
-        nodes = self.map.local_to_global((dofs // self.gdim).astype(np.int32))
-        return self.gdim * nodes + dofs % self.gdim
-
-    def jump_rows(self, rows, held, directions):
-        """Rows of relative displacements of nodes along directions over rigid motions (held.free_motions).
-
-        Near a slave node its master moves like the master's nearest known node: enough for a yes or no.
-        """
-        slave = rows(self.nodes[held], directions)
-        master = np.unique(self.master.nodes.ravel())
-        if len(held) == 0:
-            return slave
-        if len(master) == 0:  # the master is on other ranks: it counts as held, the linear solver has the last word
-            return slave
-        nearest = master[cKDTree(self.rest[master]).query(self.rest[self.nodes[held]])[1]]
-        return slave + rows(nearest, directions, -1.0)
-
-    def forces(self, traction):
-        """Nodal forces on slave and master, array over owned dofs [F]. Collective."""
-        num_owned = self.index_map.size_local
-        z = np.zeros((num_owned, self.gdim))
-        on = self.participates
-        z[self.nodes[on]] = traction[on]
-        out = np.zeros((num_owned, self.gdim))
-        out[self.nodes[on]] = self.weight[on, None] * traction[on]
-        source, to = self._matrix.createVecLeft(), self._matrix.createVecRight()
-        for c in range(self.gdim):
-            source.array[:] = z[:, c]
-            self._matrix.multTranspose(source, to)
-            out[:, c] -= to.array
-        source.destroy()
-        to.destroy()
         return out.ravel()

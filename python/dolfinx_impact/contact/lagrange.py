@@ -4,7 +4,8 @@ import numpy as np
 from mpi4py import MPI
 
 from . import condense
-from .geometry import MortarGeometry, RigidGeometry
+from .geometry import RigidGeometry
+from .mortar import MortarGeometry
 from .pair import ContactPair, ContactStatus
 from .output import ContactOutput
 
@@ -198,6 +199,17 @@ class LagrangeContact(ContactOutput):
     def refine(self):
         """Multipliers need no further rounds."""
         return False
+
+    def touch_nearest(self):
+        """Close the nodes nearest to the master, if they nearly touch; returns whether there are any. Collective."""
+        near = self.geometry.nearest()
+        if near is None:
+            return False
+        self.active = self.active | (near & self.usable)
+        return True
+
+    def pull(self):
+        """No force besides: constraints close the nearest nodes. See touch_nearest."""
 
     # --- linear system ---------------------------------------------------------------------------------------------
 

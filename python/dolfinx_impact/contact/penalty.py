@@ -3,16 +3,16 @@
 import basix
 import numpy as np
 from mpi4py import MPI
-from scipy.spatial import cKDTree
 
 from .. import _cpp
+from ..held import against_master
 from ..materials import _number
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
 from .output import ContactOutput
-from .pair import ContactPair
+from .pair import ContactPair, ContactStatus
 from .size import body_size
-from .start import InitialGap, check_side
+from .start import InitialGap, check_side, nearly_touching
 
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
@@ -190,12 +190,27 @@ class PenaltyContact(ContactOutput):
         increment = u - self.start
         if not self.pair.rigid:
             increment = self.neighbours.exchange.forward(increment)
+        self._evaluate(surfaces, increment, self._touch)
+        self._touch, self._pulls = 0.0, False
+
+    def _evaluate(self, surfaces, increment, touch):
+        self._at = surfaces, increment
         self._pair = _cpp.penalty.Penalty(
-            self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, self._touch
+            self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, touch
         )
-        self._touch = 0.0
         self._pair.set_increment(increment, (self.displacement - self.start_displacement).tolist())
         self._state = self._pair.evaluate()
+
+    def touch_nearest(self):
+        """Close the points nearest to the master in this iteration, which draws them together, if they nearly touch and
+        no point does; returns whether there are any. For bodies that nothing else holds. Collective."""
+        size = np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)
+        gap = nearly_touching(self.comm, self.gap, np.repeat(size, self._points.per_facet))
+        if gap is None or self.num_active > 0:
+            return False
+        self._evaluate(*self._at, gap * self.penalty)
+        self._pulls = True
+        return True
 
     def _locate(self, u):
         """Closest points and gaps at the displacements u; returns the slave's and the master's facets. Collective."""
@@ -231,14 +246,17 @@ class PenaltyContact(ContactOutput):
 
     def forces(self):
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
+        return self._nodal_forces(self._state)
+
+    def _nodal_forces(self, state):
         out = np.zeros_like(self.problem.u.x.array)
         num_owned = self.gdim * self.V.dofmap.index_map.size_local
         if self.pair.rigid:
-            self._pair.add_force(self._state, out)
+            self._pair.add_force(state, out)
             return NodalSum(self.V.dofmap.index_map, self.gdim)(out).ravel()[:num_owned]
         exchange = self.neighbours.exchange
         values = np.zeros(exchange.size)
-        self._pair.add_force(self._state, values)
+        self._pair.add_force(state, values)
         exchange.reverse(values, out)
         return out[:num_owned]
 
@@ -258,6 +276,11 @@ class PenaltyContact(ContactOutput):
         entries = self._pair.tangent(self._state, index_map.local_to_global(nodes))
         return matrix(self.comm, self.gdim * index_map.size_local, *entries)
 
+    def pull(self):
+        """Force (array over owned dofs) that brings the nearest points to touch, to take from the right-hand side; or
+        None. Collective."""
+        return -self._nodal_forces(self._pair.stretched(self._state)) if self._pulls else None
+
     def held_rows(self, rows):
         """What touching points hold, for held.free_motions: the slave's nodes stand for the points."""
         touching = np.unique(np.flatnonzero(self._state.status) // self._points.per_facet)
@@ -267,15 +290,8 @@ class PenaltyContact(ContactOutput):
         directions = [normals]
         if self.pair.friction > 0.0:
             directions = [np.tile(e, (len(nodes), 1)) for e in np.eye(self.gdim)]
-        slave = [rows(nodes, d) for d in directions]
-        if self.pair.rigid or len(nodes) == 0:
-            return slave
-        master = np.unique(self.master.nodes.ravel())
-        if len(master) == 0:
-            return slave
         x = self.V.tabulate_dof_coordinates()
-        nearest = master[cKDTree(x[master]).query(x[nodes])[1]]
-        return [s + rows(nearest, d, -1.0) for s, d in zip(slave, directions)]
+        return [against_master(rows, x, nodes, d, self.master) for d in directions]
 
     # --- results ---------------------------------------------------------------------------------------------------
 
@@ -338,3 +354,19 @@ class PenaltyContact(ContactOutput):
         weight = NodalSum(self.V.dofmap.index_map, 1)(weight).ravel()
         nodes = np.flatnonzero(weight[: self.V.dofmap.index_map.size_local])
         return nodes, total[nodes] / weight[nodes, None]
+
+    def at_nodes(self, values):
+        """A contact array by nodes: their numbers on this rank, (m), and values, (m) or (m, gdim). Collective.
+
+        Numbers are means over the points that know one (a gap without master is none; nodes without any: infinite). Of
+        whole numbers, as status, it is the one that most of the node's area has.
+        """
+        values = np.asarray(values)
+        if np.issubdtype(values.dtype, np.integer):
+            nodes, parts = self.nodal(values[:, None] == np.arange(len(ContactStatus)))
+            return nodes, np.argmax(parts, axis=1).astype(float)
+        known = np.isfinite(values)
+        nodes, sums = self.nodal(np.where(known, values, 0.0))
+        parts = self.nodal(known)[1]
+        means = np.divide(sums, parts, out=np.full_like(sums, np.inf), where=parts > 0.0)
+        return nodes, means.reshape(-1, *values.shape[1:])

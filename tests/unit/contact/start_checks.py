@@ -78,6 +78,18 @@ def check_wrong_side():
         )
 
 
+def check_shared_nodes():
+    """An edge that belongs to both surfaces is found though no rank need have a facet of either; all ranks say so."""
+    domain = mesh.create_unit_square(COMM, 3, 3, mesh.CellType.quadrilateral)
+    V = fem.functionspace(domain, ("Lagrange", 2, (2,)))
+    parts = [mesh.locate_entities_boundary(domain, 1, lambda x, a=a: np.isclose(x[a], 0.0)) for a in (0, 1)]
+    facets = np.concatenate(parts)
+    order = np.argsort(facets)
+    values = np.repeat(np.array([3, 4], dtype=np.int32), [len(p) for p in parts])
+    pair = di.ContactPair(mesh.meshtags(domain, 1, facets[order], values[order]), 3, 4)
+    assert "share 1 nodes, the first at [[0.0, 0.0]]" in message(lambda: pair.surfaces(V))
+
+
 def check_sunk():
     """A block deep inside the other one is refused; an overlap as of a press fit is taken."""
     for method in METHODS:
@@ -153,6 +165,29 @@ def check_removed_then_pressed():
         change = np.abs(forces[1] - forces[0]).max() / np.abs(forces[0]).max()
         # Left in, the overlap would change the force by 1e-6 of 0.01. What remains: the other shape's share.
         assert change < 1e-5, change
+
+
+def check_first_touch():
+    """A round body that touches at a node, pressed by a force: the same on the ranks as alone."""
+    results = []
+    for comm in (COMM, MPI.COMM_SELF):
+        m = meshes.make("cylinder_on_half_plane", comm, cell="triangle", radius=10.0, a=1.0, h=0.25, width=10.0,
+                        height=10.0, coarse=4.0)  # fmt: skip
+        V = fem.functionspace(m.mesh, ("Lagrange", 1, (2,)))
+        places = (("bottom", 0), ("bottom", 1), ("symmetry_x", 0))
+        dofs = [fem.locate_dofs_topological(V.sub(axis), 1, m.facet_tags.find(m.tags[name])) for name, axis in places]
+        bcs = [fem.dirichletbc(0.0, d, V.sub(axis)) for d, (_, axis) in zip(dofs, places)]
+        load = di.Traction(m.facet_tags, m.tags["top"], (0.0, -10.0))
+        pair = di.ContactPair(m.facet_tags, m.tags["slave_surface"], m.tags["master_surface"])
+        law = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")
+        problem = di.StaticProblem(fem.Function(V), law, bcs=bcs, loads=[load], contact=[di.Penalty(pair, 1e4)])
+        problem.solve()
+        contact = problem.contact[0]
+        results.append([*contact.force, contact.area, comm.allreduce(np.max(contact.pressure, initial=0.0), MPI.MAX)])
+    here, alone = np.array(results)
+    assert abs(alone[1] - 100.0) < 1e-6 and alone[2] > 1.0
+    # The same equations, summed and solved in another order; Newton's method ends at 1e-10 of the force.
+    assert np.abs(here - alone).max() < 1e-8 * np.abs(alone).max(), (here, alone)
 
 
 CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) if name.startswith("check_")}
