@@ -7,7 +7,8 @@ from sabotage import assert_healthy
 
 from dolfinx_impact import contact as contact_package
 from dolfinx_impact.contact import geometry
-from dolfinx_impact.contact.geometry import MortarGeometry, RigidGeometry
+from dolfinx_impact.contact.geometry import RigidGeometry
+from dolfinx_impact.contact.mortar import MortarGeometry
 from dolfinx_impact.contact.lagrange import LagrangeContact
 from dolfinx_impact.contact.penalty import PenaltyContact
 from dolfinx_impact.verify import contact, contact_bodies, contact_patch, contact_static

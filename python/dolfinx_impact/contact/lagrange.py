@@ -1,5 +1,7 @@
 """Contact by Lagrange multipliers: dual mortar, primal-dual active set, multipliers condensed; docs/contact.md."""
 
+import copy
+
 import numpy as np
 from mpi4py import MPI
 
@@ -56,14 +58,15 @@ class LagrangeContact(ContactOutput):
         self.multiplier = np.zeros(n)
         self.friction_traction = np.zeros((n, self.gdim))
         self.total_slip = np.zeros((n, self.gdim))
+        self.opening = None  # gap at the start of the increment where a node is open then, else zero [L]
         self.nodal_stiffness = np.ones(n)  # of the bodies at the slave's nodes [F/L]
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
     def save(self):
         """State that an increment starts from, as a dict of copies."""
-        names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip")
-        return {name: getattr(self, name).copy() for name in names} | {"geometry": self.geometry.save()}
+        names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip", "opening")
+        return {name: copy.copy(getattr(self, name)) for name in names} | {"geometry": self.geometry.save()}
 
     def restore(self, state):
         """Back to a saved state."""
@@ -71,16 +74,26 @@ class LagrangeContact(ContactOutput):
             if name == "geometry":
                 self.geometry.restore(value)
             else:
-                setattr(self, name, value.copy())
+                setattr(self, name, copy.copy(value))
 
     def begin(self, u, displacement):
-        """An increment starts at u; a rigid master goes to `displacement` in it."""
+        """An increment starts at u; a rigid master goes to `displacement` in it. Collective."""
+        if self.opening is None:
+            self.geometry.update(u)
+            self.opening = self._opened(self.geometry.gap)
         self.geometry.begin(u, displacement)
 
+    def _opened(self, gap):
+        return np.where(~self.active & (gap > self.geometry.tolerance), gap, 0.0)
+
     def accept(self):
-        """The increment has converged: slip adds up."""
-        self.total_slip += np.where(self.active[:, None], self._slip, 0.0)
+        """The increment has converged: slip adds up, less what a node slides before it closes."""
+        length = np.linalg.norm(self._slip, axis=1)
+        free = np.where(np.isfinite(self.opening), self.opening, 0.0) * self.pair.friction
+        part = np.where(self.opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
+        self.total_slip += np.where(self.active[:, None], part[:, None] * self._slip, 0.0)
         self.total_slip[~self.active] = 0.0
+        self.opening = self._opened(self._gap)
         self.total()
 
     def update(self, u):
@@ -137,9 +150,9 @@ class LagrangeContact(ContactOutput):
         along = np.einsum("na,na->n", self._normal_direction(), forces)
         self.multiplier = np.where(on[:, 0], along / (weight * np.maximum(self.free_length, 1e-3)), 0.0)
         tangential = (forces - along[:, None] * self._normal_direction()) / weight[:, None]
-        slides = np.where(self.sliding, self.pair.friction * along / weight, 0.0)[:, None] * self.direction
-        slides -= np.einsum("nab,nb->na", self._turning, self._slip)
-        self.friction_traction = np.where(on, tangential + np.where(self.sliding[:, None], slides, 0.0), 0.0)
+        tangential += (along / weight)[:, None] * self._used_tilt
+        tangential -= np.einsum("nab,nb->na", self._spring, self._free_slip(self._slip) - self._rest)
+        self.friction_traction = np.where(on, tangential, 0.0)
 
     def switch(self, first, last=None):
         """Change the active set and who sticks; returns how many nodes of all ranks would change. Collective.
@@ -167,18 +180,35 @@ class LagrangeContact(ContactOutput):
         active = (self.active | closing) & ~opening
         if self.pair.friction == 0.0 or first:
             return active, self.sliding & active, self.direction
-        held = active & self.active
-        c = self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0)
-        # A node that closes has no multiplier yet: what its overlap and its slip would call for decides.
-        bound = self.pair.friction * np.maximum(self.multiplier - np.where(closing, c * self._gap, 0.0), 0.0)
-        moving = (self.sliding | closing)[:, None] & ~self.fixed
-        trial = self.friction_traction - c[:, None] * np.where(moving, self._slip, 0.0)
+        held = (active & self.active) | closing
+        bound = self.pair.friction * self._pressing(closing)
+        trial = self._trial(bound, (self.sliding | closing))
         size = np.linalg.norm(trial, axis=1)
-        slips = (held | closing) & (size > bound * (1 + 1e-10))
+        slips = held & (size > bound * (1 + 1e-10))
         # What slipped and would now slip the other way comes to rest first, or it might go to and fro for ever.
         slips &= ~(self.sliding & (np.einsum("na,na->n", trial, self.direction) < 0.0))
         direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
         return active, slips, direction
+
+    def _pressing(self, closing):
+        """Pressure, (n) [F/L^2]; of a node that closes what its overlap would call for: it has no multiplier yet."""
+        overlap = self._stiffness_per_area() * np.where(closing, np.minimum(self._gap, 0.0), 0.0)
+        return np.maximum(self.multiplier - overlap, 0.0)
+
+    def _stiffness_per_area(self):
+        return self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0)
+
+    def _free_slip(self, slip):
+        return np.where(self.fixed, 0.0, slip)
+
+    def _trial(self, bound, moving):
+        """Traction that friction would have if it held the nodes, up to a factor beyond the bound, (n, gdim)."""
+        slip = self._free_slip(self._slip)
+        trial = self.friction_traction - self._stiffness_per_area()[:, None] * np.where(moving[:, None], slip, 0.0)
+        # Closed in this increment, from a gap: t = -p s / gap, see docs/contact.md.
+        fresh = self.opening > 0.0
+        rate = bound / (self.pair.friction * np.where(fresh, self.opening, 1.0))
+        return np.where(fresh[:, None], -rate[:, None] * slip, trial)
 
     @property
     def num_active(self):
@@ -191,7 +221,7 @@ class LagrangeContact(ContactOutput):
         held = self.active & self.usable
         largest = float(np.max(np.abs(self.geometry.gap[held]), initial=0.0))
         if self.pair.friction > 0.0:
-            stuck = held & ~self.sliding
+            stuck = held & ~self.sliding & (self.opening == 0.0)
             slip = np.einsum("nad,na->nd", self.frames[stuck], self._slip[stuck])
             largest = max(largest, float(np.max(np.abs(slip[~self.fixed[stuck]]), initial=0.0)))
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
@@ -223,7 +253,7 @@ class LagrangeContact(ContactOutput):
     def constraints(self):
         """Constraints of the active nodes for the linear system."""
         rows = np.flatnonzero(self.active & self.usable)
-        stick = ~self.sliding[rows] & (self.pair.friction > 0.0)
+        stick = ~self.sliding[rows] & (self.pair.friction > 0.0) & (self.opening[rows] == 0.0)
         place = self.place[rows]
         constrained = np.where(stick[:, None], ~self.fixed[rows], False)
         constrained[np.arange(len(rows)), place] = True
@@ -231,10 +261,24 @@ class LagrangeContact(ContactOutput):
         gap, slip = (self.geometry.spread(rows, values) for values in self._at)
         known = -np.einsum("nad,na->nd", self.frames[rows], slip)
         known[np.arange(len(rows)), place] = -gap / self.free_length[rows]
-        tilt = np.where(self.sliding[rows][:, None], self.pair.friction * self.direction[rows], 0.0)
+        self._used_tilt = self._tilt()
         return condense.Constraints(
-            rows, self.nodes[rows], self.frames[rows], constrained, known, tilt, place, *self.geometry.master_rows(rows)
-        )
+            rows, self.nodes[rows], self.frames[rows], constrained, known, self._used_tilt[rows], place,
+            *self.geometry.master_rows(rows),
+        )  # fmt: skip
+
+    def _tilt(self):
+        """Friction traction per pressure, (n, gdim), of nodes that slip or have closed in this increment; else zero."""
+        if self.pair.friction == 0.0:
+            return np.zeros_like(self.direction)
+        tilt = np.where(self.sliding[:, None], self.pair.friction * self.direction, 0.0)
+        grips = self._grips()
+        tilt[grips] = -self._free_slip(self._slip)[grips] / self.opening[grips, None]
+        return tilt
+
+    def _grips(self):
+        """Nodes that have closed in this increment and do not slip, mask (n)."""
+        return self.active & self.usable & ~self.sliding & (self.opening > 0.0) & (self.pair.friction > 0.0)
 
     def look_at(self, K):
         """Take from the bodies' stiffness what the changes of state need. Collective."""
@@ -245,29 +289,39 @@ class LagrangeContact(ContactOutput):
         return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
 
     def springs(self):
-        """Where a point slips its traction turns with the slip, in 3D: across the traction's direction, Newton's method
-        sees a spring of the friction bound over the slip (return mapping t = bound trial / |trial|, linearised).
-        Collective.
+        """Tractions that change with the slip: Newton's method sees springs. Collective.
+
+        In 3D the traction of a node that slips turns with the slip: across its direction, friction bound over slip
+        (return mapping t = bound trial / |trial|, linearised). Of a node that has closed in this increment, pressure
+        over the gap it has closed.
 
         Returns:
             matrix, and force (array over owned dofs) to take from the right-hand side; or None.
         """
-        self._turning = np.zeros((len(self.nodes), self.gdim, self.gdim))  # stiffness per area
-        if self.gdim == 2 or not self.comm.allreduce(int(np.any(self.sliding))):
+        self._spring = np.zeros((len(self.nodes), self.gdim, self.gdim))  # stiffness per area
+        self._rest = np.zeros((len(self.nodes), self.gdim))  # slip at which springs are slack
+        if self.pair.friction == 0.0:
             return None
-        rows = np.flatnonzero(self.sliding & self.active & self.usable)
-        weight = self.geometry.weight[rows]
-        c = self.nodal_stiffness[rows] / weight
-        bound = self.pair.friction * np.maximum(self.multiplier[rows], 0.0)
-        slip, start = (np.where(self.fixed[rows], 0.0, s[rows]) for s in (self._slip, self._at[1]))
-        size = np.linalg.norm(self.friction_traction[rows] - c[:, None] * slip, axis=1)
-        spring = np.minimum(bound * c / np.maximum(size - bound, 1e-3 * bound + 1e-300), 1e3 * c)
+        grips, slides = self._grips(), self.sliding & self.active & self.usable & (self.gdim == 3)
+        rows = np.flatnonzero(grips | slides)
+        if not self.comm.allreduce(len(rows)):
+            return None
+        slip = self._free_slip(self._slip)
+        pressure = np.maximum(self.multiplier[rows], 0.0)
         along = self._normal_direction()[rows]
-        across = np.eye(self.gdim) - np.einsum("na,nb->nab", along, along)
-        across -= np.einsum("na,nb->nab", self.direction[rows], self.direction[rows])
-        blocks = self._turning[rows] = spring[:, None, None] * across
+        plane = np.eye(self.gdim) - np.einsum("na,nb->nab", along, along)
+        across = plane - np.einsum("na,nb->nab", self.direction[rows], self.direction[rows])
+        bound, length = self.pair.friction * pressure, np.linalg.norm(slip[rows], axis=1)
+        turning = np.minimum(bound / np.maximum(length, 1e-300), 1e3 * self._stiffness_per_area()[rows])
+        gripping = pressure / np.where(grips[rows], self.opening[rows], 1.0)
+        blocks = np.where(
+            grips[rows, None, None], gripping[:, None, None] * plane, turning[:, None, None] * across
+        )
+        self._spring[rows] = blocks
+        self._rest[grips] = slip[grips]
         traction = np.zeros((len(self.nodes), self.gdim))
-        traction[rows] = np.einsum("nab,nb->na", blocks, start)
+        traction[rows] = np.einsum("nab,nb->na", blocks, (self._free_slip(self._at[1]) - self._rest)[rows])
+        weight = self.geometry.weight[rows]
         return self.geometry.springs(rows, weight[:, None, None] * blocks), self.geometry.forces(traction)
 
     def held_rows(self, rows):
