@@ -43,8 +43,9 @@ struct NodeEquations
 
 // The conditions at one node: first its normal, then its tangential ones.
 // @param locked directions in which nothing can slip whatever the traction: there is none along them
+// @param opening gap at the start of the step of a node that was open then, else zero
 NodeEquations equations(const MortarNode& node, const Vec<double>& z_value, bool active, double friction,
-                        double tangential_scale, const std::vector<int>& locked, int gdim)
+                        double tangential_scale, double opening, const std::vector<int>& locked, int gdim)
 {
   NodeEquations e;
   const auto z = variables(z_value, 0), n = variables(node.normal.value, 3), w = variables(node.moved.value, 6),
@@ -59,7 +60,9 @@ NodeEquations equations(const MortarNode& node, const Vec<double>& z_value, bool
   const Nodal pressure = dot(z, n);
   const auto [basis, held] = tangents(node.normal.value, locked, gdim);
   const Vec<Nodal> t = z - pressure * n, s = (1 / node.cover) * (w - dot(w, n) * n);
-  Vec<Nodal> trial = t - Nodal(tangential_scale) * s;
+  // A node that has closed in the step is held by p/opening per length of its way.
+  const bool fresh = opening > 0;
+  Vec<Nodal> trial = fresh ? Nodal(-1 / opening) * (pressure * s) : t - Nodal(tangential_scale) * s;
   for (int a = 0; a < held; ++a)
     trial = trial - dot(trial, constant<Nodal>(basis[a])) * constant<Nodal>(basis[a]);
   const double size = norm(values(trial)), bound = friction * std::max(0.0, pressure.v);
@@ -72,11 +75,13 @@ NodeEquations equations(const MortarNode& node, const Vec<double>& z_value, bool
     const bool none = friction == 0 or a < held or (e.status == ContactStatus::slip and bound == 0);
     if (none)
       e.rows.push_back(dot(along, t));
+    else if (e.status == ContactStatus::stick and fresh)
+      e.rows.push_back(dot(along, t - trial));
     else if (e.status == ContactStatus::stick)
       e.rows.push_back(dot(along, s));
     else
       e.rows.push_back(dot(along, t - (friction * pressure / norm(trial)) * trial));
-    e.length.push_back(not none and e.status == ContactStatus::stick);
+    e.length.push_back(not none and not fresh and e.status == ContactStatus::stick);
   }
   return e;
 }
@@ -107,6 +112,8 @@ public:
   bool step(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
   {
     const ContactState start = state;
+    if (pair.friction > 0)
+      look_before(pair, start);
     for (double spring : {0.1, 0.01, 1.0, 0.001})
     {
       state = start;
@@ -120,6 +127,24 @@ public:
   }
 
 private:
+  // Which nodes the step finds open, and how far.
+  void look_before(const ContactPair& pair, const ContactState& start)
+  {
+    ContactPair then = pair;
+    if (then.rigid)
+      then.rigid->displacement = start.history.displacement;
+    const Mortar m = mortar(then, rule_, basis_, start.u, start.history, start.z);
+    opening_.assign(start.z.rows(), std::numeric_limits<double>::infinity());
+    for (const auto& [number, node] : m.nodes)
+    {
+      if (not node.part)
+        continue;
+      const double gap = dot(node.normal.value, node.gamma.value) / node.cover;
+      const bool pressed = dot(row(start.z, number), node.normal.value) > 0;
+      opening_[number] = pressed or gap <= 1e-12 * pair.size() ? 0.0 : gap;
+    }
+  }
+
   bool newton(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
   {
     const ContactHistory before = state.history;
@@ -257,7 +282,9 @@ private:
         if (is_locked(pair, m, number, c, state, before, change))
           locked.push_back(c);
       const double spring = spring_ * stress_ / size;
-      const auto e = equations(node, row(state.z, number), active.count(number) > 0, pair.friction, spring, locked, d_);
+      const double opening = opening_.empty() ? 0.0 : opening_[number];
+      const auto e = equations(node, row(state.z, number), active.count(number) > 0, pair.friction, spring, opening,
+                               locked, d_);
       status[number] = e.status;
       for (int a = 0; a < d_; ++a)
       {
@@ -313,6 +340,7 @@ private:
   double stress_;
   double spring_ = 0.1; // how strongly slip decides between stick and slip; no part of the solution
   std::set<std::int64_t> active_;
+  std::vector<double> opening_; // by node, empty without friction
   std::vector<ContactStatus> status_;
   std::map<std::int64_t, int> unknown_;
   Entries entries_;
