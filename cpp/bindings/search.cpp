@@ -106,7 +106,9 @@ void impact::bindings::search(nb::module_& m)
           "__init__",
           [](Exchange* self, const impact::surface::FunctionSpace& V, const Facets& slave, const Facets& master,
              double reach) { new (self) Exchange(V, slave, master, reach); },
-          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("reach"), "Collective")
+          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("reach"),
+          "Collective. reach: master facets are kept whose boxes come within it of the box around all slave facets of "
+          "the rank: the distance of pairing and what the surfaces may move before the next Exchange [L]")
       .def_prop_ro("slave", &Exchange::slave, nb::rv_policy::reference_internal)
       .def_prop_ro("master", &Exchange::master, nb::rv_policy::reference_internal)
       .def_prop_ro("map", &Exchange::map, "Nodal map: owned blocks of V, then ghosts")

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 AXES = "xyz"
 
@@ -50,6 +51,25 @@ def motions(x, centre, axisymmetric):
             fields.append(turn)
             names.append(f"turn about {AXES[3 - a - b]}")
     return np.array(fields), names
+
+
+def against_master(rows, x, nodes, directions, master):
+    """Rows of a contact's held_rows: slave nodes along directions, less what they face on a deformable master.
+
+    Near a slave node its master moves like the master's nearest known node: enough for a yes or no.
+
+    Args:
+        rows: as free_motions gives it. x: reference positions of all nodes. nodes: (n) of the slave. directions: (n,
+        gdim). master: facets, or None for a rigid obstacle.
+    """
+    slave = rows(nodes, directions)
+    known = np.empty(0, dtype=int) if master is None else np.unique(master.nodes.ravel())
+    if (
+        len(nodes) == 0 or len(known) == 0
+    ):  # on other ranks only: it counts as held, the linear solver has the last word
+        return slave
+    nearest = known[cKDTree(x[known]).query(x[nodes])[1]]
+    return slave + rows(nearest, directions, -1.0)
 
 
 def free_motions(V, fixed, contacts, axisymmetric=False):

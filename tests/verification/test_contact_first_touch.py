@@ -30,8 +30,8 @@ def test_cylinder_and_ball(cell, degree, h, hypothesis):
 def test_ball_in_space(cell, within):
     """A quarter of a ball on a block, three facets in the contact's radius: radius within a facet, the whole force.
 
-    Nodal peak: measured 1.1 % on hexahedra; on linear tetrahedra single nodes stand out by 0.2 p0, as test_contact_hertz
-    says (measured 14.5 %).
+    Nodal peak: measured 1.1 % on hexahedra; on linear tetrahedra single nodes stand out by 0.2 p0, see
+    test_contact_hertz (measured 14.5 %).
     """
     h = 1 / 3
     m = meshes.make("sphere_on_half_space", MPI.COMM_SELF, cell=cell, radius=RADIUS, a=1.0, h=h, core=1.2,

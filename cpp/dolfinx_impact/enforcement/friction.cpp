@@ -1,18 +1,11 @@
 #include "friction.h"
+#include "../common/vectors.h"
 #include <cmath>
 
 namespace impact::enforcement
 {
 namespace
 {
-double dot(const double* a, const double* b, int n)
-{
-  double sum = 0.0;
-  for (int c = 0; c < n; ++c)
-    sum += a[c] * b[c];
-  return sum;
-}
-
 /// (I - n n) v
 void project(const double* n, const double* v, int gdim, double* out)
 {

@@ -17,7 +17,9 @@ public:
   /// Collective over the mesh's ranks. A rank may have no slave facets, no master facets, or neither.
   /// @param[in] V displacement space
   /// @param[in] slave, master this rank's facets (make_surface), moved to the configuration to search in
-  /// @param[in] reach distance within which slave and master facets may meet [L]
+  /// @param[in] reach master facets are kept whose boxes come within it of the box around all slave facets of the rank:
+  /// the largest distance at which facets are to be paired, and what both surfaces may move before the next Exchange
+  /// [L]
   /// @throws std::invalid_argument for facets of another dimension or a negative reach
   Exchange(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master, double reach);
 

@@ -1,4 +1,5 @@
 #include "project.h"
+#include "../common/vectors.h"
 #include "boxes.h"
 #include <algorithm>
 #include <cmath>
@@ -7,14 +8,6 @@ namespace impact::search
 {
 namespace
 {
-double dot(const double* a, const double* b, int gdim)
-{
-  double sum = 0.0;
-  for (int c = 0; c < gdim; ++c)
-    sum += a[c] * b[c];
-  return sum;
-}
-
 double centre_distance(const surface::Facets& facets, std::size_t f, const double* x)
 {
   double phi[surface::FacetElement::max_nodes], d[3];

@@ -4,24 +4,35 @@ namespace impact::surface
 {
 namespace
 {
-/// One-dimensional functions (vertices 0 and 1, midpoint) with both derivatives: f[order][i].
-void line(int degree, double x, double f[3][3])
+/// One-dimensional functions (vertices 0 and 1, midpoint), or their derivatives of order 1 or 2.
+void line(int degree, double x, int order, double f[3])
 {
   if (degree == 1)
   {
-    const double values[3][3] = {{1 - x, x, 0}, {-1, 1, 0}, {0, 0, 0}};
-    for (int d = 0; d < 3; ++d)
-      for (int i = 0; i < 3; ++i)
-        f[d][i] = values[d][i];
+    f[0] = order == 0 ? 1 - x : order == 1 ? -1.0 : 0.0;
+    f[1] = order == 0 ? x : order == 1 ? 1.0 : 0.0;
+  }
+  else if (order == 0)
+  {
+    f[0] = (1 - x) * (1 - 2 * x);
+    f[1] = x * (2 * x - 1);
+    f[2] = 4 * x * (1 - x);
   }
   else
   {
-    const double values[3][3] = {
-        {(1 - x) * (1 - 2 * x), x * (2 * x - 1), 4 * x * (1 - x)}, {4 * x - 3, 4 * x - 1, 4 - 8 * x}, {4, 4, -8}};
-    for (int d = 0; d < 3; ++d)
-      for (int i = 0; i < 3; ++i)
-        f[d][i] = values[d][i];
+    f[0] = order == 1 ? 4 * x - 3 : 4.0;
+    f[1] = order == 1 ? 4 * x - 1 : 4.0;
+    f[2] = order == 1 ? 4 - 8 * x : -8.0;
   }
+}
+
+/// The same, written to an array of the element's own length.
+void interval(int degree, double x, int order, double* out)
+{
+  double f[3];
+  line(degree, x, order, f);
+  for (int i = 0; i <= degree; ++i)
+    out[i] = f[i];
 }
 
 /// Node i of the quadrilateral as a pair of one-dimensional nodes.
@@ -31,11 +42,11 @@ constexpr int triangle_edges[3][2] = {{1, 2}, {0, 2}, {0, 1}};
 /// Tensor product of derivatives of order dx and dy.
 void quadrilateral(int degree, int num_nodes, const double* xi, int dx, int dy, double* out)
 {
-  double fx[3][3], fy[3][3];
-  line(degree, xi[0], fx);
-  line(degree, xi[1], fy);
+  double fx[3], fy[3];
+  line(degree, xi[0], dx, fx);
+  line(degree, xi[1], dy, fy);
   for (int i = 0; i < num_nodes; ++i)
-    out[i] = fx[dx][quad_nodes[i][0]] * fy[dy][quad_nodes[i][1]];
+    out[i] = fx[quad_nodes[i][0]] * fy[quad_nodes[i][1]];
 }
 
 /// Barycentric coordinates of the triangle and their (constant) derivatives.
@@ -78,12 +89,7 @@ std::array<double, 2> FacetElement::centre() const
 void FacetElement::values(const double* xi, double* phi) const
 {
   if (shape == FacetShape::interval)
-  {
-    double f[3][3];
-    line(degree, xi[0], f);
-    for (int i = 0; i <= degree; ++i)
-      phi[i] = f[0][i];
-  }
+    interval(degree, xi[0], 0, phi);
   else if (shape == FacetShape::quadrilateral)
     quadrilateral(degree, num_nodes(), xi, 0, 0, phi);
   else
@@ -101,12 +107,7 @@ void FacetElement::derivatives(const double* xi, double* dphi) const
 {
   const int n = num_nodes();
   if (shape == FacetShape::interval)
-  {
-    double f[3][3];
-    line(degree, xi[0], f);
-    for (int i = 0; i < n; ++i)
-      dphi[i] = f[1][i];
-  }
+    interval(degree, xi[0], 1, dphi);
   else if (shape == FacetShape::quadrilateral)
   {
     quadrilateral(degree, n, xi, 1, 0, dphi);
@@ -133,12 +134,7 @@ void FacetElement::second_derivatives(const double* xi, double* ddphi) const
 {
   const int n = num_nodes();
   if (shape == FacetShape::interval)
-  {
-    double f[3][3];
-    line(degree, xi[0], f);
-    for (int i = 0; i < n; ++i)
-      ddphi[i] = f[2][i];
-  }
+    interval(degree, xi[0], 2, ddphi);
   else if (shape == FacetShape::quadrilateral)
   {
     quadrilateral(degree, n, xi, 2, 0, ddphi);

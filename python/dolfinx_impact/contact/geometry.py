@@ -3,9 +3,9 @@
 import basix
 import numpy as np
 from petsc4py import PETSc
-from scipy.spatial import cKDTree
 
 from .. import _cpp
+from ..held import against_master
 from .matrices import NodalSum, global_dofs, matrix, owned_rows
 from .neighbours import Neighbours
 from .size import body_size
@@ -21,6 +21,12 @@ def _rule(shape, degree):
     """Points (flat) and weights of a rule on a reference facet."""
     points, weights = basix.make_quadrature(getattr(basix.CellType, shape), degree)
     return np.ascontiguousarray(points).ravel(), np.ascontiguousarray(weights)
+
+
+def block_entries(row_dofs, col_dofs, blocks):
+    """Rows, columns and values of dense blocks: degrees of freedom (n, a) and (n, b), values (n, a, b)."""
+    rows, cols = np.broadcast_arrays(row_dofs[:, :, None], col_dofs[:, None, :])
+    return rows.ravel(), cols.ravel(), np.ravel(blocks)
 
 
 class _Geometry:
@@ -100,16 +106,18 @@ class _Geometry:
             rows: of the nodes. blocks: (len(rows), gdim, gdim) stiffness [F/L].
         """
         pointers, columns, values = self.master_rows(rows)
-        own = self.index_map.local_to_global(self.nodes[rows].astype(np.int32))
-        parts = []
-        for i in range(len(rows)):
-            part = slice(pointers[i], pointers[i + 1])
-            nodes = np.concatenate([own[i : i + 1], columns[part]])
-            jump = np.concatenate([[1.0], -values[part]])
-            dofs = (self.gdim * nodes[:, None] + np.arange(self.gdim)).ravel()
-            block = np.kron(np.outer(jump, jump), blocks[i])
-            parts.append((np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs)), block.ravel()))
-        entries = [np.concatenate([p[i] for p in parts]) if parts else np.empty(0) for i in range(3)]
+        counts = np.diff(pointers) + 1  # each node and the nodes it faces, with their parts in the jump
+        starts = np.cumsum(counts) - counts
+        nodes, jump = np.empty(counts.sum(), dtype=np.int64), np.ones(counts.sum())
+        others = np.setdiff1d(np.arange(len(nodes)), starts, assume_unique=True)
+        nodes[starts] = self.index_map.local_to_global(self.nodes[rows].astype(np.int32))
+        nodes[others], jump[others] = columns, -values
+        # All pairs (a, b) of entries of the same row.
+        row = np.repeat(np.arange(len(rows)), counts**2)
+        pair = np.arange(len(row)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
+        a, b = starts[row] + pair // counts[row], starts[row] + pair % counts[row]
+        dofs = self.gdim * nodes[:, None] + np.arange(self.gdim)
+        entries = block_entries(dofs[a], dofs[b], (jump[a] * jump[b])[:, None, None] * blocks[row])
         return matrix(self.comm, self.gdim * self.index_map.size_local, *entries)
 
     def covered(self, pressure, active):
@@ -143,7 +151,7 @@ class _Geometry:
 
     def jump_rows(self, rows, held, directions):
         """Rows of relative displacements of nodes along directions over rigid motions (held.free_motions)."""
-        return rows(self.nodes[held], directions)
+        return against_master(rows, self.rest, self.nodes[held], directions, self.master)
 
     def diagonal_stiffness(self, K):
         """Mean diagonal entry of each slave node's block [F/L]."""
@@ -185,10 +193,10 @@ class RigidGeometry(_Geometry):
         """The normal turns where a node slides over a curved obstacle: K - D lambda d n/dx. Collective."""
         rows = np.flatnonzero(active & (multiplier != 0.0))
         blocks = -(self.weight * multiplier)[rows, None, None] * self.hessian[rows]
-        dofs = global_dofs(self.index_map, self.nodes[rows], self.gdim).astype(np.int32)
-        for d, block in zip(dofs, blocks):
-            K.setValues(d, d, block, addv=True)
-        K.assemble()
+        dofs = global_dofs(self.index_map, self.nodes[rows], self.gdim)
+        obstacle = matrix(self.comm, self.gdim * self.index_map.size_local, *block_entries(dofs, dofs, blocks))
+        K.axpy(1.0, obstacle, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+        obstacle.destroy()
         return K
 
     def forces(self, traction):
@@ -332,20 +340,6 @@ class MortarGeometry(_Geometry):
     def _global(self, dofs):
         nodes = self.map.local_to_global((dofs // self.gdim).astype(np.int32))
         return self.gdim * nodes + dofs % self.gdim
-
-    def jump_rows(self, rows, held, directions):
-        """Rows of relative displacements of nodes along directions over rigid motions (held.free_motions).
-
-        Near a slave node its master moves like the master's nearest known node: enough for a yes or no.
-        """
-        slave = rows(self.nodes[held], directions)
-        master = np.unique(self.master.nodes.ravel())
-        if len(held) == 0:
-            return slave
-        if len(master) == 0:  # the master is on other ranks: it counts as held, the linear solver has the last word
-            return slave
-        nearest = master[cKDTree(self.rest[master]).query(self.rest[self.nodes[held]])[1]]
-        return slave + rows(nearest, directions, -1.0)
 
     def forces(self, traction):
         """Nodal forces on slave and master, array over owned dofs [F]. Collective."""

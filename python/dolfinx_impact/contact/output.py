@@ -49,18 +49,24 @@ class ContactOutput:
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
         self.dissipated += float(sums[-1])
 
+    def at_nodes(self, values):
+        """A contact array by nodes: their numbers on this rank, (m), and values, (m) or (m, gdim)."""
+        return self.nodes, np.asarray(values, dtype=float)
+
     def field(self, problem, values, name):
-        """A nodal contact array as a function on the displacement's mesh, zero elsewhere, for ParaView.
+        """A contact array as a function on the displacement's mesh, zero elsewhere, for ParaView. Collective.
+
+        Values at quadrature points (penalty) become means at the slave's nodes; see PenaltyContact.at_nodes.
 
         Args:
             problem: StaticProblem. values: one of the arrays, (n) or (n, gdim). name: of the function.
         """
         V = problem.space
         mesh, degree = V.mesh, V.element.basix_element.degree
-        values = np.asarray(values, dtype=float)
+        nodes, values = self.at_nodes(values)
         shape = values.shape[1:]
         f = fem.Function(fem.functionspace(mesh, ("Lagrange", degree, shape)), name=name)
         flat = f.x.array.reshape(-1, *shape)
-        flat[self.nodes] = np.where(np.isfinite(values), values, 0.0)
+        flat[nodes] = np.where(np.isfinite(values), values, 0.0)
         f.x.scatter_forward()
         return f

@@ -9,6 +9,7 @@ from mpi4py import MPI
 from .. import _cpp
 from ..loads import _tag, check_tag
 from ..materials import _number
+from .matrices import NodalSum
 from .rigid import _Rigid
 
 
@@ -85,22 +86,18 @@ class ContactPair:
         return tuple(made)
 
     def _check_shared_nodes(self, V, slave, master):
-        index_map = V.dofmap.index_map
-        nodes = [np.unique(s.nodes.ravel()) for s in (slave, master)]
-        owned = [index_map.local_to_global(n.astype(np.int32)) for n in nodes]
-        parts = V.mesh.comm.allgather([o.tolist() for o in owned])
-        # Node numbers of surfaces only: small beside the mesh.
-        shared = set().union(*(p[0] for p in parts)) & set().union(*(p[1] for p in parts))
-        if shared:
-            where = {}
-            x = V.tabulate_dof_coordinates()
-            for n, g in zip(nodes[0], owned[0]):
-                if int(g) in shared:
-                    where[int(g)] = x[n][: V.mesh.geometry.dim].round(12).tolist()
-            found = {k: v for part in V.mesh.comm.allgather(where) for k, v in part.items()}
-            some = [found[k] for k in sorted(found)[:3]]
+        index_map, gdim = V.dofmap.index_map, V.mesh.geometry.dim
+        total = NodalSum(index_map, 2)
+        marks = np.zeros((index_map.size_local + index_map.num_ghosts, 2))
+        marks[slave.nodes, 0] = marks[master.nodes, 1] = 1.0
+        # A node of both sides may lie on no rank that has a facet of both: its owner hears of either.
+        shared = np.flatnonzero(np.all(total(marks)[: index_map.size_local] > 0.0, axis=1))
+        count = V.mesh.comm.allreduce(len(shared), MPI.SUM)
+        if count:
+            first = V.tabulate_dof_coordinates()[shared[:3], :gdim].round(12).tolist()
+            some = sum(V.mesh.comm.allgather(first), [])[:3]
             raise ValueError(
-                f"{self.name}: slave and master share {len(shared)} nodes, the first at {some}: a body cannot touch "
+                f"{self.name}: slave and master share {count} nodes, the first at {some}: a body cannot touch "
                 "itself there; leave the common edge out of one of the tags, or mesh the bodies apart"
             )
 

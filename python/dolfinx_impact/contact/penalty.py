@@ -4,14 +4,14 @@ import basix
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
-from scipy.spatial import cKDTree
 
 from .. import _cpp
+from ..held import against_master
 from ..materials import _number
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
 from .output import ContactOutput
-from .pair import ContactPair
+from .pair import ContactPair, ContactStatus
 from .size import body_size
 from .start import InitialGap, check_side, nearly_touching
 
@@ -288,15 +288,8 @@ class PenaltyContact(ContactOutput):
         directions = [normals]
         if self.pair.friction > 0.0:
             directions = [np.tile(e, (len(nodes), 1)) for e in np.eye(self.gdim)]
-        slave = [rows(nodes, d) for d in directions]
-        if self.pair.rigid or len(nodes) == 0:
-            return slave
-        master = np.unique(self.master.nodes.ravel())
-        if len(master) == 0:
-            return slave
         x = self.V.tabulate_dof_coordinates()
-        nearest = master[cKDTree(x[master]).query(x[nodes])[1]]
-        return [s + rows(nearest, d, -1.0) for s, d in zip(slave, directions)]
+        return [against_master(rows, x, nodes, d, self.master) for d in directions]
 
     # --- results ---------------------------------------------------------------------------------------------------
 
@@ -359,3 +352,19 @@ class PenaltyContact(ContactOutput):
         weight = NodalSum(self.V.dofmap.index_map, 1)(weight).ravel()
         nodes = np.flatnonzero(weight[: self.V.dofmap.index_map.size_local])
         return nodes, total[nodes] / weight[nodes, None]
+
+    def at_nodes(self, values):
+        """A contact array by nodes: their numbers on this rank, (m), and values, (m) or (m, gdim). Collective.
+
+        Numbers are means over the points that know one (a gap without master is none; nodes without any: infinite). Of
+        whole numbers, as status, it is the one that most of the node's area has.
+        """
+        values = np.asarray(values)
+        if np.issubdtype(values.dtype, np.integer):
+            nodes, parts = self.nodal(values[:, None] == np.arange(len(ContactStatus)))
+            return nodes, np.argmax(parts, axis=1).astype(float)
+        known = np.isfinite(values)
+        nodes, sums = self.nodal(np.where(known, values, 0.0))
+        parts = self.nodal(known)[1]
+        means = np.divide(sums, parts, out=np.full_like(sums, np.inf), where=parts > 0.0)
+        return nodes, means.reshape(-1, *values.shape[1:])

@@ -116,15 +116,13 @@ def bonded_indentation(load_per_length, R1, R2, E1, nu1, E2, nu2):
     Hertz's p) and plane strain; near the edge q/p is not bounded, so real contacts slip there.
 
     Args:
-        load_per_length: positive [F/L].
-        R1, R2: radii; negative inside a bore, np.inf for a plane [L].
-        E1, nu1, E2, nu2: elastic constants; E = np.inf is a rigid body [F/L^2; 1].
+        load_per_length, R1, R2, E1, nu1, E2, nu2: as for hertz_line [F/L; L; F/L^2; 1].
 
     Returns:
         BondedIndentation.
 
     Raises:
-        ValueError: a value outside its range, a pair that is not convex. TypeError: no numbers.
+        ValueError, TypeError: as hertz_line.
     """
     contact = hertz_line(load_per_length, R1, R2, E1, nu1, E2, nu2)
     return BondedIndentation(contact, of_bodies(contact.bodies).beta)
@@ -141,7 +139,7 @@ def bentall_johnson(load_per_length, R1, R2, E1, nu1, E2, nu2):
     creep = 0.4573855 (2 beta) a/R, positive for beta > 0. Friction makes it smaller.
 
     Args:
-        load_per_length, R1, R2, E1, nu1, E2, nu2: as for hertz_line.
+        load_per_length, R1, R2, E1, nu1, E2, nu2: as for hertz_line [F/L; L; F/L^2; 1].
 
     Returns:
         Creep: difference of the surface speeds over the rolling speed [1].

@@ -219,14 +219,13 @@ def hertz_point(load, R1, R2, E1, nu1, E2, nu2):
 
     Args:
         load: P, positive [F].
-        R1, R2: radii; negative for a socket, np.inf for a plane [L].
-        E1, nu1, E2, nu2: elastic constants; E = np.inf is a rigid body [F/L^2; 1].
+        R1, R2, E1, nu1, E2, nu2: as for hertz_line; the radius of a socket is negative.
 
     Returns:
         HertzPoint.
 
     Raises:
-        ValueError: a value outside its range, a pair that is not convex. TypeError: no numbers.
+        ValueError, TypeError: as hertz_line.
     """
     load = checks.number("load", load, "[F]")
     radius, bodies = relative_radius(R1, R2), Bodies(E1, nu1, E2, nu2)

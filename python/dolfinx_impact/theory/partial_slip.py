@@ -151,16 +151,14 @@ def cattaneo_mindlin(load, tangential_load, friction, R1, R2, E1, nu1, E2, nu2):
     {1 - (1 - k)^(5/3) - (5 k/6) [1 + (1 - k)^(2/3)]}, k = Q/(friction P).
 
     Args:
-        load: P, positive [F].
-        tangential_load: Q, between 0 and friction P [F].
-        friction: coefficient, positive [1].
-        R1, R2, E1, nu1, E2, nu2: as for hertz_point.
+        load: P [F]. tangential_load: Q [F].
+        friction, R1, R2, E1, nu1, E2, nu2: as for cattaneo_mindlin_line.
 
     Returns:
         CattaneoMindlin.
 
     Raises:
-        ValueError: a value outside its range; Q above friction P. TypeError: no numbers.
+        ValueError, TypeError: as cattaneo_mindlin_line.
     """
     contact = hertz_point(load, R1, R2, E1, nu1, E2, nu2)
     Q, friction, ratio = tangential_ratio(contact.load, tangential_load, friction, "[F]")

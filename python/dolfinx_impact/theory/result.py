@@ -1,15 +1,16 @@
 """What all results have in common: they can draw themselves."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(ABC):
     """Base of the results. Frozen: an answer does not change after it was given."""
 
+    @abstractmethod
     def _figure(self):
         """(label of the abscissa, label of the ordinate, list of (name of a curve, abscissae, ordinates))."""
-        raise NotImplementedError
 
     def plot(self, ax=None):
         """Draw the result.

@@ -78,6 +78,18 @@ def check_wrong_side():
         )
 
 
+def check_shared_nodes():
+    """An edge that belongs to both surfaces is found though no rank need have a facet of either; all ranks say so."""
+    domain = mesh.create_unit_square(COMM, 3, 3, mesh.CellType.quadrilateral)
+    V = fem.functionspace(domain, ("Lagrange", 2, (2,)))
+    parts = [mesh.locate_entities_boundary(domain, 1, lambda x, a=a: np.isclose(x[a], 0.0)) for a in (0, 1)]
+    facets = np.concatenate(parts)
+    order = np.argsort(facets)
+    values = np.repeat(np.array([3, 4], dtype=np.int32), [len(p) for p in parts])
+    pair = di.ContactPair(mesh.meshtags(domain, 1, facets[order], values[order]), 3, 4)
+    assert "share 1 nodes, the first at [[0.0, 0.0]]" in message(lambda: pair.surfaces(V))
+
+
 def check_sunk():
     """A block deep inside the other one is refused; an overlap as of a press fit is taken."""
     for method in METHODS:
