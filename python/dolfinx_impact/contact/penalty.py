@@ -77,8 +77,9 @@ class PenaltyContact(ContactOutput):
         self.start = np.zeros_like(problem.u.x.array)
         self.penalty, self.tangential = spec.penalty, spec.tangential
         corners = _cpp.surface.FacetElement(element.shape, 1)
-        self._hats = np.array([corners.tabulate(*xi)[0] for xi in self._points.xi[: self._points.per_facet]])
-        self._hats = self._hats.reshape(-1, corners.num_nodes)
+        # From the rule: a rank without slave facets has no points, but takes part in the sums.
+        places = np.pad(self._rule[0], ((0, 0), (0, 2 - self._rule[0].shape[1])))
+        self._hats = np.array([corners.tabulate(*xi)[0] for xi in places])
         self._sum = NodalSum(V.dofmap.index_map, 1)
         self.multiplier = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
         self._status = np.zeros(self._points.size, dtype=np.int8)
