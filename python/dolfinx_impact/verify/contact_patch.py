@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
 from .. import _cpp, contact
-from ..contact.geometry import MortarGeometry
+from ..contact.mortar import MortarGeometry
 from ..problem import StaticProblem
 from . import bodies
 from .contact_bodies import rule

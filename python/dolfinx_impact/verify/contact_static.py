@@ -99,7 +99,7 @@ def pressed(cell, hypothesis, degree, friction=0.0, cells=None, start=(0.17, 0.1
     if friction:
         side = np.append(pull * np.array([1.0, 0.4])[: dim - 1], 0.0)
         tops = [down, down + side, down]
-    return Case("block pressed on a block", body, tops, steps=3 if friction else 1)
+    return Case("block pressed on a block", body, tops, steps=4 if friction else 1)
 
 
 def _upper_cells(domain):
@@ -125,7 +125,7 @@ def under_obstacle(cell, hypothesis, degree, law="linear_elastic", friction=0.0,
     down, side = -push * np.eye(dim)[-1], 0.003 * np.eye(dim)[0]
     stages = [down, down + side] if friction else [down]
     name = f"{law.replace('_', '-')} block under a {shape.lower()}"
-    return Case(name, body, [np.zeros(dim)] * len(stages), stages, steps=3)
+    return Case(name, body, [np.zeros(dim)] * len(stages), stages, steps=6)
 
 
 # --- both sides ------------------------------------------------------------------------------------------------------
