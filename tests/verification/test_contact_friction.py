@@ -82,8 +82,14 @@ def test_stick_slip_and_back(on, method, degree, dim):
     # quite level, and in space slips at the sides are not quite along x.
     limit = pytest.approx(FRICTION, rel=1e-9 if on == "rigid" and dim == 2 else 5e-3)
     for shift in (0.03, 0.035):
+        before = block.contact.dissipated
         assert block.push(shift, 3) == limit
         assert not np.any(block.contact.status == di.ContactStatus.stick)
+    # Sliding as a whole takes friction times normal force times way.
+    work = block.contact.dissipated - before
+    assert work == pytest.approx(
+        FRICTION * block.contact.force[-1] * 0.005, rel=1e-9 if on == "rigid" and dim == 2 else 1e-2
+    )
     # A little back: nearly everything sticks, with nearly the stiffness that the sticking block had at first.
     back = block.push(0.0345)
     touching = block.contact.status > 0

@@ -25,23 +25,29 @@ class ContactOutput:
     force = None  #: total contact force on the slave, (gdim); on the master it is the opposite [F]
     moment = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
     area = 0.0  #: area in contact (2D: length), see covered() [L^2]
+    dissipated = 0.0  #: work of friction so far: in each increment, tractions at its end times its slip [F L]
+    _slip_before = 0.0
 
     def touch_nearest(self):
         """Take the nearest points as touching, if they nearly do; returns whether there are any. Collective."""
         return False
 
     def total(self):
-        """Sum up force, moment and area of the present state. Collective; a converged increment calls it."""
+        """Sum up force, moment, area and work of the present state. Collective; a converged increment calls it."""
         touching = self.status > 0
         forces = np.where(touching, self.weight, 0.0)[:, None] * self.traction
         if forces.shape[1] == 2:
             moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
         else:
             moments = np.cross(self.points, forces)
-        parts = [forces.sum(axis=0), moments.sum(axis=0), [np.sum(self.weight * self.covered())]]
+        slip = np.array(self.slip)
+        work = -np.sum(forces * (slip - self._slip_before))
+        self._slip_before = slip
+        parts = [forces.sum(axis=0), moments.sum(axis=0), [np.sum(self.weight * self.covered()), work]]
         sums = self.comm.allreduce(np.concatenate(parts), MPI.SUM)
         gdim = forces.shape[1]
-        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-1], float(sums[-1])
+        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
+        self.dissipated += float(sums[-1])
 
     def at_nodes(self, values):
         """A contact array by nodes: their numbers on this rank, (m), and values, (m) or (m, gdim)."""
