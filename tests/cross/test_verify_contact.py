@@ -41,16 +41,16 @@ def failed(report, at_least, not_in=()):
 
 @pytest.mark.parametrize("case", [PATCH, ("tetrahedron", "3d", 2, 2), ("hexahedron", "3d", 1, 2)], ids=lambda c: c[0])
 def test_healthy_patches_pass(case):
-    assert_healthy(patches(case), "contact", 57)
+    assert_healthy(patches(case), "contact", 58 + 8 * case[2])  # linear multipliers for degree 2 only
 
 
 def test_healthy_axisymmetric_patches_pass():
-    assert_healthy(patches(("quadrilateral", "axisymmetric", 2, 1)), "contact", 31)
+    assert_healthy(patches(("quadrilateral", "axisymmetric", 2, 1)), "contact", 48)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_healthy_solutions_pass(friction):
-    assert_healthy(solutions(friction), "contact", 36 if friction else 10)
+    assert_healthy(solutions(friction), "contact", 36 if friction else 15)
 
 
 @pytest.mark.slow
@@ -176,7 +176,7 @@ def test_a_radius_off_by_ten_to_the_minus_eight(monkeypatch):
         return made
 
     monkeypatch.setattr(contact, "obstacles", wrong)
-    rows = failed(patches(), ["gap", "pressure", "weighted_gap"], ["mortar_D", "point_area"])
+    rows = failed(patches(), ["gap", "pressure", "mortar_gap"], ["mortar_D", "point_area"])
     assert {r.name for r in rows} == {"rigid sphere", "rigid cylinder"}
 
 
@@ -211,9 +211,9 @@ def test_slip_that_open_points_keep(monkeypatch):
     "name, change, forms",
     [
         ("normal", lambda v: -v, {"normals"}),
-        ("gap", lambda v: v * (1 + 1e-8), {"weighted_gap"}),
-        ("gap", lambda v: -v, {"weighted_gap"}),
-        ("participates", lambda v: np.ones_like(v), {"participates"}),
+        ("gap", lambda v: v * (1 + 1e-8), {"mortar_gap"}),
+        ("gap", lambda v: -v, {"mortar_gap"}),
+        ("participates", lambda v: np.ones_like(v), {"mortar_participates"}),
     ],
 )
 def test_values_at_nodes_that_are_wrong(name, change, forms, monkeypatch):
@@ -231,7 +231,7 @@ def test_normals_at_planes_of_symmetry(bound, case, monkeypatch):
 
 def test_nodes_against_obstacles(monkeypatch):
     after(monkeypatch, RigidGeometry, "update", lambda self: setattr(self, "gap", self.gap + 1e-9))
-    rows = failed(patches(), ["weighted_gap"], ["mortar_force"])
+    rows = failed(patches(), ["mortar_gap"], ["mortar_force"])
     assert {r.name for r in rows} == {"rigid plane", "rigid sphere", "rigid cylinder"}
 
 
@@ -264,10 +264,13 @@ def times(factor):
 )
 def test_one_entry_of_a_matrix(method, name, form, factor, monkeypatch):
     of_theirs(monkeypatch, method, lambda answer: times(factor)(getattr(answer, name)))
-    assert {r.form for r in failed(patches(), [form])} == {f"contact.{form}"}
+    same = {form}  # the same method gives the matrices of all bases
+    if method == "mortar":
+        same |= {f"standard_{name}", "mortar_jump", "standard_jump"}
+    assert {r.form for r in failed(patches(), [form])} == {f"contact.{f}" for f in same}
 
 
-@pytest.mark.parametrize("name, forms", [("gamma", {"gamma", "weighted_gap"}), ("moved", {"mortar_slip"})])
+@pytest.mark.parametrize("name, forms", [("gamma", {"mortar_gamma", "mortar_gap"}), ("moved", {"mortar_slip"})])
 def test_one_weighted_gap_or_slip(name, forms, monkeypatch):
     def change(answer):
         values = getattr(answer, name)
@@ -280,8 +283,12 @@ def test_one_weighted_gap_or_slip(name, forms, monkeypatch):
 
 def test_a_standard_basis_in_place_of_the_dual_one(monkeypatch):
     right = impact_reference.Contact.mortar
-    monkeypatch.setattr(impact_reference.Contact, "mortar", lambda self, u, **k: right(self, u, "standard", **k))
-    failed(patches(), ["mortar_D", "mortar_M", "gamma"], ["normals", "gap"])
+
+    def standard(self, u, basis="dual", *args, **kwargs):
+        return right(self, u, "standard", *args, **kwargs)
+
+    monkeypatch.setattr(impact_reference.Contact, "mortar", standard)
+    failed(patches(), ["mortar_D", "mortar_M", "mortar_gamma"], ["normals", "gap"])
 
 
 def test_normals_that_do_not_turn(monkeypatch):
@@ -305,7 +312,75 @@ def test_another_rule(monkeypatch):
     failed(report, ["mortar_D", "mortar_M"], ["normals"])
 
 
+# Other bases.
+
+
+@pytest.mark.parametrize("basis", ["standard", "linear"])
+@pytest.mark.parametrize("name", ["D", "M"])
+def test_one_entry_of_a_matrix_of_another_basis(basis, name, monkeypatch):
+    right = impact_reference.Contact.mortar
+
+    def wrong(self, u, used="dual", *args, **kwargs):
+        answer = right(self, u, used, *args, **kwargs)
+        if used == basis:
+            times(1 + 1e-8)(getattr(answer, name))
+        return answer
+
+    monkeypatch.setattr(impact_reference.Contact, "mortar", wrong)
+    rows = failed(patches(("triangle", "plane_strain", 2, 1)), [f"{basis}_{name}", f"{basis}_jump"])
+    assert {r.form for r in rows} == {f"contact.{basis}_{name}", f"contact.{basis}_jump"}
+
+
+def test_linear_multipliers_in_place_of_standard_ones(monkeypatch):
+    right = MortarGeometry.__init__
+
+    def wrong(self, spec, V, axisymmetric, fixed, basis="dual"):
+        right(self, spec, V, axisymmetric, fixed, "linear" if basis == "standard" else basis)
+
+    monkeypatch.setattr(MortarGeometry, "__init__", wrong)
+    forms = ["D", "M", "gamma", "gap", "participates", "slip", "force", "jump"]
+    # The random forces differ as well, since there are fewer multipliers; shapes that differ are a failure.
+    failed(patches(("hexahedron", "3d", 2, 1)), [f"standard_{f}" for f in forms], ["mortar_D", "linear_D"])
+
+
+def test_functions_that_are_not_handed_over(monkeypatch):
+    right = geometry._cpp.gap.mortar
+    monkeypatch.setattr(geometry._cpp.gap, "mortar", lambda *args: right(*args[:-1], np.ones_like(args[-1])))
+    rows = failed(patches(("quadrilateral", "plane_strain", 2, 1)), ["mortar_D", "standard_D"], ["normals", "gap"])
+    assert {r.name for r in rows} == {"deformable master"}
+
+
 # Solutions.
+
+
+def test_multipliers_that_are_never_augmented(monkeypatch):
+    monkeypatch.setattr(PenaltyContact, "refine", lambda self: False)
+    failed(solutions(), ["static_augmented"], ["static_penalty", "static_lagrange"])
+
+
+def test_one_round_of_augmentation_too_few(monkeypatch):
+    right, seen = PenaltyContact.refine, []
+
+    def wrong(self):
+        seen.append(self)
+        return right(self) if len(seen) < 3 else False
+
+    monkeypatch.setattr(PenaltyContact, "refine", wrong)
+    failed(solutions(), [], ["static_lagrange"])
+    assert len(seen) >= 3
+
+
+@pytest.mark.parametrize("shape", ["Sphere", "Cylinder"])
+def test_a_solution_under_another_radius(shape):
+    case = contact_static.under_obstacle("tetrahedron", "3d", 1, shape=shape)
+    report = Report()
+    contact_static.both(report, "static", case)
+    assert_healthy(report, "contact", 15)
+    assert all(shape.lower() in r.name for r in report.rows)
+    case.body.rigid[1].radius *= 1 + 1e-6
+    report = Report()
+    contact_static.both(report, "static", case)
+    failed(report, ["static_penalty", "static_augmented", "static_lagrange"])
 
 
 @pytest.mark.parametrize("method, form", [("solve_penalty", "static_penalty"), ("solve_lagrange", "static_lagrange")])
@@ -315,7 +390,8 @@ def test_another_rule(monkeypatch):
 def test_a_solution_off_by_one_millionth(method, form, name, what, monkeypatch):
     of_theirs(monkeypatch, method, lambda s: setattr(s, name, getattr(s, name) * (1 + 1e-6)))
     rows = failed(solutions(), [form])
-    assert len(rows) == 1 and what in rows[0].name and rows[0].form == f"contact.{form}"
+    forms = [form] + ["static_augmented"] * (method == "solve_penalty")
+    assert [r.form for r in rows] == [f"contact.{f}" for f in forms] and all(what in r.name for r in rows)
 
 
 @pytest.mark.parametrize("method", ["solve_penalty", "solve_lagrange"])
@@ -325,7 +401,8 @@ def test_a_status_that_differs_at_one_place(method, monkeypatch):
         solution.status[k] = 0
 
     of_theirs(monkeypatch, method, change)
-    assert [r.name.split()[0] for r in failed(solutions(), [])] == ["status"]
+    number = 2 if method == "solve_penalty" else 1  # augmented as well
+    assert [r.name.split()[0] for r in failed(solutions(), [])] == ["status"] * number
 
 
 def test_another_penalty(monkeypatch):

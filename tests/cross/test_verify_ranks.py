@@ -15,6 +15,7 @@ import sys
 from dolfinx_impact.verify import ranks
 from dolfinx_impact import operators
 ranks.CASES = ranks.CASES[:1]
+ranks.contact_ranks.CASES = [(*c[:3], c[3][:1]) for c in ranks.contact_ranks.CASES[:1] if {contact}]
 {fault}
 sys.argv = ["ranks", sys.argv[1]]
 ranks.main()
@@ -34,13 +35,24 @@ operators.Energy.value = lambda self: (self._update(), self._cpp_object.value())
 """
 
 
-def launch(monkeypatch, fault=""):
+# Every rank reports its own part of the total contact force.
+LOCAL_TOTAL = """
+from dolfinx_impact.contact.output import ContactOutput
+right = ContactOutput.total
+def total(self):
+    right(self)
+    self.force = (self.weight[:, None] * self.traction)[self.status > 0].sum(axis=0)
+ContactOutput.total = total
+"""
+
+
+def launch(monkeypatch, fault="", contact=False):
     """ranks.run starts its processes with a prelude: the first case only, and a fault."""
     real = subprocess.run
 
     def run(command, **kwargs):
         where = command.index("-m")
-        prelude = ["-c", PRELUDE.format(fault=fault), command[-1]]
+        prelude = ["-c", PRELUDE.format(fault=fault, contact=contact), command[-1]]
         return real([*command[:where], *prelude], **kwargs)
 
     monkeypatch.setattr(ranks.subprocess, "run", run)
@@ -74,6 +86,21 @@ def test_the_healthy_state_passes_on_two_and_three_ranks(monkeypatch):
     assert {r.name for r in found.rows} == {"2 ranks against 1", "3 ranks against 1"}
     forms = {"linear_elastic.force", "linear_elastic.energy", "neo_hookean.force", "neo_hookean.energy", "lumped_mass"}
     assert {r.form for r in found.rows} == forms | {"solution"}
+
+
+@pytest.mark.mpi
+def test_contact_on_two_ranks(monkeypatch):
+    launch(monkeypatch, contact=True)
+    found = report()
+    assert_healthy(found, "ranks", 10)
+    values = {f"contact.lagrange_{what}" for what in ("u", "friction_u", "force", "total")}
+    assert values <= {r.form for r in found.rows}
+
+
+@pytest.mark.mpi
+def test_contact_that_every_rank_sums_up_for_itself(monkeypatch):
+    launch(monkeypatch, LOCAL_TOTAL, contact=True)
+    assert {r.form for r in report().failures()} == {"contact.lagrange_total"}
 
 
 @pytest.mark.mpi

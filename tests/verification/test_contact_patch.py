@@ -194,7 +194,8 @@ for cell, dim, degree in (("quadrilateral", 2, 2), ("tetrahedron", 3, 1)):
     strains = free_sides(dim, 0.3, -0.01)
     stress = hooke(strains, 0.3)
     penalty = {"method": functools.partial(di.Penalty, penalty=chi), "rigid": True, "sink": -stress[-1] / chi}
-    for more in ({"method": di.Lagrange}, penalty):
+    augmented = functools.partial(di.Penalty, penalty=chi, augmented=True, tolerance=1e-13)
+    for more in ({"method": di.Lagrange}, penalty, {"method": augmented, "rigid": True}):
         blocks = PressedBlocks(cell, degree, strains, 0.3, comm=MPI.COMM_WORLD, **more)
         errors = (blocks.displacement_error(), blocks.stress_error(stress), blocks.pressure_error(-stress[-1]))
         force = abs(blocks.contact.force[-1] / stress[-1]) - 1
@@ -208,4 +209,4 @@ for cell, dim, degree in (("quadrilateral", 2, 2), ("tetrahedron", 3, 1)):
 def test_on_ranks(ranks, mpirun):
     output = mpirun(ranks, RANKS, pathlib.Path(__file__).parent)
     errors = [float(line.split()[1]) for line in output.splitlines() if line.startswith("error")]
-    assert len(errors) == 4 and max(errors) < EXACT
+    assert len(errors) == 6 and max(errors) < EXACT  # some ranks have no slave facets

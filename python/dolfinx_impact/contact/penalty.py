@@ -20,6 +20,9 @@ from .start import InitialGap, check_side, nearly_touching
 FACTOR = 10.0
 # Where bodies just touch, round-off must not decide: gaps up to this times their size are closed.
 TOUCH = 1e-12
+# Iterations in which points may change facets freely after convergence; at a kink they may do so for ever.
+FREE_ITERATIONS = 10
+STILL = 1e-12  # of the size: round-off of projections
 
 
 class Penalty:
@@ -74,8 +77,9 @@ class PenaltyContact(ContactOutput):
         self.start = np.zeros_like(problem.u.x.array)
         self.penalty, self.tangential = spec.penalty, spec.tangential
         corners = _cpp.surface.FacetElement(element.shape, 1)
-        self._hats = np.array([corners.tabulate(*xi)[0] for xi in self._points.xi[: self._points.per_facet]])
-        self._hats = self._hats.reshape(-1, corners.num_nodes)
+        # From the rule: a rank without slave facets has no points, but takes part in the sums.
+        places = np.pad(self._rule[0], ((0, 0), (0, 2 - self._rule[0].shape[1])))
+        self._hats = np.array([corners.tabulate(*xi)[0] for xi in places])
         self._sum = NodalSum(V.dofmap.index_map, 1)
         self.multiplier = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
         self._status = np.zeros(self._points.size, dtype=np.int8)
@@ -83,6 +87,7 @@ class PenaltyContact(ContactOutput):
         self.constraints = None  # nothing to condense
         if self.pair.rigid:
             check_side(self.pair, V, self.slave, self.obstacle)
+        self._stay = True  # points may stay on a facet that they are a little beside
         self._seen = False  # the state before the first increment is nothing to stay on a facet from
         self._locate(self.start)
         self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
@@ -144,6 +149,7 @@ class PenaltyContact(ContactOutput):
         self.tangential = self.tangential or self.penalty
         self.start = np.array(u)
         self._touch = TOUCH * self.size * self.penalty
+        self._stay, self._free = True, FREE_ITERATIONS
         if self.pair.friction > 0.0:  # motion counts from where a point closes
             self._locate(self.start)
             gap = self.gap
@@ -163,6 +169,8 @@ class PenaltyContact(ContactOutput):
         Multipliers live at the corners of the slave's facets, with piecewise linear functions: one at every quadrature
         point would be more conditions than the nodes can fulfil. Seed (3.48) with (3.47); Simo and Laursen (1992).
         """
+        if self._leave_facets():
+            return True
         if not self.spec.augmented:
             return False
         p, table, corners = self._points, self._hats, self.slave.nodes[:, : self._hats.shape[1]]
@@ -186,6 +194,10 @@ class PenaltyContact(ContactOutput):
     def update(self, u):
         """Search, gaps and tractions at the displacements u. Collective."""
         u = np.ascontiguousarray(u)
+        if not self._stay:
+            self._free -= 1
+            self._stay = self._free == 0
+        self._u = u.copy()
         surfaces = self._locate(u)
         self._seen = True
         increment = u - self.start
@@ -201,6 +213,24 @@ class PenaltyContact(ContactOutput):
         )
         self._pair.set_increment(increment, (self.displacement - self.start_displacement).tolist())
         self._state = self._pair.evaluate()
+
+    def _leave_facets(self):
+        """Converged with points that stay on a facet they are a little beside: project anew; returns whether that
+        moves any, so that the iteration must go on, without staying. Once per increment. Collective."""
+        if self.pair.rigid or not self._stay or self._free < FREE_ITERATIONS:
+            return False
+        before = self._feet(), self.traction
+        self._stay = False
+        self.update(self._u)
+        closed = self.status > 0
+        parts = self._feet()[closed] - before[0][closed], (self.traction - before[1]) / self.penalty
+        moved = max(float(np.max(np.abs(p), initial=0.0)) for p in parts)
+        return self.comm.allreduce(moved, MPI.MAX) > STILL * self.size
+
+    def _feet(self):
+        """Closest points on the master, (n, gdim) [L]; meaningless where there is none."""
+        gap = self._points.gap
+        return self._points.x - np.where(np.isfinite(gap), gap, 0.0)[:, None] * self._points.normal
 
     def touch_nearest(self):
         """Close the points nearest to the master in this iteration, which draws them together, if they nearly touch and
@@ -222,7 +252,8 @@ class PenaltyContact(ContactOutput):
             return self.slave, None
         near = self.neighbours
         reach = near.update(u, self.start)
-        self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, near.kept and self._seen)
+        keep = near.kept and self._seen and self._stay
+        self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, keep)
         return near.slave, near.master
 
     def switch(self, first):

@@ -6,6 +6,7 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
 from .. import _cpp, contact
+from ..contact.geometry import MortarGeometry
 from ..problem import StaticProblem
 from . import bodies
 from .contact_bodies import rule
@@ -131,11 +132,25 @@ def _prescribed(body):
 
 
 def mortar(report, body, name, seed):
-    """Mortar matrices, weighted gaps and slips, nodal normals, forces and tangents of random multipliers."""
+    """Mortar matrices, weighted gaps and slips, nodal normals, forces and tangents of random multipliers of every
+    basis. For degree 1 the linear functions are the shape functions."""
+    for basis in ("dual", "standard", "linear")[: body.degree + 1]:
+        _mortar(report, body, name, seed, basis)
+
+
+def _geometry(body, basis, degree, bcs):
+    method = contact.Lagrange(body.pair(), quadrature_degree=degree)
+    ours = bind(body, method, bcs)
+    if basis == "dual":
+        return ours.geometry
+    return MortarGeometry(method, body.V, ours.problem.axisymmetric, ours.problem.fixed, basis)
+
+
+def _mortar(report, body, name, seed, basis):
     rows, rng = Rows(report, body, name), np.random.default_rng(seed)
-    degree = 3 * body.degree + 4
+    degree, kind = 3 * body.degree + 4, "mortar" if basis == "dual" else basis
     bcs, body.prescribed = _prescribed(body)
-    ours = bind(body, contact.Lagrange(body.pair(), quadrature_degree=degree), bcs).geometry
+    ours = _geometry(body, basis, degree, bcs)
     theirs = body.theirs(rule(body.segment, degree))
     start, u = displacements(body, seed)
     ours.begin(start, np.zeros(3))
@@ -145,20 +160,21 @@ def mortar(report, body, name, seed):
     history.u = body.to_theirs(start)
     z = np.zeros((len(body.nodes), body.gdim))
     z[nodes[on]] = rng.uniform(-1, 1, (on.sum(), body.gdim))
-    answer = theirs.mortar(body.to_theirs(u), multipliers=body.nodal_to_theirs(z), history=history)
-    _matrices(rows, body, ours, answer)
-    # At nodes that would carry a multiplier if the whole slave were covered. At corners of quadratic triangles int phi
-    # is small, of either sign: where facets are covered in part the other side may count one in, ours never does.
-    rows("participates", on, body.nodal_to_ours(answer.participates)[nodes])
+    answer = theirs.mortar(body.to_theirs(u), basis, body.nodal_to_theirs(z), history)
+    _matrices(rows, body, ours, answer, kind)
+    everywhere = np.zeros(len(body.nodes), dtype=bool)
+    everywhere[nodes[on]] = True
+    rows(f"{kind}_participates", everywhere, body.nodal_to_ours(answer.participates))
     normals = body.nodal_to_ours(answer.normals)[nodes]
-    rows("normals", ours.normal, normals)
     gap, cover = (body.nodal_to_ours(v)[nodes][on] for v in (answer.gap, answer.cover))
-    rows("weighted_gap", ours.gap[on] * ours.cover[on], gap * cover)
+    rows(f"{kind}_gap", ours.gap[on] * ours.cover[on], gap * cover)
     slip = body.nodal_to_ours(answer.moved)[nodes][on] / ours.cover[on, None]
     n = normals[on]
-    rows("mortar_slip", ours.slip()[on], slip - np.einsum("ja,jb,jb->ja", n, n, slip))
-    rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))
-    _turning(rows, body, ours, theirs, u, rng)
+    rows(f"{kind}_slip", ours.slip()[on], slip - np.einsum("ja,jb,jb->ja", n, n, slip))
+    rows(f"{kind}_force", ours.forces(z[nodes]), body.to_ours(answer.force))
+    if basis == "dual":
+        rows("normals", ours.normal, normals)
+        _turning(rows, body, ours, theirs, u, rng)
     body.prescribed = ()
 
 
@@ -167,13 +183,17 @@ def _dense(entries, size):
     return coo_matrix((values, (rows, cols)), shape=(size, size)).toarray()
 
 
-def _matrices(rows, body, ours, answer):
+def _matrices(rows, body, ours, answer, kind):
     num = len(body.nodes)
-    for form, entries, matrix in (("D", ours.mortar.D, answer.D), ("M", ours.mortar.M, answer.M)):
-        rows(f"mortar_{form}", _dense(entries, num), body.nodal_matrix_to_ours(matrix).toarray())
+    D, M = (body.nodal_matrix_to_ours(matrix).toarray() for matrix in (answer.D, answer.M))
+    rows(f"{kind}_D", _dense(ours.mortar.D, num), D)
+    rows(f"{kind}_M", _dense(ours.mortar.M, num), M)
+    jump = ours.jump_matrix()
+    rows(f"{kind}_jump", bodies.petsc_to_scipy(jump).toarray(), D - M)
+    jump.destroy()
     gamma = np.zeros((num, body.gdim))
     np.add.at(gamma, ours.neighbours.slave.nodes.ravel(), ours.mortar.gamma.reshape(-1, body.gdim))
-    rows("gamma", gamma, body.nodal_to_ours(answer.gamma))
+    rows(f"{kind}_gamma", gamma, body.nodal_to_ours(answer.gamma))
 
 
 def _turning(rows, body, ours, theirs, u, rng, step=1e-4):
@@ -213,7 +233,7 @@ def nodes_on_obstacle(report, body, name, seed):
     normals = body.nodal_to_ours(answer.normals)[nodes]
     rows("normals", ours.normal, normals)
     gap, cover = (body.nodal_to_ours(v)[nodes] for v in (answer.gap, answer.cover))
-    rows("weighted_gap", ours.gap * ours.cover, gap * cover)
+    rows("mortar_gap", ours.gap * ours.cover, gap * cover)
     slip = body.nodal_to_ours(answer.moved)[nodes] / ours.cover[:, None]
     rows("mortar_slip", ours.slip(), slip - np.einsum("ja,jb,jb->ja", normals, normals, slip))
     rows("mortar_force", ours.forces(z[nodes]), body.to_ours(answer.force))

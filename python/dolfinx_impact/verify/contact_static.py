@@ -47,19 +47,27 @@ def run(report):
     for cell, hypothesis, degree in (("quadrilateral", "plane_strain", 1), ("hexahedron", "3d", 1)):
         if report.wants(cell, degree):
             both(report, "friction", pressed(cell, hypothesis, degree, friction=0.3))
+    if report.wants("quadrilateral", 1):  # here points end up a little beside facets they were on
+        case = pressed("quadrilateral", "plane_strain", 1, 0.3, cells=((11, 3), (9, 2)), start=(0.152,))
+        compare_penalty(report, "friction_penalty", case)
     for cell, hypothesis, degree in (("triangle", "plane_strain", 1), ("quadrilateral", "plane_strain", 2),
                                      ("tetrahedron", "3d", 2), ("hexahedron", "3d", 1)):  # fmt: skip
         if report.wants(cell, degree):
-            both(report, "static", under_cylinder(cell, hypothesis, degree))
+            both(report, "static", under_obstacle(cell, hypothesis, degree))
+    for cell, degree in (("tetrahedron", 1), ("hexahedron", 2)):
+        if report.wants(cell, degree):
+            both(report, "static", under_obstacle(cell, "3d", degree, shape="Sphere"))
     for cell, hypothesis, degree in (("quadrilateral", "plane_strain", 1), ("hexahedron", "3d", 1)):
         if report.wants(cell, degree):
-            both(report, "static", under_cylinder(cell, hypothesis, degree, "neo_hookean"))
-            both(report, "friction", under_cylinder(cell, hypothesis, degree, "neo_hookean", friction=0.3))
+            both(report, "static", under_obstacle(cell, hypothesis, degree, "neo_hookean"))
+            both(report, "friction", under_obstacle(cell, hypothesis, degree, "neo_hookean", friction=0.3))
 
 
 def both(report, form, case):
-    """Penalty and multipliers."""
+    """Penalty and multipliers; without friction also the penalty with multipliers of Uzawa's method."""
     compare_penalty(report, f"{form}_penalty", case)
+    if not case.body.friction:
+        compare_penalty(report, f"{form}_augmented", case, augmented=True)
     compare_lagrange(report, f"{form}_lagrange", case)
 
 
@@ -72,12 +80,11 @@ def _two(domain, tags, degree, hypothesis, law, friction, rigid=None):
     return TwoBodies(domain, tags, degree, material, friction, rigid, law=law, rule=named)
 
 
-def pressed(cell, hypothesis, degree, friction=0.0, push=0.03, pull=0.02):
+def pressed(cell, hypothesis, degree, friction=0.0, cells=None, start=(0.17, 0.13), push=0.03, pull=0.02):
     """A block with a round lower face pressed on another one; with friction it is pulled sideways afterwards."""
     dim = 3 if hypothesis == "3d" else 2
-    lower, upper = ((5, 3), (4, 2)) if dim == 2 else ((3, 2, 2), (2, 2, 1))
-    # Where no quadrature point ends up within 0.01 beside its master facet: there ours keeps to the facet.
-    domain, tags = two_bodies(cell, lower, upper, start=(0.17, 0.13))
+    lower, upper = cells or (((5, 3), (4, 2)) if dim == 2 else ((3, 2, 2), (2, 2, 1)))
+    domain, tags = two_bodies(cell, lower, upper, start=start)
     x = domain.geometry.x
     above = np.zeros(len(x), dtype=bool)
     above[np.unique(domain.geometry.dofmap[_upper_cells(domain)])] = True
@@ -101,8 +108,8 @@ def _upper_cells(domain):
     return x.mean(axis=1) > 1.0
 
 
-def under_cylinder(cell, hypothesis, degree, law="linear_elastic", friction=0.0, push=0.06):
-    """A block, held below, under a rigid cylinder; with friction the cylinder is moved sideways afterwards."""
+def under_obstacle(cell, hypothesis, degree, law="linear_elastic", friction=0.0, push=0.06, shape="Cylinder"):
+    """A block, held below, under a rigid cylinder or sphere; with friction that is moved sideways afterwards."""
     dim = 3 if hypothesis == "3d" else 2
     domain = bodies.block(cell, 8 if dim == 2 and degree == 1 else 4 if dim == 2 or degree == 1 else 3)
     top = mesh.locate_entities_boundary(domain, dim - 1, lambda x: np.isclose(x[dim - 1], 1.0))
@@ -110,14 +117,14 @@ def under_cylinder(cell, hypothesis, degree, law="linear_elastic", friction=0.0,
     facets, values = np.concatenate([top, bottom]), np.repeat([SLAVE, BOTTOM], [len(top), len(bottom)])
     order = np.argsort(facets)
     tags = mesh.meshtags(domain, dim - 1, facets[order], values[order].astype(np.int32))
-    center, axis, radius = np.array([0.47, 0.5, 0.0])[:dim], np.array([0.1, 1.0, 0.0]), 0.8
+    center, radius = np.array([0.47, 0.5, 0.0])[:dim], 0.8
     center[-1] = 1.0 + radius + 0.003
-    made = [m.RigidCylinder(center, radius, axis) if dim == 3 else m.RigidCylinder(center, radius)
-            for m in (contact, impact_reference)]  # fmt: skip
+    more = [np.array([0.1, 1.0, 0.0])] if dim == 3 and shape == "Cylinder" else []
+    made = [getattr(m, f"Rigid{shape}")(center, radius, *more) for m in (contact, impact_reference)]
     body = _two(domain, tags, degree, hypothesis, law, friction, made)
     down, side = -push * np.eye(dim)[-1], 0.003 * np.eye(dim)[0]
     stages = [down, down + side] if friction else [down]
-    name = f"{law.replace('_', '-')} block under a cylinder"
+    name = f"{law.replace('_', '-')} block under a {shape.lower()}"
     return Case(name, body, [np.zeros(dim)] * len(stages), stages, steps=3)
 
 
@@ -167,16 +174,19 @@ def solved(case, supports, method, solve, bound=lambda ours: None):
         yield name, problem, problem.contact[0], theirs
 
 
-def compare_penalty(report, form, case):
+def compare_penalty(report, form, case, augmented=False):
     """Displacements, forces, pressures and status of the penalty method."""
     body, degree = case.body, 2 * case.body.degree + 2
     supports, other = Supports(case), body.theirs(rule(body.facet, degree))
+    # Both stop when multipliers change by 1e-8 of the size: ours is the diagonal of the box, theirs its longest side.
+    tolerance = 1e-8 * np.ptp(body.points, axis=0).max() / body.size
 
     def method(pair):
-        return contact.Penalty(pair, PENALTY, TANGENTIAL, quadrature_degree=degree)
+        options = {"augmented": augmented, "tolerance": tolerance, "quadrature_degree": degree}
+        return contact.Penalty(pair, PENALTY, TANGENTIAL, **options)
 
     def solve(fixed, values, start):
-        options = {"chi": PENALTY, "chi_t": TANGENTIAL, "steps": case.steps, "tolerance": 1e-13}
+        options = {"chi": PENALTY, "chi_t": TANGENTIAL, "steps": case.steps, "tolerance": 1e-13, "augmented": augmented}
         return other.solve_penalty(fixed, values, start=start, **options)
 
     place = []
