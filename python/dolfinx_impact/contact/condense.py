@@ -2,7 +2,10 @@
 
 At a slave node some directions q_d of an orthonormal frame are constrained,
 
-    u_j . q_d = sum_l P_jl u_l . q_d + known.
+    u_j . q_d = sum_l P_jl u_l . m_d + known.
+
+m_d is q_d; only where a component of u_j is prescribed and the normal n has a part along it, for which q_d cannot stand,
+m_d = n/L with L the length of n's free part.
 
 With u = T y + known the constrained components leave the system, and with test functions of the same kind (of T_L
 under slip) so do the multipliers: T_L^T K T has the size and, without friction, the symmetry of K. Wohlmuth and Krause
@@ -22,8 +25,9 @@ class Constraints:
 
     Attributes:
         rows: (n) index of the nodes among the contact's. nodes: (n) owned nodes. frames: (n, gdim, gdim), columns are the directions. constrained: (n, gdim) of these.
-        known: (n, gdim) increments along constrained directions [L]. tilt: (n, gdim) force direction per unit normal
-        force where a node slips, else the zero vector; then direction `normal` carries it.
+        over: (n, gdim, gdim) the same directions as the master's displacements see them.
+        known: (n, gdim) increments along constrained directions [L]. tilt: (n, gdim) friction per force along direction
+        `normal`, where a node slips, else the zero vector.
         normal: (n) index of the normal direction.
         pointers, columns, values: rows of P = D^-1 M (global master nodes); empty rows for rigid masters.
     """
@@ -31,6 +35,7 @@ class Constraints:
     rows: np.ndarray
     nodes: np.ndarray
     frames: np.ndarray
+    over: np.ndarray
     constrained: np.ndarray
     known: np.ndarray
     tilt: np.ndarray
@@ -111,7 +116,7 @@ class Transformation:
             counts = np.diff(p.pointers)
             owner = np.repeat(np.arange(len(p.nodes)), counts)
             held = np.where(p.constrained[:, None, :], p.frames, 0.0)
-            projector = np.einsum("nad,nbd->nab", held, held)
+            projector = np.einsum("nad,nbd->nab", held, p.over)
             tilted = projector + normals[:, :, None] * p.tilt[:, None, :]
             shape = (len(owner), gdim, gdim)
             m_rows = np.broadcast_to((start + dofs)[owner][:, :, None], shape)

@@ -261,9 +261,11 @@ class LagrangeContact(ContactOutput):
         gap, slip = (self.geometry.spread(rows, values) for values in self._at)
         known = -np.einsum("nad,na->nd", self.frames[rows], slip)
         known[np.arange(len(rows)), place] = -gap / self.free_length[rows]
-        self._used_tilt = self._tilt()
+        self._used_tilt = self._tilt() / np.where(self.usable, self.free_length, 1.0)[:, None]
+        over = self.frames[rows].copy()
+        over[np.arange(len(rows)), :, place] = self.geometry.normal[rows] / self.free_length[rows, None]
         return condense.Constraints(
-            rows, self.nodes[rows], self.frames[rows], constrained, known, self._used_tilt[rows], place,
+            rows, self.nodes[rows], self.frames[rows], over, constrained, known, self._used_tilt[rows], place,
             *self.geometry.master_rows(rows),
         )  # fmt: skip
 

@@ -43,10 +43,10 @@ class SaddlePoint:
             open_rows[part.rows] = ~part.constrained
             free.append(open_rows.ravel())
             rows = begin + gdim * (start + part.rows)[:, None] + np.arange(gdim)
-            right.append(self._entries(part, rows, part.frames, first))
             normals = part.normal[:, None] == np.arange(gdim)
-            leaning = part.frames + np.where(normals[:, None, :], part.tilt[:, :, None], 0.0)
-            left.append(self._entries(part, rows, leaning, first))
+            lean = np.where(normals[:, None, :], part.tilt[:, :, None], 0.0)
+            right.append(self._entries(part, rows, part.frames, part.over, first))
+            left.append(self._entries(part, rows, part.frames + lean, part.over + lean, first))
         self.mask = np.concatenate([pinned, *free])
         self.forces = np.where(np.concatenate(free), 0.0, forces)
         self.pinned = np.flatnonzero(self.mask)
@@ -64,14 +64,15 @@ class SaddlePoint:
         known[part.rows] = np.where(part.constrained, part.known, 0.0)
         return self.diagonal * known.ravel()
 
-    def _entries(self, part, rows, directions, first):
-        """Entries (rows, cols, values) of the jump along directions[:, :, d] for every constrained row (j, d)."""
+    def _entries(self, part, rows, directions, over, first):
+        """Entries (rows, cols, values) of the jump for every constrained row (j, d): slaves along directions[:, :, d],
+        masters along over[:, :, d]."""
         gdim = self.gdim
         counts = np.diff(part.pointers)
         owner = np.concatenate([np.arange(len(part.nodes)), np.repeat(np.arange(len(part.nodes)), counts)])
         nodes = np.concatenate([first // gdim + part.nodes, part.columns])
-        factor = np.concatenate([np.ones(len(part.nodes)), -part.values])
-        values = factor[:, None, None] * np.where(part.constrained[:, None, :], directions, 0.0)[owner]
+        slaves = len(part.nodes)
+        values = np.concatenate([directions, -part.values[:, None, None] * over[owner[slaves:]]])
         cols = np.broadcast_to((gdim * nodes[:, None] + np.arange(gdim))[:, :, None], values.shape)
         rows = np.broadcast_to(rows[owner][:, None, :], values.shape)
         on = np.broadcast_to(part.constrained[owner][:, None, :], values.shape)
