@@ -283,8 +283,8 @@ private:
           locked.push_back(c);
       const double spring = spring_ * stress_ / size;
       const double opening = opening_.empty() ? 0.0 : opening_[number];
-      const auto e = equations(node, row(state.z, number), active.count(number) > 0, pair.friction, spring, opening,
-                               locked, d_);
+      const auto e =
+          equations(node, row(state.z, number), active.count(number) > 0, pair.friction, spring, opening, locked, d_);
       status[number] = e.status;
       for (int a = 0; a < d_; ++a)
       {

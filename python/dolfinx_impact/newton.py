@@ -150,9 +150,7 @@ class Newton:
         loose = held.free_motions(p.space, p.fixed, p.contact, p.axisymmetric)
         if not loose:
             return ""
-        gaps = [
-            (c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact
-        ]
+        gaps = [(c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact]
         apart = [f"{name}: smallest gap {gap:.3e}" for name, gap in gaps if gap > 0]
         hint = f" ({'; '.join(apart)}: let them touch first, or hold or move the body)" if apart else ""
         return f"not held against rigid motion: {'; '.join(loose)}{hint}"

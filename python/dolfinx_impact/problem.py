@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from . import operators
 from .linear import LinearSolver
 from .newton import Newton
-from .steps import Increment, Report, run_steps
+from .steps import Report, run_steps
 
 __all__ = ["Report", "StaticProblem"]
 

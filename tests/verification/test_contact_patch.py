@@ -57,7 +57,7 @@ def test_two_blocks(cell, degree, nu, swap):
 @every_degree
 @pytest.mark.parametrize("swap", [False, True])
 @pytest.mark.parametrize("rollers", [False, True])
-def test_inclined_interface(cell, degree, swap, rollers, request):
+def test_inclined_interface(cell, degree, swap, rollers):
     """P-4, 30 degrees. Without friction the interface has to be a plane of principal stress: here all pressures in
     the plane of the incline are equal, the third one in 3D is another. Where the incline meets a roller its normal is
     not that of a plane of symmetry."""

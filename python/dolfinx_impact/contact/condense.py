@@ -4,8 +4,8 @@ At a slave node some directions q_d of an orthonormal frame are constrained,
 
     u_j . q_d = sum_l P_jl u_l . m_d + known.
 
-m_d is q_d; only where a component of u_j is prescribed and the normal n has a part along it, for which q_d cannot stand,
-m_d = n/L with L the length of n's free part.
+m_d is q_d; only where a component of u_j is prescribed and the normal n has a part along it, for which q_d cannot
+stand, m_d = n/L with L the length of n's free part.
 
 With u = T y + known the constrained components leave the system, and with test functions of the same kind (of T_L
 under slip) so do the multipliers: T_L^T K T has the size and, without friction, the symmetry of K. Wohlmuth and Krause
@@ -24,8 +24,9 @@ class Constraints:
     """Constrained slave nodes of one contact on this rank.
 
     Attributes:
-        rows: (n) index of the nodes among the contact's. nodes: (n) owned nodes. frames: (n, gdim, gdim), columns are the directions. constrained: (n, gdim) of these.
-        over: (n, gdim, gdim) the same directions as the master's displacements see them.
+        rows: (n) index of the nodes among the contact's. nodes: (n) owned nodes.
+        frames: (n, gdim, gdim), columns are the directions. over: (n, gdim, gdim) the same directions as the master's
+        displacements see them. constrained: (n, gdim) of these.
         known: (n, gdim) increments along constrained directions [L]. tilt: (n, gdim) friction per force along direction
         `normal`, where a node slips, else the zero vector.
         normal: (n) index of the normal direction.

@@ -1,4 +1,4 @@
-"""Nodal gaps, normals and weights of a contact by multipliers; those against rigid obstacles. mortar.py has the others."""
+"""Nodal gaps, normals and weights of a contact by multipliers, and those against rigid obstacles."""
 
 import copy
 
@@ -38,8 +38,8 @@ class SurfaceGeometry:
     """Common part: the slave's nodes on this rank and what belongs to each.
 
     Attributes:
-        basis: Multipliers. nodes: (n) owned nodes of the slave surface that a multiplier may live at. numbers: (n) their
-        global numbers. participates: (n) mask of those where one does. weight: (n) diagonal of D: force on the node per
+        basis: Multipliers. nodes: (n) owned nodes of the slave surface that a multiplier may live at.
+        numbers: (n) their global numbers. participates: (n) mask of those where one does. weight: (n) diagonal of D: force on the node per
         multiplier [L^2]. cover: (n) integral of the multiplier's function over the part of the surface that faces a
         master [L^2]; gaps and slips are means over it. gap: (n) [L]. normal: (n, gdim).
         tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment.

@@ -316,9 +316,7 @@ class LagrangeContact(ContactOutput):
         bound, length = self.pair.friction * pressure, np.linalg.norm(slip[rows], axis=1)
         turning = np.minimum(bound / np.maximum(length, 1e-300), 1e3 * self._stiffness_per_area()[rows])
         gripping = pressure / np.where(grips[rows], self.opening[rows], 1.0)
-        blocks = np.where(
-            grips[rows, None, None], gripping[:, None, None] * plane, turning[:, None, None] * across
-        )
+        blocks = np.where(grips[rows, None, None], gripping[:, None, None] * plane, turning[:, None, None] * across)
         self._spring[rows] = blocks
         self._rest[grips] = slip[grips]
         traction = np.zeros((len(self.nodes), self.gdim))

@@ -7,6 +7,7 @@ from mpi4py import MPI
 from .. import _cpp
 from ..held import against_master
 from ..materials import _number
+from .automatic import automatic_penalty
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
 from .output import ContactOutput
@@ -92,32 +93,6 @@ class PenaltyContact(ContactOutput):
         self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
         self.history.offset = self.initial.offset
 
-    def _automatic(self):
-        """Stiffness per area of the softer surface's nodes where its facets are smallest, times FACTOR. Collective."""
-        diagonal = self.problem._tangent.assemble().getDiagonal()
-        stiffness = np.zeros(len(self.multiplier))
-        stiffness[: self.V.dofmap.index_map.size_local] = np.abs(diagonal.array.reshape(-1, self.gdim)).mean(axis=1)
-        diagonal.destroy()
-        stiffness = self._sum.forward(stiffness).ravel()
-        surfaces = [(self.slave, self._points)]
-        if not self.pair.rigid:
-            surfaces.append((self.master, _cpp.penalty.Points(self.master, *self._rule, self.problem.axisymmetric)))
-        penalty = FACTOR * min(self._per_area(stiffness, *s) for s in surfaces)
-        if self.comm.rank == 0:
-            print(f"{self.pair.name}: penalty {penalty:.3e} from material and mesh", flush=True)
-        return penalty
-
-    def _per_area(self, stiffness, surface, points):
-        """Largest stiffness per area of a facet: that of its nodes, times the surface's nodes per facet [F/L^3].
-        Collective."""
-        marker = np.zeros(len(self.multiplier))
-        marker[surface.nodes.ravel()] = 1.0
-        num_nodes = np.count_nonzero(self._sum(marker).ravel()[: self.V.dofmap.index_map.size_local])
-        area = np.asarray(points.weight).reshape(-1, points.per_facet).sum(axis=1)
-        num_nodes, num_facets = (self.comm.allreduce(n) for n in (num_nodes, len(area)))
-        largest = np.max(stiffness[surface.nodes].mean(axis=1) / area, initial=0.0)
-        return self.comm.allreduce(float(largest), MPI.MAX) * num_nodes / num_facets
-
     # --- state of an increment -------------------------------------------------------------------------------------
 
     def save(self):
@@ -144,7 +119,7 @@ class PenaltyContact(ContactOutput):
     def begin(self, u, displacement):
         """An increment starts at u; a rigid master goes to `displacement` in it. Collective."""
         if self.penalty is None:
-            self.penalty = self._automatic()
+            self.penalty = automatic_penalty(self, FACTOR)
         self.tangential = self.tangential or self.penalty
         self.start = np.array(u)
         self._touch = TOUCH * self.size * self.penalty

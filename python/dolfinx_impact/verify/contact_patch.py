@@ -167,7 +167,8 @@ def _mortar(report, body, name, seed, basis):
     rows(f"{kind}_participates", everywhere, body.nodal_to_ours(answer.participates))
     normals = body.nodal_to_ours(answer.normals)[nodes]
     gap, cover = (body.nodal_to_ours(v)[nodes][on] for v in (answer.gap, answer.cover))
-    rows(f"{kind}_gap", ours.gap[on] * ours.cover[on], gap * cover)
+    both = [np.where(np.isfinite(g), g, 0.0) for g in (ours.gap[on], gap)]  # who takes part is a row of its own
+    rows(f"{kind}_gap", both[0] * ours.cover[on], both[1] * cover)
     slip = body.nodal_to_ours(answer.moved)[nodes][on] / ours.cover[on, None]
     n = normals[on]
     rows(f"{kind}_slip", ours.slip()[on], slip - np.einsum("ja,jb,jb->ja", n, n, slip))

@@ -24,6 +24,8 @@ def test_fields_in_files(dim, method, tmp_path):
     problem = body.problem(ball, method, friction=0.2)
     ball.displacement = 0.02 * up
     problem.solve()
+    ball.displacement = 0.02 * up + 0.02 * np.eye(dim)[0]  # what has touched before slips
+    problem.solve()
     contact = problem.contact[0]
     functions = [contact.field(problem, getattr(contact, name), name) for name in FIELDS]
     with io.VTXWriter(MPI.COMM_SELF, tmp_path / "contact.bp", functions[:2] + functions[4:], "BP4") as file:
