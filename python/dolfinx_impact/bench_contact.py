@@ -17,12 +17,12 @@ from .contact.pair import ContactPair
 RTOL = 1e-10
 # (name, cell, mesh size at the contact, of the largest cells): half-width 1, bodies of size 12, radius 50
 CASES = (
-    ("30k unknowns", "quadrilateral", 0.03, 0.4),
-    ("30k unknowns", "hexahedron", 0.22, 12.0),
+    ("30k unknowns", "quadrilateral", 0.075, 1.0),
+    ("30k unknowns", "hexahedron", 0.16, 12.0),
 )
 LARGE = (
-    ("300k unknowns", "quadrilateral", 0.0093, 0.127),
-    ("300k unknowns", "hexahedron", 0.08, 12.0),
+    ("300k unknowns", "quadrilateral", 0.023, 0.29),
+    ("300k unknowns", "hexahedron", 0.056, 12.0),
 )
 
 

@@ -193,9 +193,8 @@ double reference_weight(const Facets& facets, std::size_t f, const double* xi, b
 class Collector
 {
 public:
-  Collector(const Facets& slave, const Facets& master, const SegmentRule& rule, double reach, bool axisymmetric,
-            Segments& out)
-      : _slave(slave), _master(master), _rule(rule), _reach(reach), _axisymmetric(axisymmetric), _out(out)
+  Collector(const Facets& slave, const Facets& master, const SegmentRule& rule, bool axisymmetric, Segments& out)
+      : _slave(slave), _master(master), _rule(rule), _axisymmetric(axisymmetric), _out(out)
   {
   }
 
@@ -212,8 +211,6 @@ public:
       FacetPoint ps, pm;
       if (!invert(_slave, s, plane, y, xs, ps) || !invert(_master, m, plane, y, xm, pm))
         continue;
-      if (std::abs(plane.height(ps.x) - plane.height(pm.x)) > _reach)
-        continue;
       const double weight = _rule.weights[q] * scale / projected(ps, plane);
       _out.slave.push_back(std::int32_t(s));
       _out.master.push_back(std::int32_t(m));
@@ -228,7 +225,6 @@ public:
 private:
   const Facets &_slave, &_master;
   const SegmentRule& _rule;
-  double _reach;
   bool _axisymmetric;
   Segments& _out;
 };
@@ -247,7 +243,7 @@ Segments segment(const Facets& slave, const Facets& master, std::span<const std:
 {
   Segments out;
   out.covered.assign(slave.size(), 0.0);
-  Collector collector(slave, master, rule, reach, axisymmetric, out);
+  Collector collector(slave, master, rule, axisymmetric, out);
   const auto centre = slave.geometry.centre();
   for (std::size_t s = 0; s < slave.size(); ++s)
   {
@@ -257,7 +253,9 @@ Segments segment(const Facets& slave, const Facets& master, std::span<const std:
     for (std::int32_t k = offsets[s]; k < offsets[s + 1]; ++k)
     {
       const std::size_t m = pairs[k];
-      if (!facing(at, surface::evaluate(master, m, master.x_of(m), centre.data())))
+      // Facets count as wholes: of one covered at a single point nothing could be integrated.
+      const FacetPoint other = surface::evaluate(master, m, master.x_of(m), master.geometry.centre().data());
+      if (!facing(at, other) || std::abs(plane.height(other.x)) > reach)
         continue;
       const Polygon theirs = outline(master, m, plane);
       if (slave.gdim == 2)
