@@ -94,7 +94,7 @@ class LinearSolver:
         self._max_it = self.ksp.getTolerances()[3]
         if self._keeps:
             self.ksp.setTolerances(divtol=1e30)  # the guess may be far worse than none
-        self._operator, self._system = None, None
+        self._operator, self._system, self._own = None, None, None
         self._matrix, self._pace, self._worth, self._spent = None, 1.0, 0, 0
         self.num_set_ups, self.num_iterations = 0, 0
 
@@ -143,6 +143,12 @@ class LinearSolver:
         self._judge(rtol)
         return fault
 
+    def factors(self, system):
+        """PETSc factor matrix of a system, if it is the one that was factorised last; else None."""
+        if not self.direct or not self._keeps or self._own is not system:
+            return None
+        return self.ksp.getPC().getFactorMatrix()
+
     def _solved(self, system, b, x, rtol):
         """Is the guess good enough? Collective."""
         residual = b.duplicate()
@@ -190,7 +196,7 @@ class LinearSolver:
         self.ksp.setTolerances(max_it=self._max_it)
         self.ksp.getPC().setReusePreconditioner(False)
         self.num_set_ups += 1
-        self._pinned = system.mask
+        self._pinned, self._own = system.mask, system
 
     def _run(self, system, b, x):
         if self._operator is None:

@@ -14,6 +14,7 @@ from mpi4py import MPI
 
 from . import held
 from .contact.condense import Transformation
+from .contact.compliance import Compliance
 from .contact.saddle import SaddlePoint
 from .linear import LinearSystem
 from .steps import Increment
@@ -207,7 +208,8 @@ class Newton:
         moved[self.fixed] = jump
         digits, settle, corrected = (LOOSE_DIGITS if self.multipliers else rtol), Settling(), False
         while True:
-            fault, moved, forces = self._one_solution(K, geometric, symmetric, residual, moved, mean, digits)
+            fault, moved, forces, found = self._one_solution(K, geometric, symmetric, residual, moved, mean, digits)
+            changes += found
             if fault or not self.multipliers:
                 break
             with self._clock("contact"):
@@ -250,7 +252,8 @@ class Newton:
         """Displacement increments for the present active set, from a guess.
 
         Returns:
-            what went wrong, or None; increments; what the bodies' and contacts' stiffness make of them [F].
+            what went wrong, or None; increments; what the bodies' and contacts' stiffness make of them [F]; how many
+            changes of the active set are in them already.
         """
         with self._clock("contact"):
             transformation = self._transformation()
@@ -282,11 +285,28 @@ class Newton:
         moved = system.displacements(x)
         if self.saddle:
             self._forces = system.forces + x.array_r[self.num_owned :]
-        forces = self._product([K, *geometric], moved)
+        forces, changes = self._product([K, *geometric], moved), 0
+        factors = self.problem._solver.factors(system)
+        if not fault and factors is not None and len(self.multipliers) == 1 and not self.saddle:
+            moved, forces, changes = self._respond(system, factors, residual, moved, forces, [K, *geometric])
         system.free()
         for thing in (x, b, *(matrix for matrix, _ in springs), *((transformation,) if transformation else ())):
             thing.destroy()
-        return fault, moved, forces
+        return fault, moved, forces, changes
+
+    def _respond(self, system, factors, residual, moved, forces, matrices):
+        """Settle a contact without friction by the responses of the bodies, new factors being at hand."""
+        contact = self.multipliers[0]
+        if contact.pair.friction > 0.0:
+            return moved, forces, 0
+        with self._clock("linear"):
+            contact.predict(moved)
+            contact.measure(residual + forces)
+            found = Compliance(contact, system, factors, lambda v: self._product(matrices, v)).settle()
+        if found is None or found[1] == 0:
+            return moved, forces, 0
+        moved = moved + found[0]
+        return moved, self._product(matrices, moved), found[1]
 
     def _product(self, matrices, values):
         """Sum of the products of matrices with values over owned dofs. Collective."""

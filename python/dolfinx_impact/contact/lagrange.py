@@ -111,6 +111,13 @@ class LagrangeContact(ContactOutput):
         self._gap = gap + np.einsum("na,na->n", self.geometry.normal, jump)
         self._slip = slip + self.geometry.tangential(jump)
 
+    def respond(self, increments, forces):
+        """What gaps and multipliers gain by displacement increments and the nodal forces they cause (arrays over owned
+        dofs), without friction: (n), (n). Collective."""
+        gap = np.einsum("na,na->n", self.geometry.normal, self.geometry.jump(increments))
+        along, weight = self._along(forces)[1:]
+        return gap, along / (weight * np.maximum(self.free_length, 1e-3))
+
     def correct(self, u):
         """After predict: take in what gaps and slips at the displacements u differ from the linear ones.
 
@@ -128,12 +135,15 @@ class LagrangeContact(ContactOutput):
     def _normal_direction(self):
         return self.frames[np.arange(len(self.nodes)), :, self.place]
 
+    def _along(self, residual):
+        """Free nodal forces, their parts along the constrained normal directions, and the nodes' weights."""
+        free = np.where(self.fixed, 0.0, residual.reshape(-1, self.gdim)[self.nodes])
+        weight = np.where(self.usable, self.geometry.weight, 1.0)
+        return free, np.einsum("na,na->n", self._normal_direction(), free), weight
+
     def measure(self, residual):
         """Multipliers from the nodal residual (owned entries, without contact forces): equilibrium of slave nodes."""
-        R = residual.reshape(-1, self.gdim)[self.nodes]
-        free = np.where(self.fixed, 0.0, R)
-        weight = np.where(self.usable, self.geometry.weight, 1.0)
-        along = np.einsum("na,na->n", self._normal_direction(), free)
+        free, along, weight = self._along(residual)
         self.multiplier = np.where(
             self.active & self.usable, along / (weight * np.maximum(self.free_length, 1e-3)), 0.0
         )
