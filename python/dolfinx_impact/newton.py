@@ -68,6 +68,9 @@ class Newton:
                     contact.update(p.u.x.array)
                     if not contact.constraints:
                         residual -= contact.forces()
+                if self.saddle and iteration > 0:
+                    for contact in self.multipliers:
+                        contact.turn()
                 changes, pending = self._switch(residual, iteration == 0)
                 if self.saddle:
                     residual -= sum(c.forces() for c in self.multipliers)

@@ -58,17 +58,13 @@ def test_goodman_by_penalty(soft_above):
     assert np.all(np.abs(pressure) < 0.03 * exact.pressure(x))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("soft_above", [True, False])
 def test_goodman_by_multipliers(soft_above):
-    """Shear traction on |x| < 0.8 a, 7 % of its largest, 4 % in the mean.
-
-    The contact grows by a quarter of a cell with every step; at a cell a step the error is 10 %, at half a cell 8 %.
-    """
-    m, contact, exact = press("Lagrange", soft_above, 1e-3, 80)
+    """Shear traction on |x| < 0.8 a: 3 % of its largest at every node, 1.5 % in the mean; pressure 3 %. 20 steps."""
+    m, contact, exact = press("Lagrange", soft_above, 5e-4, 20)
     x, t = m.places(contact)[:, 0], contact.traction[:, 0]
     inside = np.abs(x) < 0.8 * exact.half_width
     assert not np.any(contact.status == di.ContactStatus.slip)
     error = (t - exact.shear(x))[inside] / exact.peak_shear
-    assert np.abs(error).max() < 0.07 and np.sqrt(np.mean(error**2)) < 0.04
+    assert np.abs(error).max() < 0.03 and np.sqrt(np.mean(error**2)) < 0.015
     np.testing.assert_allclose(contact.pressure[inside], exact.pressure(x[inside]), rtol=0.03)

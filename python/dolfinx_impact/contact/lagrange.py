@@ -164,6 +164,15 @@ class LagrangeContact(ContactOutput):
         tangential -= np.einsum("nab,nb->na", self._spring, self._free_slip(self._slip) - self._rest)
         self.friction_traction = np.where(on, tangential, 0.0)
 
+    def turn(self):
+        """Friction tractions known from a saddle point follow the surface and the slip to the present state."""
+        t = self.geometry.tangential(self.friction_traction)
+        size, length = np.linalg.norm(self.friction_traction, axis=1), np.linalg.norm(t, axis=1)
+        t *= np.where(length > 0.0, size / np.maximum(length, 1e-300), 0.0)[:, None]
+        grips = self._grips()
+        t[grips] = (self.multiplier[:, None] * self._tilt())[grips]
+        self.friction_traction = t
+
     def switch(self, first, last=None):
         """Change the active set and who sticks; returns how many nodes of all ranks would change. Collective.
 
