@@ -17,8 +17,8 @@ class Compliance:
     """Responses of a frictionless contact about a solution with the system's own active set. Collective.
 
     Args:
-        contact: LagrangeContact after `predict` and `measure` of the solution. system: LinearSystem it is a solution of.
-        factors: PETSc factor matrix of the system's. product: function (increments) -> forces, arrays over owned dofs.
+        contact: LagrangeContact after `predict` and `measure` of the solution. system: the solution's LinearSystem.
+        factors: PETSc factor matrix of that. product: function (increments) -> forces, arrays over owned dofs.
     """
 
     def __init__(self, contact, system, factors, product):
@@ -35,8 +35,8 @@ class Compliance:
         """Change the contact's active set until no node is wrong.
 
         Returns:
-            increments of displacement to add to the solution's (array over owned dofs), number of changes; or None where
-            there is no end or there are too many columns: the contact is as before then.
+            increments of displacement to add to the solution's (array over owned dofs), number of changes; or None
+            where there is no end or there are too many columns: the contact is as before then.
         """
         contact = self.contact
         z, changes = np.zeros(0), 0

@@ -40,8 +40,9 @@ class SurfaceGeometry:
     Attributes:
         basis: Multipliers. nodes: (n) owned nodes of the slave surface that a multiplier may live at.
         numbers: (n) their global numbers. participates: (n) mask of those where one does.
-        weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n) integral of the multiplier's function over the part of the surface that faces a
-        master [L^2]; gaps and slips are means over it. gap: (n) [L]. normal: (n, gdim).
+        weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n) integral of the multiplier's
+        function over the part of the surface that faces a master [L^2]; gaps and slips are means over it.
+        gap: (n) [L]. normal: (n, gdim).
         tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment.
     """
 

@@ -1,4 +1,4 @@
-"""How contact is settled in a Newton iteration: ways to the same result, kept factors, active sets that go to and fro."""
+"""How a Newton iteration settles contact: ways to one result, kept factors, active sets that go to and fro."""
 
 import numpy as np
 import pytest
