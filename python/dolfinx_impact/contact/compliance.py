@@ -85,6 +85,13 @@ class Compliance:
         z[rows] = np.linalg.solve(A, b)
         return z
 
+    def _gap_of_one(self, here):
+        """Displacements that open a gap of one at a node (mask), array over owned dofs."""
+        contact = self.contact
+        known = np.zeros((len(self.increments) // contact.gdim, contact.gdim))
+        known[contact.nodes[here]] = contact._normal_direction()[here] / contact.free_length[here, None]
+        return known.ravel()
+
     def _add(self, new):
         """Columns of more nodes."""
         contact, system = self.contact, self.system
@@ -96,24 +103,25 @@ class Compliance:
         answer = right.duplicate()
         x, b = system.create(), system.create()
         x.set(0.0)
-        offsets = []
+        columns = right.getDenseLocalMatrix().getDenseArray()
+        opened = self.comm.allreduce(np.isin(new, geometry.numbers[self.base]).astype(int), MPI.SUM)
         for k, number in enumerate(new):
             here = geometry.numbers == number
-            force = geometry.forces(np.where((here & ~self.base)[:, None], geometry.normal, 0.0))
-            offsets.append(np.zeros(rows))
-            for i in np.flatnonzero(here & self.base):
-                dofs = contact.gdim * contact.nodes[i] + np.arange(contact.gdim)
-                offsets[-1][dofs] = contact._normal_direction()[i] / contact.free_length[i]
-            transformation.known[:] = offsets[-1]
-            system.load(-force, x, b)
-            right.getDenseLocalMatrix().getDenseArray()[:, k] = b.array_r
+            if opened[k]:
+                transformation.known[:] = self._gap_of_one(here)
+                system.load(np.zeros(rows), x, b)
+                columns[:, k] = b.array_r
+            else:
+                force = geometry.forces(np.where(here[:, None], geometry.normal, 0.0))
+                columns[:, k] = transformation.residual(force)
+                columns[system.pinned, k] = 0.0
         right.assemble()
         self.factors.matSolve(right, answer)
         values = answer.getDenseLocalMatrix().getDenseArray()
         increments = np.empty((rows, len(new)))
         gaps, multipliers = (np.empty((len(contact.nodes), len(new))) for _ in range(2))
         for k in range(len(new)):
-            transformation.known[:] = offsets[k]
+            transformation.known[:] = self._gap_of_one(geometry.numbers == new[k]) if opened[k] else 0.0
             x.array[:] = values[:, k]
             increments[:, k] = system.displacements(x)
             gaps[:, k], multipliers[:, k] = contact.respond(increments[:, k], self.product(increments[:, k]))
