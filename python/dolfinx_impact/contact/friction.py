@@ -73,5 +73,6 @@ class Coulomb:
         self._rest[grips] = slip[grips]
         traction = np.zeros((len(self.nodes), self.gdim))
         traction[rows] = np.einsum("nab,nb->na", blocks, (self._free_slip(self._at[1]) - self._rest)[rows])
-        weight = self.geometry.weight[rows]
-        return self.geometry.springs(rows, weight[:, None, None] * blocks), self.geometry.forces(traction)
+        # Forces go with the diagonal of D, slips are means over the cover.
+        area = self.geometry.weight[rows] ** 2 / self.geometry.cover[rows]
+        return self.geometry.springs(rows, area[:, None, None] * blocks), self.geometry.forces(traction)
