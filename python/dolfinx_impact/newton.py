@@ -22,6 +22,8 @@ from .steps import Increment
 LOOSE_DIGITS = 1e-3  # of linear solutions while the active set moves
 MAX_CHANGES = 60  # changes of the active set in one linear problem
 NOBODY = -2  # number of no node
+PLAIN = 6  # iterations without a line search
+PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # of a Newton step that a line search tries
 PATIENCE = 3  # changes of many nodes at once that may fail to bring the active set nearer to its end
 
 
@@ -42,6 +44,8 @@ class Newton:
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
         self.multipliers = [c for c in problem.contact if c.constraints]
         self.saddle = problem._saddle
+        # Friction by penalty: its law has kinks that nothing settles beforehand.
+        self.rough = not self.multipliers and any(c.pair.friction > 0.0 for c in problem.contact)
         # How much further than asked for linear solutions go: with factors at hand digits are cheap.
         self.margin = 1e-3 if problem._solver.direct else 0.3
         self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
@@ -103,12 +107,14 @@ class Newton:
                 enough = self.margin * max(self.atol, self.rtol * max(scale, inner)) / norm
                 likely = 0.1 * (norm / before) ** 2 if before else 1e-4
                 digits = min(digits, max(enough, min(likely, LOOSE_DIGITS)))
-            before = norm if moved else None
+            before, start = norm if moved else None, p.u.x.array.copy()
             fault, settling = self._solve(K, residual, jump, digits, log)
             result.iterations += 1
             p.u.x.array[p.fixed] = target[p.fixed]  # to the last digit
             if fault:
                 return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
+            if self.rough and moved and iteration - round_start >= PLAIN:
+                self._backtrack(start, norm)
         return result.failed(
             f"Newton's method did not converge in {self.max_iterations} iterations; residual norms: "
             f"{', '.join(f'{n:.3e}' for n in result.residual_norms)}"
@@ -119,6 +125,31 @@ class Newton:
         start = time.perf_counter()
         yield
         self.seconds[part] += time.perf_counter() - start
+
+    def _backtrack(self, start, norm):
+        """Go back towards `start`, by halves, until the residual is less than the norm there, at most four times.
+
+        Points that change between stick and slip can lead Newton's method round in circles.
+        """
+        p, step = self.problem, self.problem.u.x.array - start
+        norms = {}
+        for part in PARTS:
+            p.u.x.array[:] = start + part * step
+            norms[part] = self._residual_norm()
+            if norms[part] < norm:
+                return
+        p.u.x.array[:] = start + min(PARTS, key=lambda part: norms[part]) * step
+
+    def _residual_norm(self):
+        """Norm of the free residual at u, of a problem without multipliers."""
+        residual = self.problem._assemble_residual().array.copy()
+        with self._clock("contact"):
+            for contact in self.problem.contact:
+                contact.update(self.problem.u.x.array)
+                residual -= contact.forces()
+        residual[self.fixed] = 0.0
+        norm = self._norm(residual)
+        return norm if np.isfinite(norm) else np.inf
 
     # --- what an iteration looks at --------------------------------------------------------------------------------
 

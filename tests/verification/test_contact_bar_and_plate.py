@@ -17,9 +17,9 @@ class Bar:
     of the displacements (measured: it goes with the height).
     """
 
-    def __init__(self, method, num):
+    def __init__(self, method, num, degree=1):
         law = di.LinearElastic(E, 0.0, hypothesis="plane_stress")
-        self.model = m = Model("block", law, 1, size=(0.5, HEIGHT), cells=(num, 2))
+        self.model = m = Model("block", law, degree, size=(0.5, HEIGHT), cells=(num, 2))
         m.hold("right", 0)
         m.hold("top", 1, value=-NORMAL * HEIGHT / AREA * HEIGHT / E)
         self.end = m.pull("left", (0.0, 0.0))
@@ -39,10 +39,13 @@ class Bar:
         return -self.model.at((0.0, 0.0))[0]
 
 
-@pytest.mark.parametrize("method, num", [("Penalty", 100), ("Penalty", 200), ("Lagrange", 100)])
-def test_bar_pulled_along_a_plane(method, num):
+@pytest.mark.parametrize(
+    "method, num, degree",
+    [("Penalty", 100, 1), ("Penalty", 200, 1), ("Penalty", 100, 2), ("Lagrange", 100, 1), ("Lagrange", 100, 2)],
+)
+def test_bar_pulled_along_a_plane(method, num, degree):
     """Slip length, displacements and what is left when the force is taken away; 1 %."""
-    bar = Bar(method, num)
+    bar = Bar(method, num, degree)
     contact, exact = bar.contact, bar.exact
     assert bar.load == pytest.approx(NORMAL, rel={"Lagrange": 1e-9, "Penalty": 0.1}[method])
     assert bar.pull(FORCE) == pytest.approx(exact.end_displacement, rel=0.01)
