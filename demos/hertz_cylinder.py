@@ -99,8 +99,8 @@ table = np.array(table)
 # ## The weak form by hand
 #
 # Contact does not ask where the residual comes from. Written in UFL, linear elasticity in plane strain gives the same
-# pressures, and any other form would do. (With the same rule, 2 x 2 points: on these cells, which are no parallelograms,
-# that of UFL's choice changes them by 2e-6.)
+# pressures, and any other form would do. (With the same rule, 2 x 2 points: on these cells, which are no
+# parallelograms, that of UFL's choice changes them by 2e-6.)
 
 
 def virtual_work(u, v, traction, top):
