@@ -72,7 +72,7 @@ def tied_seconds(model):
     K = problem._tangent.assemble()
     diagonal = K.getDiagonal()
     mean = float(np.abs(diagonal.array).mean())
-    fault, *_ = solver._one_solution(K, [], True, residual, target[: solver.num_owned], mean, RTOL)
+    fault, *_ = solver._one_solution(K, [], [], True, residual, target[: solver.num_owned], mean, RTOL)
     seconds = time.perf_counter() - start
     if fault:
         raise RuntimeError(f"the tied problem: {fault}")

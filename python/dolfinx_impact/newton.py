@@ -231,7 +231,9 @@ class Newton:
         with self._clock("contact"):
             for contact in p.contact:
                 contact.look_at(K)
-            geometric = [s for s in (c.stiffness() for c in p.contact) if s is not None]
+            parts = [(c, c.stiffness()) for c in p.contact]
+            penalties = [s for c, s in parts if not c.constraints]
+            geometric = [s for c, s in parts if c.constraints and s is not None]
             symmetric = all([c.symmetric for c in p.contact])
             for force in [c.pull() for c in p.contact]:
                 residual = residual if force is None else residual + force
@@ -242,7 +244,9 @@ class Newton:
         moved[self.fixed] = jump
         digits, settle, corrected = (LOOSE_DIGITS if self.multipliers else rtol), Settling(), False
         while True:
-            fault, moved, forces, found = self._one_solution(K, geometric, symmetric, residual, moved, mean, digits)
+            fault, moved, forces, found = self._one_solution(
+                K, penalties, geometric, symmetric, residual, moved, mean, digits
+            )
             changes += found
             if fault or not self.multipliers:
                 break
@@ -266,7 +270,7 @@ class Newton:
                 log(f"    contact not settled after {settle.count} changes: {found} nodes to and fro")
                 break
             changes += found
-        for matrix in geometric:
+        for matrix in penalties + geometric:
             matrix.destroy()
         p.u.x.array[: self.num_owned] += moved
         p.u.x.scatter_forward()
@@ -282,7 +286,7 @@ class Newton:
             contact.correct(u.array)
         u.array[:] = here
 
-    def _one_solution(self, K, geometric, symmetric, residual, guess, mean, rtol):
+    def _one_solution(self, K, penalties, geometric, symmetric, residual, guess, mean, rtol):
         """Displacement increments for the present active set, from a guess.
 
         Returns:
@@ -298,7 +302,7 @@ class Newton:
             pinned |= transformation.dummies
         for _, force in springs:
             residual = residual + force
-        extra = [matrix for matrix, _ in springs]
+        extra = penalties + [matrix for matrix, _ in springs]
         if self.problem.exact_tangent:
             extra += geometric
         elif geometric:  # from the guess: small, but not symmetric
@@ -319,10 +323,11 @@ class Newton:
         moved = system.displacements(x)
         if self.saddle:
             self._forces = system.forces + x.array_r[self.num_owned :]
-        forces, changes = self._product([K, *geometric], moved), 0
+        matrices = [K, *penalties, *geometric]
+        forces, changes = self._product(matrices, moved), 0
         factors = self.problem._solver.factors(system)
         if not fault and factors is not None and len(self.multipliers) == 1 and not self.saddle:
-            moved, forces, changes = self._respond(system, factors, residual, moved, forces, [K, *geometric])
+            moved, forces, changes = self._respond(system, factors, residual, moved, forces, matrices)
         system.free()
         for thing in (x, b, *(matrix for matrix, _ in springs), *((transformation,) if transformation else ())):
             thing.destroy()

@@ -80,8 +80,9 @@ class StaticProblem:
         # Multipliers with other bases than the dual one cannot be condensed: then all stay in the system.
         self._saddle = any(getattr(c, "basis", "dual") != "dual" for c in contact)
         self._solver = LinearSolver(V, options, prefix, indefinite=self._saddle)
-        # Contact forces between deformable bodies have a tangent that is not symmetric: conjugate gradients do not
-        # converge with it. They get it on the right-hand side, from the last guess; it is small, pressure over stiffness.
+        # Forces of multipliers between deformable bodies have a tangent that is not symmetric: conjugate gradients do
+        # not converge with it. They get it on the right-hand side, from the last guess: it is small, pressure over
+        # stiffness.
         self.exact_tangent = self._solver.direct
         self._num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
