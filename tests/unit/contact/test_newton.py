@@ -119,7 +119,7 @@ def test_factors_are_kept_while_they_serve(monkeypatch):
     "contact", (di.Lagrange, lambda pair: di.Penalty(pair, penalty=1e5)), ids=("Lagrange", "Penalty")
 )
 def test_conjugate_gradients_find_what_factors_find(contact, monkeypatch):
-    """Blocks of some hundred unknowns by the solver of large problems: nothing of contact is left out of its systems."""
+    """Blocks of some hundred unknowns by the solver of large problems: nothing of contact is left out."""
     direct = pressed(MPI.COMM_SELF, 3, contact, rtol=RTOL)
     monkeypatch.setattr(linear, "LARGEST_DIRECT", {2: 10, 3: 10})
     iterative = pressed(MPI.COMM_SELF, 3, contact, rtol=RTOL)
