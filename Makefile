@@ -26,7 +26,7 @@ matrix: ## every form of the catalogue: our kernels against FFCx's own C kernels
 
 bench: ## the benchmarks; writes results/bench.json
 	mkdir -p results
-	$(RUN) dolfinx-impact bench --json results/bench.json
+	$(RUN) dolfinx-impact bench --large --json results/bench.json
 
 shell: ## an interactive shell inside the environment
 	$(RUN) bash

@@ -27,6 +27,7 @@ ITERATIVE = {
 # Above these numbers of unknowns factors of 3D and 2D meshes cost more than iterations (measured: 108k unknowns in 3D,
 # factorisation 10 s, conjugate gradients 3 s).
 LARGEST_DIRECT = {2: 400_000, 3: 40_000}
+WORTH = 10  # iterations that cost as much as factors of other packages than MUMPS, which do not tell
 # Operations of a factorisation run this much faster than those of a solution with the factors (measured: 4.5 on meshes
 # of the plane, 5.5 in space).
 BLOCKED = 5.0
@@ -69,6 +70,9 @@ class LinearSolver:
         prefix: what the command line says of it goes first; a number is added to it, so that the options of one
             problem are not those of the next.
         indefinite: the systems are saddle points: a direct solver is the default at any size.
+
+    Raises:
+        ValueError: options that choose an iterative solver for saddle points.
     """
 
     def __init__(self, V, options, prefix, indefinite=False):
@@ -86,10 +90,15 @@ class LinearSolver:
         self.ksp = PETSc.KSP().create(V.mesh.comm)
         self.ksp.setOptionsPrefix(own)
         self.ksp.setFromOptions()
+        if indefinite and not self.direct:
+            raise ValueError(
+                f"pc_type is {named!r}: multipliers with another basis than 'dual' stay in a saddle point, which needs "
+                "a direct solver (pc_type lu); or take the dual basis"
+            )
         self.near_nullspace = None if self.direct else rigid_motions(V)
         self._given_rtol = "ksp_rtol" in chosen
         self._pins = chosen.get("ksp_type") == "cg"
-        # Options of the user's own are taken by the word: no iterations with a preconditioner of an earlier matrix.
+        # A method of the user's own is taken by the word: no iterations with a preconditioner of an earlier matrix.
         self._keeps = chosen.get("ksp_type") == base["ksp_type"]
         self._max_it = self.ksp.getTolerances()[3]
         if self._keeps:
@@ -182,9 +191,14 @@ class LinearSolver:
         """How long the preconditioner that has just solved its own system may serve others."""
         self._spent = 0
         self._pace = max(self.ksp.getIterationNumber(), 1) / self._digits(rtol)  # iterations per digit
-        if self.direct and self._keeps:
-            factors = self.ksp.getPC().getFactorMatrix()
-            self._worth = int(factors.getMumpsRinfog(3) / (4 * abs(factors.getMumpsInfog(29))) / BLOCKED)
+        pc = self.ksp.getPC()
+        if self.direct and self._keeps and pc.getFactorSolverType() == "mumps":
+            factors = pc.getFactorMatrix()
+            entries = factors.getMumpsInfog(29)
+            entries = entries if entries > 0 else -1e6 * entries  # large numbers are told in millions
+            self._worth = int(factors.getMumpsRinfog(3) / (4 * entries) / BLOCKED)
+        else:
+            self._worth = WORTH
 
     def _prepare(self, system):
         """Preconditioner of the present system."""
@@ -232,7 +246,24 @@ class LinearSolver:
         return f"the residual of the linear system is {error:.1e}, its right side {right:.1e}"
 
 
-class LinearSystem:
+class Stiffness:
+    """K and what contacts add to it, a sum that is not formed.
+
+    Args:
+        K: PETSc matrix of the displacements. extra: list of matrices of the same size.
+    """
+
+    def __init__(self, K, extra):
+        self.K, self.extra = K, extra
+
+    def stiffness(self, x, y):
+        """y = (K + sum of extra) x. Collective."""
+        self.K.mult(x, y)
+        for E in self.extra:
+            E.multAdd(x, y, y)
+
+
+class LinearSystem(Stiffness):
     """Stiffness and what contacts add to it, condensed by a transformation, some unknowns pinned.
 
     A = Q T_L^T (K + sum of extra) T Q + d (1 - Q), where Q sets pinned unknowns to zero. Products need no A; only a
@@ -245,7 +276,8 @@ class LinearSystem:
     """
 
     def __init__(self, K, extra, symmetric, transformation, pinned, diagonal):
-        self.K, self.extra, self.transformation = K, extra, transformation
+        super().__init__(K, extra)
+        self.transformation = transformation
         self.symmetric = symmetric and (transformation is None or transformation.symmetric)
         self.mask, self.pinned, self.diagonal = pinned, np.flatnonzero(pinned), diagonal
         self._work = [K.createVecRight() for _ in range(3)]
@@ -263,12 +295,6 @@ class LinearSystem:
         """Give back the memory of what was made here. Collective."""
         for vector in self._work:
             vector.destroy()
-
-    def stiffness(self, x, y):
-        """y = (K + sum of extra) x, before condensation. Collective."""
-        self.K.mult(x, y)
-        for E in self.extra:
-            E.multAdd(x, y, y)
 
     def mult(self, x, y):
         """y = A x. Collective."""

@@ -156,7 +156,7 @@ class Newton:
     def _norm(self, values):
         return float(np.sqrt(self.comm.allreduce(float(values @ values))))
 
-    def _switch(self, residual, first, last=None):
+    def _switch(self, residual, first):
         """Measure multipliers and change states; returns the number of changes, and of those that multipliers wait
         for. Collective."""
         changes, pending = 0, 0

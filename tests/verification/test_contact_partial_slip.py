@@ -12,6 +12,22 @@ from dolfinx_impact import theory
 E, NU, RADIUS, HALF_WIDTH, FRICTION = 210e9, 0.3, 1.0, 0.01, 0.3
 
 
+def pressed(method, degree, h, size):
+    """A cylinder pressed on a block of its material, both of a size, h the cells in the contact: model, contact,
+    problem, its displacement along the block, which is zero so far, and the approach."""
+    law = di.LinearElastic(E, NU, hypothesis="plane_strain")
+    grid = dict(radius=RADIUS, a=HALF_WIDTH, h=h, width=size, height=size, symmetry="none")
+    m = Model("cylinder_on_half_plane", law, degree, **grid)
+    m.hold("bottom")
+    down, along = m.hold("top", 1), m.hold("top", 0)
+    problem = m.problem(enforce(method, m.pair(friction=FRICTION)))
+    load = HALF_WIDTH**2 * math.pi * E / (1 - NU**2) / (8 * RADIUS)
+    approach = 2 * plane_approach(load, E / (1 - NU**2), RADIUS, HALF_WIDTH)
+    down.value = -approach
+    problem.solve(max_iterations=40)
+    return m, problem.contact[0], problem, along, approach
+
+
 @pytest.mark.parametrize(
     "method, degree, h",
     [
@@ -28,26 +44,7 @@ def test_cattaneo_mindlin_line(method, degree, h):
     Stick half-width to a cell; traction: 2 % of its bound where the exact one is smooth: more than 1.5 cells from
     the edges of stick and contact, where its slope is infinite. (Penalty: nodal means; it slips elastically.)
     """
-    law, size = di.LinearElastic(E, NU, hypothesis="plane_strain"), 100 * HALF_WIDTH
-    m = Model(
-        "cylinder_on_half_plane",
-        law,
-        degree,
-        radius=RADIUS,
-        a=HALF_WIDTH,
-        h=h,
-        width=size,
-        height=size,
-        symmetry="none",
-    )
-    m.hold("bottom")
-    down, along = m.hold("top", 1), m.hold("top", 0)
-    problem = m.problem(enforce(method, m.pair(friction=FRICTION)))
-    contact = problem.contact[0]
-    load = HALF_WIDTH**2 * math.pi * E / (1 - NU**2) / (8 * RADIUS)
-    approach = 2 * plane_approach(load, E / (1 - NU**2), RADIUS, HALF_WIDTH)
-    down.value = -approach
-    problem.solve(max_iterations=40)
+    m, contact, problem, along, approach = pressed(method, degree, h, 100 * HALF_WIDTH)
     for part in (0.25, 0.5, 0.9):
         along.value = part * FRICTION * approach
         report = problem.solve()
@@ -82,19 +79,8 @@ def test_unloading_leaves_tractions_of_both_signs(method):
 
     q = q(Q) - 2 q(Q/2) (Mindlin and Deresiewicz 1953): it changes sign inside the contact, its sum is zero.
     """
-    h, law = 5e-4, di.LinearElastic(E, NU, hypothesis="plane_strain")
-    size = 60 * HALF_WIDTH
-    m = Model(
-        "cylinder_on_half_plane", law, 1, radius=RADIUS, a=HALF_WIDTH, h=h, width=size, height=size, symmetry="none"
-    )
-    m.hold("bottom")
-    down, along = m.hold("top", 1), m.hold("top", 0)
-    problem = m.problem(enforce(method, m.pair(friction=FRICTION)))
-    contact = problem.contact[0]
-    load = HALF_WIDTH**2 * math.pi * E / (1 - NU**2) / (8 * RADIUS)
-    approach = 2 * plane_approach(load, E / (1 - NU**2), RADIUS, HALF_WIDTH)
-    down.value = -approach
-    problem.solve(max_iterations=40)
+    h = 5e-4
+    m, contact, problem, along, approach = pressed(method, 1, h, 60 * HALF_WIDTH)
     along.value = 0.9 * FRICTION * approach
     problem.solve()
     first, P = -contact.force[0], contact.force[1]

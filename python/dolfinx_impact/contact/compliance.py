@@ -54,7 +54,10 @@ class Compliance:
                 break
             if len(new):
                 self._add(new)
-            z = self._solve(wanted)
+            try:
+                z = self._solve(wanted)
+            except np.linalg.LinAlgError:  # a set that does not hold the bodies: the same on all ranks
+                break
             contact._gap = self.gap + self.gaps @ z
             pressed = np.where(self.base, self.multiplier + self.multipliers @ z, self._at(z))
             contact.multiplier = np.where(contact.active, pressed, 0.0)

@@ -12,7 +12,6 @@ from .mortar import MortarGeometry
 from .pair import ContactPair, ContactStatus
 from .output import ContactOutput
 
-
 BASES = ("dual", "standard", "linear")
 
 
@@ -154,7 +153,7 @@ class LagrangeContact(Coulomb, ContactOutput):
 
     def take(self, forces):
         """Multipliers from a saddle point: forces (n, gdim) along the directions of the frames, zero where nothing is
-        constrained. After `predict`."""
+        constrained. After `constraints`, `springs`, whose state the solution is of, and `predict`."""
         on = (self.active & self.usable)[:, None]
         forces = np.einsum("nad,nd->na", self.frames, forces)
         weight = np.where(self.usable, self.geometry.weight, 1.0)

@@ -12,10 +12,11 @@ any basis will do; the matrix is indefinite and needs a direct solver.
 import numpy as np
 from petsc4py import PETSc
 
+from ..linear import Stiffness
 from .matrices import owned_rows, rectangle
 
 
-class SaddlePoint:
+class SaddlePoint(Stiffness):
     """As linear.LinearSystem, with the multipliers of all contacts behind each rank's displacements.
 
     Args:
@@ -29,7 +30,8 @@ class SaddlePoint:
     symmetric = False  # indefinite: nothing for conjugate gradients
 
     def __init__(self, K, extra, pinned, diagonal, parts, sizes, forces):
-        self.K, self.extra, self.diagonal = K, extra, diagonal
+        super().__init__(K, extra)
+        self.diagonal = diagonal
         self.comm = K.getComm().tompi4py()
         self.num, gdim = len(pinned), parts[0].frames.shape[1]
         self.gdim = gdim
@@ -92,12 +94,6 @@ class SaddlePoint:
         for thing in (*self._u, *self._f, self.right, self.left):
             thing.destroy()
 
-    def stiffness(self, x, y):
-        """y = (K + sum of extra) x. Collective."""
-        self.K.mult(x, y)
-        for E in self.extra:
-            E.multAdd(x, y, y)
-
     def _product(self, x, y):
         """y = A x without pins; arrays of this rank. Collective."""
         u, force, other = self._u
@@ -149,9 +145,9 @@ class SaddlePoint:
 
         me = self.comm.rank
         parts = []
-        for A, start, sign in [(self.K, u_starts[me], 1.0), *((E, u_starts[me], 1.0) for E in self.extra)]:
-            rows, cols, values = _triplets(A, start)
-            parts.append((place_u(rows), place_u(cols), sign * values))
+        for A in (self.K, *self.extra):
+            rows, cols, values = _triplets(A, u_starts[me])
+            parts.append((place_u(rows), place_u(cols), values))
         for A, turned in ((self.right, False), (self.left, True)):
             rows, cols, values = _triplets(A, f_starts[me])
             pair = place_f(rows), place_u(cols)

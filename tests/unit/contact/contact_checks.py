@@ -1,7 +1,6 @@
-"""Contact problems whose bodies are cut by the ranks, against the same problem on one rank. Runs on the ranks
-of COMM_WORLD: contact_checks.py CHECK..."""
+"""Contact problems whose bodies are cut by the ranks, against the same problem on one rank. See
+on_ranks.py."""
 
-import sys
 from functools import partial
 
 import numpy as np
@@ -133,13 +132,3 @@ def check_cut_back():
     assert f"cut back {report.cut_backs} times" in report.table()
     lowest = COMM.allreduce(float(np.max(problem.contact[0].points[:, 1], initial=-1.0)), MPI.MAX)
     assert abs(lowest - 0.6) < 1e-10
-
-
-CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) if name.startswith("check_")}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or CHECKS:
-        CHECKS[name]()
-        COMM.barrier()
-        if COMM.rank == 0:
-            print(f"passed: {name}", flush=True)

@@ -1,5 +1,5 @@
 """Hertz's contacts on gmsh meshes whose cells are given to the ranks at random, so that the contact zone is split,
-against one rank. Runs on the ranks of COMM_WORLD: hertz_checks.py CHECK..."""
+against one rank. See on_ranks.py."""
 
 import pathlib
 import sys
@@ -62,13 +62,3 @@ def check_hertz():
                 assert difference < SAME, (dim, name, difference)
             assert np.abs(here[1] - alone[1]).max() < SAME * np.abs(alone[1]).max()
             assert abs(here[2] - alone[2]) < SAME * alone[2]
-
-
-CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) if name.startswith("check_")}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or CHECKS:
-        CHECKS[name]()
-        COMM.barrier()
-        if COMM.rank == 0:
-            print(f"passed: {name}", flush=True)

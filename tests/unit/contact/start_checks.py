@@ -1,7 +1,6 @@
-"""States before anything is loaded, on the ranks of COMM_WORLD; a script as contact_checks.py is."""
+"""States before anything is loaded, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import logging
-import sys
 
 import numpy as np
 from dolfinx import fem, mesh
@@ -188,13 +187,3 @@ def check_first_touch():
     assert abs(alone[1] - 100.0) < 1e-6 and alone[2] > 1.0
     # The same equations, summed and solved in another order; Newton's method ends at 1e-10 of the force.
     assert np.abs(here - alone).max() < 1e-8 * np.abs(alone).max(), (here, alone)
-
-
-CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) if name.startswith("check_")}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or CHECKS:
-        CHECKS[name]()
-        COMM.barrier()
-        if COMM.rank == 0:
-            print(f"passed: {name}", flush=True)

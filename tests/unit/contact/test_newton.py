@@ -1,5 +1,7 @@
 """How a Newton iteration settles contact: ways to one result, kept factors, active sets that go to and fro."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from contact_checks import pressed
@@ -125,6 +127,33 @@ def test_conjugate_gradients_find_what_factors_find(contact, monkeypatch):
     iterative = pressed(MPI.COMM_SELF, 3, contact, rtol=RTOL)
     assert_same(iterative, direct)
     assert iterative[-1].cut_backs == 0 and max(iterative[-1].iterations) <= max(direct[-1].iterations) + 2
+
+
+def with_options(monkeypatch, options):
+    """Problems made from here on have these PETSc options."""
+    monkeypatch.setattr(di, "StaticProblem", partial(di.StaticProblem, options=options))
+
+
+@pytest.mark.parametrize("friction", (0.0, 0.3))
+def test_factors_of_another_package(friction, monkeypatch):
+    """PETSc's own LU tells less of itself than MUMPS does."""
+    mumps = pressed(MPI.COMM_SELF, 2, di.Lagrange, friction, rtol=RTOL)
+    with_options(monkeypatch, {"pc_type": "lu", "pc_factor_mat_solver_type": "petsc"})
+    assert_same(pressed(MPI.COMM_SELF, 2, di.Lagrange, friction, rtol=RTOL), mumps)
+
+
+def test_saddle_points_refuse_multigrid(monkeypatch):
+    with_options(monkeypatch, {"pc_type": "gamg"})
+    with pytest.raises(ValueError, match="needs a direct solver"):
+        pressed(MPI.COMM_SELF, 2, partial(di.Lagrange, basis="standard"))
+
+
+def test_a_singular_dense_problem_is_left_to_linear_solutions(monkeypatch):
+    """Responses that are zero: the dense problem has no solution, the contact has."""
+    right = Ball("quadrilateral")
+    respond = LagrangeContact.respond
+    monkeypatch.setattr(LagrangeContact, "respond", lambda *args: tuple(0.0 * v for v in respond(*args)))
+    assert_same(Ball("quadrilateral").answer, right.answer)
 
 
 class Cycling:

@@ -1,7 +1,5 @@
 """Gaps, forces and tangents of a pair whose cells are spread over the ranks at random, against those of one rank that
-has everything. Runs on the ranks of COMM_WORLD: penalty_checks.py CHECK..."""
-
-import sys
+has everything. See on_ranks.py."""
 
 import numpy as np
 from mpi4py import MPI
@@ -86,12 +84,3 @@ def check_forces():
         (found, sizes), (expected, _) = results
         assert np.abs(expected).max() > 1e-3
         assert np.all(np.abs(found - expected) < SAME_SUM * sizes)
-
-
-CHECKS = {"gaps": check_gaps, "forces": check_forces}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or CHECKS:
-        CHECKS[name]()
-        if COMM.rank == 0:
-            print(f"passed: {name}", flush=True)

@@ -1,7 +1,4 @@
-"""Operators against DOLFINx's own assembly, on the ranks of COMM_WORLD. Called by the tests in this process, and as a
-script with the names of checks: operator_checks.py CHECK...  (all of them without names)."""
-
-import sys
+"""Operators against DOLFINx's own assembly, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import dolfinx.fem.petsc as petsc
 import numpy as np
@@ -256,12 +253,3 @@ def check_point_values():
         cells = np.arange(domain.topology.index_map(domain.topology.dim).size_local, dtype=np.int32)
         expected = fem.Expression(stress, np.array(x)).eval(domain, cells)
         equal(found.reshape(-1), expected.reshape(-1))
-
-
-CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) if name.startswith("check_")}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or CHECKS:
-        CHECKS[name]()
-        if COMM.rank == 0:
-            print(f"passed: {name}", flush=True)

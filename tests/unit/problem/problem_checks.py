@@ -1,7 +1,4 @@
-"""Static problems with known or foreign solutions, on the ranks of COMM_WORLD; also a script, as operator_checks.py
-is."""
-
-import sys
+"""Static problems with known or foreign solutions, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import dolfinx.fem.petsc as petsc
 import numpy as np
@@ -257,12 +254,3 @@ def check_nothing_to_do():
     u = fem.Function(V, name="u")
     report = di.StaticProblem(u, di.LinearElastic(2.0, 0.3, hypothesis="plane_strain"), bcs=[clamp(V)]).solve()
     assert report.iterations == [0] and largest(u.x.array) == 0.0
-
-
-CHECKS = {name.removeprefix("check_"): f for name, f in list(globals().items()) if name.startswith("check_")}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or CHECKS:
-        CHECKS[name]()
-        if COMM.rank == 0:
-            print(f"passed: {name}", flush=True)

@@ -1,7 +1,5 @@
-"""What Exchange brings to a rank, against the whole surface gathered on it. Runs on the ranks of COMM_WORLD:
-exchange_checks.py CHECK..."""
-
-import sys
+"""What Exchange brings to a rank, against the whole surface gathered on it. See
+on_ranks.py."""
 
 import numpy as np
 import pairs
@@ -53,10 +51,10 @@ def check_candidates():
             assert np.array_equal(exchange.master.X, X[expected])
             assert np.array_equal(exchange.master.orientation, orientation[expected])
             assert np.array_equal(exchange.slave.id, slave.id)
-            check_nodes(V, exchange)
+            compare_nodes(V, exchange)
 
 
-def check_nodes(V, exchange):
+def compare_nodes(V, exchange):
     """The nodal map continues V's; forward brings values, move positions, reverse adds."""
     dim = V.mesh.geometry.dim
     imap = V.dofmap.index_map
@@ -74,10 +72,10 @@ def check_nodes(V, exchange):
         expected = (0.1 * padded + 0.2 * np.roll(padded, 1, axis=2))[:, :, :dim]
         assert np.allclose(values.reshape(-1, dim)[facets.nodes], expected, atol=ROUND_OFF)
         assert np.allclose(facets.x[:, :n] - X, expected, atol=ROUND_OFF)
-    check_reverse(V, exchange, dim)
+    compare_reverse(V, exchange, dim)
 
 
-def check_reverse(V, exchange, dim):
+def compare_reverse(V, exchange, dim):
     ones = np.zeros(exchange.size)
     for facets in (exchange.slave, exchange.master):
         np.add.at(ones.reshape(-1, dim), facets.nodes.reshape(-1), np.arange(1, dim + 1))
@@ -97,12 +95,3 @@ def check_nothing():
         exchange = _cpp.search.Exchange(V._cpp_object, s, m, 0.1)
         exchange.move(displaced(V).x.array)
         assert exchange.master.size == 0 and exchange.slave.size == s.size
-
-
-CHECKS = {name: globals()[f"check_{name}"] for name in ("candidates", "nothing")}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or CHECKS:
-        CHECKS[name]()
-        if COMM.rank == 0:
-            print(f"passed: {name}", flush=True)
