@@ -31,15 +31,17 @@ class Newton:
     """Solves one increment of a StaticProblem.
 
     Args:
-        problem: StaticProblem. rtol, atol, max_iterations: as in StaticProblem.solve.
+        problem: StaticProblem. rtol, atol, max_iterations: as in StaticProblem.solve. tell: called with the number of
+            every iteration and the norm of its residual.
 
     Attributes:
         seconds: spent on this rank so far, dict of "bodies" (residual, stiffness), "contact" (search, integrals,
         assembly, states) and "linear" (condensation, preconditioner, solution).
     """
 
-    def __init__(self, problem, rtol, atol, max_iterations):
+    def __init__(self, problem, rtol, atol, max_iterations, tell=None):
         self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
+        self._tell = tell or (lambda iteration, norm: None)
         self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
         self.multipliers = [c for c in problem.contact if c.constraints]
@@ -85,6 +87,7 @@ class Newton:
             violation = max((c.violation() for c in p.contact), default=0.0)
             result.add(norm, sum(c.num_active for c in p.contact), changes + settling)
             log.iteration(iteration, norm, max(scale, inner), result.active_set_sizes[-1], result.changes[-1])
+            self._tell(iteration, norm)
             settled = iteration > 0 or not p.contact
             small = norm <= max(self.atol, noise, self.rtol * max(scale, inner))
             if moved and settled and pending == 0 and violation < 1e-11 and small:

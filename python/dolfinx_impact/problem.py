@@ -8,7 +8,7 @@ from petsc4py import PETSc
 
 from . import operators
 from .linear import LinearSolver
-from .newton import Newton
+from .snes import Solver
 from .steps import Report, run_steps
 
 __all__ = ["Report", "StaticProblem"]
@@ -23,9 +23,11 @@ class StaticProblem:
         residual: a UFL residual of your own in u (rank 1), instead of a material.
         bcs: list of DirichletBC. loads: list of loads (dolfinx_impact.Traction, ...).
         contact: list of contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
-        options: dict of PETSc options for the linear solver, without prefix; default: LU by MUMPS, for large problems
-            conjugate gradients with algebraic multigrid.
-        prefix: of PETSc options for this problem's linear solver.
+        options: dict of PETSc options for KSP and SNES, without prefix; default: LU by MUMPS, for large problems
+            conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
+            (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
+            `solve`.
+        prefix: of PETSc options on the command line; they go before those given here.
         axisymmetric: of a residual of your own, for contact: x is the radius, integrals carry 2 pi r.
 
     Attributes:
@@ -137,6 +139,7 @@ class StaticProblem:
             Report.
 
         Raises:
+            ValueError: steps is not a positive integer; multipliers with another SNES than the package's own.
             RuntimeError: no convergence, a residual that is not a number, or a singular matrix; u keeps the last
             converged state.
         """
@@ -144,5 +147,8 @@ class StaticProblem:
             raise ValueError(f"steps is {steps!r}: give a positive integer")
         if cut_backs is None:
             cut_backs = 8 if self.contact or steps > 1 else 0
-        newton = Newton(self, rtol, atol, max_iterations)
-        return run_steps(self, newton, int(steps), cut_backs, verbose)
+        solver = Solver(self, rtol, atol, max_iterations)
+        try:
+            return run_steps(self, solver, int(steps), cut_backs, verbose)
+        finally:
+            solver.free()

@@ -130,7 +130,7 @@ class _Path:
             constant.value = end
 
 
-def run_steps(problem, newton, steps, cut_backs, verbose):
+def run_steps(problem, solver, steps, cut_backs, verbose):
     """The loop of StaticProblem.solve."""
     report, log, path = Report(), _Log(problem.space.mesh.comm, verbose), _Path(problem)
     width, done, halved = 1.0 / steps, 0.0, 0
@@ -144,7 +144,7 @@ def run_steps(problem, newton, steps, cut_backs, verbose):
         displacements = iter(path.apply(fraction))
         for contact in problem.contact:
             contact.begin(problem.u.x.array, next(displacements) if contact.pair.rigid else None)
-        increment = newton.run(path.values(fraction), log)
+        increment = solver.run(path.values(fraction), log)
         if not increment.fault:
             for contact in problem.contact:
                 contact.accept()
@@ -165,6 +165,6 @@ def run_steps(problem, newton, steps, cut_backs, verbose):
         report.cut_backs += 1
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")
     path.finish(1.0)
-    report.seconds = newton.seconds
+    report.seconds = solver.seconds
     log(report.table())
     return report

@@ -24,7 +24,7 @@ def blocks(comm, dim):
     return meshes.make("two_blocks", comm, **size)
 
 
-def pressed(comm, dim, contact, friction=0.3, degree=1, pull=None, rtol=1e-10):
+def pressed(comm, dim, contact, friction=0.3, degree=1, pull=None, rtol=1e-10, options=None):
     """Press the upper block down, then pull it sideways; positions, results and totals of the contact points."""
     made = blocks(comm, dim)
     domain, tags = made.mesh, made.tags
@@ -35,7 +35,7 @@ def pressed(comm, dim, contact, friction=0.3, degree=1, pull=None, rtol=1e-10):
     bcs = [fem.dirichletbc(np.zeros(dim), ends[0], V), fem.dirichletbc(move, ends[1], V)]
     pair = di.ContactPair(made.facet_tags, tags["slave_surface"], tags["master_surface"], friction=friction)
     law = di.LinearElastic(1e3, 0.3, 1.0, "3d" if dim == 3 else "plane_strain")
-    problem = di.StaticProblem(u, law, bcs=bcs, contact=[contact(pair)])
+    problem = di.StaticProblem(u, law, bcs=bcs, contact=[contact(pair)], options=options)
     move.value[dim - 1] = -0.02
     problem.solve(steps=2, rtol=rtol)
     move.value[0] = pull or (0.015 if dim == 2 else 0.009)
