@@ -129,23 +129,17 @@ def test_conjugate_gradients_find_what_factors_find(contact, monkeypatch):
     assert iterative[-1].cut_backs == 0 and max(iterative[-1].iterations) <= max(direct[-1].iterations) + 2
 
 
-def with_options(monkeypatch, options):
-    """Problems made from here on have these PETSc options."""
-    monkeypatch.setattr(di, "StaticProblem", partial(di.StaticProblem, options=options))
-
-
 @pytest.mark.parametrize("friction", (0.0, 0.3))
-def test_factors_of_another_package(friction, monkeypatch):
+def test_factors_of_another_package(friction):
     """PETSc's own LU tells less of itself than MUMPS does."""
     mumps = pressed(MPI.COMM_SELF, 2, di.Lagrange, friction, rtol=RTOL)
-    with_options(monkeypatch, {"pc_type": "lu", "pc_factor_mat_solver_type": "petsc"})
-    assert_same(pressed(MPI.COMM_SELF, 2, di.Lagrange, friction, rtol=RTOL), mumps)
+    options = {"pc_type": "lu", "pc_factor_mat_solver_type": "petsc"}
+    assert_same(pressed(MPI.COMM_SELF, 2, di.Lagrange, friction, rtol=RTOL, options=options), mumps)
 
 
-def test_saddle_points_refuse_multigrid(monkeypatch):
-    with_options(monkeypatch, {"pc_type": "gamg"})
+def test_saddle_points_refuse_multigrid():
     with pytest.raises(ValueError, match="needs a direct solver"):
-        pressed(MPI.COMM_SELF, 2, partial(di.Lagrange, basis="standard"))
+        pressed(MPI.COMM_SELF, 2, partial(di.Lagrange, basis="standard"), options={"pc_type": "gamg"})
 
 
 def test_a_singular_dense_problem_is_left_to_linear_solutions(monkeypatch):
