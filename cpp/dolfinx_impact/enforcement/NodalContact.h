@@ -1,0 +1,62 @@
+#pragma once
+#include "../operators/Halo.h"
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace impact::enforcement
+{
+/// What the explicit integrator shows to contacts: arrays over the nodes of a Halo (owned, ghosts of the displacement
+/// space, then nodes of other ranks that contacts asked for), entry node*gdim + c.
+struct NodalState
+{
+  const double* u = nullptr;            ///< displacements [L]
+  const double* du = nullptr;           ///< their increments in the last step [L]
+  const double* inverse_mass = nullptr; ///< zero where prescribed [1/M]
+  double dt = 0.0;                      ///< step that led here [T]
+};
+
+/// Energies of a contact on this rank; see docs/explicit.md.
+struct ContactEnergy
+{
+  double stored = 0.0;    ///< in springs, now [F L]
+  double friction = 0.0;  ///< dissipated so far [F L]
+  double normal = 0.0;    ///< work of kinematic contact's normal forces on the bodies so far [F L]
+};
+
+/// A contact as the explicit integrator sees it. Forces are on slave and master nodes, equal and opposite.
+class NodalContact
+{
+public:
+  virtual ~NodalContact() = default;
+
+  /// Find candidates for the present configuration; afterwards remote() may be another list. Collective.
+  /// @param[in] u displacements of owned nodes [L]
+  virtual void search(std::span<const double> u) = 0;
+  /// Nodes of other ranks that the candidates need: global numbers and owners, ascending.
+  virtual std::span<const std::int64_t> remote_nodes() const = 0;
+  virtual std::span<const int> remote_owners() const = 0;
+  /// Take the numbers of nodes from a Halo that has them all, and what belongs to them: ghosts of `mass` are valid.
+  virtual void number(operators::Halo& halo, const double* mass) = 0;
+  /// How much of the motion is used up that the candidates allow, looking two steps ahead; at 1 or more search again.
+  virtual double used(const NodalState& state) const = 0;
+
+  /// Penalty: forces in the present configuration, added to f (over the Halo's nodes; ghosts are sent on by the caller).
+  /// Called once per step: updates the friction history. No allocation.
+  virtual void add_forces(const NodalState& state, double* f) = 0;
+
+  /// Kinematic: corrects a predicted configuration. Collective. No allocation.
+  /// @param[in,out] u predicted displacements, ghosts valid; on return corrected, ghosts valid [L]
+  /// @param[in] du predicted increments of the step (over the Halo's nodes)
+  /// @param[in] h a force f moves a node by h*f/m in the step [T^2]
+  /// @param[in] dt step [T]
+  /// @param[in,out] f complete on owned nodes: forces are added [F]
+  virtual void correct(double* u, const double* du, const double* inverse_mass, double h, double dt, double* f) = 0;
+  /// Does it act by add_forces (false) or by correct (true)?
+  virtual bool kinematic() const = 0;
+
+  virtual ContactEnergy energy() const = 0;
+  /// Sum of the forces on this rank's slave nodes in the last step [F].
+  virtual const double* force() const = 0;
+};
+} // namespace impact::enforcement
