@@ -1,3 +1,4 @@
+#include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
 #include "dolfinx_impact/operators/lump.h"
 #include "module.h"
@@ -18,10 +19,35 @@ Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& 
           {entities.data(), entities.data() + entities.size()},
           {constants.data(), constants.data() + constants.size()}};
 }
+
+/// The array of a Halo with bs values per node, checked.
+double* nodal(const Halo& halo, const Vector& values, int bs)
+{
+  if (bs < 1 || bs > Halo::max_bs || values.size() != std::size_t(halo.num_nodes()) * bs)
+    throw std::invalid_argument("a Halo of " + std::to_string(halo.num_nodes()) + " nodes takes 1 to " +
+                                std::to_string(Halo::max_bs) + " values for each, found " +
+                                std::to_string(values.size()) + " values with bs = " + std::to_string(bs));
+  return values.data();
+}
+
+void bind_halo(nb::module_& m)
+{
+  nb::class_<Halo>(m, "Halo", "Exchange of nodal values between ranks: owned nodes of an IndexMap, then its ghosts")
+      .def(nb::init<std::shared_ptr<const dolfinx::common::IndexMap>>(), nb::arg("index_map"), "Collective")
+      .def_prop_ro("num_owned", &Halo::num_owned)
+      .def_prop_ro("num_nodes", &Halo::num_nodes)
+      .def(
+          "forward", [](Halo& self, Vector values, int bs) { self.forward(nodal(self, values, bs), bs); },
+          nb::arg("values"), nb::arg("bs"), "Owned values to their ghosts (a view is changed). Collective")
+      .def(
+          "reverse", [](Halo& self, Vector values, int bs) { self.reverse(nodal(self, values, bs), bs); },
+          nb::arg("values"), nb::arg("bs"), "Ghost values added to their owners' (a view is changed). Collective");
+}
 } // namespace
 
 void impact::bindings::operators(nb::module_& m)
 {
+  bind_halo(m);
   nb::class_<Integral>(m, "Integral", "A kernel, where it acts and its constants (copied)")
       .def(
           "__init__", [](Integral* self, std::uintptr_t kernel, Indices entities, Values constants)

@@ -19,9 +19,9 @@ struct NodalState
 /// Energies of a contact on this rank; see docs/explicit.md.
 struct ContactEnergy
 {
-  double stored = 0.0;    ///< in springs, now [F L]
-  double friction = 0.0;  ///< dissipated so far [F L]
-  double normal = 0.0;    ///< work of kinematic contact's normal forces on the bodies so far [F L]
+  double stored = 0.0;   ///< in springs, now [F L]
+  double friction = 0.0; ///< dissipated so far [F L]
+  double normal = 0.0;   ///< work of kinematic contact's normal forces on the bodies so far [F L]
 };
 
 /// A contact as the explicit integrator sees it. Forces are on slave and master nodes, equal and opposite.
@@ -41,8 +41,8 @@ public:
   /// How much of the motion is used up that the candidates allow, looking two steps ahead; at 1 or more search again.
   virtual double used(const NodalState& state) const = 0;
 
-  /// Penalty: forces in the present configuration, added to f (over the Halo's nodes; ghosts are sent on by the caller).
-  /// Called once per step: updates the friction history. No allocation.
+  /// Penalty: forces in the present configuration, added to f (over the Halo's nodes; ghosts are sent on by the
+  /// caller). Called once per step: updates the friction history. No allocation.
   virtual void add_forces(const NodalState& state, double* f) = 0;
 
   /// Kinematic: corrects a predicted configuration. Collective. No allocation.

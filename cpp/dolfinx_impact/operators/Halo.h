@@ -1,7 +1,8 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <dolfinx/common/IndexMap.h>
-#include <dolfinx/common/Scatterer.h>
+#include <dolfinx/common/MPI.h>
 #include <memory>
 #include <mpi.h>
 #include <vector>
@@ -9,12 +10,18 @@
 namespace impact::operators
 {
 /// Exchange of nodal values between a rank and its neighbours, without allocation: arrays values[node*bs + c] over the
-/// nodes of an IndexMap, owned first, then ghosts. One message per neighbour and direction.
+/// nodes of an IndexMap, owned first, then ghosts. One message per neighbour and direction, by persistent requests.
+/// One exchange at a time: begin and end of one before the begin of the next.
 class Halo
 {
 public:
+  static constexpr int max_bs = 4;
+
   /// @param[in] map nodes. Collective.
   explicit Halo(std::shared_ptr<const dolfinx::common::IndexMap> map);
+  ~Halo();
+  Halo(const Halo&) = delete;
+  Halo& operator=(const Halo&) = delete;
 
   const dolfinx::common::IndexMap& map() const { return *_map; }
   std::int32_t num_owned() const { return _map->size_local(); }
@@ -22,6 +29,7 @@ public:
   std::int32_t num_nodes() const { return _map->size_local() + _map->num_ghosts(); }
 
   /// Owned values to the ranks that have them as ghosts. Collective; between begin and end owned values may be read.
+  /// @param[in] bs values per node, 1 to max_bs
   void forward_begin(const double* values, int bs);
   void forward_end(double* values, int bs);
   void forward(double* values, int bs)
@@ -40,11 +48,14 @@ public:
   }
 
 private:
-  static constexpr int max_bs = 4;
+  void start(int direction, int bs);
+  void wait(int direction, int bs);
+
   std::shared_ptr<const dolfinx::common::IndexMap> _map;
-  dolfinx::common::Scatterer<> _scatterer; ///< with block size 1; messages of bs values per node
-  MPI_Datatype _type[max_bs + 1];
-  std::vector<double> _local, _remote; ///< packed owned values, packed ghost values
-  MPI_Request _request = MPI_REQUEST_NULL;
+  dolfinx::MPI::Comm _comm;                  ///< of its own: nobody else's messages get in between
+  std::vector<std::int32_t> _owned, _ghosts; ///< nodes in the order of the messages, neighbour after neighbour
+  std::vector<double> _owned_buffer, _ghost_buffer;
+  /// [direction][bs]: 0 forward, 1 reverse
+  std::array<std::array<std::vector<MPI_Request>, max_bs + 1>, 2> _requests;
 };
 } // namespace impact::operators

@@ -1,0 +1,143 @@
+#include "Halo.h"
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+namespace impact::operators
+{
+namespace
+{
+constexpr int count_tag = 1, index_tag = 2, value_tag = 3;
+
+void check(MPI_Comm comm, int error)
+{
+  dolfinx::MPI::check_error(comm, error);
+}
+
+/// Ghosts ordered by owner, those of one owner in the map's order.
+std::vector<std::int32_t> by_owner(const dolfinx::common::IndexMap& map)
+{
+  const auto owners = map.owners();
+  std::vector<std::int32_t> order(owners.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return owners[a] < owners[b]; });
+  return order;
+}
+} // namespace
+
+Halo::Halo(std::shared_ptr<const dolfinx::common::IndexMap> map) : _map(std::move(map)), _comm(_map->comm())
+{
+  const MPI_Comm comm = _comm.comm();
+  const std::vector<std::int32_t> order = by_owner(*_map);
+  const auto sources = _map->src(), destinations = _map->dest();
+  // Owners hear from every neighbour how many of their nodes it has, and which.
+  std::vector<int> ghost_counts(sources.size()), owned_counts(destinations.size());
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    ghost_counts[i] = int(std::count(_map->owners().begin(), _map->owners().end(), sources[i]));
+  std::vector<MPI_Request> requests;
+  const auto finish = [&]
+  {
+    check(comm, MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+    requests.clear();
+  };
+  for (std::size_t i = 0; i < destinations.size(); ++i)
+    check(comm, MPI_Irecv(&owned_counts[i], 1, MPI_INT, destinations[i], count_tag, comm, &requests.emplace_back()));
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    check(comm, MPI_Isend(&ghost_counts[i], 1, MPI_INT, sources[i], count_tag, comm, &requests.emplace_back()));
+  finish();
+  std::vector<std::int64_t> wanted(order.size());
+  std::transform(order.begin(), order.end(), wanted.begin(), [&](std::int32_t g) { return _map->ghosts()[g]; });
+  std::vector<std::int64_t> asked(std::accumulate(owned_counts.begin(), owned_counts.end(), 0));
+  for (std::size_t i = 0, at = 0; i < destinations.size(); at += owned_counts[i++])
+    check(comm, MPI_Irecv(asked.data() + at, owned_counts[i], MPI_INT64_T, destinations[i], index_tag, comm,
+                          &requests.emplace_back()));
+  for (std::size_t i = 0, at = 0; i < sources.size(); at += ghost_counts[i++])
+    check(comm, MPI_Isend(wanted.data() + at, ghost_counts[i], MPI_INT64_T, sources[i], index_tag, comm,
+                          &requests.emplace_back()));
+  finish();
+  for (std::int64_t node : asked)
+    _owned.push_back(std::int32_t(node - _map->local_range()[0]));
+  for (std::int32_t g : order)
+    _ghosts.push_back(_map->size_local() + g);
+
+  _owned_buffer.resize(_owned.size() * max_bs);
+  _ghost_buffer.resize(_ghosts.size() * max_bs);
+  const auto prepare =
+      [&](int direction, int bs, const auto& ranks, const std::vector<int>& counts, double* buffer, bool send)
+  {
+    for (std::size_t i = 0, at = 0; i < ranks.size(); at += counts[i++])
+    {
+      double* data = buffer + at * bs;
+      MPI_Request* request = &_requests[direction][bs].emplace_back();
+      const int n = counts[i] * bs, tag = value_tag + direction;
+      check(comm, send ? MPI_Send_init(data, n, MPI_DOUBLE, ranks[i], tag, comm, request)
+                       : MPI_Recv_init(data, n, MPI_DOUBLE, ranks[i], tag, comm, request));
+    }
+  };
+  for (int bs = 1; bs <= max_bs; ++bs)
+    for (int direction = 0; direction < 2; ++direction)
+    {
+      prepare(direction, bs, sources, ghost_counts, _ghost_buffer.data(), direction == 1);
+      prepare(direction, bs, destinations, owned_counts, _owned_buffer.data(), direction == 0);
+    }
+}
+
+Halo::~Halo()
+{
+  int finalized = 0;
+  MPI_Finalized(&finalized);
+  if (!finalized)
+    for (auto& direction : _requests)
+      for (auto& requests : direction)
+        for (MPI_Request& request : requests)
+          MPI_Request_free(&request);
+}
+
+void Halo::start(int direction, int bs)
+{
+  auto& requests = _requests[direction][bs];
+  if (!requests.empty()) // no null pointers: MPI implementations differ on them
+    check(_comm.comm(), MPI_Startall(int(requests.size()), requests.data()));
+}
+
+void Halo::wait(int direction, int bs)
+{
+  auto& requests = _requests[direction][bs];
+  if (!requests.empty())
+    check(_comm.comm(), MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+}
+
+void Halo::forward_begin(const double* values, int bs)
+{
+  if (bs < 1 || bs > max_bs)
+    throw std::invalid_argument("a Halo exchanges 1 to 4 values per node, not " + std::to_string(bs));
+  for (std::size_t i = 0; i < _owned.size(); ++i)
+    std::copy_n(values + std::size_t(_owned[i]) * bs, bs, _owned_buffer.data() + i * bs);
+  start(0, bs);
+}
+
+void Halo::forward_end(double* values, int bs)
+{
+  wait(0, bs);
+  for (std::size_t i = 0; i < _ghosts.size(); ++i)
+    std::copy_n(_ghost_buffer.data() + i * bs, bs, values + std::size_t(_ghosts[i]) * bs);
+}
+
+void Halo::reverse_begin(const double* values, int bs)
+{
+  if (bs < 1 || bs > max_bs)
+    throw std::invalid_argument("a Halo exchanges 1 to 4 values per node, not " + std::to_string(bs));
+  for (std::size_t i = 0; i < _ghosts.size(); ++i)
+    std::copy_n(values + std::size_t(_ghosts[i]) * bs, bs, _ghost_buffer.data() + i * bs);
+  start(1, bs);
+}
+
+void Halo::reverse_end(double* values, int bs)
+{
+  wait(1, bs);
+  for (std::size_t i = 0; i < _owned.size(); ++i)
+    for (int c = 0; c < bs; ++c)
+      values[std::size_t(_owned[i]) * bs + c] += _owned_buffer[i * bs + c];
+}
+} // namespace impact::operators

@@ -1,0 +1,54 @@
+"""Nodal values travel between owners and ghosts, whatever the number of values per node. See on_ranks.py."""
+
+import numpy as np
+import pytest
+from dolfinx import fem, mesh
+from dolfinx.common import IndexMap
+from mpi4py import MPI
+
+from dolfinx_impact import _cpp
+
+COMM = MPI.COMM_WORLD
+
+
+def maps():
+    """Nodes of a mesh; of a ring of ranks with ghosts out of order; without ghosts."""
+    V = fem.functionspace(mesh.create_unit_cube(COMM, 3, 4, 5), ("Lagrange", 2))
+    yield V.dofmap.index_map
+    count, size = 4 + COMM.rank, COMM.size
+    starts = np.cumsum([0] + [4 + r for r in range(size)])
+    others = [r for r in range(size) if r != COMM.rank]
+    ghosts = [starts[r] + k for k in (3, 0) for r in reversed(others)]
+    owners = [r for k in (3, 0) for r in reversed(others)]
+    yield IndexMap(COMM, count, np.array(ghosts, dtype=np.int64), np.array(owners, dtype=np.int32))
+    yield IndexMap(COMM, count)
+
+
+def check_forward_and_reverse():
+    """Ghosts get their owners' values; owners add up what ghosts have, which stays there."""
+    for index_map in maps():
+        halo = _cpp.operators.Halo(index_map)
+        owned, total = index_map.size_local, index_map.size_local + index_map.num_ghosts
+        assert (halo.num_owned, halo.num_nodes) == (owned, total)
+        numbers = np.append(np.arange(*index_map.local_range), index_map.ghosts).astype(float)
+        for bs in (3, 1, 4, 2, 3):
+            full = (numbers[:, None] * 10 + np.arange(bs)).reshape(-1)
+            values = full.copy()
+            values[owned * bs :] = np.nan
+            halo.forward(values, bs)
+            assert np.array_equal(values, full)
+            copies = np.ones(total)
+            halo.reverse(copies, 1)  # how many ranks have it
+            halo.reverse(values, bs)
+            assert np.allclose(values[: owned * bs], full[: owned * bs] * np.repeat(copies[:owned], bs), rtol=1e-15)
+            assert np.array_equal(values[owned * bs :], full[owned * bs :])
+
+
+def check_refused():
+    """Arrays of wrong sizes, too many values per node."""
+    index_map = next(maps())
+    halo = _cpp.operators.Halo(index_map)
+    for size, bs in ((halo.num_nodes * 3 + 1, 3), (halo.num_nodes * 5, 5), (0, 0)):
+        for exchange in (halo.forward, halo.reverse):
+            with pytest.raises(ValueError, match="values"):
+                exchange(np.zeros(size), bs)
