@@ -18,5 +18,6 @@ void mortar(nanobind::module_& m);
 void triplets(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
+void integrators(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace impact::bindings

@@ -5,12 +5,15 @@ loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
 """
 
 from . import _cpp, forms, theory, verify
+from .amplitude import PrescribedMotion
 from .contact import ContactPair, ContactStatus, Lagrange, Penalty, RigidCylinder, RigidPlane, RigidSphere
+from .explicit import ExplicitProblem
 from .jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
+from .mass import lumped_mass
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
 from .mesh_input import check_mesh, read_mesh
-from .operators import Energy, InternalForce, PointValues, Tangent, lumped_mass
+from .operators import Energy, InternalForce, PointValues, Tangent
 from .problem import StaticProblem
 
 __version__ = "0.1.0"
@@ -18,12 +21,14 @@ __version__ = "0.1.0"
 __all__ = [
     "BodyForce",
     "Energy",
+    "ExplicitProblem",
     "FollowerPressure",
     "InternalForce",
     "LinearElastic",
     "MaterialMap",
     "NeoHookean",
     "PointValues",
+    "PrescribedMotion",
     "Rayleigh",
     "StVenantKirchhoff",
     "StaticProblem",

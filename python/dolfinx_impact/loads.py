@@ -52,6 +52,8 @@ def _tag(tag):
 class _Load:
     """Common part: value as a constant that can be changed between solves (`.constant.value`)."""
 
+    amplitude = None
+
     def _prepare(self, mesh, value):
         if getattr(self, "constant", None) is None or self._mesh is not mesh:
             self._mesh = mesh
@@ -70,10 +72,11 @@ class BodyForce(_Load):
     Args:
         vector: components [F/L^3], or acceleration [L/T^2] when `per_mass`.
         per_mass: multiply with the material's density (gravity).
+        amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
     """
 
-    def __init__(self, vector, per_mass=True):
-        self.vector, self.per_mass = vector, bool(per_mass)
+    def __init__(self, vector, per_mass=True, amplitude=None):
+        self.vector, self.per_mass, self.amplitude = vector, bool(per_mass), amplitude
 
     def form(self, u, v, material):
         """External virtual work."""
@@ -110,13 +113,14 @@ class Traction(_FacetLoad):
     Args:
         facet_tags: dolfinx MeshTags over facets. tag: of the loaded facets.
         vector: components per reference area [F/L^2], or a function of the mesh (UFL expression) for a varying one.
+        amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
 
     Raises:
         ValueError: the tag does not exist, wrong number of components; on all ranks.
     """
 
-    def __init__(self, facet_tags, tag, vector):
-        self.facet_tags, self.tag, self.vector = facet_tags, _tag(tag), vector
+    def __init__(self, facet_tags, tag, vector, amplitude=None):
+        self.facet_tags, self.tag, self.vector, self.amplitude = facet_tags, _tag(tag), vector, amplitude
 
     def form(self, u, v, material):
         """External virtual work."""

@@ -1,14 +1,12 @@
 """Second stage: kernels applied over the cells of a mesh. Thin wrappers of cpp/dolfinx_impact/operators."""
 
-import functools
-
 import numpy as np
 import ufl
 from dolfinx import cpp, fem, la
 from mpi4py import MPI
 
 from . import _cpp
-from .forms import elasticity, inertia, quadrature
+from .forms import elasticity, quadrature
 from .jit import compile_expression, compile_form
 
 
@@ -44,6 +42,15 @@ def _entities(mesh, integral_type, subdomain, data):
     return cpp.fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets, tdim - 1)
 
 
+def _choose(V, entities, integral_type, part):
+    """Those of the entities whose cells touch no ghost node ("inner"), or the others ("outer")."""
+    num_owned, dofs = V.dofmap.index_map.size_local, V.dofmap.list
+    cells = entities if integral_type == "cell" else entities.reshape(-1, 2)[:, 0]
+    outer = np.any(dofs[cells] >= num_owned, axis=1)
+    chosen = outer if part == "outer" else ~outer
+    return entities[chosen] if integral_type == "cell" else entities.reshape(-1, 2)[chosen].ravel()
+
+
 def _tagged(data, subdomain, measure, dim):
     if data is None:
         raise ValueError(f"the form integrates over {measure}({subdomain}), but the measure has no subdomain_data")
@@ -62,7 +69,7 @@ def _constants(compiled, kernel):
 class _Operator:
     """Kernels of a form with their entities, coefficients and constants on the C++ side."""
 
-    def __init__(self, form, rank, width):
+    def __init__(self, form, rank, width, part=None):
         self.form = form
         self.mesh = _domain(form)
         found = len(form.arguments())
@@ -83,6 +90,8 @@ class _Operator:
                 if any(d is not given[0] for d in given):
                     raise ValueError(f"the {kernel.integral_type} integrals of one form must share one subdomain_data")
                 entities = _entities(self.mesh, kernel.integral_type, subdomain, given[0] if given else None)
+                if part:
+                    entities = _choose(self.test, entities, kernel.integral_type, part)
                 integrals.append(
                     _cpp.operators.Integral(
                         kernel.address, np.ascontiguousarray(entities), _constants(self.compiled, kernel)
@@ -123,14 +132,15 @@ class InternalForce(_Operator):
     Args:
         form: UFL form of rank 1 over dx and ds of one mesh; its functions and constants are read anew at every call.
         width: cells per kernel call, 1, 4 or 8; 0: the machine's default.
+        part: None; "inner", "outer": only cells without, with nodes that are ghosts here.
 
     Raises:
         ValueError: a form of another rank, two functions of one name, a subdomain without tags.
         RuntimeError: kernels cannot be compiled (see jit.compile_form), or elements of another kind.
     """
 
-    def __init__(self, form, width=0):
-        super().__init__(form, 1, width)
+    def __init__(self, form, width=0, part=None):
+        super().__init__(form, 1, width, part)
 
     def vector(self):
         """New DOLFINx vector of the test space, zero."""
@@ -151,6 +161,29 @@ class InternalForce(_Operator):
         """Add this rank's contributions to `array` (owned and ghost entries), as fem.assemble_vector does."""
         self._update()
         self._cpp_object.assemble(array)
+
+
+class SplitForce:
+    """Vector of a linear form in two parts, for the explicit integrator: cells and facets whose cells touch no ghost
+    node, and the others.
+
+    Args:
+        form: as for InternalForce.
+    """
+
+    def __init__(self, form):
+        self._parts = [InternalForce(form, part=part) for part in ("inner", "outer")]
+
+    def update(self):
+        """Read constants and the coefficients that the integrator has not. Collective."""
+        for part in self._parts:
+            part._update()
+
+    def forces(self, displacement, velocity=None):
+        """For the C++ side: which coefficients are the displacement and the velocity."""
+        names = {id(f): name for name, f in self._parts[0].coefficients.items()}
+        given = [names.get(id(f), "") if f is not None else "" for f in (displacement, velocity)]
+        return _cpp.integrators.Forces(*(p._cpp_object for p in self._parts), *given)
 
 
 class Energy(_Operator):
@@ -223,90 +256,6 @@ class PointValues:
         return out
 
 
-def _mass_measure(V, hypothesis, cell_tags=None, rule=None, degree=None):
-    mesh = V.mesh
-    cell = mesh.topology.cell_name()
-    used = degree or quadrature.mass_degree(cell, V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis)
-    return ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(used, rule), subdomain_data=cell_tags)
-
-
-def lumped_mass(V, material, scheme="auto"):
-    """Diagonal mass as a vector over the degrees of freedom of V [M].
-
-    The total is the body's mass in every direction, and every entry is positive.
-
-    Args:
-        V: blocked Lagrange space of degree 1 or 2.
-        material: a material or MaterialMap with densities.
-        scheme: "row_sum"; "hrz" (Hinton, Rock & Zienkiewicz 1976); "nodal" (Gauss-Lobatto-Legendre rule at the nodes,
-            quadrilaterals and hexahedra only); "auto": row sums at degree 1, HRZ on simplices of degree 2 and wherever
-            an axisymmetric body of degree 2 would get no mass on the axis, nodal otherwise.
-
-    Returns:
-        dolfinx.la.Vector, ghosts up to date.
-
-    Raises:
-        ValueError: unknown scheme, a scheme that has no positive entries there, a material without density.
-    """
-    mesh, cell = V.mesh, V.mesh.topology.cell_name()
-    degree = V.element.basix_element.degree
-    simplex = cell in quadrature.SIMPLICES
-    axisymmetric = material.hypothesis_on(mesh) == "axisymmetric"
-    if scheme == "auto":
-        scheme = "row_sum" if degree == 1 else "hrz" if simplex or axisymmetric else "nodal"
-    if scheme not in ("row_sum", "hrz", "nodal"):
-        raise ValueError(f"lumping scheme {scheme!r} is unknown: use auto, row_sum, hrz or nodal")
-    if (scheme == "nodal" and simplex) or (scheme == "row_sum" and degree > 1 and (simplex or axisymmetric)):
-        where = f"{cell}s of degree {degree}"
-        raise ValueError(f"scheme {scheme!r} gives entries that are not positive on {where}: use hrz")
-    v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
-    hypothesis = material.hypothesis_on(mesh)
-    dx = _mass_measure(V, hypothesis, material.cell_tags)
-    parts = [(tag, m.density_constant(mesh)) for tag, m in material.parts()]
-    if scheme == "row_sum":
-        total = sum(inertia.row_sum(v, density, hypothesis, dx if t is None else dx(t)) for t, density in parts)
-        return _positive(InternalForce(total).apply(), scheme, mesh.comm)
-    errors, b = [], la.vector(V.dofmap.index_map, V.dofmap.index_map_bs)
-    for tag, density in parts:
-        if scheme == "hrz":
-            (mass,) = _cell_integrals(inertia.mass(trial, v, density, hypothesis, dx), tag, material)
-            lump = functools.partial(_cpp.operators.lump_hrz, mass)
-        else:
-            at_nodes = _mass_measure(V, hypothesis, material.cell_tags, "GLL", 2 * degree - 1)
-            (nodal,) = _cell_integrals(inertia.row_sum(v, density, hypothesis, at_nodes), tag, material)
-            (row_sum,) = _cell_integrals(inertia.row_sum(v, density, hypothesis, dx), tag, material)
-            lump = functools.partial(_cpp.operators.lump_nodal, nodal, row_sum)
-        try:
-            lump(V._cpp_object, b.array)
-        except RuntimeError as e:  # of one rank, perhaps: told to all below
-            errors.append(f"rank {mesh.comm.rank}: {e}")
-    errors = sum(mesh.comm.allgather(errors), [])
-    if errors:
-        raise ValueError(errors[0])
-    b.scatter_reverse(la.InsertMode.add)
-    b.scatter_forward()
-    return _positive(b, scheme, mesh.comm)
-
-
-def _positive(b, scheme, comm):
-    """The vector b, or ValueError on all ranks if an entry is not positive."""
-    owned = b.array[: b.index_map.size_local * b.block_size]
-    smallest = comm.allreduce(float(np.min(owned, initial=np.inf)), MPI.MIN)
-    if not smallest > 0:
-        raise ValueError(
-            f"scheme {scheme!r} gives a nodal mass of {smallest}: use hrz, and check that every cell has a volume and "
-            "that an axisymmetric mesh has no x < 0"
-        )
-    return b
-
-
-def _cell_integrals(form, tag, material):
-    """Integrals of a form over the cells of one material, for the C++ side."""
-    compiled = compile_form(form)
-    entities = _entities(_domain(form), "cell", -1 if tag is None else tag, material.cell_tags)
-    return [_cpp.operators.Integral(k.address, entities, _constants(compiled, k)) for k in compiled.kernels]
-
-
 def strain_energy_form(u, material):
     """UFL form of the strain energy of u [F L]."""
     return _sum(u, material, lambda law, dx: elasticity.internal_energy(u, law, dx))
@@ -322,7 +271,8 @@ def tangent_form(u, du, v, material):
     return _sum(u, material, lambda law, dx: elasticity.tangent(u, du, v, law, dx))
 
 
-def _sum(u, material, term):
+def sum_materials(u, material, term):
+    """Sum of the UFL forms term(m, dx) over the materials m with their parts of the body, stiffness rule."""
     V = u.function_space
     mesh = V.mesh
     degree = quadrature.stiffness_degree(
@@ -332,4 +282,9 @@ def _sum(u, material, term):
         material.hypothesis_on(mesh),
     )
     dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
-    return sum(term(m.law(mesh), dx if tag is None else dx(tag)) for tag, m in material.parts())
+    return sum(term(m, dx if tag is None else dx(tag)) for tag, m in material.parts())
+
+
+def _sum(u, material, term):
+    mesh = u.function_space.mesh
+    return sum_materials(u, material, lambda m, dx: term(m.law(mesh), dx))

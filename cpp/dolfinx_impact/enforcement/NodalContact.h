@@ -38,6 +38,10 @@ public:
   virtual std::span<const int> remote_owners() const = 0;
   /// Take the numbers of nodes from a Halo that has them all, and what belongs to them: ghosts of `mass` are valid.
   virtual void number(operators::Halo& halo, const double* mass) = 0;
+  /// Halo numbers of all nodes that forces may act on, each once.
+  virtual std::span<const std::int32_t> nodes() const = 0;
+  /// Where a rigid master is at the end of the step (no effect on deformable ones) [L].
+  virtual void set_obstacle(const double* displacement) = 0;
   /// How much of the motion is used up that the candidates allow, looking two steps ahead; at 1 or more search again.
   virtual double used(const NodalState& state) const = 0;
 

@@ -84,6 +84,7 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
     a.block_size = V->dofmap()->bs();
     a.num_nodes = c.element.num_dofs / a.block_size;
     a.gather = gather(_width, a.block_size, a.block_size);
+    a.name = c.name;
     a.function = found->second;
     a.offset = c.offset;
     _coefficients.push_back(std::move(a));
@@ -156,6 +157,13 @@ void Batches::set_constants(std::span<const double> c)
   _constants.assign(c.begin(), c.end());
 }
 
+void Batches::read(const std::string& name, const double* values)
+{
+  for (Array& a : _coefficients)
+    if (a.name == name)
+      a.values = values;
+}
+
 double Batches::run(double* b) const
 {
   const impact_kernel& k = *_kernel;
@@ -169,8 +177,8 @@ double Batches::run(double* b) const
   {
     _x.gather(nodes, _x.dofs.data() + batch * _x.num_nodes * _width, _x.num_nodes, x);
     for (const Array& a : _coefficients)
-      a.gather(a.function->x()->array().data(), a.dofs.data() + batch * a.num_nodes * _width, a.num_nodes,
-               w + std::size_t(a.offset) * _width);
+      a.gather(a.values ? a.values : a.function->x()->array().data(), a.dofs.data() + batch * a.num_nodes * _width,
+               a.num_nodes, w + std::size_t(a.offset) * _width);
     std::fill_n(A, size_A, 0.0);
     _tabulate(A, w, _constants.data(), x, _facet[batch]);
     if (k.rank == 1)

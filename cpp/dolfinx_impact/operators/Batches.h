@@ -39,7 +39,9 @@ public:
     int block_size = 1;
     std::vector<std::int32_t> dofs;
     gather_function gather = nullptr;
+    std::string name;                         ///< of a coefficient
     std::shared_ptr<const Function> function; ///< of a coefficient
+    const double* values = nullptr;           ///< read instead of the function's
     int offset = 0;                           ///< first entry in w
   };
 
@@ -62,6 +64,9 @@ public:
   int width() const { return _width; }
   std::size_t num_cells() const { return _num_entities; }
   void set_constants(std::span<const double> c);
+  /// Read a coefficient from here (numbered as the function's array) instead of from the function; null: from the
+  /// function again. Kernels without it are left as they are.
+  void read(const std::string& name, const double* values);
 
 private:
   void add_group(std::span<const std::int32_t> cells, int facet);

@@ -35,6 +35,13 @@ public:
   /// Replace the constants of integral i.
   void set_constants(std::size_t i, std::span<const double> c) { _batches.at(i).set_constants(c); }
 
+  /// Read a coefficient from an array instead of from its function, in all integrals (Batches::read).
+  void read(const std::string& name, const double* values)
+  {
+    for (Batches& batches : _batches)
+      batches.read(name, values);
+  }
+
   /// Cells per kernel call of integral i.
   int width(std::size_t i = 0) const { return _batches.at(i).width(); }
   std::size_t num_integrals() const { return _batches.size(); }

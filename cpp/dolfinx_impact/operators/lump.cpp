@@ -7,7 +7,32 @@
 
 namespace impact::operators
 {
+namespace
+{
+/// Add masses by cell to those of the nodes.
+void add_cells(const std::vector<std::int32_t>& cells, const std::vector<double>& masses, const FunctionSpace& V,
+               std::span<double> diagonal)
+{
+  const int bs = V.dofmap()->bs();
+  auto m = masses.begin();
+  for (std::int32_t cell : cells)
+    for (std::int32_t node : V.dofmap()->cell_dofs(cell))
+      for (int c = 0; c < bs; ++c)
+        diagonal[std::size_t(bs) * node + c] += *m++;
+}
+} // namespace
+
 void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> diagonal)
+{
+  add_cells(mass.entities, cell_masses_hrz(mass, V), V, diagonal);
+}
+
+void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, std::span<double> diagonal)
+{
+  add_cells(nodal.entities, cell_masses_nodal(nodal, row_sum, V), V, diagonal);
+}
+
+std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V)
 {
   const impact_kernel& k = *mass.kernel;
   const auto& mesh = *V.mesh();
@@ -19,14 +44,16 @@ void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> di
   const auto x_dofmap = mesh.geometry().dofmap();
   const auto x = mesh.geometry().x();
   const int bs = V.dofmap()->bs(), n = k.shape[0];
-  std::vector<double> M(std::size_t(n) * n), nodes(3 * x_dofmap.extent(1));
+  std::vector<double> M(std::size_t(n) * n), nodes(3 * x_dofmap.extent(1)), masses;
+  masses.reserve(mass.entities.size() * n);
   for (std::int32_t cell : mass.entities)
   {
+    const std::size_t start = masses.size();
+    masses.resize(start + n);
     for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
       std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes.data() + 3 * i);
     std::fill(M.begin(), M.end(), 0.0);
     tabulate(M.data(), nullptr, mass.constants.data(), nodes.data(), 0);
-    const auto dofs = V.dofmap()->cell_dofs(cell);
     for (int c = 0; c < bs; ++c)
     {
       double total = 0.0, trace = 0.0;
@@ -40,12 +67,13 @@ void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> di
         throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(total) +
                                  ": check the density and the shape of the cell");
       for (int i = c; i < n; i += bs)
-        diagonal[std::size_t(bs) * dofs[i / bs] + c] += total / trace * M[std::size_t(n) * i + i];
+        masses[start + i] = total / trace * M[std::size_t(n) * i + i];
     }
   }
+  return masses;
 }
 
-void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, std::span<double> diagonal)
+std::vector<double> cell_masses_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V)
 {
   const auto& mesh = *V.mesh();
   for (const Integral* i : {&nodal, &row_sum})
@@ -59,7 +87,8 @@ void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSp
   const auto x_dofmap = mesh.geometry().dofmap();
   const auto x = mesh.geometry().x();
   const int bs = V.dofmap()->bs(), n = nodal.kernel->shape[0];
-  std::vector<double> nodes(3 * x_dofmap.extent(1)), at_nodes(n), exact(n);
+  std::vector<double> nodes(3 * x_dofmap.extent(1)), at_nodes(n), exact(n), masses;
+  masses.reserve(nodal.entities.size() * n);
   for (std::int32_t cell : nodal.entities)
   {
     for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
@@ -74,9 +103,9 @@ void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSp
     if (!(sum > 0.0) || !(mass > 0.0))
       throw std::runtime_error("cell " + std::to_string(cell) + " of this rank has mass " + std::to_string(mass / bs) +
                                ": check the density and the shape of the cell");
-    const auto dofs = V.dofmap()->cell_dofs(cell);
     for (int i = 0; i < n; ++i)
-      diagonal[std::size_t(bs) * dofs[i / bs] + i % bs] += mass / sum * at_nodes[i];
+      masses.push_back(mass / sum * at_nodes[i]);
   }
+  return masses;
 }
 } // namespace impact::operators

@@ -72,7 +72,7 @@ def _values():
     from dolfinx import fem, mesh
     from mpi4py import MPI
 
-    from .. import loads, materials, operators
+    from .. import loads, mass, materials, operators
     from ..problem import StaticProblem
 
     comm = MPI.COMM_WORLD
@@ -98,7 +98,7 @@ def _values():
             energy = operators.Energy(operators.strain_energy_form(u, material)).value()
             out[f"{cell}|{degree}|{hypothesis}|{law}.energy"] = [energy]
         steel = materials.LinearElastic(1.0, 0.3, 1.0, hypothesis)
-        out[f"{cell}|{degree}|{hypothesis}|lumped_mass"] = _gather(V, operators.lumped_mass(V, steel).array)
+        out[f"{cell}|{degree}|{hypothesis}|lumped_mass"] = _gather(V, mass.lumped_mass(V, steel).array)
         tags = _ends(domain, dim)
         clamped = fem.locate_dofs_topological(V, dim - 1, tags.find(1))
         w = fem.Function(V, name="u")

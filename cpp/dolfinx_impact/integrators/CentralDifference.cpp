@@ -1,0 +1,344 @@
+#include "CentralDifference.h"
+#include <algorithm>
+#include <cmath>
+#include <dolfinx/fem/DofMap.h>
+#include <stdexcept>
+
+namespace impact::integrators
+{
+CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, Forces internal, bool linear,
+                                     std::span<const double> mass, double alpha, Scheme scheme)
+    : _V(std::move(V)), _bs(_V->dofmap()->index_map_bs()), _internal(std::move(internal)), _linear(linear),
+      _alpha(alpha), _scheme(scheme), _mass(mass.begin(), mass.end())
+{
+  const auto map = _V->dofmap()->index_map;
+  _owned = std::size_t(map->size_local()) * _bs;
+  _own_size = _owned + std::size_t(map->num_ghosts()) * _bs;
+  if (mass.size() != _own_size)
+    throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
+                                std::to_string(_own_size));
+  _inverse.resize(_own_size);
+  for (std::size_t i = 0; i < _own_size; ++i)
+    _inverse[i] = 1.0 / _mass[i];
+  _load.assign(_owned, 0.0);
+  resize(map);
+}
+
+CentralDifference::~CentralDifference()
+{
+  if (_request != MPI_REQUEST_NULL)
+    MPI_Wait(&_request, MPI_STATUS_IGNORE);
+}
+
+// --- set-up -------------------------------------------------------------------------------------------------
+
+void CentralDifference::add_term(Forces forces, Account account)
+{
+  if (account == Account::contact)
+    throw std::invalid_argument("contacts are added by add_contact");
+  const double sign = account == Account::external ? -1.0 : 1.0;
+  _parts.push_back({std::move(forces), account, sign, std::vector<double>(_u.size(), 0.0), {}, 0.0});
+  bind(_parts.back().forces);
+}
+
+void CentralDifference::add_load(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
+{
+  if (dofs.size() != values.size())
+    throw std::invalid_argument("a load has as many values as degrees of freedom");
+  _loads.push_back({{dofs.begin(), dofs.end()}, {values.begin(), values.end()}, amplitude, 0.0});
+}
+
+void CentralDifference::set_load(std::size_t i, std::span<const double> values)
+{
+  Load& load = _loads.at(i);
+  if (values.size() != load.values.size())
+    throw std::invalid_argument("a load has as many values as degrees of freedom");
+  for (std::size_t k = 0; k < values.size(); ++k)
+    _load[load.dofs[k]] += load.reached * (values[k] - load.values[k]);
+  load.values.assign(values.begin(), values.end());
+}
+
+void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
+{
+  if (dofs.size() != values.size())
+    throw std::invalid_argument("a prescribed motion has as many values as degrees of freedom");
+  const std::vector<double> none(dofs.size(), 0.0);
+  _motions.push_back({{dofs.begin(), dofs.end()}, {values.begin(), values.end()}, amplitude, none, none, none});
+  for (std::int32_t dof : dofs)
+    _inverse.at(dof) = 0.0;
+  _halo->forward(_inverse.data(), _bs);
+}
+
+void CentralDifference::add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
+{
+  if (contact->kinematic())
+    _kinematic = true;
+  else if (!_penalty)
+  {
+    _penalty = true;
+    _parts.push_back({{}, Account::contact, -1.0, std::vector<double>(_u.size(), 0.0), {}, 0.0});
+  }
+  _contacts.push_back({std::move(contact), columns});
+  _search_due = true;
+}
+
+void CentralDifference::bind(const Forces& forces)
+{
+  for (InternalForce* operation : {forces.inner.get(), forces.outer.get()})
+    if (operation)
+    {
+      if (!forces.displacement.empty())
+        operation->read(forces.displacement, _u.data());
+      if (!forces.velocity.empty())
+        operation->read(forces.velocity, _v.data());
+    }
+}
+
+void CentralDifference::resize(std::shared_ptr<const dolfinx::common::IndexMap> map)
+{
+  _halo = std::make_unique<Halo>(map);
+  const std::size_t size = std::size_t(_halo->num_nodes()) * _bs;
+  for (std::vector<double>* values : {&_u, &_v, &_r, &_du, &_mass, &_inverse, &_contact_force})
+    values->resize(size, 0.0);
+  _old_ghosts.resize(size - _owned);
+  for (Part& part : _parts)
+    part.force.resize(size, 0.0);
+  bind(_internal);
+  for (const Part& part : _parts)
+    bind(part.forces);
+}
+
+void CentralDifference::search()
+{
+  ++_num_searches;
+  const auto own = _V->dofmap()->index_map;
+  std::vector<std::pair<std::int64_t, int>> found;
+  const std::span<const std::int64_t> ghosts = own->ghosts();
+  std::vector<std::int64_t> known(ghosts.begin(), ghosts.end());
+  std::sort(known.begin(), known.end());
+  for (Contact& c : _contacts)
+  {
+    c.contact->search({_u.data(), _owned});
+    const auto nodes = c.contact->remote_nodes();
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      if (!std::binary_search(known.begin(), known.end(), nodes[k]))
+        found.emplace_back(nodes[k], c.contact->remote_owners()[k]);
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  std::vector<std::int64_t> nodes(ghosts.begin(), ghosts.end());
+  std::vector<int> owners(own->owners().begin(), own->owners().end());
+  for (const auto& [node, owner] : found)
+  {
+    nodes.push_back(node);
+    owners.push_back(owner);
+  }
+  resize(std::make_shared<const dolfinx::common::IndexMap>(own->comm(), own->size_local(), nodes, owners));
+  for (std::vector<double>* values : {&_u, &_v, &_mass, &_inverse})
+    _halo->forward(values->data(), _bs);
+  std::vector<std::int32_t> touched;
+  for (Contact& c : _contacts)
+  {
+    c.contact->number(*_halo, _mass.data());
+    touched.insert(touched.end(), c.contact->nodes().begin(), c.contact->nodes().end());
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  _touched.clear();
+  for (std::int32_t node : touched)
+    for (int c = 0; c < _bs; ++c)
+      _touched.push_back(node * _bs + c);
+  _before.resize(2 * _touched.size());
+  _search_due = false;
+}
+
+void CentralDifference::start(std::span<const double> u, std::span<const double> v)
+{
+  if (u.size() != _owned || v.size() != _owned)
+    throw std::invalid_argument("start takes the owned entries of displacement and velocity");
+  std::copy(u.begin(), u.end(), _u.begin());
+  std::copy(v.begin(), v.end(), _v.begin());
+  _halo->forward(_u.data(), _bs);
+  _halo->forward(_v.data(), _bs);
+  std::fill(_r.begin(), _r.end(), 0.0);
+  for (Part& part : _parts)
+    std::fill(part.force.begin(), part.force.end(), 0.0);
+  _last_step = 0.0;
+  _fresh = _pending = false;
+  _search_due = true;
+}
+
+// --- the step -----------------------------------------------------------------------------------------------
+
+Coefficients CentralDifference::coefficients(double dt) const
+{
+  const double h = 0.5 * ((_last_step > 0.0 ? _last_step : dt) + dt);
+  if (_scheme == Scheme::classical)
+    return {(1.0 - 0.5 * dt * _alpha) / (1.0 + 0.5 * dt * _alpha), dt / (1.0 + 0.5 * dt * _alpha), dt};
+  return {1.0 - h * _alpha, h, dt};
+}
+
+void CentralDifference::apply_loads(const double* amplitudes)
+{
+  for (Load& load : _loads)
+  {
+    const double value = load.amplitude < 0 ? 1.0 : amplitudes[load.amplitude];
+    if (value == load.reached)
+      continue;
+    for (std::size_t k = 0; k < load.dofs.size(); ++k)
+      _load[load.dofs[k]] += (value - load.reached) * load.values[k];
+    load.reached = value;
+  }
+}
+
+void CentralDifference::move_obstacles(const double* amplitudes)
+{
+  for (Contact& c : _contacts)
+  {
+    if (c.columns[0] < 0)
+      continue;
+    std::array<double, 3> place{};
+    for (int k = 0; k < 3; ++k)
+      place[k] = amplitudes[c.columns[k]];
+    c.moved_before = c.moved;
+    for (int k = 0; k < 3; ++k)
+      c.moved[k] = place[k] - c.place[k];
+    c.place = place;
+    c.contact->set_obstacle(place.data());
+  }
+}
+
+void CentralDifference::prescribed_motion(double dt, double h, const double* amplitudes, Sums& sums)
+{
+  double before = 0.0, after = 0.0;
+  for (Motion& motion : _motions)
+    for (std::size_t k = 0; k < motion.dofs.size(); ++k)
+    {
+      const std::int32_t i = motion.dofs[k];
+      const double target = motion.values[k] * (motion.amplitude < 0 ? 1.0 : amplitudes[motion.amplitude]);
+      const double old = motion.v[k], v = (target - motion.u[k]) / dt, m = _mass[i];
+      const double load = _load.empty() ? 0.0 : _load[i];
+      const double force = m * ((v - old) / h + _alpha * old) + motion.r[k] - load;
+      before += force * old;
+      after += force * v;
+      sums.momentum += m * old * v;
+      sums.speed += m * v * v;
+      sums.old_speed += m * old * old;
+      sums.after += motion.r[k] * (v - _v[i]);
+      sums.load_after += load * (v - _v[i]);
+      _v[i] = v;
+      _u[i] = target;
+    }
+  _support_work.before = 0.5 * _last_step * before;
+  _support_before = _support_work.value();
+  _support_work.commit(0.5 * dt * after);
+}
+
+void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
+{
+  _pending = true;
+  _halo->forward_begin(_u.data(), _bs);
+  std::swap(_last_step, dt); // ghosts' velocities are those of the new step
+  receive();
+  std::swap(_last_step, dt);
+  for (std::int32_t i : _touched)
+  {
+    _du[i] = dt * _v[i];
+    _contact_force[i] = 0.0;
+  }
+  for (Contact& c : _contacts)
+    if (c.contact->kinematic())
+    {
+      c.contact->correct(_u.data(), _du.data(), _inverse.data(), h * dt, dt, _contact_force.data());
+      for (int k = 0; k < _bs; ++k)
+        _obstacle_work += 0.5 * c.moved_before[k] * c.contact->force()[k];
+    }
+  double before = 0.0, after = 0.0;
+  for (std::size_t k = 0; k < _touched.size(); ++k)
+  {
+    const std::int32_t i = _touched[k];
+    if (std::size_t(i) >= _owned || _inverse[i] == 0.0)
+      continue;
+    const double old = _before[2 * k], r = _before[2 * k + 1], predicted = _v[i], f = _contact_force[i];
+    const double v = predicted + h * _inverse[i] * f, m = _mass[i], load = _load[i];
+    _v[i] = v;
+    sums.momentum += m * old * (v - predicted);
+    sums.speed += m * (v * v - predicted * predicted);
+    sums.after += r * (v - predicted);
+    sums.load_after += load * (v - predicted);
+    before += f * old;
+    after += f * v;
+  }
+  _kinematic_work.before = 0.5 * _last_step * before;
+  _kinematic_work.commit(0.5 * dt * after);
+}
+
+void CentralDifference::advance(double dt, const double* amplitudes)
+{
+  if (_last_step == 0.0) // from v_0 to v_(-1/2), seed (3.77)
+  {
+    const double half = 0.5 * dt;
+    for (std::size_t i = 0; i < _owned; ++i)
+      _v[i] -= half * (_inverse[i] * (_load[i] - _r[i]) - (_inverse[i] > 0.0 ? _alpha * _v[i] : 0.0));
+  }
+  const Coefficients c = coefficients(dt);
+  const double h = 0.5 * ((_last_step > 0.0 ? _last_step : dt) + dt);
+  for (Motion& motion : _motions)
+    for (std::size_t k = 0; k < motion.dofs.size(); ++k)
+    {
+      const std::int32_t i = motion.dofs[k];
+      motion.u[k] = _u[i];
+      motion.v[k] = _v[i];
+      motion.r[k] = _r[i];
+    }
+  if (_kinematic)
+    for (std::size_t k = 0; k < _touched.size(); ++k)
+    {
+      _before[2 * k] = _v[_touched[k]];
+      _before[2 * k + 1] = _r[_touched[k]];
+    }
+  Sums sums =
+      update(_owned, _r.data(), _loads.empty() ? nullptr : _load.data(), _inverse.data(), c, _u.data(), _v.data());
+  prescribed_motion(dt, h, amplitudes, sums);
+  move_obstacles(amplitudes);
+  if (_kinematic)
+    kinematic_contact(dt, h, sums);
+  else
+  {
+    _halo->forward_begin(_u.data(), _bs);
+    _pending = true;
+  }
+  account(sums, dt, true);
+  _last_step = dt;
+  _fresh = false;
+}
+
+int CentralDifference::run(std::span<const double> steps, std::span<const double> table, int columns,
+                           std::span<double> history)
+{
+  if (table.size() != (steps.size() + 1) * columns)
+    throw std::invalid_argument("the table of amplitudes needs a row for each time level");
+  if (!history.empty() && history.size() != steps.size() * Energies::size)
+    throw std::invalid_argument("the history of energies needs a row for each step");
+  for (double dt : steps)
+    if (!(dt > 0.0))
+      throw std::invalid_argument("a step is " + std::to_string(dt) + ": it must be positive");
+  apply_loads(table.data());
+  if (_last_step == 0.0)
+    move_obstacles(table.data());
+  if (_fresh && _search_due && !_contacts.empty())
+    search();
+  for (std::size_t k = 0; k < steps.size(); ++k)
+  {
+    const double* row = table.data() + k * columns;
+    apply_loads(row);
+    if (!_fresh && !evaluate())
+      return int(k);
+    advance(steps[k], row + columns);
+    _row = history.empty() ? nullptr : history.data() + k * Energies::size;
+    reduce_begin();
+  }
+  apply_loads(table.data() + steps.size() * columns);
+  return _fresh || evaluate() ? int(steps.size()) : int(steps.size()) - 1;
+}
+} // namespace impact::integrators

@@ -1,0 +1,173 @@
+#pragma once
+#include "../enforcement/NodalContact.h"
+#include "../operators/InternalForce.h"
+#include "energy.h"
+#include "update.h"
+#include <memory>
+#include <mpi.h>
+#include <string>
+#include <vector>
+
+/// Seventh stage: time stepping.
+namespace impact::integrators
+{
+using operators::FunctionSpace;
+using operators::Halo;
+using operators::InternalForce;
+
+enum class Scheme
+{
+  half_step, ///< seed (3.72)-(3.77), damping lags by half a step
+  classical  ///< seed (3.68)-(3.71), damping at the time level
+};
+
+/// Forces of a form: cells that touch no ghost node, and the others.
+struct Forces
+{
+  std::shared_ptr<InternalForce> inner, outer;
+  std::string displacement, velocity; ///< names of the coefficients that the integrator has; may be empty
+};
+
+/// Explicit integration with lumped mass; docs/explicit.md has the equations. A step is: exchange ghosts, kernels,
+/// contact, exchange forces, update. Cells without ghosts are computed while ghosts travel.
+class CentralDifference
+{
+public:
+  /// @param[in] V displacement space
+  /// @param[in] internal internal force. linear: its energy is u . F/2
+  /// @param[in] mass per degree of freedom, owned and ghosts [M]
+  /// @param[in] alpha factor of mass-proportional damping [1/T]
+  CentralDifference(std::shared_ptr<const FunctionSpace> V, Forces internal, bool linear, std::span<const double> mass,
+                    double alpha, Scheme scheme);
+  ~CentralDifference();
+  CentralDifference(const CentralDifference&) = delete;
+  CentralDifference& operator=(const CentralDifference&) = delete;
+
+  /// A force with an account of its own: damping and viscosity resist, external forces act.
+  void add_term(Forces forces, Account account);
+  /// A load: `values` on owned degrees of freedom times column `amplitude` of the table (-1: one).
+  void add_load(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
+  /// Replace the values of load i, in the order added.
+  void set_load(std::size_t i, std::span<const double> values);
+  /// Prescribe u = value * column `amplitude` of the table (-1: one) on owned degrees of freedom.
+  void prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
+  /// @param[in] columns of the table with the displacement of a rigid master; -1: it stays
+  void add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
+  /// The step that contact stiffnesses are made for [T].
+  void set_contact_step(double dt) { _contact_step = dt; }
+
+  /// Start from u and v (owned entries) at a time level. Collective.
+  void start(std::span<const double> u, std::span<const double> v);
+
+  /// Steps of given lengths. Collective.
+  /// @param[in] steps lengths [T]
+  /// @param[in] table amplitudes before and after each step, (steps + 1) rows
+  /// @param[in] columns of the table
+  /// @param[out] history rows of Energies before each step, or empty
+  /// @returns steps done: fewer than asked for if the run went unstable (all ranks alike)
+  int run(std::span<const double> steps, std::span<const double> table, int columns, std::span<double> history);
+
+  /// Energies at the present time level, sums over ranks. Collective.
+  Energies energies();
+  /// Velocity (3.75) and acceleration at the present time level, owned entries. Collective.
+  void motion(std::span<double> v, std::span<double> a);
+  /// Owned displacements [L].
+  std::span<const double> displacement() const { return {_u.data(), _owned}; }
+
+  /// Everything that a continued run needs beside the histories of contacts; owned entries. Collective.
+  struct Saved
+  {
+    std::vector<double> u, v, r; ///< v half a step ago
+    std::vector<double> parts;   ///< one array after the other
+    std::vector<double> accounts;
+  };
+  Saved save();
+  void restore(const Saved& saved);
+
+  /// Owned degree of freedom that moves fastest or is not a number, and its speed: where an unstable run broke.
+  std::pair<std::int32_t, double> fastest() const;
+  std::int64_t num_searches() const { return _num_searches; }
+  std::size_t num_parts() const { return _parts.size(); }
+
+private:
+  struct Load
+  {
+    std::vector<std::int32_t> dofs;
+    std::vector<double> values;
+    int amplitude;
+    double reached; ///< what _load has of it
+  };
+  /// A group of prescribed degrees of freedom; before an update their velocities and residuals are kept.
+  struct Motion
+  {
+    std::vector<std::int32_t> dofs;
+    std::vector<double> values;
+    int amplitude;
+    std::vector<double> u, v, r;
+  };
+  struct Contact
+  {
+    std::shared_ptr<enforcement::NodalContact> contact;
+    std::array<int, 3> columns;
+    std::array<double, 3> place{}, moved{}, moved_before{}; ///< of a rigid master: now, in the last steps
+  };
+  /// Forces with an account of their own: this rank's contributions over all nodes of the halo.
+  struct Part
+  {
+    Forces forces; ///< none: contact
+    Account account;
+    double sign; ///< in the residual
+    std::vector<double> force;
+    Work work;
+    double position = 0.0; ///< u . force
+  };
+
+  void bind(const Forces& forces);
+  void resize(std::shared_ptr<const dolfinx::common::IndexMap> map);
+  void search();
+  void receive();
+  bool evaluate();
+  void evaluate_part(Part& part);
+  double product(const Part& part, const std::vector<double>& x) const;
+  void advance(double dt, const double* amplitudes);
+  void apply_loads(const double* amplitudes);
+  void move_obstacles(const double* amplitudes);
+  void prescribed_motion(double dt, double h, const double* amplitudes, Sums& sums);
+  void kinematic_contact(double dt, double h, Sums& sums);
+  void account(const Sums& sums, double dt, bool commit);
+  Coefficients coefficients(double dt) const;
+  void reduce_begin();
+  bool reduce_end();
+
+  std::shared_ptr<const FunctionSpace> _V;
+  int _bs;
+  Forces _internal;
+  bool _linear;
+  double _alpha;
+  Scheme _scheme;
+  std::vector<Load> _loads;
+  std::vector<Motion> _motions;
+  std::vector<Contact> _contacts;
+  std::vector<Part> _parts;
+  std::unique_ptr<Halo> _halo;
+  std::size_t _owned, _own_size;       ///< degrees of freedom: owned, with the space's ghosts
+  std::vector<double> _u, _v, _r, _du; ///< over the halo's nodes
+  std::vector<double> _mass, _inverse; ///< per degree of freedom over the halo's nodes
+  std::vector<double> _load;           ///< owned
+  std::vector<std::int32_t> _touched;  ///< degrees of freedom that contacts may act on
+  std::vector<double> _before;         ///< of touched ones: velocity and residual before an update
+  std::vector<double> _contact_force;  ///< kinematic, over the halo's nodes
+  std::vector<double> _old_ghosts;
+  double _last_step = 0.0; ///< that led here; 0 at the start
+  double _contact_step = 0.0;
+  bool _fresh = false, _pending = false, _search_due = true, _kinematic = false, _penalty = false;
+  bool _gathered = false; ///< contact forces are with their nodes' owners, after saving
+  double _used = 0.0;     ///< contacts whose candidates are used up
+  Work _residual_work, _load_work, _support_work, _damped, _kinematic_work;
+  double _obstacle_work = 0.0, _support_before = 0.0, _reference = 0.0;
+  std::array<double, Local::size> _local{}, _global{};
+  MPI_Request _request = MPI_REQUEST_NULL;
+  std::int64_t _num_searches = 0;
+  double* _row = nullptr; ///< of the history that the pending sums belong to
+};
+} // namespace impact::integrators

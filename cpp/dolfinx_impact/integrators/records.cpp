@@ -1,0 +1,173 @@
+#include "CentralDifference.h"
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+// The accounts of a run and what it saves.
+namespace impact::integrators
+{
+namespace
+{
+/// Kinetic energy that exceeds this many times all energy put in: no accuracy accounts for it.
+constexpr double unstable = 10.0;
+} // namespace
+
+void CentralDifference::account(const Sums& sums, double dt, bool commit)
+{
+  _residual_work.before = 0.5 * _last_step * sums.before;
+  _load_work.before = 0.5 * _last_step * sums.load_before;
+  const bool classical = _scheme == Scheme::classical;
+  const double old = classical ? 0.5 * (sums.old_speed + sums.momentum) : sums.old_speed;
+  const double now = classical ? 0.5 * (sums.momentum + sums.speed) : sums.momentum;
+  _damped.before = 0.5 * _last_step * _alpha * old;
+  auto& e = _local;
+  e.fill(0.0);
+  e[Local::kinetic] = 0.5 * sums.momentum;
+  e[Local::speed] = 0.5 * sums.speed;
+  e[Local::position] = 0.5 * sums.position;
+  e[Local::residual_work] = _residual_work.value();
+  e[Local::load_work] = _load_work.value() + _obstacle_work;
+  e[Local::support_work] = _support_before;
+  e[Local::damped] = _damped.value();
+  for (const Part& part : _parts)
+  {
+    e[Local::part_work + int(part.account)] += part.work.value();
+    e[Local::parts_position] += 0.5 * part.sign * part.position;
+  }
+  for (const Contact& c : _contacts)
+  {
+    const enforcement::ContactEnergy energy = c.contact->energy();
+    e[Local::stored] += energy.stored;
+    e[Local::friction] += energy.friction;
+    if (c.contact->kinematic())
+      e[Local::kinematic] += energy.friction;
+  }
+  e[Local::kinematic] += _kinematic_work.done;
+  e[Local::search] = _used;
+  if (!commit)
+    return;
+  _residual_work.commit(0.5 * dt * sums.after);
+  _load_work.commit(0.5 * dt * sums.load_after);
+  _damped.commit(0.5 * dt * _alpha * now);
+  for (Part& part : _parts)
+    part.work.commit(0.0); // the other half when ghosts' velocities are there
+}
+
+void CentralDifference::reduce_begin()
+{
+  MPI_Iallreduce(_local.data(), _global.data(), Local::size, MPI_DOUBLE, MPI_SUM, _halo->map().comm(), &_request);
+}
+
+/// Sums of the last step over ranks are there; returns false if they tell that it was unstable.
+bool CentralDifference::reduce_end()
+{
+  if (_request == MPI_REQUEST_NULL)
+    return true;
+  MPI_Wait(&_request, MPI_STATUS_IGNORE);
+  if (_global[Local::search] > 0.0)
+    _search_due = true;
+  const Energies now = energies_of(_global, _linear);
+  if (_row)
+    std::copy(now.values.begin(), now.values.end(), _row);
+  _row = nullptr;
+  const double speed = _global[Local::speed], internal = now.values[Energies::internal];
+  // The first step tells what there is at the start; springs that start pressed give theirs back.
+  if (_reference == 0.0)
+    _reference = speed + std::max(0.0, internal) + now.values[Energies::contact];
+  _reference = std::max(_reference, now.values[Energies::external] + std::max(0.0, -internal));
+  return std::isfinite(speed) && !(speed > unstable * _reference);
+}
+
+// --- what the run looks like now ----------------------------------------------------------------------------
+
+Energies CentralDifference::energies()
+{
+  if (!_fresh)
+    evaluate();
+  const double dt = _last_step;
+  Sums sums = measure(_owned, _r.data(), _load.data(), _inverse.data(), coefficients(dt > 0.0 ? dt : 0.0), _u.data(),
+                      _v.data());
+  double support = 0.0; // as if prescribed motion went on as it did
+  for (const Motion& motion : _motions)
+    for (std::int32_t i : motion.dofs)
+    {
+      support += (_mass[i] * _alpha * _v[i] + _r[i] - _load[i]) * _v[i];
+      sums.momentum += _mass[i] * _v[i] * _v[i];
+    }
+  _support_work.before = 0.5 * _last_step * support;
+  _support_before = _support_work.value();
+  account(sums, dt, false);
+  std::array<double, Local::size> total{};
+  MPI_Allreduce(_local.data(), total.data(), Local::size, MPI_DOUBLE, MPI_SUM, _halo->map().comm());
+  return energies_of(total, _linear);
+}
+
+void CentralDifference::motion(std::span<double> v, std::span<double> a)
+{
+  if (v.size() != _owned || a.size() != _owned)
+    throw std::invalid_argument("motion takes the owned entries of velocity and acceleration");
+  if (!_fresh)
+    evaluate();
+  for (std::size_t i = 0; i < _owned; ++i)
+  {
+    a[i] = _inverse[i] > 0.0 ? _inverse[i] * (_load[i] - _r[i]) - _alpha * _v[i] : 0.0;
+    v[i] = _v[i] + 0.5 * _last_step * a[i];
+  }
+}
+
+std::pair<std::int32_t, double> CentralDifference::fastest() const
+{
+  std::pair<std::int32_t, double> found{-1, -1.0};
+  for (std::size_t i = 0; i < _owned; ++i)
+    if (!(std::abs(_v[i]) <= found.second))
+    {
+      found = {std::int32_t(i), std::abs(_v[i])};
+      if (std::isnan(_v[i]))
+        break;
+    }
+  return found;
+}
+
+CentralDifference::Saved CentralDifference::save()
+{
+  if (!_fresh)
+    evaluate();
+  Saved saved{
+      {_u.begin(), _u.begin() + _owned}, {_v.begin(), _v.begin() + _owned}, {_r.begin(), _r.begin() + _owned}, {}, {}};
+  for (Part& part : _parts) // owners take all of it, here as in the run that continues
+  {
+    _halo->reverse(part.force.data(), _bs);
+    std::fill(part.force.begin() + _owned, part.force.end(), 0.0);
+    saved.parts.insert(saved.parts.end(), part.force.begin(), part.force.begin() + _owned);
+    saved.accounts.insert(saved.accounts.end(), {part.work.done, part.work.before, part.position});
+  }
+  for (const Work& work : {_residual_work, _load_work, _support_work, _damped, _kinematic_work})
+    saved.accounts.push_back(work.done);
+  saved.accounts.insert(saved.accounts.end(), {_obstacle_work, _reference, _last_step, _contact_step});
+  _search_due = _gathered = true;
+  return saved;
+}
+
+void CentralDifference::restore(const Saved& saved)
+{
+  if (saved.u.size() != _owned || saved.v.size() != _owned || saved.r.size() != _owned ||
+      saved.parts.size() != _parts.size() * _owned || saved.accounts.size() != 3 * _parts.size() + 9)
+    throw std::invalid_argument("the saved state is that of another problem");
+  start(saved.u, saved.v);
+  std::copy(saved.r.begin(), saved.r.end(), _r.begin());
+  const double* accounts = saved.accounts.data();
+  for (std::size_t k = 0; k < _parts.size(); ++k, accounts += 3)
+  {
+    std::copy_n(saved.parts.begin() + k * _owned, _owned, _parts[k].force.begin());
+    _parts[k].work = {accounts[0], accounts[1]};
+    _parts[k].position = accounts[2];
+  }
+  for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped, &_kinematic_work})
+    *work = {*accounts++, 0.0};
+  _obstacle_work = *accounts++;
+  _reference = *accounts++;
+  _last_step = *accounts++;
+  _contact_step = *accounts++;
+  _fresh = _gathered = true;
+}
+} // namespace impact::integrators

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstddef>
+
+namespace impact::integrators
+{
+/// Sums over degrees of freedom that energies are made of; see docs/explicit.md. Velocities are those half a step
+/// before (old) and after (new).
+struct Sums
+{
+  double momentum = 0.0;    ///< m v_old v_new
+  double speed = 0.0;       ///< m v_new v_new
+  double old_speed = 0.0;   ///< m v_old v_old
+  double position = 0.0;    ///< u r
+  double before = 0.0;      ///< r v_old
+  double after = 0.0;       ///< r v_new
+  double load_before = 0.0; ///< load v_old
+  double load_after = 0.0;  ///< load v_new
+};
+
+/// v_new = keep*v_old + push*a, a = (load - r)/m; u += dt*v_new.
+struct Coefficients
+{
+  double keep = 1.0;
+  double push = 0.0;
+  double dt = 0.0;
+};
+
+/// One central-difference update of all degrees of freedom, with the sums energies need; r is set to zero for the next
+/// step. Degrees of freedom without inverse mass keep moving as they do.
+/// @param[in] n degrees of freedom
+/// @param[in,out] r what equilibrium lacks: internal forces less contact and others
+/// @param[in] load external forces, or null
+/// @param[in] inverse_mass per degree of freedom
+/// @param[in,out] u, v displacements and velocities
+Sums update(std::size_t n, double* r, const double* load, const double* inverse_mass, const Coefficients& c, double* u,
+            double* v);
+/// The same sums without the update, v_new being what it would be.
+Sums measure(std::size_t n, const double* r, const double* load, const double* inverse_mass, const Coefficients& c,
+             const double* u, const double* v);
+} // namespace impact::integrators

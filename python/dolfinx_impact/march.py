@@ -1,0 +1,244 @@
+"""Marching through time: plans of equal steps, energies, what happens when a run goes unstable."""
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+
+from .materials import _number
+
+SAFETY = 0.9  # of the stable step that dt="auto" takes; contact stiffness needs the rest
+CHUNK = 1000  # steps between which nothing but C++ runs
+RECHECK = 500  # steps after which the stable step of a body that deforms is looked at again
+SNAPSHOT = 100  # steps between states that a run that goes unstable falls back on
+ENERGIES = ("kinetic", "internal", "contact", "friction", "damping", "viscosity", "external")
+
+
+@dataclass
+class Plan:
+    """Equal steps from one time to another."""
+
+    begin: float  # [T]
+    until: float  # [T]
+    first: int  # number of the step at `begin`
+    last: int  # at `until`
+
+    @property
+    def dt(self):
+        return (self.until - self.begin) / (self.last - self.first)
+
+    def times(self, steps):
+        """Times of steps, numbered as the run's."""
+        return np.where(steps == self.last, self.until, self.begin + (steps - self.first) * self.dt)
+
+
+class March:
+    """The part of ExplicitProblem that runs."""
+
+    def _begin(self):
+        self.time, self.step = 0.0, 0
+        self._plan, self._rows, self._good = None, [], None
+        self._total_start, self._largest = 0.0, 0.0
+        self._safe = self.stable_step()
+        self._nominal = SAFETY * self._safe
+        self._cpp.set_contact_step(self._nominal)
+        self._cpp.start(self.u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
+        self._run(0)
+        self._look()
+
+    # --- the loop --------------------------------------------------------------------------------------------------
+
+    def advance(self, until, dt="auto", callback=None, progress=True, unsafe=False):
+        """Go on to a time. Collective.
+
+        Args:
+            until: time to reach [T]. dt: step, or "auto": 0.9 of the stable step; steps are equal and at most that [T].
+            callback: called as callback(problem) after each step. progress: show a bar on rank 0.
+            unsafe: take a dt beyond the stable step all the same, with a warning.
+
+        Raises:
+            ValueError: a time that has passed, dt not positive or beyond the stable step. RuntimeError: the run went
+            unstable; the message says when and where, the problem is back at its last good state.
+        """
+        until = _number("until", until, unit=" [T]")
+        if until < self.time:
+            raise ValueError(f"until is {until:g}, but the time is {self.time:g} already")
+        if until == self.time:
+            return
+        self._choose(until, dt, unsafe)
+        self._refresh()
+        with Bar(self, progress) as bar:
+            while self.step < self._plan.last:
+                self._run(1 if callback else self._chunk())
+                if callback:
+                    self._look()
+                    callback(self)
+                bar.show()
+                if self._nonlinear and self.step % RECHECK == 0 and self.step < self._plan.last:
+                    self._recheck(until, dt, unsafe)
+        self._plan = None
+        self._look()
+
+    def _chunk(self):
+        rest = self._plan.last - self.step
+        return min(CHUNK, rest, RECHECK - self.step % RECHECK if self._nonlinear else rest)
+
+    def _choose(self, until, dt, unsafe):
+        """Plan the steps to `until`."""
+        if isinstance(dt, str):
+            if dt != "auto":
+                raise ValueError(f"dt is {dt!r}: give a step in units of time, or 'auto'")
+            nominal = SAFETY * self._safe
+        else:
+            nominal = _number("dt", dt, 0.0, " [T]")
+            if nominal > self._safe * (1 + 1e-12):
+                text = f"dt = {nominal:.6g} is beyond the stable step {self._safe:.6g}"
+                if not unsafe:
+                    raise ValueError(f"{text}: take a smaller one, or pass unsafe=True to try it")
+                if self.comm.rank == 0:
+                    warnings.warn(f"{text}: the run may go unstable", stacklevel=3)
+        if self._plan is not None and self._plan.until == until and nominal == self._nominal:
+            return  # a restored run goes on with the very steps it had
+        if not math.isfinite(nominal):
+            raise ValueError("nothing limits the step: give dt")
+        count = max(1, math.ceil((until - self.time) / nominal * (1 - 1e-12)))
+        self._nominal = nominal
+        self._plan = Plan(self.time, until, self.step, self.step + count)
+        self._cpp.set_contact_step(nominal)
+
+    def _recheck(self, until, dt, unsafe):
+        """A body that has deformed has another stable step. Collective."""
+        self._copy_motion()
+        self._safe = self.stable_step()
+        if self._nominal > (SAFETY if dt == "auto" else 1.0) * self._safe:
+            self._plan = None
+            self._choose(until, dt, unsafe)
+
+    def _run(self, count):
+        """Take steps. Collective."""
+        steps = np.arange(self.step, self.step + count + 1)
+        times = self._plan.times(steps) if self._plan else np.array([self.time])
+        table = [a.sample(times) for a in self._amplitudes]
+        table = np.hstack(table) if table else np.zeros((count + 1, 0))
+        if self.step - (self._good[0] if self._good else -SNAPSHOT) >= SNAPSHOT or count > SNAPSHOT:
+            self._good = (self.step, self.time, *self._motion())
+        rows = np.zeros((count, len(ENERGIES)))
+        lengths = np.full(count, self._plan.dt if count else 1.0)
+        done = self._cpp.run(lengths, np.ascontiguousarray(table).ravel(), table.shape[1], rows.reshape(-1))
+        self._rows.append(np.column_stack([times[:done], rows[:done]]))
+        if done < count:
+            self._unstable(times[done])
+        self.step, self.time = self.step + count, float(times[-1])
+
+    def _unstable(self, time):
+        """Back to the last good state; raises RuntimeError, on all ranks."""
+        dof, speed = self._cpp.fastest()
+        worst = -1.0 if dof < 0 else math.inf if math.isnan(speed) else speed
+        everyone = self.comm.allgather(worst)
+        rank, where = int(np.argmax(everyone)), None
+        if self.comm.rank == rank:
+            V = self.space
+            node = dof // V.dofmap.index_map_bs
+            cell = int(np.argmax(np.any(V.dofmap.list == node, axis=1)))
+            x = V.tabulate_dof_coordinates()[node, : V.mesh.geometry.dim]
+            number = int(V.mesh.topology.original_cell_index[cell])
+            where = f"cell {number} (number in the mesh's input) at {x.round(9).tolist()}"
+        where = self.comm.bcast(where, root=rank)
+        self._plan = None
+        self.step, self.time, u, v, _ = self._good
+        self._cpp.start(u, v)
+        self._run(0)
+        self._look()
+        raise RuntimeError(
+            f"the run went unstable at the time {time:.6g}, step {self._nominal:.6g} (stable: {self._safe:.6g}), first "
+            f"in {where}; the problem is back at the time {self.time:.6g}. Take a smaller step, or check loads and "
+            "contact"
+        )
+
+    # --- what a user sees ------------------------------------------------------------------------------------------
+
+    def _motion(self):
+        """Displacement, velocity and acceleration at the present time, owned entries."""
+        v, a = np.empty(self.num_owned), np.empty(self.num_owned)
+        self._cpp.motion(v, a)
+        return self._cpp.displacement(), v, a
+
+    def _copy_motion(self):
+        for f, values in zip((self.u, self.velocity, self.acceleration), self._motion()):
+            f.x.array[: self.num_owned] = values
+            f.x.scatter_forward()
+
+    def _look(self):
+        """Functions, energies and contact results as they are now. Collective."""
+        self._copy_motion()
+        for contact in self.contact:
+            contact.look()
+        values = dict(zip(ENERGIES, self._cpp.energies().tolist()))
+        parts = np.array(list(values.values()))
+        values["total"] = total = float(parts[:-1].sum() - parts[-1])
+        self._largest = max(self._largest, float(np.abs(parts).sum()))
+        first = next((rows[0] for rows in self._rows if len(rows)), None)
+        self._total_start = total if first is None else float(first[1:-1].sum() - first[-1])
+        values["drift"] = (total - self._total_start) / self._largest if self._largest > 0 else 0.0
+        self._energy = values
+
+    @property
+    def energy(self):
+        """Energies at the present time: dict of kinetic, internal, contact, friction, damping, viscosity, external,
+        total [F L] and drift [1]; docs/explicit.md."""
+        return dict(self._energy)
+
+    @property
+    def energy_history(self):
+        """Time and energies before every step, (num_steps, 8): time [T], then those of `energy` in its order [F L]."""
+        return np.vstack(self._rows) if self._rows else np.zeros((0, 1 + len(ENERGIES)))
+
+    def _refresh(self):
+        """Constants and loads may have been changed since the last advance. Collective."""
+        for term in self._terms:
+            term.update()
+        for i, (force, dofs, value, load) in enumerate(self._loads):
+            changed = not np.array_equal(value, load.constant.value)
+            if self.comm.allreduce(int(changed), MPI.MAX):
+                value[...] = load.constant.value
+                self._cpp.set_load(i, force.apply().array[dofs])
+
+
+class Bar:
+    """Progress bar with step, time, dt, energy drift and time left, on rank 0."""
+
+    def __init__(self, run, wanted):
+        self.run, self._bar = run, None
+        if wanted and run.comm.rank == 0:
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+            columns = TextColumn("step {task.fields[step]}  t = {task.fields[time]:.4g}  dt = {task.fields[dt]:.3g}")
+            drift = TextColumn("drift {task.fields[drift]:+.1e}")
+            self._bar = Progress(columns, BarColumn(), drift, TimeRemainingColumn())
+
+    def __enter__(self):
+        if self._bar:
+            run = self.run
+            self._bar.start()
+            begin, end = run._plan.begin, run._plan.until
+            fields = {"step": run.step, "time": run.time, "dt": run._plan.dt, "drift": 0.0}
+            self._task = self._bar.add_task("", total=end - begin, **fields)
+            self._start = begin
+        return self
+
+    def show(self):
+        """Bring the bar up to date."""
+        run = self.run
+        if self._bar and run._rows and len(run._rows[-1]):
+            row = run._rows[-1][-1]
+            total = row[1:-1].sum() - row[-1]
+            drift = (total - run._total_start) / run._largest if run._largest > 0 else 0.0
+            self._bar.update(self._task, completed=run.time - self._start, step=run.step, time=run.time,
+                             dt=run._plan.dt, drift=drift)  # fmt: skip
+
+    def __exit__(self, *_):
+        if self._bar:
+            self._bar.stop()
+        return False

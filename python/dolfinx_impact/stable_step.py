@@ -1,0 +1,134 @@
+"""Largest steps of explicit integration: seed (3.78)-(3.80), docs/explicit.md."""
+
+import math
+
+import basix
+import numpy as np
+from mpi4py import MPI
+
+from . import _cpp, operators
+from .jit import compile_form
+
+METHODS = ("length", "element", "eigenvalue")
+
+
+def damped(omega, alpha=0.0, beta=0.0, viscosity=0.0, scheme="half_step"):
+    """Limit of the step at the angular frequency omega [1/T], with damping; seed (3.78), corrected [T].
+
+    Rayleigh's factors alpha and beta and linear bulk viscosity are a fraction xi of critical damping, which the
+    classical scheme's limit does not feel.
+    """
+    if omega == 0.0:
+        return math.inf
+    xi = 0.5 * (alpha / omega + beta * omega) + viscosity
+    return 2.0 / omega * (1.0 if scheme == "classical" else math.sqrt(1.0 + xi**2) - xi)
+
+
+def cell_sizes(mesh):
+    """Volume over the largest facet of each owned cell (simplices: times the dimension, which makes it the smallest
+    altitude), from its corners [L]."""
+    cell = getattr(basix.CellType, mesh.topology.cell_name())
+    topology, tdim = basix.topology(cell), mesh.topology.dim
+    num_cells = mesh.topology.index_map(tdim).size_local
+    x = mesh.geometry.x[mesh.geometry.dofmap[:num_cells, : len(topology[0])]]
+    simplex = len(topology[0]) == tdim + 1
+    reference = basix.geometry(cell)
+    # Derivatives of the corners' functions at the centre; those of simplices are constant.
+    element = basix.create_element(basix.ElementFamily.P, cell, 1)
+    table = element.tabulate(1, reference.mean(axis=0)[None])[1:, 0, :, 0]
+    J = np.einsum("an,cni->cia", table, x[:, :, : mesh.geometry.dim])
+    gram = np.einsum("cia,cib->cab", J, J)
+    volume = np.sqrt(np.abs(np.linalg.det(gram))) / (math.factorial(tdim) if simplex else 1)
+    facets = []
+    for corners in topology[tdim - 1]:
+        p = x[:, corners]
+        if tdim == 2:
+            facets.append(np.linalg.norm(p[:, 1] - p[:, 0], axis=1))
+        else:
+            a, b = (p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) if simplex else (p[:, 3] - p[:, 0], p[:, 2] - p[:, 1])
+            facets.append(np.linalg.norm(np.cross(a, b), axis=1) / 2)
+    return volume / np.max(facets, axis=0) * (tdim if simplex else 1)
+
+
+class Frequencies:
+    """Highest frequencies of a body by cells and as a whole.
+
+    Args:
+        u: displacement function. tangent: UFL form of rank 2, derivative of the internal force. masses: as from
+            mass.cell_masses.
+    """
+
+    def __init__(self, u, tangent, masses):
+        V = u.function_space
+        self.u, self.tangent, self.comm = u, tangent, V.mesh.comm
+        num_cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+        self.masses = np.zeros((num_cells, V.dofmap.bs * V.dofmap.dof_layout.num_dofs))
+        for cells, values in masses:
+            self.masses[cells] += values
+        self._compiled = compile_form(tangent)
+        tags = next(iter(tangent.subdomain_data().values())).get("cell", [])
+        self._tags = next((t for t in tags if t is not None), None)
+
+    def by_cell(self):
+        """Square of the highest angular frequency of every owned cell [1/T^2]."""
+        V = self.u.function_space
+        out = np.zeros(len(self.masses))
+        for kernel in self._compiled.kernels:
+            if kernel.integral_type != "cell":  # loads that follow the body
+                continue
+            functions = {c["name"]: self._compiled.coefficients[c["position"]] for c in kernel.coefficients}
+            for f in functions.values():
+                f.x.scatter_forward()
+            functions = {name: f._cpp_object for name, f in functions.items()}
+            constants = operators._constants(self._compiled, kernel)
+            for subdomain in kernel.subdomains:
+                cells = np.ascontiguousarray(operators._entities(V.mesh, "cell", subdomain, self._tags))
+                integral = _cpp.operators.Integral(kernel.address, cells, constants)
+                masses = np.ascontiguousarray(self.masses[cells]).ravel()
+                out[cells] += _cpp.operators.cell_frequencies(integral, V._cpp_object, functions, masses)
+        return out
+
+    def bound(self):
+        """Angular frequency that no mode of the body exceeds [1/T]. Collective.
+
+        Raises:
+            ValueError: a stiffness that is not a number; on all ranks.
+        """
+        try:
+            largest = float(np.max(self.by_cell(), initial=0.0))
+        except RuntimeError:
+            largest = math.inf
+        largest = self.comm.allreduce(largest, MPI.MAX)
+        if not math.isfinite(largest):
+            raise ValueError("the stiffness of a cell is not a number: check the material, the mesh and the state")
+        return math.sqrt(largest)
+
+    def highest(self, inverse_mass, extra=None):
+        """Highest angular frequency of the assembled system, by SLEPc's Krylov-Schur method [1/T]. Collective.
+
+        Args:
+            inverse_mass: owned entries, zero where prescribed [1/M]. extra: PETSc matrix to add, or None.
+
+        Raises:
+            RuntimeError: no convergence.
+        """
+        from slepc4py import SLEPc
+
+        matrix = operators.Tangent(self.tangent).assemble()
+        if extra is not None:
+            matrix.axpy(1.0, extra)
+        root = matrix.createVecRight()
+        root.array[:] = np.sqrt(inverse_mass)
+        matrix.diagonalScale(root, root)
+        solver = SLEPc.EPS().create(self.comm)
+        solver.setOperators(matrix)
+        solver.setProblemType(SLEPc.EPS.ProblemType.HEP)
+        solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
+        solver.setTolerances(1e-8, 1000)
+        solver.solve()
+        value = solver.getEigenvalue(0).real if solver.getConverged() else None
+        for thing in (solver, root, matrix):
+            thing.destroy()
+        if value is None:
+            raise RuntimeError("the highest frequency was not found: use stable_step(method='element')")
+        return math.sqrt(max(value, 0.0))
