@@ -1,0 +1,82 @@
+"""Explicit runs whose bodies are cut by the ranks, against the same run on one rank. See on_ranks.py."""
+
+import numpy as np
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+import dolfinx_impact as di
+
+COMM = MPI.COMM_WORLD
+SAME = 1e-9  # of the largest entry after 1,000 steps: round-off, and how far waves carry it
+
+
+def box(comm, cell="hexahedron", degree=1):
+    """Cubes one by one by two; its displacement space."""
+    kind = getattr(mesh.CellType, cell)
+    domain = mesh.create_box(comm, [[0.0, 0.0, 0.0], [1.0, 1.0, 2.0]], [3, 3, 6], kind)
+    return fem.functionspace(domain, ("Lagrange", degree, (3,)))
+
+
+def shaken(comm, law=di.LinearElastic, residual=False, steps=1000, **arguments):
+    """A clamped box whose free end is hit; problem after some steps."""
+    V = box(comm)
+    u, v = fem.Function(V, name="u"), fem.Function(V)
+    v.interpolate(lambda x: np.array([0.05 * x[2], 0.0 * x[0], -0.1 * x[2] ** 2]))
+    low = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[2], 0.0))
+    bcs = [fem.dirichletbc(np.zeros(3), low, V)]
+    material = law(1e3, 0.3, 1.0)
+    if residual:
+        form = di.operators.internal_force_form(u, ufl.TestFunction(V), material)
+        problem = di.ExplicitProblem(u, residual=form, density=1.0, velocity=v, bcs=bcs, **arguments)
+    else:
+        problem = di.ExplicitProblem(u, material, velocity=v, bcs=bcs, **arguments)
+    dt = 0.5 * problem.stable_step()
+    problem.advance(until=steps * dt, dt=dt, progress=False)
+    return problem
+
+
+def by_place(comm, f):
+    """Values of a nodal function of all ranks, sorted by place."""
+    V = f.function_space
+    n = V.dofmap.index_map.size_local
+    rows = np.hstack([V.tabulate_dof_coordinates()[:n], f.x.array[: 3 * n].reshape(-1, 3)])
+    rows = np.vstack(comm.allgather(rows))
+    return rows[np.lexsort(rows[:, :3].round(9).T)][:, 3:]
+
+
+def assert_same(problem, alone):
+    for name in ("u", "velocity", "acceleration"):
+        here, there = by_place(COMM, getattr(problem, name)), by_place(MPI.COMM_SELF, getattr(alone, name))
+        assert here.shape == there.shape
+        assert np.abs(here - there).max() <= SAME * np.abs(there).max(), name
+    for name, value in alone.energy.items():
+        assert abs(problem.energy[name] - value) <= SAME * alone.energy["total"], name
+
+
+def check_ranks():
+    """Displacement, velocity, acceleration and energies are the same on any number of ranks after 1,000 steps."""
+    variants = (
+        {},
+        {"law": di.NeoHookean, "damping": di.Rayleigh(0.3, 1e-4), "bulk_viscosity": (0.06, 1.2)},
+        {"law": di.StVenantKirchhoff, "loads": [di.BodyForce((1.0, 0.0, -5.0), amplitude=lambda t: np.sin(8 * t))]},
+    )
+    for variant in variants:
+        assert_same(shaken(COMM, **variant), shaken(MPI.COMM_SELF, **variant))
+
+
+def check_errors_are_the_same_on_all_ranks():
+    """A run that goes unstable says so on every rank, with the same words, and is back at its last good state."""
+    V = box(COMM)
+    u, v = fem.Function(V), fem.Function(V)
+    v.interpolate(lambda x: 0.1 * x)
+    problem = di.ExplicitProblem(u, di.LinearElastic(1e3, 0.3, 1.0), velocity=v)
+    text = ""
+    try:
+        problem.advance(1.0, dt=1.2 * problem.stable_step("eigenvalue"), progress=False, unsafe=True)
+    except RuntimeError as e:
+        text = str(e)
+    assert "went unstable at the time" in text and "cell" in text
+    assert len(set(COMM.allgather(text))) == 1
+    assert np.all(np.isfinite(problem.u.x.array)) and problem.energy["total"] < 10.0
+    problem.advance(problem.time + 0.01, progress=False)
