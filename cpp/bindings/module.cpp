@@ -28,6 +28,8 @@ NB_MODULE(_cpp, m)
   impact::bindings::triplets(linear);
   nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
   impact::bindings::penalty(penalty);
+  nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
+  impact::bindings::nodal(nodal);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   impact::bindings::bench(bench);
 }
