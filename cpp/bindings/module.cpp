@@ -30,6 +30,8 @@ NB_MODULE(_cpp, m)
   impact::bindings::penalty(penalty);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   impact::bindings::integrators(integrators);
+  nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
+  impact::bindings::nodal(nodal);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   impact::bindings::bench(bench);
 }

@@ -14,6 +14,7 @@ namespace impact::bindings
 void kernels(nanobind::module_& m);
 void operators(nanobind::module_& m);
 void surface(nanobind::module_& m);
+void nodal(nanobind::module_& m);
 void mortar(nanobind::module_& m);
 void triplets(nanobind::module_& m);
 void search(nanobind::module_& m);

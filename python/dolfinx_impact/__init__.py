@@ -6,7 +6,7 @@ loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
 
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
-from .contact import ContactPair, ContactStatus, Lagrange, Penalty, RigidCylinder, RigidPlane, RigidSphere
+from .contact import ContactPair, ContactStatus, Kinematic, Lagrange, Penalty, RigidCylinder, RigidPlane, RigidSphere
 from .explicit import ExplicitProblem
 from .jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
@@ -36,6 +36,7 @@ __all__ = [
     "Traction",
     "ContactPair",
     "ContactStatus",
+    "Kinematic",
     "Lagrange",
     "Penalty",
     "RigidCylinder",

@@ -46,6 +46,8 @@ class March:
         self._cpp.set_contact_step(self._nominal)
         self._cpp.start(self.u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
         self._run(0)
+        for contact in self.contact:
+            contact.check_start()
         self._look()
 
     # --- the loop --------------------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 #pragma once
 #include "../operators/Halo.h"
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,8 +41,8 @@ public:
   virtual void number(operators::Halo& halo, const double* mass) = 0;
   /// Halo numbers of all nodes that forces may act on, each once.
   virtual std::span<const std::int32_t> nodes() const = 0;
-  /// Where a rigid master is at the end of the step (no effect on deformable ones) [L].
-  virtual void set_obstacle(const double* displacement) = 0;
+  /// Where a rigid master is now, and how far it has moved in the last step (no effect on deformable ones) [L].
+  virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
   /// How much of the motion is used up that the candidates allow, looking two steps ahead; at 1 or more search again.
   virtual double used(const NodalState& state) const = 0;
 

@@ -137,9 +137,12 @@ void CentralDifference::search()
   for (std::vector<double>* values : {&_u, &_v, &_mass, &_inverse})
     _halo->forward(values->data(), _bs);
   std::vector<std::int32_t> touched;
+  std::vector<double> masses(_halo->num_nodes());
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    masses[i] = _mass[i * _bs];
   for (Contact& c : _contacts)
   {
-    c.contact->number(*_halo, _mass.data());
+    c.contact->number(*_halo, masses.data());
     touched.insert(touched.end(), c.contact->nodes().begin(), c.contact->nodes().end());
   }
   std::sort(touched.begin(), touched.end());
@@ -191,7 +194,7 @@ void CentralDifference::apply_loads(const double* amplitudes)
   }
 }
 
-void CentralDifference::move_obstacles(const double* amplitudes)
+void CentralDifference::move_obstacles(const double* amplitudes, bool first)
 {
   for (Contact& c : _contacts)
   {
@@ -202,9 +205,9 @@ void CentralDifference::move_obstacles(const double* amplitudes)
       place[k] = amplitudes[c.columns[k]];
     c.moved_before = c.moved;
     for (int k = 0; k < 3; ++k)
-      c.moved[k] = place[k] - c.place[k];
+      c.moved[k] = first ? 0.0 : place[k] - c.place[k];
     c.place = place;
-    c.contact->set_obstacle(place.data());
+    c.contact->set_obstacle(place, c.moved);
   }
 }
 
@@ -300,7 +303,7 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   Sums sums =
       update(_owned, _r.data(), _loads.empty() ? nullptr : _load.data(), _inverse.data(), c, _u.data(), _v.data());
   prescribed_motion(dt, h, amplitudes, sums);
-  move_obstacles(amplitudes);
+  move_obstacles(amplitudes, false);
   if (_kinematic)
     kinematic_contact(dt, h, sums);
   else
@@ -325,7 +328,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
       throw std::invalid_argument("a step is " + std::to_string(dt) + ": it must be positive");
   apply_loads(table.data());
   if (_last_step == 0.0)
-    move_obstacles(table.data());
+    move_obstacles(table.data(), true);
   if (_fresh && _search_due && !_contacts.empty())
     search();
   for (std::size_t k = 0; k < steps.size(); ++k)

@@ -131,7 +131,7 @@ private:
   double product(const Part& part, const std::vector<double>& x) const;
   void advance(double dt, const double* amplitudes);
   void apply_loads(const double* amplitudes);
-  void move_obstacles(const double* amplitudes);
+  void move_obstacles(const double* amplitudes, bool first);
   void prescribed_motion(double dt, double h, const double* amplitudes, Sums& sums);
   void kinematic_contact(double dt, double h, Sums& sums);
   void account(const Sums& sums, double dt, bool commit);

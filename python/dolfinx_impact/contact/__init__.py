@@ -1,8 +1,18 @@
 """Contact: pairs of surfaces, rigid obstacles, and how contact is enforced. What is discretised: docs/contact.md."""
 
 from .lagrange import Lagrange
+from .nodal import Kinematic
 from .pair import ContactPair, ContactStatus
 from .penalty import Penalty
 from .rigid import RigidCylinder, RigidPlane, RigidSphere
 
-__all__ = ["ContactPair", "ContactStatus", "Lagrange", "Penalty", "RigidCylinder", "RigidPlane", "RigidSphere"]
+__all__ = [
+    "ContactPair",
+    "ContactStatus",
+    "Kinematic",
+    "Lagrange",
+    "Penalty",
+    "RigidCylinder",
+    "RigidPlane",
+    "RigidSphere",
+]

@@ -38,6 +38,9 @@ class Lagrange:
             raise ValueError(f"basis is {basis!r}: against a rigid obstacle multipliers are nodal, give 'dual'")
         self.pair, self.quadrature_degree, self.basis = pair, quadrature_degree, basis
 
+    def _bind_explicit(self, problem):
+        raise ValueError("multipliers are for static problems: use Penalty or Kinematic in an ExplicitProblem")
+
     def _bind(self, problem):
         return LagrangeContact(self, problem)
 

@@ -10,6 +10,7 @@ from ..materials import _number
 from .automatic import automatic_penalty
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
+from .nodal import NodalResult
 from .output import ContactOutput
 from .pair import ContactPair, ContactStatus
 from .size import body_size
@@ -36,20 +37,32 @@ class Penalty:
         augmented: repeat each increment with multipliers from the penetrations reached (Uzawa), until the penetration,
             averaged around each corner of the slave's facets, is below `tolerance` times the size of the bodies.
         quadrature_degree: on slave facets; None: 2 degree + 2.
+        balanced: in explicit problems, once in each direction with half the stiffness.
+
+    In explicit problems (docs/explicit.md) the slave's nodes are the points, and "auto" is a stiffness from nodal
+    masses and the step; `tangential`, `augmented` and `quadrature_degree` are for static ones.
 
     Raises:
         TypeError, ValueError: a penalty that is no positive number.
     """
 
-    def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None):
+    def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None,
+                 balanced=False):  # fmt: skip
         if not isinstance(pair, ContactPair):
             raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
         self.pair, self.augmented, self.quadrature_degree = pair, bool(augmented), quadrature_degree
         self.penalty = None if penalty == "auto" else _number("penalty", penalty, 0.0, " [F/L^3]")
         self.tangential = None if tangential is None else _number("tangential penalty", tangential, 0.0, " [F/L^3]")
-        self.tolerance = _number("tolerance", tolerance, 0.0)
+        self.tolerance, self.balanced = _number("tolerance", tolerance, 0.0), bool(balanced)
+
+    def _bind_explicit(self, problem):
+        if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
+            raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
+        return NodalResult(self.pair, problem, penalty=self.penalty, balanced=self.balanced)
 
     def _bind(self, problem):
+        if self.balanced:
+            raise ValueError("balanced penalty contact is for explicit dynamics")
         return PenaltyContact(self, problem)
 
 

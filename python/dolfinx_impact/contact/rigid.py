@@ -27,11 +27,17 @@ def _unit(name, value):
 
 
 class _Rigid:
-    """Common part: a displacement that may be changed between solves; load steps go there in equal parts."""
+    """Common part: a displacement that may be changed between solves; load steps go there in equal parts.
+
+    Attributes:
+        motion: of explicit problems, added to the displacement: function of time with three components, or a pair
+            (times, values), or None [L].
+    """
 
     def __init__(self, kind, point, direction, radius):
         self._kind, self._point, self._direction, self._radius = kind, point, direction, radius
         self._displacement = np.zeros(3)
+        self.motion = None
 
     @property
     def displacement(self):

@@ -1,0 +1,247 @@
+#include "NodeCandidates.h"
+#include "../common/vectors.h"
+#include "../surface/nodal.h"
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace impact::enforcement
+{
+namespace
+{
+using dolfinx::MPI::check_error;
+
+double largest_diameter(const surface::Facets& facets)
+{
+  double largest = 0.0;
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    for (int i = 0; i < facets.geometry.num_corners(); ++i)
+      for (int j = 0; j < i; ++j)
+      {
+        double squared = 0.0;
+        for (int c = 0; c < facets.gdim; ++c)
+          squared += std::pow(facets.X_of(f)[i * facets.gdim + c] - facets.X_of(f)[j * facets.gdim + c], 2);
+        largest = std::max(largest, squared);
+      }
+  return std::sqrt(largest);
+}
+
+/// Points as facets of no length, for boxes around them.
+surface::Facets as_facets(int gdim, const std::vector<double>& x)
+{
+  surface::Facets out;
+  out.gdim = gdim;
+  out.displacement = out.geometry = {surface::FacetShape::interval, 1};
+  const std::size_t n = x.size() / gdim;
+  out.orientation.assign(n, 1);
+  for (std::size_t i = 0; i < n; ++i)
+    for (int twice = 0; twice < 2; ++twice)
+      out.x.insert(out.x.end(), x.begin() + i * gdim, x.begin() + (i + 1) * gdim);
+  out.X = out.x;
+  return out;
+}
+} // namespace
+
+NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::Facets& slave,
+                               const surface::Facets* master, double distance, bool axisymmetric)
+    : _rigid(master == nullptr), _comm(V.mesh()->comm()), _distance(distance), _halo(V.dofmap()->index_map),
+      _slave(slave)
+{
+  const int gdim = V.mesh()->geometry().dim();
+  if (slave.gdim != gdim || V.dofmap()->index_map_bs() != gdim || (master && master->gdim != gdim))
+    throw std::invalid_argument("slave and master belong to meshes of another dimension than the displacement space");
+  if (axisymmetric && gdim != 2)
+    throw std::invalid_argument("axisymmetric surfaces are curves in the plane");
+  if (master)
+    _master = *master;
+  for (const surface::Facets* side : {&_slave, &_master})
+    for (std::int32_t node : side->nodes)
+      if (node < 0 || node >= _halo.num_nodes())
+        throw std::invalid_argument("the facets were made for another displacement space");
+  double sizes[1] = {std::max(largest_diameter(_slave), largest_diameter(_master))};
+  check_error(_comm, MPI_Allreduce(sizes, &_size, 1, MPI_DOUBLE, MPI_MAX, _comm));
+  if (!(_distance > 0.0))
+    _distance = _size;
+  _u.resize(std::size_t(_halo.num_nodes()) * gdim);
+  find_nodes(V, axisymmetric);
+  const auto& map = *V.dofmap()->index_map;
+  _global.resize(_master.nodes.size());
+  map.local_to_global(_master.nodes, _global);
+  const int rank = dolfinx::MPI::rank(_comm);
+  for (std::int32_t node : _master.nodes)
+    _owners.push_back(node < map.size_local() ? rank : map.owners()[node - map.size_local()]);
+}
+
+/// Nodes that are ours, with areas; a rank may own a node without having a facet at it.
+void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetric)
+{
+  const int gdim = _slave.gdim;
+  std::vector<double> counts(2 * _halo.num_nodes(), 0.0), slave(_halo.num_nodes(), 0.0), master(slave);
+  for (std::int32_t node : _slave.nodes)
+    counts[2 * node] = 1.0;
+  for (std::int32_t node : _master.nodes)
+    counts[2 * node + 1] = 1.0;
+  surface::add_nodal_areas(_slave, axisymmetric, slave);
+  surface::add_nodal_areas(_master, axisymmetric, master);
+  _halo.reverse(counts.data(), 2);
+  _halo.reverse(slave.data(), 1);
+  _halo.reverse(master.data(), 1);
+  const std::vector<double> x = V.tabulate_dof_coordinates(false);
+  for (std::int32_t node = 0; node < _halo.num_owned(); ++node)
+  {
+    if (counts[2 * node] > 0.0)
+    {
+      _nodes.push_back(node);
+      _areas.push_back(slave[node]);
+      _X.insert(_X.end(), x.begin() + 3 * node, x.begin() + 3 * node + gdim);
+    }
+    if (counts[2 * node] + counts[2 * node + 1] > 0.0)
+      _watched.push_back(node);
+  }
+  _from.assign(_watched.size() * gdim, 0.0);
+  master.resize(_halo.num_owned());
+  _master_areas = std::move(master);
+  _normals.assign(_X.size(), 0.0);
+}
+
+void NodeCandidates::search(std::span<const double> u)
+{
+  const int gdim = _slave.gdim;
+  if (u.size() < std::size_t(_halo.num_owned()) * gdim)
+    throw std::invalid_argument("search needs the displacements of all nodes the rank owns");
+  if (_rigid)
+    return;
+  ++_searches;
+  std::copy_n(u.begin(), std::size_t(_halo.num_owned()) * gdim, _u.begin());
+  _halo.forward(_u.data(), gdim);
+  surface::move(_slave, _u.data());
+  surface::move(_master, _u.data());
+  std::vector<double> sums(_u.size(), 0.0), points(_X);
+  surface::add_nodal_normals(_slave, sums);
+  _halo.reverse(sums.data(), gdim);
+  for (std::size_t i = 0; i < _nodes.size(); ++i)
+  {
+    const double* n = sums.data() + std::size_t(_nodes[i]) * gdim;
+    const double length = std::sqrt(dot(n, n, gdim));
+    for (int c = 0; c < gdim; ++c)
+    {
+      _normals[i * gdim + c] = length > 0.0 ? n[c] / length : 0.0;
+      points[i * gdim + c] += _u[std::size_t(_nodes[i]) * gdim + c];
+    }
+  }
+  mean_motion();
+  // Both sides may move by half of this room; fast bodies need some for several steps.
+  double steps[2] = {_step, 0.0};
+  check_error(_comm, MPI_Allreduce(steps, steps + 1, 1, MPI_DOUBLE, MPI_MAX, _comm));
+  _room = std::max(_size, 8 * steps[1]);
+  const search::Travellers mine{_master, _global, _owners};
+  _found = search::send_to_overlapping(_comm, mine, as_facets(gdim, points), std::max(_distance, 4 * steps[1]) + _room);
+  // Nodes that this rank neither owns nor has as ghosts of the space.
+  const auto& map = _halo.map();
+  std::vector<std::int64_t> known(map.ghosts().begin(), map.ghosts().end());
+  std::sort(known.begin(), known.end());
+  std::vector<std::pair<std::int64_t, int>> far;
+  for (std::size_t i = 0; i < _found.nodes.size(); ++i)
+    if (const std::int64_t node = _found.nodes[i]; (node < map.local_range()[0] || node >= map.local_range()[1]) &&
+                                                   !std::binary_search(known.begin(), known.end(), node))
+      far.emplace_back(node, _found.owners[i]);
+  std::sort(far.begin(), far.end());
+  far.erase(std::unique(far.begin(), far.end()), far.end());
+  _remote_nodes.clear();
+  _remote_owners.clear();
+  for (const auto& [node, owner] : far)
+  {
+    _remote_nodes.push_back(node);
+    _remote_owners.push_back(owner);
+  }
+}
+
+/// Where the watched nodes are, and how fast they all moved on average since the last search.
+void NodeCandidates::mean_motion()
+{
+  const int gdim = _slave.gdim;
+  double sums[4] = {}, all[4];
+  for (std::size_t i = 0; i < _watched.size(); ++i)
+    for (int c = 0; c < gdim; ++c)
+    {
+      _from[i * gdim + c] = _u[std::size_t(_watched[i]) * gdim + c];
+      sums[c] += _from[i * gdim + c];
+    }
+  sums[3] = double(_watched.size());
+  check_error(_comm, MPI_Allreduce(sums, all, 4, MPI_DOUBLE, MPI_SUM, _comm));
+  for (int c = 0; c < gdim; ++c)
+  {
+    const double mean = all[3] > 0.0 ? all[c] / all[3] : 0.0;
+    _velocity[c] = _searches > 1 && _time > 0.0 ? (mean - _mean[c]) / _time : 0.0;
+    _mean[c] = mean;
+  }
+  _time = 0.0;
+  _fresh = true;
+}
+
+surface::Facets NodeCandidates::numbered(const operators::Halo& halo) const
+{
+  surface::Facets out = _found.facets;
+  out.gdim = _slave.gdim;
+  const auto& map = halo.map();
+  const auto range = map.local_range();
+  std::vector<std::pair<std::int64_t, std::int32_t>> ghosts;
+  for (std::size_t g = 0; g < map.ghosts().size(); ++g)
+    ghosts.emplace_back(map.ghosts()[g], map.size_local() + std::int32_t(g));
+  std::sort(ghosts.begin(), ghosts.end());
+  out.nodes.clear();
+  for (std::int64_t node : _found.nodes)
+  {
+    if (node >= range[0] && node < range[1])
+    {
+      out.nodes.push_back(std::int32_t(node - range[0]));
+      continue;
+    }
+    const auto at = std::lower_bound(ghosts.begin(), ghosts.end(), std::pair(node, std::int32_t(-1)));
+    if (at == ghosts.end() || at->first != node)
+      throw std::invalid_argument("the Halo lacks node " + std::to_string(node) + ", which the contact asked for");
+    out.nodes.push_back(at->second);
+  }
+  return out;
+}
+
+std::vector<double> NodeCandidates::master_areas(operators::Halo& halo) const
+{
+  std::vector<double> out(halo.num_nodes(), 0.0);
+  std::copy(_master_areas.begin(), _master_areas.end(), out.begin());
+  halo.forward(out.data(), 1);
+  return out;
+}
+
+void NodeCandidates::advance(double dt)
+{
+  if (!_fresh)
+    _time += dt;
+  _fresh = false;
+}
+
+double NodeCandidates::used(const NodalState& state) const
+{
+  if (_rigid)
+    return 0.0;
+  const int gdim = _slave.gdim;
+  const double ahead = _time + 2 * state.dt;
+  double motion = 0.0, step = 0.0;
+  for (std::size_t i = 0; i < _watched.size(); ++i)
+  {
+    const std::size_t k = std::size_t(_watched[i]) * gdim;
+    double far = 0.0, fast = 0.0;
+    for (int c = 0; c < gdim; ++c)
+    {
+      const double d = state.u[k + c] + 2 * state.du[k + c] - _from[i * gdim + c] - _velocity[c] * ahead;
+      const double v = state.du[k + c] - _velocity[c] * state.dt;
+      far += d * d;
+      fast += v * v;
+    }
+    motion = std::max(motion, far);
+    step = std::max(step, fast);
+  }
+  _step = std::sqrt(step);
+  return _room > 0.0 ? 2 * std::sqrt(motion) / _room : 1.0;
+}
+} // namespace impact::enforcement

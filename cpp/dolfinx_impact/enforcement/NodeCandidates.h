@@ -1,0 +1,76 @@
+#pragma once
+#include "../operators/Halo.h"
+#include "../search/NodeTracking.h"
+#include "../search/travel.h"
+#include "../surface/Surface.h"
+#include "NodalContact.h"
+#include <memory>
+
+namespace impact::enforcement
+{
+/// The slave nodes that a rank owns, whether or not it has a facet at them, and the master facets of all ranks that
+/// come near: searched anew only when the bodies have moved so much against each other that others could come near.
+class NodeCandidates
+{
+public:
+  /// Collective.
+  /// @param[in] V displacement space
+  /// @param[in] slave, master this rank's facets (make_surface); master null: rigid
+  /// @param[in] distance search distance; 0: the largest facet's diameter [L]
+  NodeCandidates(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
+                 double distance, bool axisymmetric);
+
+  int gdim() const { return _slave.gdim; }
+  bool rigid() const { return _rigid; }
+  double distance() const { return _distance; }
+  /// Numbers of the slave nodes this rank owns, ascending; reference positions and areas.
+  std::span<const std::int32_t> nodes() const { return _nodes; }
+  const std::vector<double>& X() const { return _X; }
+  const std::vector<double>& areas() const { return _areas; }
+  /// Largest facet of slave and master, corner to corner [L].
+  double size() const { return _size; }
+  /// Unit normals out of the slave at its nodes in the configuration of the last search.
+  const std::vector<double>& normals() const { return _normals; }
+
+  /// See NodalContact::search.
+  void search(std::span<const double> u);
+  std::span<const std::int64_t> remote_nodes() const { return _remote_nodes; }
+  std::span<const int> remote_owners() const { return _remote_owners; }
+  /// The candidates, numbered as the Halo's nodes.
+  surface::Facets numbered(const operators::Halo& halo) const;
+  /// Areas of the master's nodes over the Halo's. Collective.
+  std::vector<double> master_areas(operators::Halo& halo) const;
+  /// Slave and master nodes that this rank owns.
+  std::span<const std::int32_t> watched() const { return _watched; }
+  /// A step of this length has been made.
+  void advance(double dt);
+  /// See NodalContact::used.
+  double used(const NodalState& state) const;
+  std::int64_t searches() const { return _searches; }
+
+private:
+  void forward(std::span<const double> u);
+  void find_nodes(const surface::FunctionSpace& V, bool axisymmetric);
+  void mean_motion();
+
+  bool _rigid;
+  MPI_Comm _comm;
+  double _distance, _size = 0.0;
+  mutable operators::Halo _halo; ///< of the space
+  surface::Facets _slave, _master;
+  std::vector<std::int64_t> _global; ///< numbers and owners of the master's nodes, facet by facet
+  std::vector<std::int32_t> _owners;
+  std::vector<std::int32_t> _nodes, _watched;
+  std::vector<double> _X, _areas, _master_areas, _normals;
+  search::Travellers _found;
+  std::vector<std::int64_t> _remote_nodes;
+  std::vector<int> _remote_owners;
+  std::vector<double> _u; ///< displacements over the space's nodes
+  // Motion since the last search, against what its translation would have been at the mean velocity before.
+  std::vector<double> _from; ///< displacements of the watched nodes at the last search
+  double _room = 0.0, _time = 0.0, _mean[3] = {}, _velocity[3] = {};
+  mutable double _step = 0.0;
+  bool _fresh = true;
+  std::int64_t _searches = 0;
+};
+} // namespace impact::enforcement

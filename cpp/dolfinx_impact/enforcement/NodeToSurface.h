@@ -1,0 +1,156 @@
+#pragma once
+#include "../gap/Rigid.h"
+#include "NodalContact.h"
+#include "NodeCandidates.h"
+#include "Penalty.h"
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace impact::enforcement
+{
+struct NodeToSurfaceOptions
+{
+  double friction = 0.0;        ///< coefficient [1]
+  double penalty = 0.0;         ///< pressure per penetration; 0: stiffness from masses and step [F/L^3]
+  double kappa = 0.5;           ///< what contact may add to the square of the highest frequency, times dt^2 [1]
+  bool balanced = false;        ///< penalty in both directions, each with half the stiffness
+  bool kinematic = false;       ///< kinematic contact instead of penalty
+  int sweeps = 3;               ///< of kinematic contact
+  double search_distance = 0.0; ///< 0: the largest facet's diameter [L]
+  bool axisymmetric = false;    ///< nodal areas times 2 pi R
+};
+
+/// The slave nodes this rank owns, in the last step. Vectors per node: [i*gdim + c].
+struct NodalResults
+{
+  std::vector<ContactStatus> status;
+  std::vector<double> gap;      ///< of nodes that sleep: when they were last looked at; infinite without master [L]
+  std::vector<double> normal;   ///< out of the master
+  std::vector<double> pressure; ///< normal force per area of the node [F/L^2]
+  std::vector<double> traction; ///< force on the slave per area [F/L^2]
+  std::vector<double> slip;     ///< since the node closed [L]
+};
+
+/// What a checkpoint needs, by owned slave node, for the run to go on bit for bit.
+struct NodalHistory
+{
+  std::vector<double> tangential;  ///< forces [i*gdim + c] [F]
+  std::vector<double> slip;        ///< [i*gdim + c] [L]
+  std::vector<std::int8_t> closed; ///< was the node in contact?
+  std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
+  std::vector<double> xi;          ///< reference coordinates there, [2*i + alpha]
+};
+
+/// Explicit contact of the slave's nodes with the master's surface or a rigid obstacle (docs/explicit.md).
+class NodeToSurface : public NodalContact
+{
+public:
+  /// Collective.
+  /// @param[in] V displacement space
+  /// @param[in] slave, master this rank's facets (make_surface)
+  /// @throws std::invalid_argument on all ranks for options out of range, facets of another space
+  NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
+                const NodeToSurfaceOptions& options);
+  NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
+                const NodeToSurfaceOptions& options);
+
+  void search(std::span<const double> u) override;
+  std::span<const std::int64_t> remote_nodes() const override;
+  std::span<const int> remote_owners() const override;
+  /// Collective. The Halo is kept: it must live until the next call.
+  void number(operators::Halo& halo, const double* mass) override;
+  double used(const NodalState& state) const override;
+  void add_forces(const NodalState& state, double* f) override;
+  void correct(double* u, const double* du, const double* inverse_mass, double h, double dt, double* f) override;
+  bool kinematic() const override { return _options.kinematic; }
+  ContactEnergy energy() const override;
+  const double* force() const override { return _force.data(); }
+  std::span<const std::int32_t> nodes() const override { return _acting; }
+
+  /// Where a rigid master is now, and how far it has moved since the last step [L].
+  void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
+  /// Look at all nodes in the next step: gaps of all of them are wanted.
+  void wake_all() { _tracking.wake_all(); }
+
+  const NodeToSurfaceOptions& options() const { return _options; }
+  const NodeCandidates& candidates() const { return _candidates; }
+  const NodalResults& results() const { return _results; }
+  const search::NodeTracking& tracking() const { return _tracking; }
+  /// How many nodes were left open because they were first seen too deep inside the master.
+  std::int64_t implausible() const { return _implausible; }
+  /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
+  const std::vector<double>& stiffness() const { return _stiffness; }
+  NodalHistory history() const;
+  /// @throws std::invalid_argument for arrays of wrong sizes
+  void set_history(const NodalHistory& history);
+  /// Energies so far, for a run that goes on from a checkpoint.
+  void set_energy(const ContactEnergy& energy) { _energy = energy; }
+  /// The other direction of balanced contact, or null.
+  NodeToSurface* other() { return _other.get(); }
+
+private:
+  /// A slave node and what it touches.
+  struct Touch
+  {
+    std::size_t i;
+    std::int32_t node;
+    int num = 0; ///< master nodes
+    const std::int32_t* masters = nullptr;
+    double phi[surface::FacetElement::max_nodes];
+    search::Projection at;
+  };
+
+  NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
+                const gap::Rigid* rigid, const NodeToSurfaceOptions& options);
+  /// Looks at node i: is it in contact?
+  bool touches(std::size_t i, const double* u, const double* du, Touch& touch);
+  search::Projection rigid_point(std::size_t i, const double* u, const double* du) const;
+  void open(std::size_t i, double gap);
+  double stiffness(const Touch& touch, double dt) const;
+  void relative(const Touch& touch, const double* values, double* out) const;
+  double counted_part(const Touch& touch, const NodalState& state) const;
+  void add_couple(const Touch& touch, const double* u, const double* tangential, double* f) const;
+  // Kinematic contact.
+  void number_kinematic(operators::Halo& halo, const double* mass);
+  void predict(const double* u, const double* du);
+  void spread_residual();
+  void solve_forces(double h);
+  void apply(const double* inverse_mass, double h);
+  void record();
+
+  NodeToSurfaceOptions _options;
+  int _gdim;
+  bool _rigid = false;
+  gap::Rigid _obstacle;
+  std::array<double, 3> _obstacle_increment{}, _obstacle_before{};
+  NodeCandidates _candidates;
+  search::NodeTracking _tracking;
+  std::unique_ptr<NodeToSurface> _other;
+  std::vector<std::int64_t> _all_remote; ///< of both directions
+  std::vector<int> _all_owners;
+  std::vector<std::int32_t> _acting; ///< Halo numbers of nodes that forces may act on
+  double _share = 1.0;               ///< of the stiffness: half when balanced
+
+  operators::Halo* _halo = nullptr;
+  std::vector<double> _mass;      ///< of slave nodes
+  std::vector<double> _inverse;   ///< over the Halo: 1/m, A/m of master nodes
+  std::vector<double> _node_mass; ///< over the Halo
+
+  NodalResults _results;
+  std::vector<double> _tangential, _stiffness;
+  std::vector<std::int8_t> _closed;
+  ContactEnergy _energy;
+  std::array<double, 3> _force{};
+  std::int64_t _implausible = 0;
+
+  // Kinematic contact: closed nodes of the step, and sums over the Halo's nodes, zero but at `_touched`.
+  std::vector<Touch> _touch;
+  std::size_t _num_touch = 0;
+  std::vector<double> _depth, _motion, _residual, _nodal_force;
+  std::vector<std::int32_t> _touched;
+  std::vector<double> _spread, _sum, _moved, _base, _before;
+  bool _has_base = false;
+};
+} // namespace impact::enforcement

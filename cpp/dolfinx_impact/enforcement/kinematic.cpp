@@ -1,0 +1,227 @@
+#include "../common/vectors.h"
+#include "NodeToSurface.h"
+#include <algorithm>
+#include <cmath>
+
+/// Kinematic contact, docs/explicit.md.
+namespace impact::enforcement
+{
+void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
+{
+  const std::size_t num = halo.num_nodes(), owned = std::size_t(halo.num_owned()) * _gdim;
+  _node_mass.assign(mass, mass + num);
+  _touched.assign(_candidates.watched().begin(), _candidates.watched().end());
+  _touched.insert(_touched.end(), _tracking.master().nodes.begin(), _tracking.master().nodes.end());
+  std::sort(_touched.begin(), _touched.end());
+  _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());
+  _spread.assign(num * (_gdim + 1), 0.0);
+  _sum.assign(num * _gdim, 0.0);
+  _moved.assign(num * _gdim, 0.0);
+  _base.resize(owned, 0.0);
+  _base.resize(num * _gdim, 0.0);
+  halo.forward(_base.data(), _gdim);
+  _before.assign(num * _gdim, 0.0);
+}
+
+/// Closed nodes of the predicted configuration.
+void NodeToSurface::predict(const double* u, const double* du)
+{
+  const int D = _gdim;
+  _num_touch = 0;
+  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
+  {
+    Touch& touch = _touch[_num_touch];
+    if ((!_rigid && _tracking.asleep(i)) || !touches(i, u, du, touch))
+      continue;
+    _depth[_num_touch] = -touch.at.gap;
+    double* motion = _motion.data() + _num_touch * D;
+    relative(touch, du, motion);
+    for (int c = 0; c < D; ++c)
+      motion[c] -= _rigid ? _obstacle_increment[c] : 0.0;
+    ++_num_touch;
+  }
+  std::fill_n(_nodal_force.data(), _num_touch * D, 0.0);
+  for (std::int32_t node : _touched)
+    for (int c = 0; c < D; ++c)
+    {
+      const std::size_t k = std::size_t(node) * D + c;
+      const double base = u[k] - du[k];
+      _before[k] = _has_base ? base - _base[k] : 0.0;
+      _base[k] = base;
+      _moved[k] = 0.0;
+    }
+  _has_base = true;
+}
+
+/// Motion that is still to be made up for, and how masters with the mass of their slaves would take it.
+void NodeToSurface::spread_residual()
+{
+  const int D = _gdim, width = D + 1;
+  for (std::int32_t node : _touched)
+    std::fill_n(_spread.data() + std::size_t(node) * width, width, 0.0);
+  for (std::size_t q = 0; q < _num_touch; ++q)
+  {
+    const Touch& touch = _touch[q];
+    const double *n = touch.at.normal, m = _mass[touch.i];
+    double moved[3], *r = _residual.data() + q * D;
+    relative(touch, _moved.data(), moved);
+    const double left = _depth[q] - dot(n, moved, D);
+    for (int c = 0; c < D; ++c)
+    {
+      moved[c] += _motion[q * D + c];
+      r[c] = left * n[c];
+    }
+    if (_options.friction > 0.0)
+      for (int c = 0; c < D; ++c)
+        r[c] -= moved[c] - dot(n, moved, D) * n[c];
+    for (int j = 0; j < touch.num; ++j)
+    {
+      double* sum = _spread.data() + std::size_t(touch.masters[j]) * width;
+      for (int c = 0; c < D; ++c)
+        sum[c] -= touch.phi[j] * m * r[c];
+      sum[D] += std::abs(touch.phi[j]) * m;
+    }
+  }
+  if (_rigid)
+    return;
+  _halo->reverse(_spread.data(), width);
+  for (std::int32_t node : _touched)
+    if (node < _halo->num_owned())
+    {
+      double* sum = _spread.data() + std::size_t(node) * width;
+      const double mass = _node_mass[node] + sum[D];
+      for (int c = 0; c < D && mass > 0.0; ++c)
+        sum[c] /= mass;
+    }
+  _halo->forward(_spread.data(), width);
+}
+
+/// Forces of the sweep, within what contact can bear.
+void NodeToSurface::solve_forces(double h)
+{
+  const int D = _gdim, width = D + 1;
+  for (std::size_t q = 0; q < _num_touch; ++q)
+  {
+    const Touch& touch = _touch[q];
+    const double *n = touch.at.normal, factor = _mass[touch.i] / h;
+    double more[3], *f = _nodal_force.data() + q * D;
+    for (int c = 0; c < D; ++c)
+    {
+      more[c] = _residual[q * D + c];
+      for (int j = 0; j < touch.num; ++j)
+        more[c] += touch.phi[j] * _spread[std::size_t(touch.masters[j]) * width + c];
+      more[c] *= factor;
+    }
+    const double along = dot(n, more, D), before = dot(n, f, D), normal = std::max(0.0, before + along);
+    double tangential[3] = {0.0, 0.0, 0.0};
+    ContactStatus status = normal > 0.0 ? ContactStatus::slip : ContactStatus::open;
+    if (_options.friction > 0.0)
+    {
+      for (int c = 0; c < D; ++c)
+        tangential[c] = f[c] - before * n[c] + more[c] - along * n[c];
+      const double size = std::sqrt(dot(tangential, tangential, D)), limit = _options.friction * normal;
+      if (size > limit)
+        for (int c = 0; c < D; ++c)
+          tangential[c] *= limit / size;
+      else if (normal > 0.0)
+        status = ContactStatus::stick;
+    }
+    _results.status[touch.i] = status;
+    for (int c = 0; c < D; ++c)
+      f[c] = normal * n[c] + tangential[c];
+  }
+}
+
+/// What the forces move.
+void NodeToSurface::apply(const double* inverse_mass, double h)
+{
+  const int D = _gdim;
+  for (std::int32_t node : _touched)
+    std::fill_n(_sum.data() + std::size_t(node) * D, D, 0.0);
+  for (std::size_t q = 0; q < _num_touch; ++q)
+  {
+    const Touch& touch = _touch[q];
+    const double* f = _nodal_force.data() + q * D;
+    for (int c = 0; c < D; ++c)
+      _sum[std::size_t(touch.node) * D + c] += f[c];
+    for (int j = 0; j < touch.num; ++j)
+      for (int c = 0; c < D; ++c)
+        _sum[std::size_t(touch.masters[j]) * D + c] -= touch.phi[j] * f[c];
+  }
+  if (!_rigid)
+    _halo->reverse(_sum.data(), D);
+  for (std::int32_t node : _touched)
+    if (node < _halo->num_owned())
+      for (int c = 0; c < D; ++c)
+      {
+        const std::size_t k = std::size_t(node) * D + c;
+        _moved[k] = h * _sum[k] * inverse_mass[k];
+      }
+  if (!_rigid)
+    _halo->forward(_moved.data(), D);
+}
+
+void NodeToSurface::correct(double* u, const double* du, const double* inverse_mass, double h, double dt, double* f)
+{
+  const int D = _gdim;
+  if (!_rigid)
+  {
+    _candidates.advance(dt);
+    _tracking.advance(u, du);
+  }
+  predict(u, du);
+  for (int sweep = 0; sweep < _options.sweeps; ++sweep)
+  {
+    spread_residual();
+    solve_forces(h);
+    apply(inverse_mass, h);
+  }
+  for (std::int32_t node : _touched)
+    if (node < _halo->num_owned())
+      for (int c = 0; c < D; ++c)
+      {
+        const std::size_t k = std::size_t(node) * D + c;
+        u[k] += _moved[k];
+        f[k] += _sum[k];
+      }
+  _halo->forward(u, D);
+  record();
+}
+
+/// Results and work of the step: half with the motion before it, half with that of it.
+void NodeToSurface::record()
+{
+  const int D = _gdim;
+  _force.fill(0.0);
+  for (std::size_t q = 0; q < _num_touch; ++q)
+  {
+    const Touch& touch = _touch[q];
+    const std::size_t i = touch.i;
+    const double *n = touch.at.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
+    double moved[3], before[3], mean[3], slip[3];
+    relative(touch, _moved.data(), moved);
+    relative(touch, _before.data(), before);
+    _results.gap[i] = dot(n, moved, D) - _depth[q];
+    const double normal = dot(n, f, D);
+    for (int c = 0; c < D; ++c)
+    {
+      moved[c] += _motion[q * D + c];
+      mean[c] = 0.5 * (before[c] - (_rigid ? _obstacle_before[c] : 0.0) + moved[c]);
+      _force[c] += f[c];
+      _results.traction[i * D + c] = f[c] / area;
+      _tangential[i * D + c] = f[c] - normal * n[c];
+    }
+    _results.pressure[i] = normal / area;
+    for (int c = 0; c < D; ++c)
+      slip[c] = moved[c] - dot(n, moved, D) * n[c];
+    const double work = normal * dot(n, mean, D);
+    _energy.normal += work;
+    _energy.friction -= dot(f, mean, D) - work;
+    if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
+      for (int c = 0; c < D; ++c)
+        _results.slip[i * D + c] += slip[c];
+    _closed[i] = 1;
+  }
+  _obstacle_before = _obstacle_increment;
+}
+} // namespace impact::enforcement

@@ -1,0 +1,217 @@
+#include "NodeTracking.h"
+#include "boxes.h"
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace impact::search
+{
+namespace
+{
+constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double tree_slack = 0.25; ///< of the largest facet: travel after which the tree is fitted again
+
+/// Moves of some nodes since the last step: the largest against `mean`, and their sum.
+double moves(int gdim, std::span<const std::int32_t> nodes, const double* u, const double* mean, double* last,
+             double* sum)
+{
+  double largest = 0.0;
+  const auto sweep = [&]<int D>()
+  {
+    double total[D] = {};
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+    {
+      double squared = 0.0;
+      for (int c = 0; c < D; ++c)
+      {
+        const double now = u[std::size_t(nodes[i]) * D + c], d = now - last[i * D + c];
+        last[i * D + c] = now;
+        total[c] += d;
+        squared += (d - mean[c]) * (d - mean[c]);
+      }
+      largest = std::max(largest, squared);
+    }
+    for (int c = 0; c < D; ++c)
+      sum[c] += total[c];
+  };
+  gdim == 2 ? sweep.operator()<2>() : sweep.operator()<3>();
+  return std::sqrt(largest);
+}
+
+double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* du)
+{
+  double largest = 0.0;
+  for (std::int32_t node : nodes)
+  {
+    const double* d = du + std::size_t(node) * gdim;
+    largest = std::max(largest, std::inner_product(d, d + gdim, d, 0.0));
+  }
+  return std::sqrt(largest);
+}
+} // namespace
+
+NodeTracking::NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes)
+    : _gdim(gdim), _X(std::move(X)), _nodes(std::move(nodes))
+{
+  const std::size_t n = _nodes.size();
+  _last.assign(n * gdim, 0.0);
+  _wake.assign(n, -never);
+  _expire.assign(n, -never);
+  _listed.assign(n, 0.0);
+  _count.assign(n, 0);
+  _list.assign(n * most, {-1, 0.0});
+  _held.assign(n, -1);
+  _held_facet.assign(n, -1);
+  _xi.assign(2 * n, 0.0);
+}
+
+void NodeTracking::reset(surface::Facets master, std::vector<double> normals, double reach)
+{
+  _master = std::move(master);
+  _normals = std::move(normals);
+  _reach = reach;
+  const surface::FacetElement& element = _master.geometry;
+  const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _master.displacement.num_nodes();
+  const bool linear = element.degree == 1 && _master.displacement.degree == 1;
+  _kind = linear && int(element.shape == surface::FacetShape::interval) == int(_gdim == 2) ? Kind(int(element.shape))
+                                                                                           : Kind::general;
+  _size.assign(_master.size(), 0.0);
+  for (std::size_t f = 0; f < _master.size(); ++f)
+    for (int i = 0; i < corners; ++i)
+      for (int j = 0; j < i; ++j)
+      {
+        double squared = 0.0;
+        for (int c = 0; c < _gdim; ++c)
+          squared += std::pow(_master.X_of(f)[i * _gdim + c] - _master.X_of(f)[j * _gdim + c], 2);
+        _size[f] = std::max(_size[f], std::sqrt(squared));
+      }
+  _largest = _size.empty() ? 0.0 : *std::max_element(_size.begin(), _size.end());
+  _phi.assign(n_x * n_u, 0.0);
+  for (int i = 0; i < n_x; ++i)
+    _master.displacement.values(element.node(i).data(), _phi.data() + i * n_u);
+  bounding_boxes(_master, _boxes);
+  _tree = BoxTree(_gdim, _boxes);
+  _master_nodes = _master.nodes;
+  std::sort(_master_nodes.begin(), _master_nodes.end());
+  _master_nodes.erase(std::unique(_master_nodes.begin(), _master_nodes.end()), _master_nodes.end());
+  _last_master.assign(_master_nodes.size() * _gdim, 0.0);
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    const auto at = std::lower_bound(_master.id.begin(), _master.id.end(), _held[i]);
+    const bool there = _held[i] >= 0 && at != _master.id.end() && *at == _held[i];
+    _held_facet[i] = there ? std::int32_t(at - _master.id.begin()) : -1;
+  }
+  _fresh = true;
+}
+
+void NodeTracking::advance(const double* u, const double* du)
+{
+  ++_counters.steps;
+  double sum[3] = {};
+  const double slave = moves(_gdim, _nodes, u, _mean, _last.data(), sum);
+  const double master = moves(_gdim, _master_nodes, u, _mean, _last_master.data(), sum);
+  if (_fresh) // the last positions of these facets are not known
+  {
+    _fresh = false;
+    _travel = 0.0;
+    std::fill_n(_mean, 3, 0.0);
+    std::fill_n(_step_shift, 3, 0.0);
+    _step = largest_of(_gdim, _nodes, du) + largest_of(_gdim, _master_nodes, du);
+    wake_all();
+    std::fill(_expire.begin(), _expire.end(), -never);
+    refit(u);
+    return;
+  }
+  // Room for rounding: what is added up over many steps must not be too small.
+  _step = (slave + master) * (1 + 1e-12);
+  _travel += _step;
+  for (int c = 0; c < _gdim; ++c)
+  {
+    _step_shift[c] = _mean[c];
+    _shift[c] += _mean[c];
+    _mean[c] = sum[c] / double(std::max<std::size_t>(_nodes.size() + _master_nodes.size(), 1));
+  }
+  if (_travel - _fitted > tree_slack * _largest)
+    refit(u);
+}
+
+void NodeTracking::refit(const double* u)
+{
+  ++_counters.refits;
+  for (std::size_t f = 0; f < _master.size(); ++f)
+    positions(std::int32_t(f), {u, nullptr}, _master.x.data() + f * _master.geometry.num_nodes() * _gdim);
+  bounding_boxes(_master, _boxes);
+  _tree.refit(_boxes);
+  _fitted = _travel;
+  std::fill_n(_shift, 3, 0.0);
+}
+
+void NodeTracking::wake_all()
+{
+  std::fill(_wake.begin(), _wake.end(), -never);
+}
+
+Projection NodeTracking::locate(std::size_t i, const double* u)
+{
+  ++_counters.nodes;
+  const Configuration at{u, nullptr};
+  if (_travel < _expire[i])
+    return from_list(i, at);
+  ++_counters.queries;
+  Found near[4 * most];
+  int num = 0;
+  double budget = 0.0;
+  const Projection out = query(i, at, _travel - _fitted, _shift, near, num, budget);
+  // The list: the nearest `most`, in the order of the facets.
+  if (num > most)
+  {
+    std::nth_element(near, near + most, near + num,
+                     [](const Found& a, const Found& b) { return a.distance < b.distance; });
+    num = most;
+  }
+  std::sort(near, near + num, [](const Found& a, const Found& b) { return a.facet < b.facet; });
+  std::copy_n(near, num, _list.data() + i * most);
+  _count[i] = num;
+  _listed[i] = _travel;
+  _expire[i] = _travel + budget;
+  return out;
+}
+
+Projection NodeTracking::locate_before(std::size_t i, const double* u, const double* du) const
+{
+  Found near[4 * most];
+  int num = 0;
+  double budget = 0.0, shift[3];
+  for (int c = 0; c < 3; ++c)
+    shift[c] = _shift[c] - _step_shift[c];
+  return query(i, {u, du}, std::abs(_travel - _fitted) + _step, shift, near, num, budget);
+}
+
+void NodeTracking::hold(std::size_t i, const Projection& at)
+{
+  _held_facet[i] = at.facet;
+  _held[i] = _master.id[at.facet];
+  std::copy_n(at.xi, 2, _xi.data() + 2 * i);
+  _wake[i] = -never;
+}
+
+void NodeTracking::release(std::size_t i, double gap)
+{
+  _held_facet[i] = -1;
+  _held[i] = -1;
+  _wake[i] = gap > 0.0 ? _travel + std::min(gap, _reach) : -never;
+}
+
+void NodeTracking::set_held(std::span<const std::int64_t> ids, std::span<const double> xi)
+{
+  std::copy(ids.begin(), ids.end(), _held.begin());
+  std::copy(xi.begin(), xi.end(), _xi.begin());
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    const auto at = std::lower_bound(_master.id.begin(), _master.id.end(), _held[i]);
+    const bool there = _held[i] >= 0 && at != _master.id.end() && *at == _held[i];
+    _held_facet[i] = there ? std::int32_t(at - _master.id.begin()) : -1;
+  }
+  wake_all();
+}
+} // namespace impact::search

@@ -1,0 +1,120 @@
+#pragma once
+#include "project.h"
+#include <span>
+#include <vector>
+
+namespace impact::search
+{
+/// Closest points of a surface to nodes, step after step: the same as those of SurfaceSearch::project, for much less.
+///
+/// `travel` adds up, step by step, the farthest that any node and any facet have moved against each other, common
+/// translation left out: no distance between a node and the surface changes faster. So a node that was seen at a
+/// distance sleeps until travel has used it up. For a node close to the surface, the facets are listed that can become
+/// the nearest one within a budget of travel: far from edges this is one. Nothing is allocated after `reset`.
+class NodeTracking
+{
+public:
+  struct Counters
+  {
+    std::int64_t steps = 0, queries = 0, projections = 0, nodes = 0, refits = 0;
+  };
+
+  NodeTracking() = default;
+  /// @param[in] X reference positions of the nodes, gdim each [L]
+  /// @param[in] nodes their numbers in the arrays of displacements
+  NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes);
+
+  /// Other facets to look at: everything is searched anew in the next step. Nodes that are held stay on their facets.
+  /// @param[in] master candidates, sorted by id, numbered as the displacements
+  /// @param[in] normals out of the slave at the nodes; only facets that face them are considered
+  /// @param[in] reach search distance [L]
+  void reset(surface::Facets master, std::vector<double> normals, double reach);
+  std::size_t size() const { return _nodes.size(); }
+  std::span<const std::int32_t> nodes() const { return _nodes; }
+  const surface::Facets& master() const { return _master; }
+  /// Longest distance between corners of a facet, at rest [L].
+  double diameter(std::int32_t facet) const { return _size[facet]; }
+
+  /// To be called in every step, before the nodes are looked at.
+  /// @param[in] u displacements [L]
+  /// @param[in] du their increments since the last step; used in the first step after `reset` [L]
+  void advance(const double* u, const double* du);
+  bool asleep(std::size_t i) const { return _travel < _wake[i]; }
+  /// Closest point of node i.
+  Projection locate(std::size_t i, const double* u);
+  /// Closest point in the configuration u - du, of the step before.
+  Projection locate_before(std::size_t i, const double* u, const double* du) const;
+  /// The node is in contact: its next closest point is looked for from this one.
+  void hold(std::size_t i, const Projection& at);
+  /// The node is not in contact. If it has a gap, it sleeps as long as that lasts.
+  void release(std::size_t i, double gap);
+  /// Nobody sleeps in this step: gaps of all nodes are wanted.
+  void wake_all();
+
+  /// Held nodes: id of the facet (-1: not held) and reference coordinates; for checkpoints.
+  std::span<const std::int64_t> held() const { return _held; }
+  std::span<const double> held_xi() const { return _xi; }
+  void set_held(std::span<const std::int64_t> ids, std::span<const double> xi);
+  const Counters& counters() const { return _counters; }
+
+private:
+  static constexpr int most = 24; ///< facets per list
+  struct Configuration
+  {
+    const double* u;
+    const double* du; ///< null: the present one; else u - du is meant
+  };
+  struct Found
+  {
+    std::int32_t facet;
+    double distance;
+  };
+  enum class Kind
+  {
+    interval,
+    triangle,
+    quadrilateral,
+    general
+  };
+
+  void position(std::size_t i, Configuration at, double* x) const;
+  void positions(std::int32_t f, Configuration at, double* x) const;
+  FacetProjection project(std::int32_t f, const double* facet, const double* x, const double* start) const;
+  void facet_normal(std::int32_t f, const double* facet, const double* xi, double* normal) const;
+  bool better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best, std::int32_t best_facet) const;
+  void finish(const double* x, const double* normal, const FacetProjection& at, Configuration config,
+              std::span<const Found> near, Projection& out) const;
+  bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config, std::span<const Found> near,
+                   double* normal) const;
+  Projection query(std::size_t i, Configuration at, double slack, const double* shift, std::span<Found> near, int& num,
+                   double& budget) const;
+  Projection from_list(std::size_t i, Configuration at);
+  std::int32_t held_facet(std::size_t i) const;
+  void refit(const double* u);
+
+  int _gdim = 3;
+  Kind _kind = Kind::general;
+  std::vector<double> _X, _normals;
+  std::vector<std::int32_t> _nodes;
+  surface::Facets _master;
+  std::vector<double> _size, _phi; ///< shape functions of displacements at geometry nodes
+  double _reach = 0.0, _largest = 0.0;
+  BoxTree _tree;
+  std::vector<double> _boxes;
+  // Travel.
+  bool _fresh = true;
+  double _travel = 0.0, _step = 0.0, _fitted = 0.0; ///< now; in the last step; when the tree was fitted
+  double _shift[3] = {}, _step_shift[3] = {};       ///< translation left out, since the tree was fitted; of the step
+  double _mean[3] = {};                             ///< mean motion of the last step
+  std::vector<std::int32_t> _master_nodes;
+  std::vector<double> _last, _last_master; ///< displacements of the last step
+  // Per node.
+  std::vector<double> _wake, _expire, _listed; ///< travel at which it wakes; its list ends; its list was made
+  std::vector<std::int32_t> _count;
+  std::vector<Found> _list;
+  std::vector<std::int64_t> _held;
+  std::vector<std::int32_t> _held_facet;
+  std::vector<double> _xi;
+  mutable Counters _counters;
+};
+} // namespace impact::search

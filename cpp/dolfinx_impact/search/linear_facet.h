@@ -1,0 +1,240 @@
+#pragma once
+#include "facet_projection.h"
+#include <cmath>
+
+/// Closest points on facets of degree 1, inlined: what node-to-surface contact does for every node near the master in
+/// every step. The results are those of project_on_facet.
+namespace impact::search::linear
+{
+using surface::FacetShape;
+
+/// Number of nodes and dimension of space.
+template <FacetShape S>
+constexpr int num_nodes = S == FacetShape::interval   ? 2
+                          : S == FacetShape::triangle ? 3
+                                                      : 4;
+template <FacetShape S>
+constexpr int dimension = S == FacetShape::interval ? 2 : 3;
+
+constexpr double margin = 1e-9; ///< in reference coordinates: what is outside by less is inside
+
+/// Shape functions.
+template <FacetShape S>
+inline void values(const double* xi, double* phi)
+{
+  if constexpr (S == FacetShape::interval)
+  {
+    phi[0] = 1 - xi[0];
+    phi[1] = xi[0];
+  }
+  else if constexpr (S == FacetShape::triangle)
+  {
+    phi[0] = 1 - xi[0] - xi[1];
+    phi[1] = xi[0];
+    phi[2] = xi[1];
+  }
+  else
+  {
+    phi[0] = (1 - xi[0]) * (1 - xi[1]);
+    phi[1] = xi[0] * (1 - xi[1]);
+    phi[2] = (1 - xi[0]) * xi[1];
+    phi[3] = xi[0] * xi[1];
+  }
+}
+
+/// Tangents at a point.
+template <FacetShape S>
+inline void tangents(const double* X, const double* xi, double a[2][3])
+{
+  constexpr int D = dimension<S>;
+  for (int c = 0; c < D; ++c)
+  {
+    a[0][c] = X[D + c] - X[c];
+    if constexpr (S == FacetShape::triangle)
+      a[1][c] = X[2 * D + c] - X[c];
+    if constexpr (S == FacetShape::quadrilateral)
+    {
+      const double twist = X[3 * D + c] - X[2 * D + c] - X[D + c] + X[c];
+      a[1][c] = X[2 * D + c] - X[c] + xi[0] * twist;
+      a[0][c] += xi[1] * twist;
+    }
+  }
+}
+
+/// Unit normal, out of the body.
+template <FacetShape S>
+inline void normal(const double* X, const double* xi, double orientation, double* n)
+{
+  double a[2][3];
+  tangents<S>(X, xi, a);
+  if constexpr (S == FacetShape::interval)
+  {
+    n[0] = a[0][1];
+    n[1] = -a[0][0];
+    n[2] = 0.0;
+  }
+  else
+  {
+    n[0] = a[0][1] * a[1][2] - a[0][2] * a[1][1];
+    n[1] = a[0][2] * a[1][0] - a[0][0] * a[1][2];
+    n[2] = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+  }
+  const double factor = orientation / std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  for (int c = 0; c < 3; ++c)
+    n[c] *= factor;
+}
+
+/// Where the distance is stationary on the facet continued beyond its edges.
+/// @param[in,out] xi from where to where
+/// @returns false if Newton's method finds no minimum near the facet
+template <FacetShape S>
+inline bool foot(const double* X, const double* point, double* xi)
+{
+  constexpr int D = dimension<S>;
+  double r[3], a[2][3];
+  if constexpr (S != FacetShape::quadrilateral)
+  {
+    tangents<S>(X, xi, a);
+    double aa = 0, bb = 0, ab = 0, ra = 0, rb = 0;
+    for (int c = 0; c < D; ++c)
+    {
+      r[c] = point[c] - X[c];
+      aa += a[0][c] * a[0][c];
+      ra += r[c] * a[0][c];
+      if constexpr (S == FacetShape::triangle)
+      {
+        bb += a[1][c] * a[1][c];
+        ab += a[0][c] * a[1][c];
+        rb += r[c] * a[1][c];
+      }
+    }
+    if constexpr (S == FacetShape::interval)
+    {
+      xi[0] = ra / aa;
+      xi[1] = 0.0;
+    }
+    else
+    {
+      const double det = aa * bb - ab * ab;
+      xi[0] = (bb * ra - ab * rb) / det;
+      xi[1] = (aa * rb - ab * ra) / det;
+    }
+    return true;
+  }
+  else
+  {
+    double e1[3], e2[3], twist[3], r0[3];
+    for (int c = 0; c < 3; ++c)
+    {
+      e1[c] = X[3 + c] - X[c];
+      e2[c] = X[6 + c] - X[c];
+      twist[c] = X[9 + c] - X[6 + c] - e1[c];
+      r0[c] = point[c] - X[c];
+    }
+    for (int iteration = 0; iteration < 12; ++iteration)
+    {
+      double g1 = 0, g2 = 0, h11 = 0, h22 = 0, h12 = 0, m12 = 0;
+      for (int c = 0; c < 3; ++c)
+      {
+        const double a1 = e1[c] + xi[1] * twist[c], a2 = e2[c] + xi[0] * twist[c];
+        const double rc = r0[c] - xi[0] * a1 - xi[1] * e2[c];
+        g1 += rc * a1;
+        g2 += rc * a2;
+        h11 += a1 * a1;
+        h22 += a2 * a2;
+        m12 += a1 * a2;
+        h12 -= rc * twist[c];
+      }
+      h12 += m12;
+      const double det = h11 * h22 - h12 * h12;
+      if (!(det > 1e-3 * h11 * h22))
+        return false;
+      const double s1 = (h22 * g1 - h12 * g2) / det, s2 = (h11 * g2 - h12 * g1) / det;
+      xi[0] += s1;
+      xi[1] += s2;
+      const double size = std::max(std::abs(s1), std::abs(s2));
+      if (size < 1e-8) // what is left is the square of it
+        return true;
+      if (!(std::abs(xi[0] - 0.5) < 20.0 && std::abs(xi[1] - 0.5) < 20.0))
+        return false;
+    }
+    return false;
+  }
+}
+
+/// The nearest point of the facet's edges and vertices.
+template <FacetShape S>
+inline void boundary(const double* X, const double* point, FacetProjection& out)
+{
+  constexpr int D = dimension<S>, edges = S == FacetShape::interval ? 1 : num_nodes<S>;
+  constexpr int corners[3][4][2] = {
+      {{0, 1}}, {{1, 2}, {0, 2}, {0, 1}}, {{0, 1}, {0, 2}, {1, 3}, {2, 3}}}; // as edge_corners
+  constexpr double places[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  double best = 0.0;
+  for (int e = 0; e < edges; ++e)
+  {
+    const int i = corners[int(S)][e][0], j = corners[int(S)][e][1];
+    double d[3], b[3], bb = 0.0, db = 0.0, squared = 0.0;
+    for (int c = 0; c < D; ++c)
+    {
+      b[c] = X[D * j + c] - X[D * i + c];
+      d[c] = point[c] - X[D * i + c];
+      bb += b[c] * b[c];
+      db += d[c] * b[c];
+    }
+    const double t = db <= 0.0 ? 0.0 : db >= bb ? 1.0 : db / bb;
+    for (int c = 0; c < D; ++c)
+      squared += (d[c] - t * b[c]) * (d[c] - t * b[c]);
+    if (e > 0 && !(squared < best))
+      continue;
+    best = squared;
+    const bool vertex = t == 0.0 || t == 1.0;
+    out.status = vertex ? ProjectionStatus::vertex : ProjectionStatus::edge;
+    out.entity = std::int8_t(vertex ? (t == 0.0 ? i : j) : e);
+    for (int a = 0; a < 2; ++a)
+      out.xi[a] = (1 - t) * places[i][a] + t * places[j][a];
+    for (int c = 0; c < D; ++c)
+      out.x[c] = X[D * i + c] + t * b[c];
+  }
+  out.distance = std::sqrt(best);
+}
+
+/// Closest point of a facet.
+/// @param[in] start reference coordinates near it, or null
+/// @returns false if this is a case for project_on_facet
+template <FacetShape S>
+inline bool project(const double* X, const double* point, const double* start, FacetProjection& out)
+{
+  constexpr int D = dimension<S>;
+  out.xi[0] = start ? start[0] : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
+  out.xi[1] = start ? start[1] : S == FacetShape::interval ? 0.0 : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
+  if (!foot<S>(X, point, out.xi))
+    return false;
+  bool inside = out.xi[0] >= -margin;
+  if constexpr (S == FacetShape::interval)
+    inside = inside && out.xi[0] <= 1 + margin;
+  else if constexpr (S == FacetShape::triangle)
+    inside = inside && out.xi[1] >= -margin && out.xi[0] + out.xi[1] <= 1 + margin;
+  else
+    inside = inside && out.xi[1] >= -margin && out.xi[0] <= 1 + margin && out.xi[1] <= 1 + margin;
+  if (!inside)
+  {
+    boundary<S>(X, point, out);
+    return true;
+  }
+  double phi[4], squared = 0.0;
+  values<S>(out.xi, phi);
+  for (int c = 0; c < D; ++c)
+  {
+    double x = 0.0;
+    for (int i = 0; i < num_nodes<S>; ++i)
+      x += phi[i] * X[i * D + c];
+    out.x[c] = x;
+    squared += (point[c] - x) * (point[c] - x);
+  }
+  out.status = ProjectionStatus::converged;
+  out.entity = -1;
+  out.distance = std::sqrt(squared);
+  return true;
+}
+} // namespace impact::search::linear

@@ -1,0 +1,77 @@
+#include "nodal.h"
+#include "normals.h"
+#include <basix/quadrature.h>
+#include <numbers>
+
+namespace impact::surface
+{
+namespace
+{
+struct Rule
+{
+  std::vector<double> points, weights;
+};
+
+Rule rule(FacetShape shape, int degree)
+{
+  using basix::cell::type;
+  const type cell = shape == FacetShape::interval   ? type::interval
+                    : shape == FacetShape::triangle ? type::triangle
+                                                    : type::quadrilateral;
+  auto [points, weights] = basix::quadrature::make_quadrature<double>(basix::quadrature::type::Default, cell,
+                                                                      basix::polyset::type::standard, degree);
+  return {points, weights};
+}
+
+/// Parts of a facet's area that its nodes have: integrals of squared shape functions, adding up to one.
+std::vector<double> shares(const FacetElement& element)
+{
+  const Rule exact = rule(element.shape, 2 * element.degree * element.tdim());
+  std::vector<double> out(element.num_nodes(), 0.0);
+  double phi[FacetElement::max_nodes], sum = 0.0;
+  for (std::size_t q = 0; q < exact.weights.size(); ++q)
+  {
+    element.values(exact.points.data() + q * element.tdim(), phi);
+    for (int i = 0; i < element.num_nodes(); ++i)
+    {
+      out[i] += exact.weights[q] * phi[i] * phi[i];
+      sum += exact.weights[q] * phi[i] * phi[i];
+    }
+  }
+  for (double& share : out)
+    share /= sum;
+  return out;
+}
+} // namespace
+
+void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double>& areas)
+{
+  const FacetElement& element = facets.displacement;
+  const int n = element.num_nodes(), tdim = element.tdim();
+  const Rule gauss = rule(element.shape, element.shape == FacetShape::triangle ? 4 : 5);
+  const std::vector<double> share = element.degree == 2 ? shares(element) : std::vector<double>();
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    for (std::size_t q = 0; q < gauss.weights.size(); ++q)
+    {
+      const double xi[2] = {gauss.points[q * tdim], tdim == 2 ? gauss.points[q * tdim + 1] : 0.0};
+      const FacetPoint p = evaluate(facets, f, facets.X_of(f), xi);
+      const double area = gauss.weights[q] * p.jacobian * (axisymmetric ? 2 * std::numbers::pi * p.x[0] : 1.0);
+      double phi[FacetElement::max_nodes];
+      element.values(xi, phi);
+      for (int i = 0; i < n; ++i)
+        areas[facets.nodes_of(f)[i]] += area * (share.empty() ? phi[i] : share[i]);
+    }
+}
+
+void add_nodal_normals(const Facets& facets, std::vector<double>& normals)
+{
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    for (int i = 0; i < facets.displacement.num_nodes(); ++i)
+    {
+      const auto xi = facets.displacement.node(i);
+      const FacetPoint p = evaluate(facets, f, facets.x_of(f), xi.data());
+      for (int c = 0; c < facets.gdim; ++c)
+        normals[std::size_t(facets.nodes_of(f)[i]) * facets.gdim + c] += p.normal[c];
+    }
+}
+} // namespace impact::surface

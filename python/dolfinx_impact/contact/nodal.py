@@ -1,0 +1,138 @@
+"""Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit.md."""
+
+import numpy as np
+import ufl
+from mpi4py import MPI
+
+from .. import _cpp, operators
+from ..amplitude import Amplitude
+from ..forms.materials import weight
+from .output import ContactOutput
+from .pair import ContactPair
+from .start import check_side
+
+
+class Kinematic:
+    """Enforce contact of a pair in explicit dynamics by correcting a predicted configuration; seed, five steps after
+    (3.48).
+
+    Args:
+        pair: ContactPair. sweeps: corrections per step; matching nodes need one [1].
+
+    Raises:
+        TypeError, ValueError: sweeps that are no positive integer.
+    """
+
+    def __init__(self, pair, sweeps=3):
+        if not isinstance(pair, ContactPair):
+            raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
+        if isinstance(sweeps, bool) or int(sweeps) != sweeps or sweeps < 1:
+            raise ValueError(f"sweeps is {sweeps!r}: give a positive integer")
+        self.pair, self.sweeps = pair, int(sweeps)
+
+    def _bind(self, problem):
+        raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")
+
+    def _bind_explicit(self, problem):
+        return NodalResult(self.pair, problem, kinematic=True, sweeps=self.sweeps)
+
+
+class NodalResult(ContactOutput):
+    """Contact of one pair in an explicit problem. Points are the slave nodes that this rank owns; see ContactOutput.
+
+    Gaps of nodes far from the master are those of when they were last looked at.
+    """
+
+    initial = None
+
+    def __init__(self, pair, problem, penalty=None, **options):
+        self.pair, self.problem, self.V = pair, problem, problem.space
+        V = problem.space
+        self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
+        if pair.remove_penetration:
+            raise ValueError(
+                f"{pair.name}: remove_penetration is for static problems; move the bodies apart, explicit contact "
+                "pushes small overlaps out"
+            )
+        slave, master = pair.surfaces(V)
+        self.obstacle = pair.master._obstacle(self.gdim) if pair.rigid else None
+        if pair.rigid:
+            self.obstacle.displacement = pair.master.displacement.tolist()
+            check_side(pair, V, slave, self.obstacle)
+        self.penalty = penalty
+        self._cpp = _cpp.nodal.NodeToSurface(
+            V._cpp_object,
+            slave,
+            self.obstacle if pair.rigid else master,
+            friction=pair.friction,
+            penalty=penalty or 0.0,
+            search_distance=pair.search_distance or 0.0,
+            axisymmetric=problem.axisymmetric,
+            **options,
+        )
+        self.nodes, self._X, self.weight = self._cpp.nodes, self._cpp.X, self._cpp.areas
+        self.motion = None
+        if pair.rigid:
+            place, motion = pair.master.displacement, pair.master.motion
+            moving = Amplitude(motion, f"motion of the rigid master of {pair.name}", size=3)
+            self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)
+
+    def spring_frequency(self):
+        """Largest angular frequency that springs of given stiffness add at most; automatic ones leave the step alone
+        [1/T]. Collective."""
+        if not self.penalty:
+            return 0.0
+        mass = self.problem.mass.array[:: self.gdim]
+        largest = float(np.max(self.weight / mass[self.nodes], initial=0.0))
+        widest = self.comm.allreduce(float(np.max(self.weight, initial=0.0)), MPI.MAX)
+        if not self.pair.rigid:
+            areas = self._master_areas()
+            near = np.flatnonzero(areas)
+            largest = self.comm.allreduce(largest, MPI.MAX)
+            largest += self.comm.allreduce(float(np.max((areas[near] + widest) / mass[near], initial=0.0)), MPI.MAX)
+        return float(np.sqrt(self.penalty * self.comm.allreduce(largest, MPI.MAX)))
+
+    def _master_areas(self):
+        V, mesh = self.V, self.V.mesh
+        v = ufl.TestFunction(V)
+        ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.pair.facet_tags)(self.pair.master)
+        hypothesis = "axisymmetric" if self.problem.axisymmetric else "3d"
+        area = operators.InternalForce(ufl.inner(ufl.as_vector([1.0] * self.gdim), v) * weight(mesh, hypothesis) * ds)
+        return np.abs(area.apply().array[:: self.gdim])
+
+    def check_start(self):
+        """Refuse bodies that overlap by more than half a facet. Collective.
+
+        Raises:
+            ValueError: on all ranks.
+        """
+        deep = self.comm.allreduce(int(self._cpp.counters()["implausible"]), MPI.SUM)
+        if deep:
+            raise ValueError(
+                f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies overlap "
+                "at the start; move them apart"
+            )
+
+    def look(self):
+        """Copy results of the last step. Collective."""
+        results = self._cpp.results()
+        for name in ("gap", "normal", "pressure", "traction", "slip", "status"):
+            setattr(self, name, results[name])
+        u = self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes]
+        self.points = self._X + u
+        self.stiffness = results["stiffness"]
+        forces = self.weight[:, None] * self.traction
+        if self.gdim == 2:
+            moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
+        else:
+            moments = np.cross(self.points, forces)
+        energy = self._cpp.energy()
+        totals = [self._cpp.force, moments.sum(axis=0), [self.weight[self.status > 0].sum(), energy["friction"]]]
+        sums = self.comm.allreduce(np.concatenate(totals), MPI.SUM)
+        gdim = self.gdim
+        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
+        self.dissipated = float(sums[-1])
+
+    def covered(self):
+        """Part of each node's area that is in contact: all of it or nothing, (n)."""
+        return (self.status > 0).astype(float)

@@ -1,0 +1,82 @@
+"""Explicit contact of two bodies, or of one with an obstacle, step by step; on the ranks of a communicator."""
+
+import pathlib
+import sys
+
+import numpy as np
+from dolfinx.common import IndexMap
+from mpi4py import MPI
+
+from dolfinx_impact import _cpp
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
+import pairs  # noqa: E402
+
+
+class Nodal:
+    """A contact with nodal masses; arrays over the nodes of its Halo. `master` None: that of the pair."""
+
+    def __init__(self, V, slave, master, dt=1e-3, mass=None, **options):
+        self.V, self.dim, self.dt, self.comm = V, V.mesh.geometry.dim, dt, V.mesh.comm
+        self.map = V.dofmap.index_map
+        self.num = self.map.size_local
+        self.contact = _cpp.nodal.NodeToSurface(V._cpp_object, slave, master, **options)
+        x = V.tabulate_dof_coordinates()[: self.num]
+        self.x = x[:, : self.dim].copy()
+        # Masses that do not depend on numbering or ranks.
+        self.mass_owned = 1.0 + 0.5 * np.sin(7 * x @ [1.0, 2.0, 3.0]) if mass is None else mass(x)
+        self.halo = None
+
+    def renumber(self, u):
+        """Search, and a Halo with what the contact asks for; u: rows of owned nodes."""
+        self.contact.search(np.ascontiguousarray(u[: self.num]).reshape(-1))
+        ghosts = np.concatenate([self.map.ghosts, self.contact.remote_nodes])
+        owners = np.concatenate([self.map.owners, self.contact.remote_owners]).astype(np.int32)
+        self.index_map = IndexMap(self.comm, self.num, ghosts, owners)
+        self.halo = _cpp.operators.Halo(self.index_map)
+        self.mass = self.spread(self.mass_owned[:, None]).reshape(-1)
+        self.contact.number(self.halo, self.mass)
+        self.inverse = np.repeat(1 / self.mass, self.dim)
+
+    def spread(self, rows):
+        """Rows of owned nodes to all nodes of the Halo."""
+        out = np.zeros((self.halo.num_nodes, rows.shape[1]))
+        out[: self.num] = rows[: self.num]
+        self.halo.forward(out.reshape(-1), rows.shape[1])
+        return out
+
+    def forces(self, u, du=None, search=True):
+        """Complete forces on owned nodes."""
+        if search or self.halo is None:
+            self.renumber(u)
+        u = self.spread(u)
+        du = self.spread(np.zeros_like(u) if du is None else du)
+        f = np.zeros(u.size)
+        self.contact.add_forces(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt, f)
+        self.halo.reverse(f, self.dim)
+        self.used = self.contact.used(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt)
+        return f.reshape(-1, self.dim)[: self.num]
+
+    def correct(self, u, du, h=None, search=True):
+        """Corrected displacements and forces of owned nodes."""
+        if search or self.halo is None:
+            self.renumber(u)
+        u, du, f = self.spread(u), self.spread(du), np.zeros((self.halo.num_nodes, self.dim))
+        h = self.dt**2 if h is None else h
+        self.contact.correct(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, h, self.dt, f.reshape(-1))
+        return u[: self.num], f[: self.num]
+
+
+def two_bodies(cell="hexahedron", degree=1, comm=MPI.COMM_SELF, seed=None, geometry_degree=1, dt=1e-3, **more):
+    """Slave above the master, surfaces bent by a smooth map, with a small overlap."""
+    dim = 2 if cell in ("triangle", "quadrilateral") else 3
+    names = ("lower_cells", "upper_cells", "lower", "upper", "offset", "gap")
+    parameters = {k: more.pop(k) for k in names if k in more}
+    V, slave, master = pairs.two_bodies(comm, dim, cell, geometry_degree, degree, seed, **parameters)
+    return Nodal(V, slave, master, dt, **more)
+
+
+def smooth(x, amplitude, phase=0.0):
+    """Smooth displacements at the rows of x."""
+    wave = [np.sin(4 * x[:, 0] + 3 * x[:, 1] + 2 * x[:, -1] + phase + 2 * c) for c in range(x.shape[1])]
+    return amplitude * np.stack(wave, axis=1)

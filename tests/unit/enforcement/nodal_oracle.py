@@ -1,0 +1,116 @@
+"""Penalty contact of nodes in plain NumPy from docs/explicit.md, node by node; closest points by a full search."""
+
+import numpy as np
+
+from dolfinx_impact import _cpp
+
+SHARES = {  # of a facet's area, degree 2: integrals of squared shape functions
+    "interval": [1 / 6, 1 / 6, 2 / 3],
+    "triangle": [1 / 19] * 3 + [16 / 57] * 3,
+    "quadrilateral": [1 / 36] * 4 + [1 / 9] * 4 + [4 / 9],
+}
+
+
+def gauss(shape):
+    x, w = np.polynomial.legendre.leggauss(5)
+    x, w = (x + 1) / 2, w / 2
+    if shape == "interval":
+        return [(p, 0.0) for p in x], w
+    points, weights = [(p, q) for p in x for q in x], [a * b for a in w for b in w]
+    if shape == "triangle":  # collapsed
+        weights = [v * (1 - p) for v, (p, q) in zip(weights, points)]
+        points = [(p, q * (1 - p)) for p, q in points]
+    return points, weights
+
+
+def areas(facets, num):
+    """Nodal areas on the reference configuration: facets.x = X."""
+    out, e = np.zeros(num), facets.displacement
+    points, weights = gauss(e.shape)
+    for f in range(facets.size):
+        for p, w in zip(points, weights):
+            area = w * facets.evaluate(f, *p)[6]
+            share = e.tabulate(*p)[0] if e.degree == 1 else np.array(SHARES[e.shape])
+            np.add.at(out, facets.nodes[f], area * share)
+    return out
+
+
+def node_normals(facets, num, dim):
+    out = np.zeros((num, dim))
+    for f in range(facets.size):
+        for i, node in enumerate(facets.nodes[f]):
+            out[node] += facets.evaluate(f, *facets.displacement.node(i))[3 : 3 + dim]
+    return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-300)
+
+
+class Oracle:
+    """Of a Nodal model on one rank; facets are those it was made of."""
+
+    def __init__(self, model, slave, master, friction=0.0, kappa=0.5, penalty=0.0, reach=None):
+        self.model, self.slave, self.master, self.dim = model, slave, master, model.dim
+        self.friction, self.kappa, self.penalty = friction, kappa, penalty
+        zero = np.zeros(model.num * self.dim)
+        slave.move(zero), master.move(zero)
+        self.A, self.A_master = areas(slave, model.num), areas(master, model.num)
+        self.nodes = np.unique(slave.nodes)
+        self.t = np.zeros((model.num, self.dim))
+        self.slip = np.zeros((model.num, self.dim))
+        self.closed = np.zeros(model.num, dtype=bool)
+        self.reach = reach or model.contact.search_distance
+        self.dissipated = 0.0
+
+    def project(self, u):
+        self.slave.move(u.reshape(-1)), self.master.move(u.reshape(-1))
+        search = _cpp.search.SurfaceSearch(self.master)
+        normals = node_normals(self.slave, self.model.num, self.dim)[self.nodes]
+        x = (self.model.x + u)[self.nodes]
+        return x, search.project(np.ascontiguousarray(x), np.ascontiguousarray(normals), self.reach)
+
+    def forces(self, u, du):
+        before = self.project(u - du)[1]["gap"]
+        x, p = self.project(u)
+        self.gap = p["gap"]
+        m, dt, A = self.model.mass_owned, self.model.dt, self.A
+        f, self.stored, self.k = np.zeros_like(u), 0.0, np.zeros(len(self.nodes))
+        for q, i in enumerate(self.nodes):
+            g, n = p["gap"][q], p["normal"][q]
+            if not g < 0:
+                self.t[i], self.slip[i], self.closed[i] = 0.0, 0.0, False
+                continue
+            masters = self.master.nodes[p["facet"][q]]
+            phi = self.master.displacement.tabulate(*p["xi"][q])[0]
+            compliance = 1 / m[i] + sum(abs(phi) * (1 + self.A_master[masters] / A[i]) / m[masters])
+            k = self.kappa / dt**2 / compliance if self.penalty == 0 else self.penalty * A[i]
+            self.k[q] = k
+            force = -k * g * n
+            if self.friction > 0:
+                P = np.eye(self.dim) - np.outer(n, n)
+                b = before[q]
+                psi = 1.0 if self.closed[i] or not b > 0 else 0.0 if np.isinf(b) else -g / (b - g)
+                step = psi * P @ (du[i] - phi @ du[masters])
+                turned = P @ self.t[i]
+                if np.any(turned):
+                    turned *= np.linalg.norm(self.t[i]) / np.linalg.norm(turned)
+                t = turned - k * step
+                limit = self.friction * k * -g
+                if np.linalg.norm(t) > limit:
+                    t *= limit / np.linalg.norm(t)
+                    slip = step + (t - turned) / k
+                    self.slip[i] += slip
+                    self.dissipated += np.linalg.norm(t) * np.linalg.norm(slip)
+                self.t[i] = t
+                force = force + t
+                f[masters] += self.couple((self.model.x + u)[masters], n, g, t)
+                self.stored += t @ t / k / 2
+            self.closed[i] = True
+            self.stored += k * g * g / 2
+            f[i] += force
+            np.add.at(f, masters, -np.outer(phi, force))
+        return f
+
+    def couple(self, x, n, g, t):
+        """Forces n w_j with the moment (x_m - x_i) x t, w linear in the tangent plane: least squares."""
+        basis = np.linalg.svd(n[None])[2][1:]
+        y = (x - x.mean(axis=0)) @ basis.T
+        slope = np.linalg.solve(y.T @ y, g * (basis @ t))
+        return np.outer(y @ slope, n)
