@@ -70,7 +70,8 @@ class NodalResult(ContactOutput):
             axisymmetric=problem.axisymmetric,
             **options,
         )
-        self.nodes, self._X, self.weight = self._cpp.nodes, self._cpp.X, self._cpp.areas
+        self.nodes, self.weight = self._cpp.nodes, self._cpp.areas
+        self._X = self._cpp.X.reshape(-1, self.gdim)
         self.motion = None
         if pair.rigid:
             place, motion = pair.master.displacement, pair.master.motion

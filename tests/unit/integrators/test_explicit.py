@@ -262,6 +262,7 @@ def test_bad_input():
     V = square(4)
     u, v = fem.Function(V), fem.Function(V)
     steel = di.LinearElastic(1.0, 0.3, 1.0, "plane_strain")
+    other = fem.Function(fem.functionspace(V.mesh, ("Lagrange", 2, (2,))))
 
     def make(*arguments, **options):
         return di.ExplicitProblem(u, *(arguments or (steel,)), **{"velocity": v, **options})
@@ -271,7 +272,7 @@ def test_bad_input():
         ("density", ValueError, lambda: make(di.LinearElastic(1.0, 0.3, 0.0, "plane_strain"))),
         ("give the velocity", ValueError, lambda: make(velocity=None)),
         ("velocity must be a Function", TypeError, lambda: make(velocity=1.0)),
-        ("another space", ValueError, lambda: make(velocity=fem.Function(fem.functionspace(V.mesh, ("Lagrange", 2, (2,)))))),
+        ("another space", ValueError, lambda: make(velocity=other)),
         ("scheme 'leap' is unknown", ValueError, lambda: make(scheme="leap")),
         ("damping must be", TypeError, lambda: make(damping=0.1)),
         ("bulk_viscosity is", ValueError, lambda: make(bulk_viscosity=(0.06, -1.0))),
