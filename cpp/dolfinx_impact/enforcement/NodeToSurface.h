@@ -145,12 +145,13 @@ private:
   std::array<double, 3> _force{};
   std::int64_t _implausible = 0;
 
-  // Kinematic contact: closed nodes of the step, and sums over the Halo's nodes, zero but at `_touched`.
+  // Kinematic contact: closed nodes of the step, and values at the Halo's nodes. `_spread` and `_sum` are summed over
+  // ranks: they are zero at all ghosts but those in `_touched`, and never sent forward.
   std::vector<Touch> _touch;
   std::size_t _num_touch = 0;
   std::vector<double> _depth, _motion, _residual, _nodal_force;
   std::vector<std::int32_t> _touched;
-  std::vector<double> _spread, _sum, _moved, _base, _before;
+  std::vector<double> _spread, _response, _sum, _moved, _base, _before;
   bool _has_base = false;
 };
 } // namespace impact::enforcement

@@ -15,6 +15,7 @@ void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
   std::sort(_touched.begin(), _touched.end());
   _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());
   _spread.assign(num * (_gdim + 1), 0.0);
+  _response.assign(num * _gdim, 0.0);
   _sum.assign(num * _gdim, 0.0);
   _moved.assign(num * _gdim, 0.0);
   _base.resize(owned, 0.0);
@@ -88,18 +89,18 @@ void NodeToSurface::spread_residual()
   for (std::int32_t node : _touched)
     if (node < _halo->num_owned())
     {
-      double* sum = _spread.data() + std::size_t(node) * width;
+      const double* sum = _spread.data() + std::size_t(node) * width;
       const double mass = _node_mass[node] + sum[D];
-      for (int c = 0; c < D && mass > 0.0; ++c)
-        sum[c] /= mass;
+      for (int c = 0; c < D; ++c)
+        _response[std::size_t(node) * D + c] = mass > 0.0 ? sum[c] / mass : 0.0;
     }
-  _halo->forward(_spread.data(), width);
+  _halo->forward(_response.data(), D);
 }
 
 /// Forces of the sweep, within what contact can bear.
 void NodeToSurface::solve_forces(double h)
 {
-  const int D = _gdim, width = D + 1;
+  const int D = _gdim;
   for (std::size_t q = 0; q < _num_touch; ++q)
   {
     const Touch& touch = _touch[q];
@@ -109,7 +110,7 @@ void NodeToSurface::solve_forces(double h)
     {
       more[c] = _residual[q * D + c];
       for (int j = 0; j < touch.num; ++j)
-        more[c] += touch.phi[j] * _spread[std::size_t(touch.masters[j]) * width + c];
+        more[c] += touch.phi[j] * _response[std::size_t(touch.masters[j]) * D + c];
       more[c] *= factor;
     }
     const double along = dot(n, more, D), before = dot(n, f, D), normal = std::max(0.0, before + along);

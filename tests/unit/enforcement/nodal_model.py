@@ -45,6 +45,28 @@ class Nodal:
         self.halo.forward(out.reshape(-1), rows.shape[1])
         return out
 
+    @property
+    def slave_body(self):
+        """Which owned nodes belong to the body that carries the slave surface."""
+        if not hasattr(self, "_slave_body"):
+            halo, cells = _cpp.operators.Halo(self.map), self.V.dofmap.list
+            marked = np.zeros(halo.num_nodes)
+            marked[self.contact.nodes] = 1.0
+            while True:
+                count = self.comm.allreduce(int(marked[: self.num].sum()))
+                halo.forward(marked, 1)
+                marked[cells[marked[cells].any(axis=1)].reshape(-1)] = 1.0
+                halo.reverse(marked, 1)
+                marked = np.minimum(marked, 1.0)
+                if self.comm.allreduce(int(marked[: self.num].sum())) == count:
+                    break
+            self._slave_body = marked[: self.num] > 0
+        return self._slave_body
+
+    def again(self):
+        """Is it time to search? Collective."""
+        return self.comm.allreduce(self.used, MPI.MAX) >= 1.0
+
     def forces(self, u, du=None, search=True):
         """Complete forces on owned nodes."""
         if search or self.halo is None:
@@ -62,6 +84,7 @@ class Nodal:
         if search or self.halo is None:
             self.renumber(u)
         u, du, f = self.spread(u), self.spread(du), np.zeros((self.halo.num_nodes, self.dim))
+        self.used = self.contact.used(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt)
         h = self.dt**2 if h is None else h
         self.contact.correct(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, h, self.dt, f.reshape(-1))
         return u[: self.num], f[: self.num]
@@ -80,3 +103,48 @@ def smooth(x, amplitude, phase=0.0):
     """Smooth displacements at the rows of x."""
     wave = [np.sin(4 * x[:, 0] + 3 * x[:, 1] + 2 * x[:, -1] + phase + 2 * c) for c in range(x.shape[1])]
     return amplitude * np.stack(wave, axis=1)
+
+
+def moved_obstacle(cell="hexahedron", degree=1, kind="plane", comm=MPI.COMM_SELF, seed=None, dt=1e-3, **options):
+    """The slave above a rigid plane at `height`, or a round obstacle whose top is a little higher."""
+    dim = 2 if cell in ("triangle", "quadrilateral") else 3
+    V, slave, _ = pairs.two_bodies(comm, dim, cell, 1, degree, seed)
+    up, point = np.eye(3)[dim - 1], np.append(np.full(dim, 0.5), np.zeros(3 - dim))
+    height = 0.955
+    point[dim - 1] = {"plane": height, "sphere": height - 0.77, "cylinder": height - 0.77}[kind]
+    direction = up if kind == "plane" else np.array([0.6, 0.8, 0.0])
+    obstacle = _cpp.gap.Rigid(kind, dim, point.tolist(), direction.tolist(), 0.0 if kind == "plane" else 0.8)
+    model = Nodal(V, slave, obstacle, dt, **options)
+    model.height, model.obstacle = height, (kind, point, direction)
+    return model
+
+
+class Driver:
+    """Every node on a spring with a damper; the slave's body is pressed down, bounces and slides to and fro. Without
+    the dampers, rounding errors grow by a factor of ten in 60 steps: every node bounces by itself."""
+
+    def __init__(self, model, speed=0.3, stiffness=2000.0, load=60.0):
+        self.model, self.dt, self.stiffness = model, model.dt, stiffness
+        self.load = np.zeros_like(model.x)
+        self.load[model.slave_body, -1] = -load
+        self.u, self.v = np.zeros_like(model.x), smooth(model.x, 0.3 * speed)
+        self.v[model.slave_body, -1] -= speed
+        self.v[model.slave_body, 0] += 0.5 * speed
+        self.contacts, self.first = 0, True
+
+    def run(self, steps):
+        m, dt, mass = self.model, self.dt, self.model.mass_owned[:, None]
+        for _ in range(steps):
+            f = self.load - self.stiffness * self.u - 10.0 * mass * self.v
+            search = self.first or m.again()
+            self.first = False
+            if m.contact.kinematic:
+                v = self.v + dt * f / mass
+                new, contact = m.correct(self.u + dt * v, dt * v, search=search)
+                self.v = (new - self.u) / dt
+                self.u = new
+            else:
+                f += m.forces(self.u, dt * self.v, search=search)
+                self.v = self.v + dt * f / mass
+                self.u = self.u + dt * self.v
+            self.contacts += np.count_nonzero(m.contact.results()["status"])

@@ -21,11 +21,11 @@ def scattered(seed):
 
 def two_bodies(comm=MPI.COMM_WORLD, dim=2, cell=None, geometry_degree=1, degree=1, seed=None, **parameters):
     """Space, slave and master facets of `two_blocks`, with surfaces that are bent by a smooth map."""
-    sizes = dict(lower=(1.0,) * dim, upper=(0.9,) * dim, gap=-0.01) | parameters
+    sizes = dict(lower=(1.0,) * dim, upper=(0.9,) * dim, gap=-0.01)
     cells = dict(lower_cells=(3,) * dim, upper_cells=(2,) * dim)
     options = {} if seed is None else {"partitioner": scattered(seed)}
     cell = cell or ("quadrilateral" if dim == 2 else "hexahedron")
-    m = meshes.make("two_blocks", comm, cell=cell, degree=geometry_degree, **sizes, **cells, **options)
+    m = meshes.make("two_blocks", comm, cell=cell, degree=geometry_degree, **(sizes | cells | parameters), **options)
     x = m.mesh.geometry.x
     x[:, dim - 1] += 0.05 * np.sin(3 * x[:, 0] + x[:, 1] * (dim - 2)) * x[:, dim - 1]
     V = fem.functionspace(m.mesh, ("Lagrange", degree, (dim,)))

@@ -1,0 +1,6 @@
+"""Explicit contact does not depend on the number of ranks."""
+
+import nodal_checks
+from on_ranks import rank_tests
+
+test_one_rank, test_several_ranks = rank_tests(nodal_checks, ranks=(2, 3, 4), timeout=200)
