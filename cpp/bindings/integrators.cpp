@@ -96,5 +96,6 @@ void impact::bindings::integrators(nb::module_& m)
           nb::arg("u"), nb::arg("v"), nb::arg("r"), nb::arg("parts"), nb::arg("accounts"))
       .def("fastest", &CentralDifference::fastest)
       .def_prop_ro("num_searches", &CentralDifference::num_searches)
+      .def_prop_ro("num_additive", &CentralDifference::num_additive)
       .def_prop_ro("num_parts", &CentralDifference::num_parts);
 }

@@ -13,10 +13,11 @@ from .amplitude import Amplitude, PrescribedMotion
 from .march import March
 from .forms import elasticity, viscosity
 from .materials import Rayleigh, _number
+from .restart import Restart
 from .stable_step import METHODS, Frequencies, cell_sizes, damped
 
 
-class ExplicitProblem(March):
+class ExplicitProblem(March, Restart):
     """Motion of bodies under lumped mass by central differences; docs/explicit.md has the equations.
 
     Args:

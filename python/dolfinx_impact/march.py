@@ -40,7 +40,7 @@ class March:
     def _begin(self):
         self.time, self.step = 0.0, 0
         self._plan, self._rows, self._good = None, [], None
-        self._total_start, self._largest = 0.0, 0.0
+        self._total_start, self._known_start, self._largest = 0.0, False, 0.0
         self._safe = self.stable_step()
         self._nominal = SAFETY * self._safe
         self._cpp.set_contact_step(self._nominal)
@@ -181,8 +181,10 @@ class March:
         parts = np.array(list(values.values()))
         values["total"] = total = float(parts[:-1].sum() - parts[-1])
         self._largest = max(self._largest, float(np.abs(parts).sum()))
-        first = next((rows[0] for rows in self._rows if len(rows)), None)
-        self._total_start = total if first is None else float(first[1:-1].sum() - first[-1])
+        if not self._known_start:
+            first = next((rows[0] for rows in self._rows if len(rows)), None)
+            self._total_start = total if first is None else float(first[1:-1].sum() - first[-1])
+            self._known_start = first is not None
         values["drift"] = (total - self._total_start) / self._largest if self._largest > 0 else 0.0
         self._energy = values
 

@@ -46,6 +46,9 @@ public:
   /// How much of the motion is used up that the candidates allow, looking two steps ahead; at 1 or more search again.
   virtual double used(const NodalState& state) const = 0;
 
+  /// The next searches do not depend on what was before: a run that goes on from a checkpoint makes the same ones.
+  virtual void forget() = 0;
+
   /// Penalty: forces in the present configuration, added to f (over the Halo's nodes; ghosts are sent on by the
   /// caller). Called once per step: updates the friction history. No allocation.
   virtual void add_forces(const NodalState& state, double* f) = 0;

@@ -172,11 +172,17 @@ void NodeCandidates::mean_motion()
   for (int c = 0; c < gdim; ++c)
   {
     const double mean = all[3] > 0.0 ? all[c] / all[3] : 0.0;
-    _velocity[c] = _searches > 1 && _time > 0.0 ? (mean - _mean[c]) / _time : 0.0;
+    _velocity[c] = _known && _time > 0.0 ? (mean - _mean[c]) / _time : 0.0;
     _mean[c] = mean;
   }
   _time = 0.0;
-  _fresh = true;
+  _fresh = _known = true;
+}
+
+void NodeCandidates::forget()
+{
+  _known = false;
+  _step = 0.0;
 }
 
 surface::Facets NodeCandidates::numbered(const operators::Halo& halo) const

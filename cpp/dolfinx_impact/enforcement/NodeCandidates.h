@@ -46,6 +46,8 @@ public:
   void advance(double dt);
   /// See NodalContact::used.
   double used(const NodalState& state) const;
+  /// See NodalContact::forget.
+  void forget();
   std::int64_t searches() const { return _searches; }
 
 private:
@@ -70,7 +72,7 @@ private:
   std::vector<double> _from; ///< displacements of the watched nodes at the last search
   double _room = 0.0, _time = 0.0, _mean[3] = {}, _velocity[3] = {};
   mutable double _step = 0.0;
-  bool _fresh = true;
+  bool _fresh = true, _known = false; ///< _known: where the nodes were at an earlier search
   std::int64_t _searches = 0;
 };
 } // namespace impact::enforcement

@@ -62,6 +62,7 @@ public:
   /// Collective. The Halo is kept: it must live until the next call.
   void number(operators::Halo& halo, const double* mass) override;
   double used(const NodalState& state) const override;
+  void forget() override;
   void add_forces(const NodalState& state, double* f) override;
   void correct(double* u, const double* du, const double* inverse_mass, double h, double dt, double* f) override;
   bool kinematic() const override { return _options.kinematic; }

@@ -141,6 +141,13 @@ double NodeToSurface::used(const NodalState& state) const
   return std::max(_candidates.used(state), _other ? _other->used(state) : 0.0);
 }
 
+void NodeToSurface::forget()
+{
+  _candidates.forget();
+  if (_other)
+    _other->forget();
+}
+
 ContactEnergy NodeToSurface::energy() const
 {
   ContactEnergy out = _energy;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/fem/DofMap.h>
+#include <limits>
 #include <stdexcept>
 
 namespace impact::integrators
@@ -45,7 +46,10 @@ void CentralDifference::add_load(std::span<const std::int32_t> dofs, std::span<c
 {
   if (dofs.size() != values.size())
     throw std::invalid_argument("a load has as many values as degrees of freedom");
-  _loads.push_back({{dofs.begin(), dofs.end()}, {values.begin(), values.end()}, amplitude, 0.0});
+  _loads.push_back({{dofs.begin(), dofs.end()},
+                    {values.begin(), values.end()},
+                    amplitude,
+                    std::numeric_limits<double>::quiet_NaN()});
 }
 
 void CentralDifference::set_load(std::size_t i, std::span<const double> values)
@@ -53,9 +57,8 @@ void CentralDifference::set_load(std::size_t i, std::span<const double> values)
   Load& load = _loads.at(i);
   if (values.size() != load.values.size())
     throw std::invalid_argument("a load has as many values as degrees of freedom");
-  for (std::size_t k = 0; k < values.size(); ++k)
-    _load[load.dofs[k]] += load.reached * (values[k] - load.values[k]);
   load.values.assign(values.begin(), values.end());
+  load.reached = std::numeric_limits<double>::quiet_NaN(); // sum anew
 }
 
 void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
@@ -183,15 +186,20 @@ Coefficients CentralDifference::coefficients(double dt) const
 
 void CentralDifference::apply_loads(const double* amplitudes)
 {
+  bool changed = false;
   for (Load& load : _loads)
   {
     const double value = load.amplitude < 0 ? 1.0 : amplitudes[load.amplitude];
-    if (value == load.reached)
-      continue;
-    for (std::size_t k = 0; k < load.dofs.size(); ++k)
-      _load[load.dofs[k]] += (value - load.reached) * load.values[k];
+    changed = changed || value != load.reached;
     load.reached = value;
   }
+  if (!changed)
+    return;
+  // From zero, so that the sum does not depend on how it was reached.
+  std::fill(_load.begin(), _load.end(), 0.0);
+  for (const Load& load : _loads)
+    for (std::size_t k = 0; k < load.dofs.size(); ++k)
+      _load[load.dofs[k]] += load.reached * load.values[k];
 }
 
 void CentralDifference::move_obstacles(const double* amplitudes, bool first)

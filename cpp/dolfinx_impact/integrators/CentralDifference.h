@@ -88,6 +88,8 @@ public:
   std::pair<std::int32_t, double> fastest() const;
   std::int64_t num_searches() const { return _num_searches; }
   std::size_t num_parts() const { return _parts.size(); }
+  /// How many of the saved accounts add up over ranks; the others are the same on all.
+  std::size_t num_additive() const { return 3 * _parts.size() + 6; }
 
 private:
   struct Load

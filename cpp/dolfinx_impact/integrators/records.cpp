@@ -145,6 +145,11 @@ CentralDifference::Saved CentralDifference::save()
   for (const Work& work : {_residual_work, _load_work, _support_work, _damped, _kinematic_work})
     saved.accounts.push_back(work.done);
   saved.accounts.insert(saved.accounts.end(), {_obstacle_work, _reference, _last_step, _contact_step});
+  for (const Contact& c : _contacts)
+    for (const auto& values : {c.place, c.moved, c.moved_before})
+      saved.accounts.insert(saved.accounts.end(), values.begin(), values.end());
+  for (const Contact& c : _contacts)
+    c.contact->forget();
   _search_due = _gathered = true;
   return saved;
 }
@@ -152,7 +157,8 @@ CentralDifference::Saved CentralDifference::save()
 void CentralDifference::restore(const Saved& saved)
 {
   if (saved.u.size() != _owned || saved.v.size() != _owned || saved.r.size() != _owned ||
-      saved.parts.size() != _parts.size() * _owned || saved.accounts.size() != 3 * _parts.size() + 9)
+      saved.parts.size() != _parts.size() * _owned ||
+      saved.accounts.size() != num_additive() + 3 + 9 * _contacts.size())
     throw std::invalid_argument("the saved state is that of another problem");
   start(saved.u, saved.v);
   std::copy(saved.r.begin(), saved.r.end(), _r.begin());
@@ -169,6 +175,14 @@ void CentralDifference::restore(const Saved& saved)
   _reference = *accounts++;
   _last_step = *accounts++;
   _contact_step = *accounts++;
+  for (Contact& c : _contacts)
+  {
+    for (auto* values : {&c.place, &c.moved, &c.moved_before})
+      for (double& value : *values)
+        value = *accounts++;
+    c.contact->set_obstacle(c.place, c.moved);
+    c.contact->forget();
+  }
   _fresh = _gathered = true;
 }
 } // namespace impact::integrators

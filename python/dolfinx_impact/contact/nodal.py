@@ -59,7 +59,7 @@ class NodalResult(ContactOutput):
         if pair.rigid:
             self.obstacle.displacement = pair.master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)
-        self.penalty = penalty
+        self.penalty, self.options = penalty, dict(options, penalty=penalty)
         self._cpp = _cpp.nodal.NodeToSurface(
             V._cpp_object,
             slave,
@@ -77,6 +77,10 @@ class NodalResult(ContactOutput):
             place, motion = pair.master.displacement, pair.master.motion
             moving = Amplitude(motion, f"motion of the rigid master of {pair.name}", size=3)
             self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)
+
+    def sides(self):
+        """The C++ contact, and for balanced contact that of the other direction."""
+        return [self._cpp] + ([self._cpp.other] if self._cpp.other is not None else [])
 
     def spring_frequency(self):
         """Largest angular frequency that springs of given stiffness add at most; automatic ones leave the step alone

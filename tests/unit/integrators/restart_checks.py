@@ -1,0 +1,136 @@
+"""Checkpoints of explicit runs: written, read and continued. See on_ranks.py."""
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+import dolfinx_impact as di
+from dolfinx_impact import meshes
+
+COMM = MPI.COMM_WORLD
+
+
+def block_on_block(comm=COMM, kind=di.Penalty, friction=0.3, law=di.LinearElastic, moving=True, young=1e3, **options):
+    """A block thrown obliquely on another one; problem, not run yet."""
+    size = {"lower": (1.4, 0.5), "upper": (1.0, 0.5), "lower_cells": (14, 5), "upper_cells": (12, 5)}
+    made = meshes.make("two_blocks", comm, **size)
+    tags = made.tags
+    V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
+    u, v = fem.Function(V), fem.Function(V)
+    upper = made.cell_tags.find(tags["slave_body"]) if "slave_body" in tags else None
+    nodes = np.unique(V.dofmap.list[upper].ravel())
+    v.x.array.reshape(-1, 2)[nodes] = (0.5, -0.4)
+    v.x.scatter_forward()
+    bottom = fem.locate_dofs_topological(V, 1, made.facet_tags.find(tags["bottom"]))
+    base = fem.dirichletbc(np.array([0.0, 0.002]), bottom, V)
+    bcs = [di.PrescribedMotion(base, lambda t: np.sin(20 * t)) if moving else fem.dirichletbc(np.zeros(2), bottom, V)]
+    pair = di.ContactPair(made.facet_tags, tags["slave_surface"], tags["master_surface"], friction=friction)
+    steel = law(young, 0.3, 1.0, "plane_strain")
+    loads = [di.BodyForce((0.0, -9.81), amplitude=lambda t: 1.0 - np.exp(-t))]
+    damping = di.Rayleigh(0.1, 1e-5)
+    return di.ExplicitProblem(
+        u, steel, velocity=v, bcs=bcs, loads=loads, damping=damping, contact=[kind(pair, **options)]
+    )  # fmt: skip
+
+
+def folder():
+    """A folder that all ranks see, and that vanishes."""
+    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
+    return made, Path(COMM.bcast(made.name if made else None, root=0))
+
+
+def state(problem):
+    return np.concatenate([f.x.array for f in (problem.u, problem.velocity, problem.acceleration)])
+
+
+VARIANTS = (
+    {},
+    {"law": di.NeoHookean, "balanced": True},
+    {"kind": di.Kinematic},
+    {"friction": 0.0, "law": di.StVenantKirchhoff},
+)
+
+
+def check_a_restored_run_is_the_uninterrupted_one():
+    """Bit for bit on the same ranks, in the middle of a call of advance, contact closed; both write the same checkpoints
+    (writing one looks for contact anew)."""
+    made, path = folder()
+    for variant in VARIANTS:
+        whole = block_on_block(**variant)
+        end = 600 * whole.stable_step()
+
+        def keep(problem):
+            if problem.step in (100, 333):
+                problem.save(path / f"{problem.step}.h5")
+
+        whole.advance(end, callback=keep, progress=False)
+        assert whole.contact[0].area >= 0.0
+        touched = False
+        for step in (100, 333):
+            again = block_on_block(**variant)
+            again.restore(path / f"{step}.h5")
+            assert again.step == step and again.time > 0.0
+            again.advance(end, callback=keep, progress=False)
+            assert again.step == whole.step and again.time == whole.time
+            np.testing.assert_array_equal(state(again), state(whole))
+            for name, value in whole.energy.items():
+                assert abs(again.energy[name] - value) < 1e-9 * whole.energy["kinetic"] or name == "drift", name
+            touched = touched or again.energy["friction"] > 0.0 or variant.get("friction") == 0.0
+        assert touched
+
+
+def check_errors():
+    """Unwritable folders, full disks and files of other problems: the same error on all ranks, the old file stays."""
+    made, path = folder()
+    problem = block_on_block()
+    problem.advance(20 * problem.stable_step(), progress=False)
+    good = path / "good.h5"
+    problem.save(good)
+    before = good.read_bytes()
+    (path / "file").touch()
+    COMM.barrier()
+    with pytest.raises(RuntimeError, match="could not be written"):
+        problem.save(path / "file" / "under.h5")
+    with pytest.raises(RuntimeError, match="cannot be read"):
+        problem.restore(path / "none.h5")
+    if COMM.rank == 0:
+        (path / "broken.h5").write_bytes(before[: len(before) // 2])
+    COMM.barrier()
+    with pytest.raises(RuntimeError, match="cannot be read"):
+        problem.restore(path / "broken.h5")
+    for other, text in (
+        (block_on_block(young=2e3), "material"),
+        (block_on_block(friction=0.2), "contact"),
+        (block_on_block(kind=di.Kinematic), "contact"),
+    ):
+        with pytest.raises(ValueError, match=f"another problem: {text}"):
+            other.restore(good)
+    domain = mesh.create_rectangle(COMM, [[0.0, 0.0], [1.0, 1.0]], [12, 5], mesh.CellType.quadrilateral)
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    steel = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")
+    with pytest.raises((ValueError, RuntimeError), match="another|number of cells"):
+        di.ExplicitProblem(fem.Function(V), steel, velocity=fem.Function(V)).restore(good)
+    COMM.barrier()
+    assert good.read_bytes() == before and not [f for f in os.listdir(path) if f.endswith(".part")]
+
+
+def check_a_full_disk(monkeypatch=None):
+    """What free space there is is looked at before anything is written."""
+    import shutil
+
+    made, path = folder()
+    problem = block_on_block()
+    problem.save(path / "good.h5")
+    usage, shutil.disk_usage = shutil.disk_usage, lambda _: type("Usage", (), {"free": 1000})()
+    try:
+        with pytest.raises(RuntimeError, match="no space left"):
+            problem.save(path / "good.h5")
+    finally:
+        shutil.disk_usage = usage
+    COMM.barrier()
+    block_on_block().restore(path / "good.h5")

@@ -1,0 +1,108 @@
+"""Checkpoints on ranks, across numbers of ranks, and under a process that is killed."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import restart_checks
+from on_ranks import rank_tests
+
+test_one_rank, test_several_ranks = rank_tests(restart_checks, ranks=(2, 3), timeout=300)
+HERE = Path(__file__).parent
+
+
+SCRIPT = """
+import sys
+import numpy as np
+from mpi4py import MPI
+from restart_checks import block_on_block
+mode, path = sys.argv[1:3]
+problem = block_on_block()
+end = 600 * problem.stable_step()
+if mode == "write":
+    problem.advance(end, callback=lambda p: p.save(path) if p.step == 333 else None, progress=False)
+else:
+    problem.restore(path)
+    problem.advance(end, progress=False)
+V = problem.space
+n = V.dofmap.index_map.size_local
+rows = [V.tabulate_dof_coordinates()[:n, :2]] + [
+    f.x.array[: 2 * n].reshape(-1, 2) for f in (problem.u, problem.velocity, problem.acceleration)]
+rows = np.vstack(MPI.COMM_WORLD.allgather(np.hstack(rows)))
+if MPI.COMM_WORLD.rank == 0:
+    np.save(sys.argv[3], rows[np.lexsort(rows[:, :2].round(9).T)])
+"""
+
+
+def run(folder, mode, ranks):
+    """Result by place of a run that writes a checkpoint, or goes on from it."""
+    script, out = folder / "script.py", folder / f"{mode}{ranks}.npy"
+    script.write_text(SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": str(HERE)}
+    command = [
+        "mpirun",
+        "--oversubscribe",
+        "-n",
+        str(ranks),
+        sys.executable,
+        str(script),
+        mode,
+        str(folder / "checkpoint.h5"),
+        str(out),
+    ]
+    subprocess.run(command, env=environment, check=True, timeout=300)
+    return np.load(out)[:, 2:]
+
+
+def test_a_run_goes_on_on_other_ranks(tmp_path):
+    """To 1e-10 of the largest entry, 267 steps later."""
+    whole = run(tmp_path, "write", 2)
+    for ranks in (1, 3):
+        again = run(tmp_path, "read", ranks)
+        for columns in np.split(np.arange(6), 3):
+            scale = np.abs(whole[:, columns]).max()
+            np.testing.assert_allclose(again[:, columns], whole[:, columns], rtol=0, atol=1e-10 * scale)
+
+
+KILLED = """
+import sys
+from restart_checks import block_on_block
+problem = block_on_block()
+try:
+    problem.restore(sys.argv[1])
+except RuntimeError:
+    pass
+print("ready", flush=True)
+end = 1e6 * problem.stable_step()
+problem.advance(end, callback=lambda p: p.save(sys.argv[1]), progress=False)
+"""
+
+
+@pytest.mark.parametrize("number", range(20))
+def test_killed_at_any_moment_the_last_checkpoint_opens(number, tmp_path_factory):
+    """SIGKILL while a checkpoint is written at every step: the last one opens, and the run goes on from there."""
+    folder = tmp_path_factory.getbasetemp() / "killed"
+    folder.mkdir(exist_ok=True)
+    path, script = folder / "checkpoint.h5", folder / "script.py"
+    script.write_text(KILLED)
+    environment = {**os.environ, "PYTHONPATH": str(HERE)}
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(path)], env=environment, stdout=subprocess.PIPE, text=True
+    )  # fmt: skip
+    assert process.stdout.readline().strip() == "ready"
+    time.sleep(0.05 + 0.2 * random.Random(number).random())
+    process.send_signal(signal.SIGKILL)
+    process.wait(30)
+    process.stdout.close()
+    problem = restart_checks.block_on_block()
+    problem.restore(path)
+    assert problem.step > 0 and np.all(np.isfinite(problem.u.x.array))
+    step = problem.step
+    problem.advance(problem.time + 3 * problem.stable_step(), progress=False)
+    assert problem.step > step
