@@ -34,4 +34,5 @@ inline Csr csr(const Integers& indptr, const Integers& indices, const Vector& da
 void bind_elements(nanobind::module_& m);
 void bind_model(nanobind::module_& m);
 void bind_contact(nanobind::module_& m);
+void bind_explicit(nanobind::module_& m);
 } // namespace impact::reference
