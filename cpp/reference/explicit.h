@@ -107,7 +107,8 @@ struct ExplicitHistory
 /// @throws std::runtime_error if the displacements overflow: the step was too long
 ExplicitHistory run_explicit(const Model& model, const ExplicitData& data);
 
-/// Highest frequency of K x = omega^2 M x with the prescribed degrees of freedom held: dense up to 400 degrees of
-/// freedom, Lanczos' method beyond [1/T].
-double highest_frequency(const Csr& K, const Vector& mass, const std::vector<std::int64_t>& fixed_dofs);
+/// Highest frequency of (K + springs) x = omega^2 M x with the prescribed degrees of freedom held: dense up to 400
+/// degrees of freedom, Lanczos' method beyond [1/T].
+double highest_frequency(const Csr& K, const std::vector<Csr*>& springs, const Vector& mass,
+                         const std::vector<std::int64_t>& fixed_dofs);
 } // namespace impact::reference

@@ -46,14 +46,22 @@ double lanczos(Eigen::Index size, F&& apply)
 }
 } // namespace
 
-double highest_frequency(const Csr& K, const Vector& mass, const std::vector<std::int64_t>& fixed_dofs)
+double highest_frequency(const Csr& K, const std::vector<Csr*>& springs, const Vector& mass,
+                         const std::vector<std::int64_t>& fixed_dofs)
 {
   Vector root = mass.cwiseSqrt().cwiseInverse();
   if (not(mass.minCoeff() > 0))
     throw std::invalid_argument("a nodal mass is not positive: choose the lumping scheme hrz or auto");
   for (auto dof : fixed_dofs)
     root(dof) = 0;
-  const auto apply = [&](const Vector& x) { return Vector(root.cwiseProduct(K.dot(root.cwiseProduct(x)))); };
+  const auto apply = [&](const Vector& x)
+  {
+    const Vector scaled = root.cwiseProduct(x);
+    Vector y = K.dot(scaled);
+    for (const Csr* more : springs)
+      y += more->dot(scaled);
+    return Vector(root.cwiseProduct(y));
+  };
   if (K.size > 400)
     return std::sqrt(lanczos(K.size, apply));
   Eigen::MatrixXd A(K.size, K.size);

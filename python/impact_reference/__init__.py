@@ -29,7 +29,7 @@ from .elements import (
     element_traction,
     second_piola,
 )
-from .explicit import ExplicitResult
+from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
 from .model import Model, StaticSolution
 from .rules import (
     default_rule,
@@ -49,6 +49,8 @@ __all__ = [
     "ExplicitResult",
     "Material",
     "Model",
+    "NodalKinematic",
+    "NodalPenalty",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",

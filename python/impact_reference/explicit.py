@@ -5,9 +5,62 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import _reference
+from .contact import RigidCylinder, RigidPlane, RigidSphere, _obstacle
 from .model import _floats, _integers, _vector
 
 ENERGIES = ("kinetic", "internal", "contact", "friction", "damping", "viscosity", "external", "total", "drift")
+
+
+class _Nodal:
+    def __init__(self, slave, master, friction, search_distance, motion):
+        self.slave, self.master, self.friction = slave, master, float(friction)
+        self.search_distance = np.inf if search_distance is None else float(search_distance)
+        self.motion = motion
+        self.rigid = isinstance(master, (RigidPlane, RigidSphere, RigidCylinder))
+        if motion is not None and not self.rigid:
+            raise ValueError("motion is for rigid masters; a deformable one moves with its nodes")
+
+    def _arguments(self, model, times, lumping):
+        d = model.points.shape[1]
+        facets = np.zeros((0, 1), dtype=np.int64) if self.rigid else _integers(self.master, "master", 2)
+        obstacle = [_obstacle(self.master, d)] if self.rigid else []
+        motion = self.master.displacement if self.rigid and self.motion is None else self.motion
+        displacement = _levels(0.0 if motion is None else motion, times, d, "motion")
+        mass = model.mass(lumped=True, scheme=lumping)
+        slave = _integers(self.slave, "slave", 2)
+        return model._model, slave, facets, obstacle, self.search_distance, mass, displacement
+
+
+class NodalPenalty(_Nodal):
+    """Node-to-surface penalty contact of docs/explicit.md, for `Model.run_explicit`.
+
+    slave, master: facets (m, nodes), as in `Contact`; master may be a RigidPlane, RigidSphere or RigidCylinder.
+    friction: Coulomb's coefficient [1]. penalty [F/L^3]: None takes stiffnesses from masses and the step. balanced:
+    once in each direction with half the stiffness. search_distance [L]: masters further away do not count; None for no
+    limit. motion [L]: of a rigid master, (gdim), a function of t, or a table (times, (n, gdim)); None takes
+    master.displacement throughout. Running raises ValueError for facets that are repeated or not on the boundary.
+    """
+
+    def __init__(self, slave, master, friction=0.0, penalty=None, balanced=False, search_distance=None, motion=None):
+        super().__init__(slave, master, friction, search_distance, motion)
+        if penalty is not None and not penalty > 0:
+            raise ValueError(f"penalty is {penalty!r}: it must be positive, or None")
+        self.penalty, self.balanced = penalty, bool(balanced)
+
+    def _bind(self, model, times, lumping):
+        arguments = self._arguments(model, times, lumping)
+        return _reference.NodalPenalty(*arguments, self.friction, float(self.penalty or 0), self.balanced)
+
+
+class NodalKinematic(_Nodal):
+    """Kinematic contact of docs/explicit.md, for `Model.run_explicit`; arguments as in NodalPenalty, and sweeps."""
+
+    def __init__(self, slave, master, friction=0.0, sweeps=3, search_distance=None, motion=None):
+        super().__init__(slave, master, friction, search_distance, motion)
+        self.sweeps = int(sweeps)
+
+    def _bind(self, model, times, lumping):
+        return _reference.NodalKinematic(*self._arguments(model, times, lumping), self.friction, self.sweeps)
 
 
 @dataclass
@@ -139,6 +192,8 @@ def stable_step(
     model, method="element", alpha=0.0, beta=0.0, scheme="half_step", fixed_dofs=(), contacts=(), u=None, lumping="auto"
 ):
     """See `Model.stable_step`."""
+    u = np.zeros(model.num_dofs) if u is None else _vector(u)
+    bound = [contact._bind(model, np.zeros(2), lumping) for contact in contacts if isinstance(contact, NodalPenalty)]
     if method == "length":
         frequency = 2 / _reference.passage(model._model)
     elif method == "element":
@@ -146,9 +201,12 @@ def stable_step(
         frequency = _reference.cell_frequency(model._model, *rules, lumping)
     elif method == "eigenvalue":
         K, mass = model.stiffness(), model.mass(lumped=True, scheme=lumping)
-        fixed = _integers(np.asarray(fixed_dofs, dtype=np.int64), "fixed_dofs", 1)
-        frequency = _reference.highest_frequency(K.indptr, K.indices, K.data, mass, fixed)
+        fixed = np.asarray(fixed_dofs, dtype=np.int64).reshape(-1)
+        springs = [contact.springs(u) for contact in bound]
+        frequency = _reference.highest_frequency(K.indptr, K.indices, K.data, springs, mass, fixed)
     else:
         raise ValueError(f"unknown method {method!r}: use 'length', 'element' or 'eigenvalue'")
+    if method != "eigenvalue":
+        frequency = np.sqrt(frequency**2 + sum(contact.added_frequency(u) for contact in bound))
     damped = 0.0 if _scheme(scheme) else (alpha / frequency + beta * frequency) / 2
     return 2 / frequency * (np.sqrt(1 + damped**2) - damped)
