@@ -50,6 +50,13 @@ public:
   Vector scalar_load(const Rule& rule, double f) const;                          ///< int f N_i dV of the scalar field
   Vector flux_load(const Rule& facet_rule, const Cells& facets, double q) const; ///< int q N_i dS of the scalar field
 
+  /// Force of the bulk viscosity's pressure q at displacements u and velocities v, int B^T q dV (docs/explicit.md) [F].
+  Vector viscous_force(const Rule& rule, const Vector& u, const Vector& v, double b1, double b2) const;
+  /// Highest frequency of a cell alone, with its own part of the lumped mass and the stiffness at rest [1/T].
+  double cell_frequency(const Rule& rule, const Rule& mass_rule, const std::string& scheme) const;
+  /// Shortest time in which a dilatational wave runs along an edge (half of one at degree 2), (3.79), (3.80) [T].
+  double passage() const;
+
   /// Displacements that cost no energy: columns; 3 in the plane, 6 in space, 1 (along z) if axisymmetric. Rotations are
   /// about the centre of all nodes.
   Matrix rigid_modes() const;

@@ -29,13 +29,7 @@ Integers integers(const std::vector<E>& values)
   return result;
 }
 
-// Shape, point, direction, radius; displacements come with every call.
-struct Obstacle
-{
-  std::string shape;
-  Vector point, direction;
-  double radius;
-};
+} // namespace
 
 Rigid rigid(const Obstacle& o, int gdim)
 {
@@ -58,6 +52,8 @@ Rigid rigid(const Obstacle& o, int gdim)
   return r;
 }
 
+namespace
+{
 Basis basis_of(const std::string& name)
 {
   for (const auto& [known, basis] :

@@ -1,4 +1,5 @@
 #pragma once
+#include "contact_rigid.h"
 #include "solve.h"
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
@@ -31,7 +32,18 @@ inline Csr csr(const Integers& indptr, const Integers& indices, const Vector& da
           {data.data(), data.data() + data.size()}};
 }
 
+/// Shape, point, direction, radius of a rigid master; displacements come with every call.
+struct Obstacle
+{
+  std::string shape;
+  Vector point, direction;
+  double radius;
+};
+/// @throws std::invalid_argument for wrong sizes, zero directions and radii
+Rigid rigid(const Obstacle& o, int gdim);
+
 void bind_elements(nanobind::module_& m);
 void bind_model(nanobind::module_& m);
 void bind_contact(nanobind::module_& m);
+void bind_explicit(nanobind::module_& m);
 } // namespace impact::reference

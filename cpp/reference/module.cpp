@@ -77,4 +77,5 @@ NB_MODULE(_reference, m)
   bind_elements(m);
   bind_model(m);
   bind_contact(m);
+  bind_explicit(m);
 }

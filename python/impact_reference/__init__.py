@@ -5,7 +5,7 @@ generated from UFL are verified. See `reference_nodes` for the node order; degre
 component fastest. Units are the caller's; the docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, model, rules, sparse
+from . import contact, elements, explicit, model, rules, sparse
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .elements import (
@@ -29,6 +29,7 @@ from .elements import (
     element_traction,
     second_piola,
 )
+from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
 from .model import Model, StaticSolution
 from .rules import (
     default_rule,
@@ -45,8 +46,11 @@ __all__ = [
     "Contact",
     "ContactSolution",
     "Csr",
+    "ExplicitResult",
     "Material",
     "Model",
+    "NodalKinematic",
+    "NodalPenalty",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
@@ -72,6 +76,7 @@ __all__ = [
     "element_tangent",
     "element_traction",
     "elements",
+    "explicit",
     "facet_nodes",
     "facet_type",
     "facets",

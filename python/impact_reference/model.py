@@ -212,3 +212,29 @@ class Model:
         else:
             matrices.append(self._model.mass(*self._rule("mass")))
         return self._model.frequencies(matrices, diagonal, n, fixed)
+
+    def run_explicit(self, dt, num_steps=None, **options):
+        """Central differences by docs/explicit.md; returns an `explicit.ExplicitResult`.
+
+        dt: a step [T] with num_steps, or an array of steps. Options, all by keyword:
+        u0, v0 (num_dofs) [L], [L/T]: initial state, None for zero. fixed_dofs, values: prescribed dofs and their
+        displacements [L]: a number, one per dof, a function of t, or a table (times, values per time), linear between
+        its times; known one step beyond the end it gives the last state its velocity. loads [F]: a vector (num_dofs) or
+        a list of vectors and pairs (vector, amplitude), amplitudes as `values` [1]. alpha [1/T], beta [T]: Rayleigh
+        damping, with the lumped mass. scheme: "half_step" or "classical" (equal steps, beta 0). viscosity: (b1, b2) [1]
+        or None. contacts: NodalPenalty and NodalKinematic. lumping: scheme of the mass. every: keep each state of that
+        number; the last is always kept. ValueError for data that do not fit, RuntimeError if the run overflows.
+        """
+        from . import explicit
+
+        return explicit.run_explicit(self, dt, num_steps, **options)
+
+    def stable_step(self, method="element", **options):
+        """Longest stable step [T] at rest: "length" (edge over wave speed), "element" (a bound) or "eigenvalue".
+
+        Options: alpha [1/T], beta [T] and scheme as in run_explicit; fixed_dofs, which "eigenvalue" holds; contacts at
+        u (num_dofs) [L], of which those with a penalty of their own shorten the step; lumping.
+        """
+        from . import explicit
+
+        return explicit.stable_step(self, method, **options)

@@ -1,0 +1,130 @@
+#include "bindings.h"
+#include "contact_explicit.h"
+
+namespace nb = nanobind;
+
+namespace impact::reference
+{
+namespace
+{
+using Obstacles = std::vector<std::tuple<std::string, Vector, Vector, double>>;
+
+// What both kinds of contact are made of; master has no facets if there is an obstacle.
+NodePairs node_pairs(const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
+                     double search_distance, const Vector& mass, const Matrix& displacement)
+{
+  if (not(search_distance > 0))
+    throw std::invalid_argument("the search distance must be positive");
+  if (obstacle.empty())
+    return {model,       surface(model, slave, "slave"), surface(model, master, "master"), {}, search_distance, mass,
+            displacement};
+  const auto& [shape, point, direction, radius] = obstacle[0];
+  if (displacement.cols() != model.gdim() or not displacement.allFinite())
+    throw std::invalid_argument("the obstacle's displacements must be finite, a row per time level");
+  return {model,
+          surface(model, slave, "slave"),
+          {},
+          rigid({shape, point, direction, radius}, model.gdim()),
+          search_distance,
+          mass,
+          displacement};
+}
+
+void check_friction(double friction)
+{
+  if (not(friction >= 0) or not std::isfinite(friction))
+    throw std::invalid_argument("the friction coefficient must not be negative");
+}
+} // namespace
+
+void bind_explicit(nb::module_& m)
+{
+  using P = const Matrix&;
+  using V = const Vector&;
+  using Dofs = const std::vector<std::int64_t>&;
+
+  nb::class_<ExplicitContact>(m, "ExplicitContact").def_prop_ro("nodes", &ExplicitContact::nodes);
+  nb::class_<NodalPenalty, ExplicitContact>(m, "NodalPenalty")
+      .def(
+          "__init__",
+          [](NodalPenalty* self, const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
+             double search_distance, V mass, P displacement, double friction, double penalty, bool balanced)
+          {
+            check_friction(friction);
+            if (not(penalty >= 0) or not std::isfinite(penalty))
+              throw std::invalid_argument("the penalty must be positive");
+            if (balanced and not obstacle.empty())
+              throw std::invalid_argument("a balanced pair needs a deformable master: leave out balanced");
+            std::vector<NodePairs> pairs{
+                node_pairs(model, slave, master, obstacle, search_distance, mass, displacement)};
+            if (balanced)
+              pairs.push_back(node_pairs(model, master, slave, obstacle, search_distance, mass, displacement));
+            new (self) NodalPenalty(std::move(pairs), friction, penalty);
+          },
+          nb::keep_alive<1, 2>())
+      .def("added_frequency", &NodalPenalty::added_frequency)
+      .def("springs", [](const NodalPenalty& s, V u) { return csr(s.springs(u), u.size()); });
+  nb::class_<NodalKinematic, ExplicitContact>(m, "NodalKinematic")
+      .def(
+          "__init__",
+          [](NodalKinematic* self, const Model& model, const Cells& slave, const Cells& master,
+             const Obstacles& obstacle, double search_distance, V mass, P displacement, double friction, int sweeps)
+          {
+            check_friction(friction);
+            if (sweeps < 1)
+              throw std::invalid_argument("kinematic contact needs at least one sweep");
+            new (self) NodalKinematic(node_pairs(model, slave, master, obstacle, search_distance, mass, displacement),
+                                      friction, sweeps);
+          },
+          nb::keep_alive<1, 2>());
+  nb::class_<ContactHistories>(m, "ContactHistories")
+      .def_ro("total", &ContactHistories::total)
+      .def_ro("force", &ContactHistories::force)
+      .def_ro("gap", &ContactHistories::gap)
+      .def_ro("traction", &ContactHistories::traction)
+      .def_ro("slip", &ContactHistories::slip)
+      .def_ro("status", &ContactHistories::status);
+  nb::class_<ExplicitHistory>(m, "ExplicitHistory")
+      .def_ro("time", &ExplicitHistory::time)
+      .def_ro("u", &ExplicitHistory::u)
+      .def_ro("v", &ExplicitHistory::v)
+      .def_ro("a", &ExplicitHistory::a)
+      .def_ro("half", &ExplicitHistory::half)
+      .def_ro("support", &ExplicitHistory::support)
+      .def_ro("energies", &ExplicitHistory::energies)
+      .def_ro("contacts", &ExplicitHistory::contacts);
+
+  m.def("run_explicit",
+        [](const Model& model, P points, V weights, P mass_points, V mass_weights, const std::string& lumping, V steps,
+           V u0, V v0, Dofs fixed, P values, P loads, P amplitudes, double alpha, double beta, bool classical,
+           double b1, double b2, int every, const std::vector<ExplicitContact*>& contacts)
+        {
+          return run_explicit(model, {{points, weights},
+                                      {mass_points, mass_weights},
+                                      lumping,
+                                      steps,
+                                      u0,
+                                      v0,
+                                      fixed,
+                                      values,
+                                      loads,
+                                      amplitudes,
+                                      alpha,
+                                      beta,
+                                      classical,
+                                      b1,
+                                      b2,
+                                      every,
+                                      contacts});
+        });
+  m.def("viscous_force", [](const Model& s, P points, V weights, V u, V v, double b1, double b2)
+        { return s.viscous_force({points, weights}, u, v, b1, b2); });
+  m.def("cell_frequency",
+        [](const Model& s, P points, V weights, P mass_points, V mass_weights, const std::string& lumping)
+        { return s.cell_frequency({points, weights}, {mass_points, mass_weights}, lumping); });
+  m.def("passage", &Model::passage);
+  m.def("highest_frequency",
+        [](const Integers& indptr, const Integers& indices, V data, const std::vector<Csr*>& springs, V mass,
+           Dofs fixed) { return highest_frequency(csr(indptr, indices, data), springs, mass, fixed); });
+}
+} // namespace impact::reference

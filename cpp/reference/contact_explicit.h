@@ -1,0 +1,113 @@
+#pragma once
+#include "explicit.h"
+
+/// Node-to-surface contact in explicit dynamics as docs/explicit.md states it, with brute-force closest points.
+namespace impact::reference
+{
+/// What a slave node meets.
+struct Meeting
+{
+  double gap = std::numeric_limits<double>::infinity(); ///< without master [L]
+  Vec<double> x, normal;                                ///< position of the node, normal out of the master [L], [1]
+  std::vector<std::int64_t> masters;                    ///< nodes of the facet; none if the master is rigid
+  std::vector<double> phi;                              ///< its shape functions at the closest point
+};
+
+/// The nodes of a slave surface and their master.
+class NodePairs
+{
+public:
+  /// @param mass lumped (num_dofs) [M]
+  /// @param displacement of the rigid master, a row per time level t_0 ... t_(N+1) [L]
+  NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid, double search_distance,
+            const Vector& mass, const Matrix& displacement);
+
+  /// Closest points in a configuration.
+  /// @param level of the rigid master's displacement
+  std::vector<Meeting> meet(const Vector& u, int level) const;
+
+  const std::vector<std::int64_t>& nodes() const { return nodes_; }
+  int gdim() const { return model_.gdim(); }
+  std::int64_t num_dofs() const { return model_.num_dofs(); }
+  bool axisymmetric() const { return slave_.axisymmetric; }
+  double mass(std::int64_t node) const { return mass_(gdim() * node); }
+  double area(std::int64_t node) const { return areas_.at(node); } ///< of a slave node [L^2]
+  /// 1 / m_i + sum_j |phi_j| (1 + A_j / A_i) / m_j [1/M].
+  double compliance(std::int64_t node, const Meeting& meeting) const;
+
+  Vec<double> at(const Vector& field, std::int64_t node) const; ///< a node's value of a field
+  Vec<double> position(const Vector& u, std::int64_t node) const;
+  Vec<double> master_moved(int n) const; ///< of the rigid master, from t_(n-1) to t_n [L]
+  /// Motion of the slave node against the master's point.
+  Vec<double> relative(const Vector& motion, const Vec<double>& rigid, std::int64_t node, const Meeting& m) const;
+  /// Adds f to the slave node and the opposite to the master.
+  void add(Vector& force, const Vec<double>& f, std::int64_t node, const Meeting& m) const;
+
+private:
+  const Model& model_;
+  Surface slave_, master_;
+  std::optional<Rigid> rigid_;
+  double search_distance_;
+  Vector mass_;
+  Matrix displacement_;
+  std::vector<std::int64_t> nodes_;
+  std::map<std::int64_t, double> areas_, master_areas_;
+};
+
+/// Areas of the nodes of a surface: int phi dA_0 at degree 1, shares of the facets' area in proportion to int phi^2 at
+/// degree 2.
+std::map<std::int64_t, double> nodal_areas(const Surface& surface);
+
+/// A tangential vector turned into the plane orthogonal to n without a change of length.
+Vec<double> turned(const Vec<double>& t, const Vec<double>& n);
+
+/// An answer without contact.
+ContactAnswer no_contact(const NodePairs& pairs);
+
+class NodalPenalty : public ExplicitContact
+{
+public:
+  /// @param directions one, or two for the balanced form, in which each has half the stiffness
+  /// @param penalty [F/L^3], or 0: from masses and step
+  NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty);
+
+  void before(const ContactStep& step) override;
+  bool kinematic() const override { return false; }
+  std::vector<std::int64_t> nodes() const override { return directions_[0].pairs.nodes(); }
+  Vec<double> master_moved(int n) const override { return directions_[0].pairs.master_moved(n); }
+
+  /// What a given penalty adds to the square of the highest frequency at most [1/T^2].
+  double added_frequency(const Vector& u) const;
+  /// Springs of a given penalty on all nodes that have a master, closed or not: entries of a stiffness matrix [F/L].
+  Entries springs(const Vector& u) const;
+
+private:
+  struct Direction
+  {
+    NodePairs pairs;
+    std::vector<double> gap_before;
+    Matrix traction, slip; // per slave node, as in ContactAnswer
+  };
+  double stiffness(const NodePairs& pairs, std::int64_t node, const Meeting& m, double dt) const;
+  void evaluate(Direction& direction, const ContactStep& step, bool first);
+
+  std::vector<Direction> directions_;
+  double friction_, penalty_, part_;
+};
+
+class NodalKinematic : public ExplicitContact
+{
+public:
+  NodalKinematic(NodePairs pairs, double friction, int sweeps);
+
+  void after(const ContactStep& step, const Vector& predicted) override;
+  bool kinematic() const override { return true; }
+  std::vector<std::int64_t> nodes() const override { return pairs_.nodes(); }
+  Vec<double> master_moved(int n) const override { return pairs_.master_moved(n); }
+
+private:
+  NodePairs pairs_;
+  double friction_;
+  int sweeps_;
+};
+} // namespace impact::reference

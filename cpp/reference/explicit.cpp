@@ -1,0 +1,331 @@
+#include "explicit.h"
+#include <stdexcept>
+
+namespace impact::reference
+{
+namespace
+{
+void check(const Model& model, const ExplicitData& d)
+{
+  const auto n = model.num_dofs();
+  const auto need = [](bool good, const std::string& what)
+  {
+    if (not good)
+      throw std::invalid_argument(what);
+  };
+  need(d.steps.size() > 0, "an explicit analysis needs at least one step");
+  for (std::int64_t k = 0; k < d.steps.size(); ++k)
+    need(d.steps(k) > 0 and std::isfinite(d.steps(k)), "step " + std::to_string(k) + " is not positive and finite");
+  need(d.u0.size() == n and d.v0.size() == n and d.u0.allFinite() and d.v0.allFinite(),
+       "u0 and v0 need " + std::to_string(n) + " finite values");
+  need(d.values.rows() == d.steps.size() + 2 and d.values.cols() == std::int64_t(d.fixed_dofs.size()) and
+           d.values.allFinite(),
+       "prescribed values need one finite row per time level and one column per degree of freedom");
+  for (auto dof : d.fixed_dofs)
+    need(dof >= 0 and dof < n, "prescribed degree of freedom " + std::to_string(dof) + " is out of range");
+  need(d.loads.rows() == d.amplitudes.cols() and (d.loads.rows() == 0 or d.loads.cols() == n) and
+           d.amplitudes.rows() == d.steps.size() + 1 and d.loads.allFinite() and d.amplitudes.allFinite(),
+       "loads need " + std::to_string(n) + " finite values and a finite amplitude per time level");
+  need(d.alpha >= 0 and d.beta >= 0 and d.b1 >= 0 and d.b2 >= 0, "damping and viscosity must not be negative");
+  need(d.every > 0, "every must be 1 or more");
+  if (d.classical)
+  {
+    need(d.beta == 0, "scheme 'classical' needs a diagonal damping matrix: leave out beta or use 'half_step'");
+    need(d.steps.maxCoeff() - d.steps.minCoeff() <= 1e-12 * d.steps(0),
+         "scheme 'classical' needs equal steps: use 'half_step'");
+  }
+}
+
+// Forces at t_n, as they stand on the right-hand side.
+struct Forces
+{
+  Vector internal, external, damping, viscosity, contact, support;
+};
+
+// Where a step leads.
+struct Advance
+{
+  Vector next;          // u_(n+1)
+  Vector before, after; // velocities half a step before and after t_n
+  Vector v, a;          // at t_n
+};
+
+class Run
+{
+public:
+  Run(const Model& model, const ExplicitData& data)
+      : model_(model), data_(data), num_(model.num_dofs()), mass_(model.lumped_mass(data.mass_rule, data.lumping)),
+        inverse_(mass_.cwiseInverse()), held_(num_, false), energies_(Vector::Zero(num_energies))
+  {
+    if (not(mass_.minCoeff() > 0))
+      throw std::invalid_argument("a nodal mass is not positive: choose the lumping scheme hrz or auto");
+    for (auto dof : data.fixed_dofs)
+    {
+      inverse_(dof) = 0;
+      held_[dof] = true;
+    }
+    if (model.linear() and data.beta > 0)
+      stiffness_ = model.tangent(data.rule, Vector::Zero(num_));
+    last_answers_.resize(data.contacts.size());
+  }
+
+  ExplicitHistory run()
+  {
+    const int count = int(data_.steps.size());
+    ExplicitHistory out = room(count / data_.every + 1 + (count % data_.every != 0));
+    std::int64_t row = 0;
+    double time = 0, dt_before = 0;
+    // v_0 stands for v_(-1/2), and zero for the step before the first: then (3.72) is (3.76).
+    Vector u = data_.u0, u_before = u, half = data_.v0;
+    for (int n = 0; n <= count; ++n)
+    {
+      const double dt = data_.steps(std::min(n, count - 1));
+      const Vector moved = u - u_before;
+      Forces f = forces(n, dt, u, moved, half);
+      const Advance step =
+          data_.classical ? classical(n, dt, u, u_before, moved, f) : half_step(n, dt_before, dt, u, moved, half, f);
+      if (not step.next.allFinite())
+        throw std::runtime_error("the displacements overflow in step " + std::to_string(n) +
+                                 ": the step is longer than the stable one");
+      account(n, u, moved, step, f);
+      if (n % data_.every == 0 or n == count)
+        keep(out, row++, time, u, step, f);
+      time += dt;
+      u_before = u;
+      u = step.next;
+      half = step.after;
+      dt_before = dt;
+    }
+    return out;
+  }
+
+private:
+  Forces forces(int n, double dt, const Vector& u, const Vector& moved, const Vector& half)
+  {
+    const Vector zero = Vector::Zero(num_);
+    Forces f{-model_.internal_force(data_.rule, u), zero, zero, zero, zero, zero};
+    for (Eigen::Index k = 0; k < data_.loads.rows(); ++k)
+      f.external += data_.amplitudes(n, k) * data_.loads.row(k).transpose();
+    if (data_.b1 > 0 or data_.b2 > 0)
+      f.viscosity = -model_.viscous_force(data_.rule, u, half, data_.b1, data_.b2);
+    f.damping = -data_.alpha * mass_.cwiseProduct(half);
+    if (data_.beta > 0)
+      f.damping -= data_.beta * (model_.linear() ? stiffness_ : model_.tangent(data_.rule, u)).dot(half);
+    for (auto* contact : data_.contacts)
+      if (not contact->kinematic())
+      {
+        contact->before({n, dt, dt * dt, u, moved, inverse_});
+        f.contact += contact->answer().force;
+      }
+    return f;
+  }
+
+  // Gives the prescribed degrees of freedom their place at t_(n+1).
+  void prescribe(int n, Vector& next) const
+  {
+    for (std::size_t k = 0; k < data_.fixed_dofs.size(); ++k)
+      next(data_.fixed_dofs[k]) = data_.values(n + 1, Eigen::Index(k));
+  }
+
+  // Forces of kinematic contact at a prediction, which they move.
+  Vector kinematic_forces(const ContactStep& step, Vector& predicted)
+  {
+    Vector sum = Vector::Zero(num_);
+    for (auto* contact : data_.contacts)
+      if (contact->kinematic())
+      {
+        contact->after(step, predicted);
+        sum += contact->answer().force;
+        predicted += step.h * inverse_.cwiseProduct(contact->answer().force);
+      }
+    return sum;
+  }
+
+  // (3.72)-(3.77); dt_before = 0 in the first step.
+  Advance half_step(int n, double dt_before, double dt, const Vector& u, const Vector& moved, const Vector& half,
+                    Forces& f)
+  {
+    const double mean = (dt_before + dt) / 2;
+    Vector sum = f.internal + f.external + f.damping + f.viscosity + f.contact;
+    Vector after = half + mean * inverse_.cwiseProduct(sum);
+    Vector next = u + dt * after;
+    prescribe(n, next);
+    const Vector kinematic = kinematic_forces({n, dt, mean * dt, u, moved, inverse_}, next);
+    f.contact += kinematic;
+    sum += kinematic;
+    after += mean * inverse_.cwiseProduct(kinematic);
+    for (std::int64_t i = 0; i < num_; ++i)
+      if (held_[i])
+      {
+        after(i) = (next(i) - u(i)) / dt;
+        f.support(i) = mass_(i) * (after(i) - half(i)) / mean - sum(i);
+      }
+      else
+        next(i) = u(i) + dt * after(i);
+    const Vector a = (after - half) / mean;
+    return {next, n == 0 ? Vector(2 * data_.v0 - after) : half, after, half + dt_before / 2 * a, a};
+  }
+
+  // (3.68)-(3.71) in displacements; u_before is u_(n-1), which the first step makes itself.
+  Advance classical(int n, double dt, const Vector& u, const Vector& u_before, const Vector& moved, Forces& f)
+  {
+    const Vector damping = data_.alpha * mass_; // the diagonal of C
+    const Vector effective = mass_ + dt / 2 * damping;
+    Vector sum = f.internal + f.external + f.viscosity + f.contact;
+    Vector before = u_before, next;
+    if (n == 0)
+    {
+      // (3.71), and where prescribed the acceleration that leads to the prescribed place.
+      Vector a0 = (sum - damping.cwiseProduct(data_.v0)).cwiseQuotient(mass_);
+      Vector predicted = u + dt * data_.v0 + dt * dt / 2 * a0;
+      prescribe(n, predicted);
+      const Vector kinematic = kinematic_forces({n, dt, dt * dt / 2, u, moved, inverse_}, predicted);
+      f.contact += kinematic;
+      sum += kinematic;
+      a0 += inverse_.cwiseProduct(kinematic);
+      for (std::int64_t i = 0; i < num_; ++i)
+        if (held_[i])
+          a0(i) = 2 * (predicted(i) - u(i) - dt * data_.v0(i)) / (dt * dt);
+      before = u - dt * data_.v0 + dt * dt / 2 * a0; // (3.70)
+    }
+    const auto solve = [&]() // (3.69)
+    {
+      return Vector((dt * dt * sum + dt / 2 * damping.cwiseProduct(before) + mass_.cwiseProduct(2 * u - before))
+                        .cwiseQuotient(effective));
+    };
+    next = solve();
+    prescribe(n, next);
+    if (n > 0)
+    {
+      const Vector kinematic =
+          kinematic_forces({n, dt, dt * dt / (1 + dt / 2 * data_.alpha), u, moved, inverse_}, next);
+      f.contact += kinematic;
+      sum += kinematic;
+      next = solve();
+      prescribe(n, next);
+    }
+    const Vector v = (next - before) / (2 * dt), a = (next - 2 * u + before) / (dt * dt); // (3.68)
+    f.damping = -damping.cwiseProduct(v);
+    for (std::int64_t i = 0; i < num_; ++i)
+      if (held_[i])
+        f.support(i) = mass_(i) * a(i) - sum(i) - f.damping(i);
+    return {next, (u - before) / dt, (next - u) / dt, v, a};
+  }
+
+  // Energies at t_n. The work of every force is that of the trapezoidal rule: with equal steps it is exactly what the
+  // kinetic energy changes by.
+  void account(int n, const Vector& u, const Vector& moved, const Advance& step, const Forces& f)
+  {
+    const auto work = [&](Vector Forces::* force) { return n == 0 ? 0.0 : ((last_.*force) + f.*force).dot(moved) / 2; };
+    Vector& e = energies_;
+    e(kinetic) = step.before.dot(mass_.cwiseProduct(step.after)) / 2;
+    if (model_.linear())
+      e(internal_energy) = -u.dot(f.internal) / 2;
+    else
+      e(internal_energy) -= work(&Forces::internal);
+    e(damping_energy) -= work(&Forces::damping);
+    e(viscosity_energy) -= work(&Forces::viscosity);
+    e(external_energy) += work(&Forces::external) + work(&Forces::support);
+    contact_energies(n, moved);
+    e(total_energy) = e.head(external_energy).sum() - e(external_energy);
+    largest_ = std::max(largest_, e.head(external_energy + 1).cwiseAbs().sum());
+    if (n == 0)
+      start_ = e(total_energy);
+    e(drift) = largest_ > 0 ? (e(total_energy) - start_) / largest_ : 0;
+    last_ = f;
+  }
+
+  void contact_energies(int n, const Vector& moved)
+  {
+    double stored = 0, dissipated = 0;
+    for (std::size_t k = 0; k < data_.contacts.size(); ++k)
+    {
+      const ExplicitContact& contact = *data_.contacts[k];
+      const ContactAnswer& now = contact.answer();
+      ContactAnswer& last = last_answers_[k];
+      if (n > 0)
+      {
+        const Vec<double> master = contact.master_moved(n);
+        const auto half_sum = [](const Vec<double>& a, const Vec<double>& b) { return 0.5 * (a + b); };
+        // A moving obstacle does work as a prescribed motion does.
+        energies_(external_energy) += dot(half_sum(last.total, now.total), master);
+        if (contact.kinematic())
+        {
+          const double all = (last.force + now.force).dot(moved) / 2 - dot(half_sum(last.total, now.total), master);
+          const double slip =
+              (last.tangential + now.tangential).dot(moved) / 2 - dot(half_sum(last.friction, now.friction), master);
+          energies_(contact_energy) -= all - slip;
+          energies_(friction_energy) -= slip;
+        }
+      }
+      stored += now.stored - last.stored;
+      dissipated += now.dissipated - last.dissipated;
+      last = now;
+    }
+    energies_(contact_energy) += stored;
+    energies_(friction_energy) += dissipated;
+  }
+
+  ExplicitHistory room(std::int64_t rows) const
+  {
+    const Matrix field = Matrix::Zero(rows, num_);
+    ExplicitHistory out{Vector::Zero(rows), field, field, field, field, field, Matrix::Zero(rows, num_energies), {}};
+    for (const auto* contact : data_.contacts)
+    {
+      const auto nodes = std::int64_t(contact->nodes().size());
+      const int d = model_.gdim();
+      out.contacts.push_back({Matrix::Zero(rows, d),
+                              field,
+                              Matrix::Zero(rows, nodes),
+                              Matrix::Zero(rows, d * nodes),
+                              Matrix::Zero(rows, d * nodes),
+                              {}});
+      out.contacts.back().status.setZero(rows, nodes);
+    }
+    return out;
+  }
+
+  void keep(ExplicitHistory& out, std::int64_t row, double time, const Vector& u, const Advance& step,
+            const Forces& f) const
+  {
+    out.time(row) = time;
+    out.u.row(row) = u.transpose();
+    out.v.row(row) = step.v.transpose();
+    out.a.row(row) = step.a.transpose();
+    out.half.row(row) = step.after.transpose();
+    out.support.row(row) = f.support.transpose();
+    out.energies.row(row) = energies_.transpose();
+    for (std::size_t k = 0; k < data_.contacts.size(); ++k)
+    {
+      const ContactAnswer& now = data_.contacts[k]->answer();
+      ContactHistories& to = out.contacts[k];
+      for (int c = 0; c < model_.gdim(); ++c)
+        to.total(row, c) = now.total[c];
+      to.force.row(row) = now.force.transpose();
+      to.gap.row(row) = now.gap.transpose();
+      to.traction.row(row) = now.traction.reshaped<Eigen::RowMajor>().transpose();
+      to.slip.row(row) = now.slip.reshaped<Eigen::RowMajor>().transpose();
+      for (std::size_t i = 0; i < now.status.size(); ++i)
+        to.status(row, Eigen::Index(i)) = std::int64_t(now.status[i]);
+    }
+  }
+
+  const Model& model_;
+  const ExplicitData& data_;
+  std::int64_t num_;
+  Vector mass_, inverse_;
+  std::vector<bool> held_;
+  Csr stiffness_;
+  Vector energies_;
+  Forces last_;
+  std::vector<ContactAnswer> last_answers_; // of the contacts at t_(n-1)
+  double largest_ = 0, start_ = 0;
+};
+} // namespace
+
+ExplicitHistory run_explicit(const Model& model, const ExplicitData& data)
+{
+  check(model, data);
+  return Run(model, data).run();
+}
+} // namespace impact::reference

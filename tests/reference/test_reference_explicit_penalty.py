@@ -1,0 +1,253 @@
+"""Single states of explicit penalty contact: stiffness by the formula, Coulomb's law with history, rigid masters."""
+
+import impact_reference as ir
+import numpy as np
+import pytest
+from reference_meshes import box, boundary, facets_where, nodes_where
+
+OPEN, STICK, SLIP = 0, 1, 2
+
+
+def ring_or_plane(degree, axisymmetric, n_low=3, n_up=4):
+    """Two blocks on [1, 2] x [-1, 0] and [1, 2] x [0, 1]: model, slave, master and the nodes' sides."""
+    low, c_low = box("quadrilateral", (n_low, 2), mapping=lambda x: x + [1, -1])
+    up, c_up = box("quadrilateral", (n_up, 2), mapping=lambda x: x + [1, 0])
+    law = ir.Material(1.0, 0.3, 2.0, "axisymmetric" if axisymmetric else "plane_strain")
+    points, cells = np.vstack([low, up]), np.vstack([c_low, c_up + len(low)])
+    model = ir.Model(points, cells, "quadrilateral", law, degree=degree)
+    slave = facets_where(up, c_up, "quadrilateral", lambda x: x[1] == 0) + len(low)
+    master = facets_where(low, c_low, "quadrilateral", lambda x: x[1] == 0)
+    upper = np.zeros(len(model.field_points), dtype=bool)
+    upper[np.unique(model.field_cells[len(c_low) :])] = True
+    return model, slave, master, upper
+
+
+def line_areas(x, degree, axisymmetric):
+    """Areas of the nodes x (increasing) of a line of facets of equal length."""
+    areas = np.zeros(len(x))
+    for a in range(0, len(x) - 1, degree):
+        s, e = x[a], x[a + degree]
+        if degree == 1:
+            share = np.array([(2 * s + e) / 6, (s + 2 * e) / 6]) * 2 * np.pi if axisymmetric else np.array([0.5, 0.5])
+        else:
+            # int phi^2 R of the three functions on [-1, 1] with R = m + d xi: ends 4/15 m -+ 1/5 d, middle 16/15 m
+            m, d = ((s + e) / 2, (e - s) / 2) if axisymmetric else (1.0, 0.0)
+            share = np.array([4 * m - 3 * d, 16 * m, 4 * m + 3 * d]) / 15
+            share *= (2 * np.pi * m if axisymmetric else 1) / share.sum()
+        areas[a : a + degree + 1] += (e - s) * share
+    return areas
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("axisymmetric", [False, True])
+@pytest.mark.parametrize("balanced", [False, True])
+def test_stiffness_by_the_formula(degree, axisymmetric, balanced):
+    model, slave, master, upper = ring_or_plane(degree, axisymmetric)
+    x, mass, depth, dt = model.field_points, model.mass(lumped=True)[::2], 0.01, 0.03
+    u0 = np.zeros_like(x)
+    u0[upper, 1] = -depth
+    run = model.run_explicit(dt, 1, u0=u0.reshape(-1), contacts=[ir.NodalPenalty(slave, master, balanced=balanced)])
+    expected = np.zeros(len(x))
+    sides = [np.flatnonzero(side & (x[:, 1] == 0)) for side in (upper, ~upper)]
+    sides = [nodes[np.argsort(x[nodes, 0])] for nodes in sides]
+    for one, other in [sides, sides[::-1]][: 1 + balanced]:
+        areas = {}
+        for nodes in (one, other):
+            areas.update(zip(nodes, line_areas(x[nodes, 0], degree, axisymmetric)))
+        for i in one:
+            facet = min(int((x[i, 0] - 1) * (len(other) - 1) / degree + 1e-12), (len(other) - 1) // degree - 1)
+            masters = other[degree * facet : degree * (facet + 1) + 1]
+            X = x[masters, 0]
+            phi = [np.prod([(x[i, 0] - X[b]) / (X[a] - X[b]) for b in range(len(X)) if b != a]) for a in range(len(X))]
+            inverse = 1 / mass[i] + sum(abs(p) * (1 + areas[j] / areas[i]) / mass[j] for p, j in zip(phi, masters))
+            k = 0.5 / dt**2 / inverse / (1 + balanced)
+            direction = 1 if upper[i] else -1
+            expected[i] += k * depth * direction
+            expected[masters] -= k * depth * direction * np.array(phi)
+    force = run.contacts[0].force[0]
+    assert np.allclose(force[1::2], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    assert np.abs(force[::2]).max() < 1e-12 * np.abs(expected).max()
+    assert np.isclose(run.contacts[0].total[0, 1], force[1::2][upper].sum()) and force[1::2][upper].min() >= 0
+    # A given penalty is a pressure per depth: its total is that of the whole area.
+    run = model.run_explicit(
+        dt, 1, u0=u0.reshape(-1), contacts=[ir.NodalPenalty(slave, master, penalty=7.0, balanced=balanced)]
+    )
+    area = 3 * np.pi if axisymmetric else 1.0
+    assert np.isclose(run.contacts[0].total[0, 1], 7.0 * depth * area, rtol=1e-12)
+    assert np.isclose(run.energies["contact"][0], 7.0 * depth**2 * area / 2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_contact_keeps_the_step(degree):
+    """With the stiffness by the formula contact adds at most kappa / dt^2 to the square of the highest frequency."""
+    model, slave, master, upper = ring_or_plane(degree, False, 3, 5)
+    dt = 0.9 * model.stable_step()
+    u0 = np.zeros_like(model.field_points)
+    u0[upper, 1] = -1e-6
+    columns = []
+    contact = ir.NodalPenalty(slave, master, balanced=True)
+    # Columns of the spring matrix by differences of forces; all nodes stay closed.
+    base = model.run_explicit(dt, 1, u0=u0.reshape(-1), contacts=[contact]).contacts[0].force[0]
+    for i in range(model.num_dofs):
+        moved = u0.reshape(-1).copy()
+        moved[i] += 1e-8
+        columns.append(base - model.run_explicit(dt, 1, u0=moved, contacts=[contact]).contacts[0].force[0])
+    K = np.array(columns).T / 1e-8
+    K = (K + K.T)[1::2, 1::2] / 2
+    root = 1 / np.sqrt(model.mass(lumped=True)[1::2])
+    highest = np.linalg.eigvalsh(root[:, None] * K * root)[-1]
+    assert 0.1 / dt**2 < highest < 0.5 / dt**2 * (1 + 1e-4)
+
+
+def dragged(gdim, master, path, friction, chi, motion=None):
+    """A prescribed unit block on path (num_steps + 2, gdim): the run and the stiffness of its lower nodes."""
+    cell = "quadrilateral" if gdim == 2 else "hexahedron"
+    points, cells = box(cell, (1,) * gdim)
+    model = ir.Model(points, cells, cell, ir.Material(1.0, 0.3, 1.0, "plane_strain" if gdim == 2 else "3d"))
+    low = facets_where(points, cells, cell, lambda x: x[-1] == 0)
+    times = np.arange(len(path), dtype=float)
+    contact = ir.NodalPenalty(low, master, friction=friction, penalty=chi, motion=motion and (times, motion(times)))
+    values = (times, np.tile(path, (1, len(points))))
+    every = np.arange(model.num_dofs)
+    u0 = np.tile(path[0], len(points))
+    return model, model.run_explicit(1.0, len(path) - 2, u0=u0, fixed_dofs=every, values=values, contacts=[contact])
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_coulomb_step_by_step(moving):
+    """Closing within a step, sticking, being cut back, sticking the other way, opening: by hand; k = chi / 2 = 1."""
+    path = np.array(
+        [[0, 0.1], [1, -0.1], [1.5, -0.2], [1.5, -0.05], [1.3, -0.05], [1.3, 0.1], [1.3, -0.1], [1.3, -0.1]]
+    )
+    plane = ir.RigidPlane([0, 0], [0, 1.0])
+    if moving:  # half of the motion by the plane, the other way
+        _, run = dragged(2, plane, path / 2, 10.0, 2.0, motion=lambda t: -path / 2)
+    else:
+        _, run = dragged(2, plane, path, 10.0, 2.0)
+    contact = run.contacts[0]
+    traction, slip, status = contact.traction[:, 0, 0], contact.slip[:, 0, 0], contact.status[:, 0]
+    assert np.allclose(traction, [0, -0.5, -1.0, -0.5, -0.3, 0, 0], rtol=0, atol=1e-14)
+    assert np.allclose(slip, [0, 0, 0, 0.5, 0.5, 0, 0], rtol=0, atol=1e-14)
+    assert status.tolist() == [OPEN, STICK, STICK, SLIP, STICK, OPEN, STICK]
+    assert np.allclose(run.energies["friction"], 2 * np.array([0, 0, 0, 0.25, 0.25, 0.25, 0.25]), atol=1e-14)
+    springs = 2 * (np.minimum(path[:-1, 1], 0) ** 2 + traction**2) / 2
+    assert np.allclose(run.energies["contact"], springs, atol=1e-14)
+    # The nodes do not move freely: supports, or the plane, do what contact takes, to the rule of the trapezium.
+    force = contact.total
+    work = np.cumsum(np.sum((force[1:] + force[:-1]) * np.diff(path[:-1], axis=0), 1)) / 2
+    inertia = run.energies["kinetic"] - run.energies["kinetic"][0]
+    assert np.allclose((run.energies["external"] - inertia)[1:], -work, atol=1e-12)
+
+
+@pytest.mark.parametrize("gdim", [2, 3])
+@pytest.mark.parametrize("shape", ["plane", "sphere", "facets"])
+def test_coulomb_along_a_random_path(gdim, shape):
+    """The recurrence of the document written once more, on planes, balls and a fixed body; k = chi A."""
+    rng = np.random.default_rng(gdim)
+    path = np.cumsum(0.02 * rng.standard_normal((60, gdim)), 0)
+    path[:, -1] = 0.02 * rng.standard_normal(60) - 0.005
+    normal = np.eye(gdim)[-1]
+    chi, mu = 3.0, 0.5
+    k = chi / 2 ** (gdim - 1)
+    if shape == "facets":
+        cell = "quadrilateral" if gdim == 2 else "hexahedron"
+        p, c = box(cell, (1,) * gdim)
+        q, e = box(cell, (1,) * gdim, mapping=lambda x: 3 * (x - 0.5) - 1.5 * normal)
+        points, cells = np.vstack([p, q]), np.vstack([c, e + len(p)])
+        model = ir.Model(points, cells, cell, ir.Material(1.0, 0.3, 1.0, "plane_strain" if gdim == 2 else "3d"))
+        low = facets_where(p, c, cell, lambda x: x[-1] == 0)
+        top = facets_where(q, e, cell, lambda x: x[-1] == 0) + len(p)
+        where = np.hstack([np.tile(path, (1, len(p))), np.zeros((60, q.size))])
+        contact = ir.NodalPenalty(low, top, friction=mu, penalty=chi)
+        run = model.run_explicit(
+            1.0,
+            58,
+            u0=where[0],
+            fixed_dofs=np.arange(model.num_dofs),
+            values=(np.arange(60.0), where),
+            contacts=[contact],
+        )
+    elif shape == "plane":
+        normal = np.array([0.1, 0.2, 1.0])[-gdim:] / np.linalg.norm([0.1, 0.2, 1.0][-gdim:])
+        model, run = dragged(gdim, ir.RigidPlane(np.zeros(gdim), normal), path, mu, chi)
+    else:
+        model, run = dragged(gdim, ir.RigidSphere(-2.0 * np.eye(gdim)[-1], 2.0), path, mu, chi)
+
+    def gap_of(x):
+        if shape == "sphere":
+            d = x + 2.0 * np.eye(gdim)[-1]
+            return np.linalg.norm(d) - 2.0, d / np.linalg.norm(d)
+        return x @ normal, normal
+
+    contact = run.contacts[0]
+    seen = set()
+    for a, node in enumerate(contact.nodes):
+        x = model.field_points[node]
+        t, before, dissipated = np.zeros(gdim), np.inf, 0.0
+        for n in range(59):
+            g, nrm = gap_of(x + path[n])
+            assert np.isclose(contact.gap[n, a], g, atol=1e-13)
+            status = OPEN
+            if g >= 0:
+                t = np.zeros(gdim)
+            else:
+                P = np.eye(gdim) - np.outer(nrm, nrm)
+                moved = P @ (path[n] - path[n - 1]) if n else np.zeros(gdim)
+                psi = -g / (before - g) if before > 0 else 1.0
+                old = P @ t
+                if np.linalg.norm(old):
+                    old *= np.linalg.norm(t) / np.linalg.norm(old)
+                t = old - k * psi * moved
+                status = STICK
+                if np.linalg.norm(t) > -mu * k * g:
+                    t, status = -mu * k * g * t / np.linalg.norm(t), SLIP
+                dissipated += np.linalg.norm(t) * np.linalg.norm(psi * moved + (t - old) / k)
+            before = g
+            seen.add(status)
+            assert contact.status[n, a] == status
+            assert np.allclose(contact.traction[n, a], t, rtol=0, atol=1e-13)
+    assert seen == {OPEN, STICK, SLIP}
+
+
+def test_moving_wall_is_a_moving_body():
+    """A wall that comes to a body at rest, and a body that comes to a wall at rest: the same forces."""
+    points, cells = box("triangle", (3, 3))
+    model = ir.Model(points, cells, "triangle", ir.Material(100.0, 0.3, 1.0, "plane_strain"))
+    right = facets_where(points, cells, "triangle", lambda x: x[0] == 1)
+    dt, v = 0.5 * model.stable_step(), np.tile([1.0, 0.2], len(points))
+    runs = []
+    for kind in (ir.NodalPenalty, ir.NodalKinematic):
+        still = kind(right, ir.RigidPlane([1.05, 0], [-1.0, 0]), friction=0.3)
+        coming = kind(right, ir.RigidPlane([1.05, 0], [-1.0, 0]), friction=0.3, motion=lambda t: [-t, -0.2 * t])
+        a = model.run_explicit(dt, 150, v0=v, contacts=[still])
+        b = model.run_explicit(dt, 150, contacts=[coming])
+        assert np.abs(a.contacts[0].force).max() > 0
+        assert np.allclose(a.contacts[0].force, b.contacts[0].force, rtol=0, atol=1e-9)
+        assert np.allclose(a.u, b.u + b.time[:, None] * v, rtol=0, atol=1e-12)
+        # Springs that open and close between steps: the drift is the same in both systems.
+        scale = [np.abs(r.energies["total"] - r.energies["total"][0]) for r in (a, b)]
+        assert np.allclose(scale[0], scale[1], atol=1e-9)
+        assert b.energies["external"][-1] > 0.5
+        runs.append(a)
+    assert np.abs(runs[1].energies["drift"]).max() < 1e-12
+
+
+def test_contacts_that_do_not_fit_are_refused():
+    points, cells = box("triangle", (2, 2))
+    model = ir.Model(points, cells, "triangle", ir.Material(1.0, 0.3, 1.0, "plane_strain"))
+    low = facets_where(points, cells, "triangle", lambda x: x[1] == 0)
+    top = facets_where(points, cells, "triangle", lambda x: x[1] == 1)
+    plane = ir.RigidPlane([0, 0], [0, 1.0])
+    with pytest.raises(ValueError, match="penalty"):
+        ir.NodalPenalty(low, plane, penalty=-1.0)
+    with pytest.raises(ValueError, match="rigid"):
+        ir.NodalPenalty(low, top, motion=[0, 1.0])
+    for contact, message in [
+        (ir.NodalPenalty(low, plane, balanced=True), "balanced"),
+        (ir.NodalPenalty(low, plane, friction=-0.1), "friction"),
+        (ir.NodalKinematic(low, plane, sweeps=0), "sweep"),
+        (ir.NodalKinematic(np.vstack([low, low]), plane), "twice"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            model.run_explicit(0.01, 1, contacts=[contact])
+    assert boundary(cells, "triangle").shape[1] == 2 and len(nodes_where(points, lambda x: x[1] == 0)) == 3
