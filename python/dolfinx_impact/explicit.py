@@ -171,7 +171,9 @@ class ExplicitProblem(March, Restart):
             factors = [fem.Constant(mesh, default_scalar_type(f)) for f in self._viscosity]
             form = operators.sum_materials(
                 self.u, self.material,
-                lambda m, dx: viscosity.bulk(self.velocity, v, m.law(mesh), m.density_constant(mesh), *factors, dx),
+                lambda m, dx: viscosity.bulk(
+                    self.u, self.velocity, v, m.law(mesh), m.density_constant(mesh), *factors, dx
+                ),
             )  # fmt: skip
             self._term(form, accounts.viscosity)
 

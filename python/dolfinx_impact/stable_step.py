@@ -25,29 +25,12 @@ def damped(omega, alpha=0.0, beta=0.0, viscosity=0.0, scheme="half_step"):
 
 
 def cell_sizes(mesh):
-    """Volume over the largest facet of each owned cell (simplices: times the dimension, which makes it the smallest
-    altitude), from its corners [L]."""
+    """Shortest edge between corners of each owned cell [L]."""
     cell = getattr(basix.CellType, mesh.topology.cell_name())
-    topology, tdim = basix.topology(cell), mesh.topology.dim
-    num_cells = mesh.topology.index_map(tdim).size_local
-    x = mesh.geometry.x[mesh.geometry.dofmap[:num_cells, : len(topology[0])]]
-    simplex = len(topology[0]) == tdim + 1
-    reference = basix.geometry(cell)
-    # Derivatives of the corners' functions at the centre; those of simplices are constant.
-    element = basix.create_element(basix.ElementFamily.P, cell, 1)
-    table = element.tabulate(1, reference.mean(axis=0)[None])[1:, 0, :, 0]
-    J = np.einsum("an,cni->cia", table, x[:, :, : mesh.geometry.dim])
-    gram = np.einsum("cia,cib->cab", J, J)
-    volume = np.sqrt(np.abs(np.linalg.det(gram))) / (math.factorial(tdim) if simplex else 1)
-    facets = []
-    for corners in topology[tdim - 1]:
-        p = x[:, corners]
-        if tdim == 2:
-            facets.append(np.linalg.norm(p[:, 1] - p[:, 0], axis=1))
-        else:
-            a, b = (p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) if simplex else (p[:, 3] - p[:, 0], p[:, 2] - p[:, 1])
-            facets.append(np.linalg.norm(np.cross(a, b), axis=1) / 2)
-    return volume / np.max(facets, axis=0) * (tdim if simplex else 1)
+    num_cells = mesh.topology.index_map(mesh.topology.dim).size_local
+    x = mesh.geometry.x[mesh.geometry.dofmap[:num_cells]]
+    edges = np.array(basix.topology(cell)[1])
+    return np.min(np.linalg.norm(x[:, edges[:, 0]] - x[:, edges[:, 1]], axis=2), axis=1)
 
 
 class Frequencies:

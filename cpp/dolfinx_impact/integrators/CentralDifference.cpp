@@ -176,10 +176,11 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
 
 // --- the step -----------------------------------------------------------------------------------------------
 
+/// The first step is half a step from v_0: seed (3.76).
 Coefficients CentralDifference::coefficients(double dt) const
 {
-  const double h = 0.5 * ((_last_step > 0.0 ? _last_step : dt) + dt);
-  if (_scheme == Scheme::classical)
+  const double h = 0.5 * (_last_step + dt);
+  if (_scheme == Scheme::classical && _last_step > 0.0)
     return {(1.0 - 0.5 * dt * _alpha) / (1.0 + 0.5 * dt * _alpha), dt / (1.0 + 0.5 * dt * _alpha), dt};
   return {1.0 - h * _alpha, h, dt};
 }
@@ -286,14 +287,7 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
 
 void CentralDifference::advance(double dt, const double* amplitudes)
 {
-  if (_last_step == 0.0) // from v_0 to v_(-1/2), seed (3.77)
-  {
-    const double half = 0.5 * dt;
-    for (std::size_t i = 0; i < _owned; ++i)
-      _v[i] -= half * (_inverse[i] * (_load[i] - _r[i]) - (_inverse[i] > 0.0 ? _alpha * _v[i] : 0.0));
-  }
   const Coefficients c = coefficients(dt);
-  const double h = 0.5 * ((_last_step > 0.0 ? _last_step : dt) + dt);
   for (Motion& motion : _motions)
     for (std::size_t k = 0; k < motion.dofs.size(); ++k)
     {
@@ -310,10 +304,10 @@ void CentralDifference::advance(double dt, const double* amplitudes)
     }
   Sums sums =
       update(_owned, _r.data(), _loads.empty() ? nullptr : _load.data(), _inverse.data(), c, _u.data(), _v.data());
-  prescribed_motion(dt, h, amplitudes, sums);
+  prescribed_motion(dt, 0.5 * (_last_step + dt), amplitudes, sums);
   move_obstacles(amplitudes, false);
   if (_kinematic)
-    kinematic_contact(dt, h, sums);
+    kinematic_contact(dt, c.push, sums);
   else
   {
     _halo->forward_begin(_u.data(), _bs);

@@ -23,7 +23,8 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
   _damped.before = 0.5 * _last_step * _alpha * old;
   auto& e = _local;
   e.fill(0.0);
-  e[Local::kinetic] = 0.5 * sums.momentum;
+  // At the start v_(-1/2) = 2 v_0 - v_(1/2), seed (3.77).
+  e[Local::kinetic] = _last_step > 0.0 ? 0.5 * sums.momentum : sums.momentum - 0.5 * sums.speed;
   e[Local::speed] = 0.5 * sums.speed;
   e[Local::position] = 0.5 * sums.position;
   e[Local::residual_work] = _residual_work.value();
@@ -86,8 +87,7 @@ Energies CentralDifference::energies()
   if (!_fresh)
     evaluate();
   const double dt = _last_step;
-  Sums sums = measure(_owned, _r.data(), _load.data(), _inverse.data(), coefficients(dt > 0.0 ? dt : 0.0), _u.data(),
-                      _v.data());
+  Sums sums = measure(_owned, _r.data(), _load.data(), _inverse.data(), coefficients(dt), _u.data(), _v.data());
   double support = 0.0; // as if prescribed motion went on as it did
   for (const Motion& motion : _motions)
     for (std::int32_t i : motion.dofs)

@@ -28,14 +28,13 @@ def block_on_block(comm=COMM, kind=di.Penalty, friction=0.3, law=di.LinearElasti
     v.x.scatter_forward()
     bottom = fem.locate_dofs_topological(V, 1, made.facet_tags.find(tags["bottom"]))
     base = fem.dirichletbc(np.array([0.0, 0.002]), bottom, V)
-    bcs = [di.PrescribedMotion(base, lambda t: np.sin(20 * t)) if moving else fem.dirichletbc(np.zeros(2), bottom, V)]
+    still = fem.dirichletbc(np.zeros(2), bottom, V)
+    bcs = [di.PrescribedMotion(base, lambda t: np.sin(20 * t)) if moving else still]
     pair = di.ContactPair(made.facet_tags, tags["slave_surface"], tags["master_surface"], friction=friction)
     steel = law(young, 0.3, 1.0, "plane_strain")
     loads = [di.BodyForce((0.0, -9.81), amplitude=lambda t: 1.0 - np.exp(-t))]
-    damping = di.Rayleigh(0.1, 1e-5)
-    return di.ExplicitProblem(
-        u, steel, velocity=v, bcs=bcs, loads=loads, damping=damping, contact=[kind(pair, **options)]
-    )  # fmt: skip
+    others = {"bcs": bcs, "loads": loads, "damping": di.Rayleigh(0.1, 1e-5)}
+    return di.ExplicitProblem(u, steel, velocity=v, contact=[kind(pair, **options)], **others)
 
 
 def folder():
