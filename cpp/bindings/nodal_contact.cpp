@@ -177,11 +177,13 @@ void impact::bindings::nodal(nb::module_& m)
              double dt, MutableValues f)
           {
             const int gdim = self.candidates().gdim();
-            self.correct(over(halo, u, gdim, "u"), over(halo, du, gdim, "du"),
+            const std::vector<double> rest(u.size(), 0.0);
+            self.correct(over(halo, u, gdim, "u"), over(halo, du, gdim, "du"), rest.data(),
                          over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, over(halo, f, gdim, "f"));
           },
           nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"), nb::arg("dt"),
-          nb::arg("f"), "Correct u and add the forces to f (views are changed). Collective")
+          nb::arg("f"),
+          "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
       .def("set_obstacle", &NodeToSurface::set_obstacle, nb::arg("displacement"), nb::arg("increment"))
       .def("wake_all", &NodeToSurface::wake_all)
       .def_prop_ro("kinematic", &NodeToSurface::kinematic)

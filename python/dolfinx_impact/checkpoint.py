@@ -5,6 +5,7 @@ the cell's number in the mesh's input: that number is the same on any ranks. A f
 renamed when it is complete, so that whatever happens the last checkpoint opens.
 """
 
+import contextlib
 import os
 import shutil
 from pathlib import Path
@@ -139,7 +140,8 @@ def write(path, problem, arrays, nodal, ranks, attributes):
         error = _together(comm, work)
         if error:
             if comm.rank == 0:
-                part.unlink(missing_ok=True)
+                with contextlib.suppress(OSError):
+                    part.unlink()
             raise RuntimeError(f"the checkpoint {path} could not be written ({error}); what was there is untouched")
 
 

@@ -36,10 +36,11 @@ class Restart:
         arrays.update({f"part{k}": parts[k] for k in range(count)})
         nodal, ranks = {}, {"accounts": state["accounts"]}
         for k, contact in enumerate(self.contact):
+            energies = [np.array([side.energy()[name] for name in ENERGY]) for side in contact.sides()]
+            energies[0] -= sum(energies[1:])  # the first has that of both
             for j, side in enumerate(contact.sides()):
                 nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history(), bs))
-                energy = side.energy()
-                ranks[f"contact{k}_{j}"] = np.array([energy[name] for name in ENERGY])
+                ranks[f"contact{k}_{j}"] = energies[j]
         plan = self._plan
         attributes = {
             "time": self.time, "step": self.step, "safe": self._safe, "nominal": self._nominal,

@@ -56,10 +56,12 @@ public:
   /// Kinematic: corrects a predicted configuration. Collective. No allocation.
   /// @param[in,out] u predicted displacements, ghosts valid; on return corrected, ghosts valid [L]
   /// @param[in] du predicted increments of the step (over the Halo's nodes)
+  /// @param[in] before increments of the step before, which work counts half of (over the Halo's nodes)
   /// @param[in] h a force f moves a node by h*f/m in the step [T^2]
   /// @param[in] dt step [T]
   /// @param[in,out] f complete on owned nodes: forces are added [F]
-  virtual void correct(double* u, const double* du, const double* inverse_mass, double h, double dt, double* f) = 0;
+  virtual void correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
+                       double dt, double* f) = 0;
   /// Does it act by add_forces (false) or by correct (true)?
   virtual bool kinematic() const = 0;
 

@@ -64,7 +64,8 @@ public:
   double used(const NodalState& state) const override;
   void forget() override;
   void add_forces(const NodalState& state, double* f) override;
-  void correct(double* u, const double* du, const double* inverse_mass, double h, double dt, double* f) override;
+  void correct(double* u, const double* du, const double* before, const double* inverse_mass, double h, double dt,
+               double* f) override;
   bool kinematic() const override { return _options.kinematic; }
   ContactEnergy energy() const override;
   const double* force() const override { return _force.data(); }
@@ -115,7 +116,7 @@ private:
   void add_couple(const Touch& touch, const double* u, const double* tangential, double* f) const;
   // Kinematic contact.
   void number_kinematic(operators::Halo& halo, const double* mass);
-  void predict(const double* u, const double* du);
+  void predict(const double* u, const double* du, const double* before);
   void spread_residual();
   void solve_forces(double h);
   void apply(const double* inverse_mass, double h);
@@ -152,7 +153,6 @@ private:
   std::size_t _num_touch = 0;
   std::vector<double> _depth, _motion, _residual, _nodal_force;
   std::vector<std::int32_t> _touched;
-  std::vector<double> _spread, _response, _sum, _moved, _base, _before;
-  bool _has_base = false;
+  std::vector<double> _spread, _response, _sum, _moved, _before;
 };
 } // namespace impact::enforcement

@@ -8,7 +8,7 @@ namespace impact::enforcement
 {
 void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
 {
-  const std::size_t num = halo.num_nodes(), owned = std::size_t(halo.num_owned()) * _gdim;
+  const std::size_t num = halo.num_nodes();
   _node_mass.assign(mass, mass + num);
   _touched.assign(_candidates.watched().begin(), _candidates.watched().end());
   _touched.insert(_touched.end(), _tracking.master().nodes.begin(), _tracking.master().nodes.end());
@@ -18,14 +18,11 @@ void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
   _response.assign(num * _gdim, 0.0);
   _sum.assign(num * _gdim, 0.0);
   _moved.assign(num * _gdim, 0.0);
-  _base.resize(owned, 0.0);
-  _base.resize(num * _gdim, 0.0);
-  halo.forward(_base.data(), _gdim);
   _before.assign(num * _gdim, 0.0);
 }
 
 /// Closed nodes of the predicted configuration.
-void NodeToSurface::predict(const double* u, const double* du)
+void NodeToSurface::predict(const double* u, const double* du, const double* before)
 {
   const int D = _gdim;
   _num_touch = 0;
@@ -46,12 +43,9 @@ void NodeToSurface::predict(const double* u, const double* du)
     for (int c = 0; c < D; ++c)
     {
       const std::size_t k = std::size_t(node) * D + c;
-      const double base = u[k] - du[k];
-      _before[k] = _has_base ? base - _base[k] : 0.0;
-      _base[k] = base;
+      _before[k] = before[k];
       _moved[k] = 0.0;
     }
-  _has_base = true;
 }
 
 /// Motion that is still to be made up for, and how masters with the mass of their slaves would take it.
@@ -162,7 +156,8 @@ void NodeToSurface::apply(const double* inverse_mass, double h)
     _halo->forward(_moved.data(), D);
 }
 
-void NodeToSurface::correct(double* u, const double* du, const double* inverse_mass, double h, double dt, double* f)
+void NodeToSurface::correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
+                            double dt, double* f)
 {
   const int D = _gdim;
   if (!_rigid)
@@ -170,7 +165,7 @@ void NodeToSurface::correct(double* u, const double* du, const double* inverse_m
     _candidates.advance(dt);
     _tracking.advance(u, du);
   }
-  predict(u, du);
+  predict(u, du, before);
   for (int sweep = 0; sweep < _options.sweeps; ++sweep)
   {
     spread_residual();

@@ -101,7 +101,7 @@ void CentralDifference::resize(std::shared_ptr<const dolfinx::common::IndexMap> 
 {
   _halo = std::make_unique<Halo>(map);
   const std::size_t size = std::size_t(_halo->num_nodes()) * _bs;
-  for (std::vector<double>* values : {&_u, &_v, &_r, &_du, &_mass, &_inverse, &_contact_force})
+  for (std::vector<double>* values : {&_u, &_v, &_r, &_du, &_du_before, &_mass, &_inverse, &_contact_force})
     values->resize(size, 0.0);
   _old_ghosts.resize(size - _owned);
   for (Part& part : _parts)
@@ -258,10 +258,12 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
     _du[i] = dt * _v[i];
     _contact_force[i] = 0.0;
   }
+  for (std::size_t k = 0; k < _touched.size(); ++k)
+    _du_before[_touched[k]] = _last_step * _before[2 * k];
   for (Contact& c : _contacts)
     if (c.contact->kinematic())
     {
-      c.contact->correct(_u.data(), _du.data(), _inverse.data(), h * dt, dt, _contact_force.data());
+      c.contact->correct(_u.data(), _du.data(), _du_before.data(), _inverse.data(), h * dt, dt, _contact_force.data());
       for (int k = 0; k < _bs; ++k)
         _obstacle_work += 0.5 * c.moved_before[k] * c.contact->force()[k];
     }

@@ -152,13 +152,13 @@ private:
   std::vector<Contact> _contacts;
   std::vector<Part> _parts;
   std::unique_ptr<Halo> _halo;
-  std::size_t _owned, _own_size;       ///< degrees of freedom: owned, with the space's ghosts
-  std::vector<double> _u, _v, _r, _du; ///< over the halo's nodes
-  std::vector<double> _mass, _inverse; ///< per degree of freedom over the halo's nodes
-  std::vector<double> _load;           ///< owned
-  std::vector<std::int32_t> _touched;  ///< degrees of freedom that contacts may act on
-  std::vector<double> _before;         ///< of touched ones: velocity and residual before an update
-  std::vector<double> _contact_force;  ///< kinematic, over the halo's nodes
+  std::size_t _owned, _own_size;                   ///< degrees of freedom: owned, with the space's ghosts
+  std::vector<double> _u, _v, _r, _du, _du_before; ///< over the halo's nodes
+  std::vector<double> _mass, _inverse;             ///< per degree of freedom over the halo's nodes
+  std::vector<double> _load;                       ///< owned
+  std::vector<std::int32_t> _touched;              ///< degrees of freedom that contacts may act on
+  std::vector<double> _before;                     ///< of touched ones: velocity and residual before an update
+  std::vector<double> _contact_force;              ///< kinematic, over the halo's nodes
   std::vector<double> _old_ghosts;
   double _last_step = 0.0; ///< that led here; 0 at the start
   double _contact_step = 0.0;

@@ -56,7 +56,7 @@ VARIANTS = (
 
 
 def check_a_restored_run_is_the_uninterrupted_one():
-    """Bit for bit on the same ranks, in the middle of a call of advance, contact closed; both write the same checkpoints
+    """Bit for bit on the same ranks, inside a call of advance, contact closed; both write the same checkpoints
     (writing one looks for contact anew)."""
     made, path = folder()
     for variant in VARIANTS:
