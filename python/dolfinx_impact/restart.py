@@ -52,7 +52,8 @@ class Restart:
     def restore(self, path):
         """Go on from a checkpoint of the same problem, written on any number of ranks. Collective.
 
-        On as many ranks as wrote it the run goes on bit for bit, on others to round-off. `advance` with the time that
+        On as many ranks as wrote it the run goes on bit for bit (if DOLFINx numbers the mesh as it did then, which it
+        does not always on three ranks and more), on others to round-off. `advance` with the time that
         the interrupted call had continues with its very steps.
 
         Raises:

@@ -1,5 +1,6 @@
 """Checkpoints of explicit runs: written, read and continued. See on_ranks.py."""
 
+import functools
 import os
 import tempfile
 from pathlib import Path
@@ -15,10 +16,16 @@ from dolfinx_impact import meshes
 COMM = MPI.COMM_WORLD
 
 
+@functools.cache
+def mesh_of(comm):
+    """One mesh for all: DOLFINx may number it otherwise when it is made once more on several ranks."""
+    size = {"lower": (1.4, 0.5), "upper": (1.0, 0.5), "lower_cells": (14, 5), "upper_cells": (12, 5)}
+    return meshes.make("two_blocks", comm, **size)
+
+
 def block_on_block(comm=COMM, kind=di.Penalty, friction=0.3, law=di.LinearElastic, moving=True, young=1e3, **options):
     """A block thrown obliquely on another one; problem, not run yet."""
-    size = {"lower": (1.4, 0.5), "upper": (1.0, 0.5), "lower_cells": (14, 5), "upper_cells": (12, 5)}
-    made = meshes.make("two_blocks", comm, **size)
+    made = mesh_of(comm)
     tags = made.tags
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
     u, v = fem.Function(V), fem.Function(V)
