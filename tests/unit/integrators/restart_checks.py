@@ -1,6 +1,5 @@
 """Checkpoints of explicit runs: written, read and continued. See on_ranks.py."""
 
-import functools
 import os
 import tempfile
 from pathlib import Path
@@ -16,11 +15,15 @@ from dolfinx_impact import meshes
 COMM = MPI.COMM_WORLD
 
 
-@functools.cache
+MADE = {}
+
+
 def mesh_of(comm):
     """One mesh for all: DOLFINx may number it otherwise when it is made once more on several ranks."""
-    size = {"lower": (1.4, 0.5), "upper": (1.0, 0.5), "lower_cells": (14, 5), "upper_cells": (12, 5)}
-    return meshes.make("two_blocks", comm, **size)
+    if comm.handle not in MADE:
+        size = {"lower": (1.4, 0.5), "upper": (1.0, 0.5), "lower_cells": (14, 5), "upper_cells": (12, 5)}
+        MADE[comm.handle] = meshes.make("two_blocks", comm, **size)
+    return MADE[comm.handle]
 
 
 def block_on_block(comm=COMM, kind=di.Penalty, friction=0.3, law=di.LinearElastic, moving=True, young=1e3, **options):
