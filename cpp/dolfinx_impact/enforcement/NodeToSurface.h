@@ -107,10 +107,13 @@ private:
   bool touches(std::size_t i, const double* u, const double* du, Touch& touch);
   search::Projection rigid_point(std::size_t i, const double* u, const double* du) const;
   void open(std::size_t i, double gap);
-  double stiffness(const Touch& touch, double dt) const;
+  double compliance(const Touch& touch, double dt) const;
   void relative(const Touch& touch, const double* values, double* out) const;
   double counted_part(const Touch& touch, const NodalState& state) const;
-  void add_couple(const Touch& touch, const double* u, const double* tangential, double* f) const;
+  template <int D>
+  void add_node(const Touch& touch, const NodalState& state, double* f);
+  template <int D>
+  void add_all(const NodalState& state, double* f);
   // Kinematic contact.
   void number_kinematic(operators::Halo& halo, const double* mass);
   void predict(const double* u, const double* du);
@@ -132,7 +135,7 @@ private:
   double _share = 1.0; ///< of the stiffness: half when balanced
 
   operators::Halo* _halo = nullptr;
-  std::vector<double> _mass;      ///< of slave nodes
+  std::vector<double> _mass, _inverse_mass, _per_area; ///< of slave nodes: masses, reciprocals of masses and areas
   std::vector<double> _inverse;   ///< over the Halo: 1/m, A/m of master nodes
   std::vector<double> _node_mass; ///< over the Halo
 

@@ -61,6 +61,8 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
   _tangential.assign(vector, 0.0);
   _stiffness.assign(n, 0.0);
   _closed.assign(n, 0);
+  for (double area : _candidates.areas())
+    _per_area.push_back(1.0 / area);
   if (options.kinematic)
   {
     _touch.resize(n);
@@ -110,6 +112,8 @@ void NodeToSurface::number(operators::Halo& halo, const double* mass)
   _mass.resize(_candidates.nodes().size());
   std::transform(_candidates.nodes().begin(), _candidates.nodes().end(), _mass.begin(),
                  [&](std::int32_t node) { return mass[node]; });
+  _inverse_mass.resize(_mass.size());
+  std::transform(_mass.begin(), _mass.end(), _inverse_mass.begin(), [](double m) { return 1.0 / m; });
   if (!_rigid)
   {
     const std::vector<double> areas = _candidates.master_areas(halo);
@@ -154,11 +158,7 @@ void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, cons
 
 NodalHistory NodeToSurface::history() const
 {
-  return {_tangential,
-          _results.slip,
-          _closed,
-          {_tracking.held().begin(), _tracking.held().end()},
-          {_tracking.held_xi().begin(), _tracking.held_xi().end()}};
+  return {_tangential, _results.slip, _closed, {_tracking.held().begin(), _tracking.held().end()}, _tracking.held_xi()};
 }
 
 void NodeToSurface::set_history(const NodalHistory& history)

@@ -123,13 +123,14 @@ inline bool foot(const double* X, const double* point, double* xi)
   }
   else
   {
-    double e1[3], e2[3], twist[3], r0[3];
+    double e1[3], e2[3], twist[3], r0[3], twist_squared = 0.0;
     for (int c = 0; c < 3; ++c)
     {
       e1[c] = X[3 + c] - X[c];
       e2[c] = X[6 + c] - X[c];
       twist[c] = X[9 + c] - X[6 + c] - e1[c];
       r0[c] = point[c] - X[c];
+      twist_squared += twist[c] * twist[c];
     }
     for (int iteration = 0; iteration < 12; ++iteration)
     {
@@ -153,7 +154,9 @@ inline bool foot(const double* X, const double* point, double* xi)
       xi[0] += s1;
       xi[1] += s2;
       const double size = std::max(std::abs(s1), std::abs(s2));
-      if (size < 1e-8) // what is left is the square of it
+      // What is left is the square of the step, times how much the facet is twisted.
+      const double squared = size * size;
+      if (16 * twist_squared * squared * squared < 1e-32 * std::min(h11, h22))
         return true;
       if (!(std::abs(xi[0] - 0.5) < 20.0 && std::abs(xi[1] - 0.5) < 20.0))
         return false;
@@ -162,17 +165,23 @@ inline bool foot(const double* X, const double* point, double* xi)
   }
 }
 
-/// The nearest point of the facet's edges and vertices.
+/// The nearest point of the facet's edges and vertices. It lies on an edge beyond which the foot is.
+/// @param[in] foot reference coordinates, outside the facet
 template <FacetShape S>
-inline void boundary(const double* X, const double* point, FacetProjection& out)
+inline void boundary(const double* X, const double* point, const double* foot, FacetProjection& out)
 {
   constexpr int D = dimension<S>, edges = S == FacetShape::interval ? 1 : num_nodes<S>;
   constexpr int corners[3][4][2] = {
       {{0, 1}}, {{1, 2}, {0, 2}, {0, 1}}, {{0, 1}, {0, 2}, {1, 3}, {2, 3}}}; // as edge_corners
   constexpr double places[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
-  double best = 0.0;
+  const double x = foot[0], y = foot[1];
+  const bool quadrilateral[4] = {y < 0, x < 0, x > 1, y > 1}, triangle[4] = {x + y > 1, x < 0, y < 0, false};
+  double best = 0.0, xi[2] = {};
+  bool any = false;
   for (int e = 0; e < edges; ++e)
   {
+    if (!(S == FacetShape::interval || (S == FacetShape::triangle ? triangle[e] : quadrilateral[e])))
+      continue;
     const int i = corners[int(S)][e][0], j = corners[int(S)][e][1];
     double d[3], b[3], bb = 0.0, db = 0.0, squared = 0.0;
     for (int c = 0; c < D; ++c)
@@ -185,17 +194,20 @@ inline void boundary(const double* X, const double* point, FacetProjection& out)
     const double t = db <= 0.0 ? 0.0 : db >= bb ? 1.0 : db / bb;
     for (int c = 0; c < D; ++c)
       squared += (d[c] - t * b[c]) * (d[c] - t * b[c]);
-    if (e > 0 && !(squared < best))
+    if (any && !(squared < best))
       continue;
+    any = true;
     best = squared;
     const bool vertex = t == 0.0 || t == 1.0;
     out.status = vertex ? ProjectionStatus::vertex : ProjectionStatus::edge;
     out.entity = std::int8_t(vertex ? (t == 0.0 ? i : j) : e);
     for (int a = 0; a < 2; ++a)
-      out.xi[a] = (1 - t) * places[i][a] + t * places[j][a];
+      xi[a] = (1 - t) * places[i][a] + t * places[j][a];
     for (int c = 0; c < D; ++c)
       out.x[c] = X[D * i + c] + t * b[c];
   }
+  out.xi[0] = xi[0];
+  out.xi[1] = xi[1];
   out.distance = std::sqrt(best);
 }
 
@@ -208,7 +220,7 @@ inline bool project(const double* X, const double* point, const double* start, F
   constexpr int D = dimension<S>;
   out.xi[0] = start ? start[0] : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
   out.xi[1] = start ? start[1] : S == FacetShape::interval ? 0.0 : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
-  if (!foot<S>(X, point, out.xi))
+  if (!linear::foot<S>(X, point, out.xi))
     return false;
   bool inside = out.xi[0] >= -margin;
   if constexpr (S == FacetShape::interval)
@@ -219,7 +231,8 @@ inline bool project(const double* X, const double* point, const double* start, F
     inside = inside && out.xi[1] >= -margin && out.xi[0] <= 1 + margin && out.xi[1] <= 1 + margin;
   if (!inside)
   {
-    boundary<S>(X, point, out);
+    const double foot[2] = {out.xi[0], out.xi[1]};
+    boundary<S>(X, point, foot, out);
     return true;
   }
   double phi[4], squared = 0.0;
