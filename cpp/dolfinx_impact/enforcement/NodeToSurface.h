@@ -136,8 +136,8 @@ private:
 
   operators::Halo* _halo = nullptr;
   std::vector<double> _mass, _inverse_mass, _per_area; ///< of slave nodes: masses, reciprocals of masses and areas
-  std::vector<double> _inverse;   ///< over the Halo: 1/m, A/m of master nodes
-  std::vector<double> _node_mass; ///< over the Halo
+  std::vector<double> _inverse;                        ///< over the Halo: 1/m, A/m of master nodes
+  std::vector<double> _node_mass;                      ///< over the Halo
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;
