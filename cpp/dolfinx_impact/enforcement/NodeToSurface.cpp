@@ -2,7 +2,7 @@
 #include "../search/linear_facet.h"
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <utility>
 
 namespace impact::enforcement
 {
@@ -82,6 +82,7 @@ bool NodeToSurface::touches(std::size_t i, const double* u, const double* du, To
   const surface::Facets& master = _tracking.master();
   touch.num = master.displacement.num_nodes();
   touch.masters = master.nodes_of(at.facet);
+  touch.corners = _tracking.corners(at.facet);
   shape_values(master.displacement, at.xi, touch.phi);
   _tracking.hold(i, at);
   return true;
@@ -97,8 +98,8 @@ double NodeToSurface::compliance(const Touch& touch, double dt) const
   for (int j = 0; j < touch.num; ++j)
   {
     const double weight = std::abs(touch.phi[j]);
-    own += weight * _inverse[2 * touch.masters[j]];
-    masters += weight * _inverse[2 * touch.masters[j] + 1];
+    own += weight * _inverse[2 * touch.corners[j]];
+    masters += weight * _inverse[2 * touch.corners[j] + 1];
   }
   return dt * dt * (own + masters * per_area) / (_share * _options.kappa);
 }
@@ -170,8 +171,8 @@ bool coulomb(const double* n, double k, double per_k, double limit, double* t, d
 /// friction on the slave and on the master acts at points that are a gap apart, and this turns back by as much.
 /// @param[out] w their sizes
 template <int D>
-void couple(int num, const std::int32_t* nodes, const double* X, const double* u, const double* n, double gap,
-            const double* t, double* w)
+void couple(int num, const std::int32_t* nodes, const double* positions, const double* n, double gap, const double* t,
+            double* w)
 {
   // Axes of the tangent plane: along the force, and across it.
   double squared = 0.0, mean[D] = {}, x[FacetElement::max_nodes][D], place[FacetElement::max_nodes][2];
@@ -188,7 +189,7 @@ void couple(int num, const std::int32_t* nodes, const double* X, const double* u
   for (int j = 0; j < num; ++j)
     for (int c = 0; c < D; ++c)
     {
-      x[j][c] = X[j * D + c] + u[std::size_t(nodes[j]) * D + c];
+      x[j][c] = positions[std::size_t(nodes[j]) * D + c];
       mean[c] += part * x[j][c];
     }
   double aa = 0.0, bb = 0.0, ab = 0.0;
@@ -230,7 +231,7 @@ void NodeToSurface::add_node(const Touch& touch, const NodalState& state, double
       motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
     for (int j = 0; j < touch.num; ++j)
       for (int c = 0; c < D; ++c)
-        motion[c] -= touch.phi[j] * state.du[std::size_t(touch.masters[j]) * D + c];
+        motion[c] -= touch.phi[j] * _tracking.master_du()[std::size_t(touch.corners[j]) * D + c];
     const double part = counted_part(touch, state);
     for (int c = 0; c < D; ++c)
       motion[c] *= part;
@@ -253,7 +254,7 @@ void NodeToSurface::add_node(const Touch& touch, const NodalState& state, double
     else
       status = ContactStatus::stick;
     if (!_rigid && tangential_squared > 0.0)
-      couple<D>(touch.num, touch.masters, _tracking.master().X_of(touch.at.facet), state.u, n, touch.at.gap, t, w);
+      couple<D>(touch.num, touch.corners, _tracking.master_x(), n, touch.at.gap, t, w);
   }
   const double per_area = _per_area[i];
   for (int c = 0; c < D; ++c)
@@ -264,7 +265,7 @@ void NodeToSurface::add_node(const Touch& touch, const NodalState& state, double
   }
   for (int j = 0; j < touch.num; ++j)
     for (int c = 0; c < D; ++c)
-      f[std::size_t(touch.masters[j]) * D + c] += w[j] * n[c] - touch.phi[j] * force[c];
+      _master_force[std::size_t(touch.corners[j]) * D + c] += w[j] * n[c] - touch.phi[j] * force[c];
   _closed[i] = 1;
   _stiffness[i] = k;
   _results.status[i] = status;
@@ -280,6 +281,11 @@ void NodeToSurface::add_all(const NodalState& state, double* f)
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
     if ((_rigid || !_tracking.asleep(i)) && touches(i, state.u, state.du, touch))
       add_node<D>(touch, state, f);
+  // Zero again for the next step.
+  const auto masters = _tracking.master_nodes();
+  for (std::size_t k = 0; k < masters.size(); ++k)
+    for (int c = 0; c < D; ++c)
+      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k * D + c], 0.0);
 }
 
 void NodeToSurface::add_forces(const NodalState& state, double* f)

@@ -95,8 +95,9 @@ private:
   {
     std::size_t i;
     std::int32_t node;
-    int num = 0; ///< master nodes
-    const std::int32_t* masters = nullptr;
+    int num = 0;                           ///< master nodes
+    const std::int32_t* masters = nullptr; ///< numbers
+    const std::int32_t* corners = nullptr; ///< positions in NodeTracking's list of them
     double phi[surface::FacetElement::max_nodes];
     search::Projection at;
   };
@@ -136,7 +137,8 @@ private:
 
   operators::Halo* _halo = nullptr;
   std::vector<double> _mass, _inverse_mass, _per_area; ///< of slave nodes: masses, reciprocals of masses and areas
-  std::vector<double> _inverse;                        ///< over the Halo: 1/m, A/m of master nodes
+  std::vector<double> _inverse;                        ///< of NodeTracking's master nodes: 1/m, A/m
+  std::vector<double> _master_force;                   ///< on them
   std::vector<double> _node_mass;                      ///< over the Halo
 
   NodalResults _results;

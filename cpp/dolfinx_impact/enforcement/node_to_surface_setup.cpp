@@ -107,7 +107,6 @@ std::span<const int> NodeToSurface::remote_owners() const
 
 void NodeToSurface::number(operators::Halo& halo, const double* mass)
 {
-  const std::size_t num = halo.num_nodes();
   _halo = &halo;
   _mass.resize(_candidates.nodes().size());
   std::transform(_candidates.nodes().begin(), _candidates.nodes().end(), _mass.begin(),
@@ -117,14 +116,11 @@ void NodeToSurface::number(operators::Halo& halo, const double* mass)
   if (!_rigid)
   {
     const std::vector<double> areas = _candidates.master_areas(halo);
-    _inverse.assign(2 * num, 0.0);
-    for (std::size_t node = 0; node < num; ++node)
-      if (mass[node] > 0.0)
-      {
-        _inverse[2 * node] = 1.0 / mass[node];
-        _inverse[2 * node + 1] = areas[node] / mass[node];
-      }
     _tracking.reset(_candidates.numbered(halo), _candidates.normals(), _candidates.distance());
+    _inverse.clear();
+    for (std::int32_t node : _tracking.master_nodes())
+      _inverse.insert(_inverse.end(), {1.0 / mass[node], areas[node] / mass[node]});
+    _master_force.assign(_tracking.master_nodes().size() * _gdim, 0.0);
   }
   if (_options.kinematic)
     number_kinematic(halo, mass);

@@ -97,6 +97,16 @@ void NodeTracking::reset(surface::Facets master, const std::vector<double>& norm
   std::sort(_master_nodes.begin(), _master_nodes.end());
   _master_nodes.erase(std::unique(_master_nodes.begin(), _master_nodes.end()), _master_nodes.end());
   _last_master.assign(_master_nodes.size() * _gdim, 0.0);
+  _master_X = _master_x = _master_du = _last_master;
+  _corners.resize(_master.nodes.size());
+  for (std::size_t f = 0; f < _master.size(); ++f)
+    for (int j = 0; j < n_u; ++j)
+    {
+      const std::size_t k = f * n_u + j;
+      const auto at = std::lower_bound(_master_nodes.begin(), _master_nodes.end(), _master.nodes[k]);
+      _corners[k] = std::int32_t(at - _master_nodes.begin());
+      std::copy_n(_master.X_of(f) + j * _gdim, _gdim, _master_X.data() + std::size_t(_corners[k]) * _gdim);
+    }
   find_held();
   _fresh = true;
 }
@@ -107,6 +117,10 @@ void NodeTracking::advance(const double* u, const double* du)
   double sum[3] = {};
   const double slave = moves(_gdim, _nodes, u, _mean, _last.data(), sum);
   const double master = moves(_gdim, _master_nodes, u, _mean, _last_master.data(), sum);
+  for (std::size_t k = 0; k < _master_x.size(); ++k)
+    _master_x[k] = _master_X[k] + _last_master[k];
+  for (std::size_t k = 0; k < _master_nodes.size(); ++k)
+    std::copy_n(du + std::size_t(_master_nodes[k]) * _gdim, _gdim, _master_du.data() + k * _gdim);
   if (_fresh) // the last positions of these facets are not known
   {
     _fresh = false;

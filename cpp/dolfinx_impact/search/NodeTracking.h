@@ -25,12 +25,23 @@ public:
   NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes);
 
   /// Other facets to look at: everything is searched anew in the next step. Nodes that are held stay on their facets.
-  /// @param[in] master candidates, sorted by id, numbered as the displacements
+  /// @param[in] master candidates, sorted by id, numbered as the displacements; facets that share a node have the same
+  /// position of it, to the last bit
   /// @param[in] normals out of the slave at the nodes; only facets that face them are considered
   /// @param[in] reach search distance [L]
   void reset(surface::Facets master, const std::vector<double>& normals, double reach);
   std::size_t size() const { return _node.size(); }
   const surface::Facets& master() const { return _master; }
+  /// The master's nodes, ascending, without repetition: what is stored for them by their position in this list stays in
+  /// the cache while nodes are looked at. Filled by `advance`: their positions and increments.
+  std::span<const std::int32_t> master_nodes() const { return _master_nodes; }
+  const double* master_x() const { return _master_x.data(); }
+  const double* master_du() const { return _master_du.data(); }
+  /// Displacement nodes of a facet, by their position in master_nodes.
+  const std::int32_t* corners(std::int32_t facet) const
+  {
+    return _corners.data() + std::size_t(facet) * _master.displacement.num_nodes();
+  }
   /// Longest distance between corners of a facet, at rest [L].
   double diameter(std::int32_t facet) const { return _size[facet]; }
 
@@ -105,8 +116,9 @@ private:
   double _travel = 0.0, _step = 0.0, _fitted = 0.0; ///< now; in the last step; when the tree was fitted
   double _shift[3] = {}, _step_shift[3] = {};       ///< translation left out, since the tree was fitted; of the step
   double _mean[3] = {};                             ///< mean motion of the last step
-  std::vector<std::int32_t> _master_nodes;
+  std::vector<std::int32_t> _master_nodes, _corners;
   std::vector<double> _last, _last_master; ///< displacements of the last step
+  std::vector<double> _master_X, _master_x, _master_du;
   struct Node
   {
     double wake, expire; ///< travel at which it wakes, its list ends

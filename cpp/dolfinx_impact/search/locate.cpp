@@ -220,17 +220,16 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   const Configuration at{u, nullptr};
   double x[3], facet[general ? max_values : linear::num_nodes<S> * linear::dimension<S>], normal[3], best_normal[3];
   for (int c = 0; c < D; ++c)
-    x[c] = node.X[c] + u[std::size_t(node.number) * D + c];
+    x[c] = node.X[c] + _last[i * D + c];
   const auto look = [&](std::int32_t f, const double* start, FacetProjection& p)
   {
     if constexpr (!general)
     {
       constexpr int N = linear::num_nodes<S>, dim = linear::dimension<S>;
-      const std::int32_t* nodes = _master.nodes.data() + std::size_t(f) * N;
-      const double* X = _master.X.data() + std::size_t(f) * N * dim;
+      const std::int32_t* nodes = _corners.data() + std::size_t(f) * N;
       for (int j = 0; j < N; ++j)
         for (int c = 0; c < dim; ++c)
-          facet[j * dim + c] = X[j * dim + c] + u[std::size_t(nodes[j]) * dim + c];
+          facet[j * dim + c] = _master_x[std::size_t(nodes[j]) * dim + c];
       if (linear::project<S>(facet, x, start, p))
       {
         ++_counters.projections;
