@@ -59,7 +59,7 @@ NodeTracking::NodeTracking(int gdim, std::vector<double> X, std::vector<std::int
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {-never, -never, _nodes[i], 0, -1, {0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    node = {-never, -never, 0.0, _nodes[i], 0, -1, -1, {0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
   }
   _list.assign(n * most, {-1, 0.0, 0.0});

@@ -122,7 +122,8 @@ private:
   struct Node
   {
     double wake, expire; ///< travel at which it wakes, its list ends
-    std::int32_t number, count, held;
+    double others;       ///< the least sum of travel and distance at which another than `winner` was seen
+    std::int32_t number, count, held, winner;
     double xi[2], X[3], normal[3];
   };
   std::vector<Node> _node;

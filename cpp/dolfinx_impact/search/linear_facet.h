@@ -3,7 +3,7 @@
 #include <cmath>
 
 /// Closest points on facets of degree 1, inlined: what node-to-surface contact does for every node near the master in
-/// every step. The results are those of project_on_facet.
+/// every step. The results are those of project_on_facet. X[i] are the positions of a facet's nodes.
 namespace impact::search::linear
 {
 using surface::FacetShape;
@@ -44,18 +44,18 @@ inline void values(const double* xi, double* phi)
 
 /// Tangents at a point.
 template <FacetShape S>
-inline void tangents(const double* X, const double* xi, double a[2][3])
+inline void tangents(const double* const* X, const double* xi, double a[2][3])
 {
   constexpr int D = dimension<S>;
   for (int c = 0; c < D; ++c)
   {
-    a[0][c] = X[D + c] - X[c];
+    a[0][c] = X[1][c] - X[0][c];
     if constexpr (S == FacetShape::triangle)
-      a[1][c] = X[2 * D + c] - X[c];
+      a[1][c] = X[2][c] - X[0][c];
     if constexpr (S == FacetShape::quadrilateral)
     {
-      const double twist = X[3 * D + c] - X[2 * D + c] - X[D + c] + X[c];
-      a[1][c] = X[2 * D + c] - X[c] + xi[0] * twist;
+      const double twist = X[3][c] - X[2][c] - X[1][c] + X[0][c];
+      a[1][c] = X[2][c] - X[0][c] + xi[0] * twist;
       a[0][c] += xi[1] * twist;
     }
   }
@@ -63,7 +63,7 @@ inline void tangents(const double* X, const double* xi, double a[2][3])
 
 /// Unit normal, out of the body.
 template <FacetShape S>
-inline void normal(const double* X, const double* xi, double orientation, double* n)
+inline void normal(const double* const* X, const double* xi, double orientation, double* n)
 {
   double a[2][3];
   tangents<S>(X, xi, a);
@@ -88,7 +88,7 @@ inline void normal(const double* X, const double* xi, double orientation, double
 /// @param[in,out] xi from where to where
 /// @returns false if Newton's method finds no minimum near the facet
 template <FacetShape S>
-inline bool foot(const double* X, const double* point, double* xi)
+inline bool foot(const double* const* X, const double* point, double* xi)
 {
   constexpr int D = dimension<S>;
   double r[3], a[2][3];
@@ -98,7 +98,7 @@ inline bool foot(const double* X, const double* point, double* xi)
     double aa = 0, bb = 0, ab = 0, ra = 0, rb = 0;
     for (int c = 0; c < D; ++c)
     {
-      r[c] = point[c] - X[c];
+      r[c] = point[c] - X[0][c];
       aa += a[0][c] * a[0][c];
       ra += r[c] * a[0][c];
       if constexpr (S == FacetShape::triangle)
@@ -126,10 +126,10 @@ inline bool foot(const double* X, const double* point, double* xi)
     double e1[3], e2[3], twist[3], r0[3], twist_squared = 0.0;
     for (int c = 0; c < 3; ++c)
     {
-      e1[c] = X[3 + c] - X[c];
-      e2[c] = X[6 + c] - X[c];
-      twist[c] = X[9 + c] - X[6 + c] - e1[c];
-      r0[c] = point[c] - X[c];
+      e1[c] = X[1][c] - X[0][c];
+      e2[c] = X[2][c] - X[0][c];
+      twist[c] = X[3][c] - X[2][c] - e1[c];
+      r0[c] = point[c] - X[0][c];
       twist_squared += twist[c] * twist[c];
     }
     for (int iteration = 0; iteration < 12; ++iteration)
@@ -150,7 +150,7 @@ inline bool foot(const double* X, const double* point, double* xi)
       const double det = h11 * h22 - h12 * h12;
       if (!(det > 1e-3 * h11 * h22))
         return false;
-      const double s1 = (h22 * g1 - h12 * g2) / det, s2 = (h11 * g2 - h12 * g1) / det;
+      const double per_det = 1.0 / det, s1 = (h22 * g1 - h12 * g2) * per_det, s2 = (h11 * g2 - h12 * g1) * per_det;
       xi[0] += s1;
       xi[1] += s2;
       const double size = std::max(std::abs(s1), std::abs(s2));
@@ -168,7 +168,7 @@ inline bool foot(const double* X, const double* point, double* xi)
 /// The nearest point of the facet's edges and vertices. It lies on an edge beyond which the foot is.
 /// @param[in] foot reference coordinates, outside the facet
 template <FacetShape S>
-inline void boundary(const double* X, const double* point, const double* foot, FacetProjection& out)
+inline void boundary(const double* const* X, const double* point, const double* foot, FacetProjection& out)
 {
   constexpr int D = dimension<S>, edges = S == FacetShape::interval ? 1 : num_nodes<S>;
   constexpr int corners[3][4][2] = {
@@ -186,8 +186,8 @@ inline void boundary(const double* X, const double* point, const double* foot, F
     double d[3], b[3], bb = 0.0, db = 0.0, squared = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      b[c] = X[D * j + c] - X[D * i + c];
-      d[c] = point[c] - X[D * i + c];
+      b[c] = X[j][c] - X[i][c];
+      d[c] = point[c] - X[i][c];
       bb += b[c] * b[c];
       db += d[c] * b[c];
     }
@@ -204,7 +204,7 @@ inline void boundary(const double* X, const double* point, const double* foot, F
     for (int a = 0; a < 2; ++a)
       xi[a] = (1 - t) * places[i][a] + t * places[j][a];
     for (int c = 0; c < D; ++c)
-      out.x[c] = X[D * i + c] + t * b[c];
+      out.x[c] = X[i][c] + t * b[c];
   }
   out.xi[0] = xi[0];
   out.xi[1] = xi[1];
@@ -215,7 +215,7 @@ inline void boundary(const double* X, const double* point, const double* foot, F
 /// @param[in] start reference coordinates near it, or null
 /// @returns false if this is a case for project_on_facet
 template <FacetShape S>
-inline bool project(const double* X, const double* point, const double* start, FacetProjection& out)
+inline bool project(const double* const* X, const double* point, const double* start, FacetProjection& out)
 {
   constexpr int D = dimension<S>;
   out.xi[0] = start ? start[0] : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
@@ -241,7 +241,7 @@ inline bool project(const double* X, const double* point, const double* start, F
   {
     double x = 0.0;
     for (int i = 0; i < num_nodes<S>; ++i)
-      x += phi[i] * X[i * D + c];
+      x += phi[i] * X[i][c];
     out.x[c] = x;
     squared += (point[c] - x) * (point[c] - x);
   }

@@ -13,6 +13,17 @@ using surface::FacetElement;
 using surface::FacetShape;
 constexpr double list_budget = 0.2; ///< of the nearest facet's diameter: travel for which a list is good
 constexpr int max_values = 3 * FacetElement::max_nodes;
+
+/// Where the first nodes of a facet are in an array of positions.
+struct Corners
+{
+  const double* X[4];
+  Corners(const double* facet, int gdim)
+  {
+    for (int i = 0; i < 4; ++i)
+      X[i] = facet + i * gdim;
+  }
+};
 } // namespace
 
 void NodeTracking::position(std::size_t i, Configuration at, double* x) const
@@ -55,16 +66,17 @@ FacetProjection NodeTracking::project(std::int32_t f, const double* facet, const
   ++_counters.projections;
   FacetProjection out;
   bool found = false;
+  const Corners corners(facet, _gdim);
   switch (_kind)
   {
   case Kind::interval:
-    found = linear::project<FacetShape::interval>(facet, x, start, out);
+    found = linear::project<FacetShape::interval>(corners.X, x, start, out);
     break;
   case Kind::triangle:
-    found = linear::project<FacetShape::triangle>(facet, x, start, out);
+    found = linear::project<FacetShape::triangle>(corners.X, x, start, out);
     break;
   case Kind::quadrilateral:
-    found = linear::project<FacetShape::quadrilateral>(facet, x, start, out);
+    found = linear::project<FacetShape::quadrilateral>(corners.X, x, start, out);
     break;
   case Kind::general:
     break;
@@ -79,14 +91,15 @@ FacetProjection NodeTracking::project(std::int32_t f, const double* facet, const
 void NodeTracking::facet_normal(std::int32_t f, const double* facet, const double* xi, double* normal) const
 {
   const double sign = _master.orientation[f];
+  const Corners corners(facet, _gdim);
   switch (_kind)
   {
   case Kind::interval:
-    return linear::normal<FacetShape::interval>(facet, xi, sign, normal);
+    return linear::normal<FacetShape::interval>(corners.X, xi, sign, normal);
   case Kind::triangle:
-    return linear::normal<FacetShape::triangle>(facet, xi, sign, normal);
+    return linear::normal<FacetShape::triangle>(corners.X, xi, sign, normal);
   case Kind::quadrilateral:
-    return linear::normal<FacetShape::quadrilateral>(facet, xi, sign, normal);
+    return linear::normal<FacetShape::quadrilateral>(corners.X, xi, sign, normal);
   case Kind::general:
     std::copy_n(surface::evaluate(_master, f, facet, xi).normal, 3, normal);
   }
@@ -195,6 +208,7 @@ Projection NodeTracking::locate(std::size_t i, const double* u)
   std::sort(near, near + num, [](const Found& a, const Found& b) { return a.facet < b.facet; });
   std::copy_n(near, num, _list.data() + i * most);
   node.count = num;
+  node.winner = -1;
   node.expire = _travel + budget;
   return out;
 }
@@ -213,31 +227,30 @@ Projection NodeTracking::locate_before(std::size_t i, const double* u, const dou
 template <NodeTracking::Kind kind>
 Projection NodeTracking::from_list(std::size_t i, const double* u)
 {
-  const Node& node = _node[i];
+  Node& node = _node[i];
   constexpr bool general = kind == Kind::general;
   constexpr FacetShape S = general ? FacetShape::quadrilateral : FacetShape(int(kind));
   const int D = general ? _gdim : linear::dimension<S>;
   const Configuration at{u, nullptr};
-  double x[3], facet[general ? max_values : linear::num_nodes<S> * linear::dimension<S>], normal[3], best_normal[3];
+  double x[3], facet[max_values], normal[3], best_normal[3];
+  const double* X[4];
   for (int c = 0; c < D; ++c)
     x[c] = node.X[c] + _last[i * D + c];
   const auto look = [&](std::int32_t f, const double* start, FacetProjection& p)
   {
     if constexpr (!general)
     {
-      constexpr int N = linear::num_nodes<S>, dim = linear::dimension<S>;
+      constexpr int N = linear::num_nodes<S>;
       const std::int32_t* nodes = _corners.data() + std::size_t(f) * N;
       for (int j = 0; j < N; ++j)
-        for (int c = 0; c < dim; ++c)
-          facet[j * dim + c] = _master_x[std::size_t(nodes[j]) * dim + c];
-      if (linear::project<S>(facet, x, start, p))
+        X[j] = _master_x.data() + std::size_t(nodes[j]) * linear::dimension<S>;
+      if (linear::project<S>(X, x, start, p))
       {
         ++_counters.projections;
         return;
       }
     }
-    else
-      positions(f, at, facet);
+    positions(f, at, facet);
     p = project(f, facet, x, start);
   };
   const auto faces = [&](std::int32_t f, const double* xi, double* n)
@@ -245,7 +258,7 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
     if constexpr (general)
       facet_normal(f, facet, xi, n);
     else
-      linear::normal<S>(facet, xi, _master.orientation[f], n);
+      linear::normal<S>(X, xi, _master.orientation[f], n);
     return dot(n, node.normal, D) < 0.0;
   };
   const double moved = _travel + 1e-9 * _largest;
@@ -258,7 +271,9 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
     if (faces(node.held, best.xi, best_normal))
       out.facet = node.held;
   }
-  for (int k = 0; k < node.count; ++k)
+  // None of the others can be nearer yet?
+  const bool alone = out.facet >= 0 && node.winner == node.held && node.others - moved > best.distance;
+  for (int k = 0; k < node.count && !alone; ++k)
   {
     const std::int32_t f = list[k].facet;
     if (f == node.held || (out.facet >= 0 && list[k].distance - (moved - list[k].travel) > best.distance))
@@ -272,6 +287,14 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
       out.facet = f;
       std::copy_n(normal, 3, best_normal);
     }
+  }
+  if (!alone)
+  {
+    node.winner = out.facet;
+    node.others = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < node.count; ++k)
+      if (list[k].facet != out.facet)
+        node.others = std::min(node.others, list[k].distance + list[k].travel);
   }
   if (out.facet >= 0 && best.distance <= std::max(_reach, 2 * _step))
     finish(x, best_normal, best, at, {list, std::size_t(node.count)}, out);
