@@ -39,7 +39,7 @@ class March:
 
     def _begin(self):
         self.time, self.step = 0.0, 0
-        self._plan, self._rows, self._good = None, [], None
+        self._plan, self._rows, self._good, self._recorders = None, [], None, []
         self._total_start, self._known_start, self._largest = 0.0, False, 0.0
         self._safe = self.stable_step()
         self._nominal = SAFETY * self._safe
@@ -74,6 +74,8 @@ class March:
         with Bar(self, progress) as bar:
             while self.step < self._plan.last:
                 self._run(1 if callback else self._chunk())
+                for recorder in self._recorders:
+                    recorder.after()
                 if callback:
                     self._look()
                     callback(self)
@@ -85,7 +87,8 @@ class March:
 
     def _chunk(self):
         rest = self._plan.last - self.step
-        return min(CHUNK, rest, RECHECK - self.step % RECHECK if self._nonlinear else rest)
+        waits = [recorder.steps_left() for recorder in self._recorders]
+        return min(CHUNK, rest, RECHECK - self.step % RECHECK if self._nonlinear else rest, *waits)
 
     def _choose(self, until, dt, unsafe):
         """Plan the steps to `until`."""
@@ -126,7 +129,7 @@ class March:
         table = np.hstack(table) if table else np.zeros((count + 1, 0))
         if self.step - (self._good[0] if self._good else -SNAPSHOT) >= SNAPSHOT or count > SNAPSHOT:
             self._good = (self.step, self.time, *self._motion())
-        rows = np.zeros((count, len(ENERGIES)))
+        rows = np.zeros((count, self._cpp.row_size))
         lengths = np.full(count, self._plan.dt if count else 1.0)
         done = self._cpp.run(lengths, np.ascontiguousarray(table).ravel(), table.shape[1], rows.reshape(-1))
         self._rows.append(np.column_stack([times[:done], rows[:done]]))
@@ -149,6 +152,8 @@ class March:
             where = f"cell {number} (number in the mesh's input) at {x.round(9).tolist()}"
         where = self.comm.bcast(where, root=rank)
         self._plan = None
+        for recorder in self._recorders:
+            recorder.flush()
         self.step, self.time, u, v, _ = self._good
         self._cpp.start(u, v)
         self._run(0)
@@ -183,7 +188,7 @@ class March:
         self._largest = max(self._largest, float(np.abs(parts).sum()))
         if not self._known_start:
             first = next((rows[0] for rows in self._rows if len(rows)), None)
-            self._total_start = total if first is None else float(first[1:-1].sum() - first[-1])
+            self._total_start = total if first is None else float(first[1 : len(ENERGIES)].sum() - first[len(ENERGIES)])
             self._known_start = first is not None
         values["drift"] = (total - self._total_start) / self._largest if self._largest > 0 else 0.0
         self._energy = values
@@ -197,7 +202,37 @@ class March:
     @property
     def energy_history(self):
         """Time and energies before every step, (num_steps, 8): time [T], then those of `energy` in its order [F L]."""
-        return np.vstack(self._rows) if self._rows else np.zeros((0, 1 + len(ENERGIES)))
+        return self._history()[:, : 1 + len(ENERGIES)]
+
+    @property
+    def force_history(self):
+        """Contact forces on the slaves before every step: list, by contact, of arrays (num_steps, gdim) [F]."""
+        rows, first, gdim = self._history(), 1 + len(ENERGIES), self.space.mesh.geometry.dim
+        return [rows[:, first + 3 * k : first + 3 * k + gdim] for k in range(len(self.contact))]
+
+    def _history(self):
+        return np.vstack(self._rows) if self._rows else np.zeros((0, 1 + self._cpp.row_size))
+
+    def record(self, path=None, fields=("displacement", "velocity"), every=100, points=None, points_every=10):
+        """Write fields and histories into a folder from now on; see Recorder. Collective.
+
+        Args:
+            path: folder; None as for RunFolder. fields: some of displacement, velocity, acceleration. every: steps
+                between frames, at which histories are written to the file as well. points: (n, gdim) places whose
+                nearest nodes' motion is kept every `points_every` steps [L].
+
+        Returns:
+            Recorder; `close()` it at the end.
+
+        Raises:
+            ValueError: unknown fields, intervals that are no positive integers. RuntimeError: the folder cannot be
+            written; on all ranks.
+        """
+        from .recorder import Recorder
+
+        recorder = Recorder(self, path, fields, every, points, points_every)
+        self._recorders.append(recorder)
+        return recorder
 
     def _refresh(self):
         """Constants and loads may have been changed since the last advance. Collective."""
@@ -237,7 +272,7 @@ class Bar:
         run = self.run
         if self._bar and run._rows and len(run._rows[-1]):
             row = run._rows[-1][-1]
-            total = row[1:-1].sum() - row[-1]
+            total = row[1 : len(ENERGIES)].sum() - row[len(ENERGIES)]
             drift = (total - run._total_start) / run._largest if run._largest > 0 else 0.0
             self._bar.update(self._task, completed=run.time - self._start, step=run.step, time=run.time,
                              dt=run._plan.dt, drift=drift)  # fmt: skip

@@ -96,7 +96,10 @@ void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetr
       _X.insert(_X.end(), x.begin() + 3 * node, x.begin() + 3 * node + gdim);
     }
     if (counts[2 * node] + counts[2 * node + 1] > 0.0)
+    {
       _watched.push_back(node);
+      _watched_X.insert(_watched_X.end(), x.begin() + 3 * node, x.begin() + 3 * node + gdim);
+    }
   }
   _from.assign(_watched.size() * gdim, 0.0);
   master.resize(_halo.num_owned());
@@ -185,7 +188,7 @@ void NodeCandidates::forget()
   _step = 0.0;
 }
 
-surface::Facets NodeCandidates::numbered(const operators::Halo& halo) const
+surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
 {
   surface::Facets out = _found.facets;
   out.gdim = _slave.gdim;
@@ -208,6 +211,14 @@ surface::Facets NodeCandidates::numbered(const operators::Halo& halo) const
       throw std::invalid_argument("the Halo lacks node " + std::to_string(node) + ", which the contact asked for");
     out.nodes.push_back(at->second);
   }
+  const int gdim = out.gdim, n_u = out.displacement.num_nodes(), n_x = out.geometry.num_nodes();
+  std::vector<double> X(std::size_t(halo.num_nodes()) * gdim, 0.0);
+  for (std::size_t i = 0; i < _watched.size(); ++i)
+    std::copy_n(_watched_X.data() + i * gdim, gdim, X.data() + std::size_t(_watched[i]) * gdim);
+  halo.forward(X.data(), gdim);
+  for (std::size_t f = 0; f < out.size(); ++f)
+    for (int j = 0; j < n_u; ++j)
+      std::copy_n(X.data() + std::size_t(out.nodes_of(f)[j]) * gdim, gdim, out.X.data() + (f * n_x + j) * gdim);
   return out;
 }
 

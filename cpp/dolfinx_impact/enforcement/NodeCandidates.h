@@ -36,8 +36,9 @@ public:
   void search(std::span<const double> u);
   std::span<const std::int64_t> remote_nodes() const { return _remote_nodes; }
   std::span<const int> remote_owners() const { return _remote_owners; }
-  /// The candidates, numbered as the Halo's nodes.
-  surface::Facets numbered(const operators::Halo& halo) const;
+  /// The candidates, numbered as the Halo's nodes. Where facets share a node, their positions of it are made the same,
+  /// to the last bit. Collective.
+  surface::Facets numbered(operators::Halo& halo) const;
   /// Areas of the master's nodes over the Halo's. Collective.
   std::vector<double> master_areas(operators::Halo& halo) const;
   /// Slave and master nodes that this rank owns.
@@ -63,7 +64,7 @@ private:
   std::vector<std::int64_t> _global; ///< numbers and owners of the master's nodes, facet by facet
   std::vector<std::int32_t> _owners;
   std::vector<std::int32_t> _nodes, _watched;
-  std::vector<double> _X, _areas, _master_areas, _normals;
+  std::vector<double> _watched_X, _X, _areas, _master_areas, _normals;
   search::Travellers _found;
   std::vector<std::int64_t> _remote_nodes;
   std::vector<int> _remote_owners;

@@ -1,10 +1,8 @@
 #include "NodeToSurface.h"
-#include "../common/vectors.h"
 #include "../search/linear_facet.h"
-#include "friction.h"
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <utility>
 
 namespace impact::enforcement
 {
@@ -84,24 +82,26 @@ bool NodeToSurface::touches(std::size_t i, const double* u, const double* du, To
   const surface::Facets& master = _tracking.master();
   touch.num = master.displacement.num_nodes();
   touch.masters = master.nodes_of(at.facet);
+  touch.corners = _tracking.corners(at.facet);
   shape_values(master.displacement, at.xi, touch.phi);
   _tracking.hold(i, at);
   return true;
 }
 
-double NodeToSurface::stiffness(const Touch& touch, double dt) const
+/// Reciprocal of the contact stiffness.
+double NodeToSurface::compliance(const Touch& touch, double dt) const
 {
-  const double area = _candidates.areas()[touch.i];
+  const double per_area = _per_area[touch.i];
   if (_options.penalty > 0.0)
-    return _share * _options.penalty * area;
-  double compliance = 1.0 / _mass[touch.i], masters = 0.0;
+    return per_area / (_share * _options.penalty);
+  double own = _inverse_mass[touch.i], masters = 0.0;
   for (int j = 0; j < touch.num; ++j)
   {
     const double weight = std::abs(touch.phi[j]);
-    compliance += weight * _inverse[2 * touch.masters[j]];
-    masters += weight * _inverse[2 * touch.masters[j] + 1];
+    own += weight * _inverse[2 * touch.corners[j]];
+    masters += weight * _inverse[2 * touch.corners[j] + 1];
   }
-  return _share * _options.kappa / (dt * dt * (compliance + masters / area));
+  return dt * dt * (own + masters * per_area) / (_share * _options.kappa);
 }
 
 /// Values at the node less those at its master point.
@@ -124,64 +124,172 @@ double NodeToSurface::counted_part(const Touch& touch, const NodalState& state) 
   return !(before > 0.0) ? 1.0 : std::isinf(before) ? 0.0 : touch.at.gap / (touch.at.gap - before);
 }
 
+namespace
+{
+/// Coulomb's law over a step, as enforcement/friction.h.
+/// @param[in] k,per_k tangential stiffness and its reciprocal. @param[in] limit of the force
+/// @param[in,out] t tangential force, of the last step and of this one
+/// @param[in,out] s in: motion of the step; out: slip of the step
+/// @returns does it slip?
+template <int D>
+bool coulomb(const double* n, double k, double per_k, double limit, double* t, double* s)
+{
+  double along = 0.0, turn = 0.0, size = 0.0, left = 0.0;
+  for (int c = 0; c < D; ++c)
+  {
+    along += n[c] * s[c];
+    turn += n[c] * t[c];
+    size += t[c] * t[c];
+  }
+  double turned[D];
+  for (int c = 0; c < D; ++c)
+  {
+    s[c] -= along * n[c];
+    turned[c] = t[c] - turn * n[c];
+    left += turned[c] * turned[c];
+  }
+  const double scale = left > 0.0 ? std::sqrt(size / left) : 0.0; // the force keeps its size when the normal turns
+  double squared = 0.0;
+  for (int c = 0; c < D; ++c)
+  {
+    turned[c] *= scale;
+    t[c] = turned[c] - k * s[c];
+    squared += t[c] * t[c];
+  }
+  // A node that slipped in the last step begins this one at its limit: round-off must not make it slip on.
+  const bool slips = squared > limit * limit * (1.0 + 2e-12);
+  const double factor = slips ? limit / std::sqrt(squared) : 1.0;
+  for (int c = 0; c < D; ++c)
+  {
+    t[c] *= factor;
+    s[c] = slips ? s[c] + (t[c] - turned[c]) * per_k : 0.0;
+  }
+  return slips;
+}
+
 /// Forces along the normal on the master's nodes, linear in their place along the tangent plane, without resultant:
 /// friction on the slave and on the master acts at points that are a gap apart, and this turns back by as much.
-void NodeToSurface::add_couple(const Touch& touch, const double* u, const double* tangential, double* f) const
+/// @param[out] w their sizes
+template <int D>
+void couple(int num, const std::int32_t* nodes, const double* positions, const double* n, double gap, const double* t,
+            double* w)
 {
-  const surface::Facets& master = _tracking.master();
-  const double* X = master.X_of(touch.at.facet);
-  const double* n = touch.at.normal;
-  const int num = touch.num, D = _gdim;
-  double b[2][3] = {}, x[FacetElement::max_nodes][3] = {}, mean[3] = {};
-  if (D == 2)
-  {
-    b[0][0] = -n[1];
-    b[0][1] = n[0];
-  }
-  else
-  {
-    const int least = std::abs(n[0]) < std::abs(n[1]) ? (std::abs(n[0]) < std::abs(n[2]) ? 0 : 2)
-                                                      : (std::abs(n[1]) < std::abs(n[2]) ? 1 : 2);
+  // Axes of the tangent plane: along the force, and across it.
+  double squared = 0.0, mean[D] = {}, x[FacetElement::max_nodes][D], place[FacetElement::max_nodes][2];
+  for (int c = 0; c < D; ++c)
+    squared += t[c] * t[c];
+  const double size = std::sqrt(squared), per_size = 1.0 / size;
+  double a[D], b[3] = {};
+  for (int c = 0; c < D; ++c)
+    a[c] = t[c] * per_size;
+  if constexpr (D == 3)
     for (int c = 0; c < 3; ++c)
-      b[0][c] = (c == least ? 1.0 : 0.0) - n[least] * n[c];
-    const double length = std::sqrt(dot(b[0], b[0], 3));
-    for (double& c : b[0])
-      c /= length;
-    for (int c = 0; c < 3; ++c)
-      b[1][c] = n[(c + 1) % 3] * b[0][(c + 2) % 3] - n[(c + 2) % 3] * b[0][(c + 1) % 3];
-  }
+      b[c] = n[(c + 1) % 3] * a[(c + 2) % 3] - n[(c + 2) % 3] * a[(c + 1) % 3];
+  const double part = 1.0 / num;
   for (int j = 0; j < num; ++j)
     for (int c = 0; c < D; ++c)
     {
-      x[j][c] = X[j * D + c] + u[std::size_t(touch.masters[j]) * D + c];
-      mean[c] += x[j][c] / num;
+      x[j][c] = positions[std::size_t(nodes[j]) * D + c];
+      mean[c] += part * x[j][c];
     }
-  double place[FacetElement::max_nodes][2] = {}, S[3] = {};
+  double aa = 0.0, bb = 0.0, ab = 0.0;
   for (int j = 0; j < num; ++j)
   {
+    place[j][0] = place[j][1] = 0.0;
     for (int c = 0; c < D; ++c)
-      x[j][c] -= mean[c];
-    for (int a = 0; a < D - 1; ++a)
-      place[j][a] = dot(x[j], b[a], D);
-    S[0] += place[j][0] * place[j][0];
-    S[1] += place[j][1] * place[j][1];
-    S[2] += place[j][0] * place[j][1];
+    {
+      place[j][0] += (x[j][c] - mean[c]) * a[c];
+      place[j][1] += (x[j][c] - mean[c]) * b[c];
+    }
+    aa += place[j][0] * place[j][0];
+    bb += place[j][1] * place[j][1];
+    ab += place[j][0] * place[j][1];
   }
-  const double t[2] = {touch.at.gap * dot(tangential, b[0], D), D == 3 ? touch.at.gap * dot(tangential, b[1], D) : 0.0};
-  const double det = D == 3 ? S[0] * S[1] - S[2] * S[2] : S[0];
-  const double slope[2] = {D == 3 ? (S[1] * t[0] - S[2] * t[1]) / det : t[0] / det,
-                           D == 3 ? (S[0] * t[1] - S[2] * t[0]) / det : 0.0};
+  const double moment = gap * size, factor = D == 3 ? moment / (aa * bb - ab * ab) : moment / aa;
   for (int j = 0; j < num; ++j)
   {
-    const double w = slope[0] * place[j][0] + slope[1] * place[j][1];
-    for (int c = 0; c < D; ++c)
-      f[std::size_t(touch.masters[j]) * D + c] += w * n[c];
+    w[j] = D == 3 ? factor * (bb * place[j][0] - ab * place[j][1]) : factor * place[j][0];
   }
+}
+} // namespace
+
+/// The force of a closed node.
+template <int D>
+void NodeToSurface::add_node(const Touch& touch, const NodalState& state, double* f)
+{
+  const std::size_t i = touch.i;
+  const double* n = touch.at.normal;
+  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, normal_force = -k * touch.at.gap;
+  double force[D], w[FacetElement::max_nodes] = {}, tangential_squared = 0.0;
+  for (int c = 0; c < D; ++c)
+    force[c] = normal_force * n[c];
+  ContactStatus status = ContactStatus::slip;
+  if (_options.friction > 0.0)
+  {
+    double motion[D], *t = _tangential.data() + i * D;
+    for (int c = 0; c < D; ++c)
+      motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+    for (int j = 0; j < touch.num; ++j)
+      for (int c = 0; c < D; ++c)
+        motion[c] -= touch.phi[j] * _tracking.master_du()[std::size_t(touch.corners[j]) * D + c];
+    const double part = counted_part(touch, state);
+    for (int c = 0; c < D; ++c)
+      motion[c] *= part;
+    const bool slips = coulomb<D>(n, k, per_k, _options.friction * normal_force, t, motion);
+    for (int c = 0; c < D; ++c)
+    {
+      tangential_squared += t[c] * t[c];
+      force[c] += t[c];
+    }
+    if (slips)
+    {
+      double squared = 0.0;
+      for (int c = 0; c < D; ++c)
+      {
+        squared += motion[c] * motion[c];
+        _results.slip[i * D + c] += motion[c];
+      }
+      _energy.friction += std::sqrt(tangential_squared * squared);
+    }
+    else
+      status = ContactStatus::stick;
+    if (!_rigid && tangential_squared > 0.0)
+      couple<D>(touch.num, touch.corners, _tracking.master_x(), n, touch.at.gap, t, w);
+  }
+  const double per_area = _per_area[i];
+  for (int c = 0; c < D; ++c)
+  {
+    f[std::size_t(touch.node) * D + c] += force[c];
+    _force[c] += force[c];
+    _results.traction[i * D + c] = force[c] * per_area;
+  }
+  for (int j = 0; j < touch.num; ++j)
+    for (int c = 0; c < D; ++c)
+      _master_force[std::size_t(touch.corners[j]) * D + c] += w[j] * n[c] - touch.phi[j] * force[c];
+  _closed[i] = 1;
+  _stiffness[i] = k;
+  _results.status[i] = status;
+  _results.gap[i] = touch.at.gap;
+  _results.pressure[i] = normal_force * per_area;
+  _energy.stored += 0.5 * (k * touch.at.gap * touch.at.gap + tangential_squared * per_k);
+}
+
+template <int D>
+void NodeToSurface::add_all(const NodalState& state, double* f)
+{
+  Touch touch;
+  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
+    if ((_rigid || !_tracking.asleep(i)) && touches(i, state.u, state.du, touch))
+      add_node<D>(touch, state, f);
+  // Zero again for the next step.
+  const auto masters = _tracking.master_nodes();
+  for (std::size_t k = 0; k < masters.size(); ++k)
+    for (int c = 0; c < D; ++c)
+      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k * D + c], 0.0);
 }
 
 void NodeToSurface::add_forces(const NodalState& state, double* f)
 {
-  const int D = _gdim;
   _force.fill(0.0);
   _energy.stored = 0.0;
   if (!_rigid)
@@ -189,62 +297,11 @@ void NodeToSurface::add_forces(const NodalState& state, double* f)
     _candidates.advance(state.dt);
     _tracking.advance(state.u, state.du);
   }
-  Touch touch;
-  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
-  {
-    if ((!_rigid && _tracking.asleep(i)) || !touches(i, state.u, state.du, touch))
-      continue;
-    const double k = stiffness(touch, state.dt), normal_force = -k * touch.at.gap;
-    const double area = _candidates.areas()[i];
-    double force[3], *traction = _results.traction.data() + i * D;
-    for (int c = 0; c < D; ++c)
-      force[c] = normal_force * touch.at.normal[c];
-    ContactStatus status = ContactStatus::slip;
-    double tangential_squared = 0.0;
-    if (_options.friction > 0.0)
-    {
-      double increment[3];
-      relative(touch, state.du, increment);
-      const double part = counted_part(touch, state);
-      for (int c = 0; c < D; ++c)
-        increment[c] = part * (increment[c] - (_rigid ? _obstacle_increment[c] : 0.0));
-      double* last = _tangential.data() + i * D;
-      const FrictionResult result =
-          evaluate(Friction{D, normal_force, _options.friction, k, touch.at.normal, last, increment});
-      status = result.slips ? ContactStatus::slip : ContactStatus::stick;
-      std::copy_n(result.traction, D, last);
-      tangential_squared = dot(last, last, D);
-      if (result.slips)
-      {
-        for (int c = 0; c < D; ++c)
-          _results.slip[i * D + c] += result.slip[c];
-        _energy.friction += std::sqrt(tangential_squared * dot(result.slip, result.slip, D));
-      }
-      for (int c = 0; c < D; ++c)
-        force[c] += last[c];
-      if (!_rigid && tangential_squared > 0.0)
-        add_couple(touch, state.u, last, f);
-    }
-    for (int c = 0; c < D; ++c)
-    {
-      f[std::size_t(touch.node) * D + c] += force[c];
-      _force[c] += force[c];
-      traction[c] = force[c] / area;
-    }
-    for (int j = 0; j < touch.num; ++j)
-      for (int c = 0; c < D; ++c)
-        f[std::size_t(touch.masters[j]) * D + c] -= touch.phi[j] * force[c];
-    _closed[i] = 1;
-    _stiffness[i] = k;
-    _results.status[i] = status;
-    _results.gap[i] = touch.at.gap;
-    _results.pressure[i] = normal_force / area;
-    _energy.stored += 0.5 * (k * touch.at.gap * touch.at.gap + (k > 0.0 ? tangential_squared / k : 0.0));
-  }
+  _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
   if (_other)
   {
     _other->add_forces(state, f);
-    for (int c = 0; c < D; ++c)
+    for (int c = 0; c < _gdim; ++c)
       _force[c] -= _other->_force[c];
   }
 }

@@ -98,8 +98,9 @@ private:
   {
     std::size_t i;
     std::int32_t node;
-    int num = 0; ///< master nodes
-    const std::int32_t* masters = nullptr;
+    int num = 0;                           ///< master nodes
+    const std::int32_t* masters = nullptr; ///< numbers
+    const std::int32_t* corners = nullptr; ///< positions in NodeTracking's list of them
     double phi[surface::FacetElement::max_nodes];
     search::Projection at;
   };
@@ -110,10 +111,13 @@ private:
   bool touches(std::size_t i, const double* u, const double* du, Touch& touch);
   search::Projection rigid_point(std::size_t i, const double* u, const double* du) const;
   void open(std::size_t i, double gap);
-  double stiffness(const Touch& touch, double dt) const;
+  double compliance(const Touch& touch, double dt) const;
   void relative(const Touch& touch, const double* values, double* out) const;
   double counted_part(const Touch& touch, const NodalState& state) const;
-  void add_couple(const Touch& touch, const double* u, const double* tangential, double* f) const;
+  template <int D>
+  void add_node(const Touch& touch, const NodalState& state, double* f);
+  template <int D>
+  void add_all(const NodalState& state, double* f);
   // Kinematic contact.
   void number_kinematic(operators::Halo& halo, const double* mass);
   void predict(const double* u, const double* du, const double* before);
@@ -136,9 +140,10 @@ private:
   double _share = 1.0;               ///< of the stiffness: half when balanced
 
   operators::Halo* _halo = nullptr;
-  std::vector<double> _mass;      ///< of slave nodes
-  std::vector<double> _inverse;   ///< over the Halo: 1/m, A/m of master nodes
-  std::vector<double> _node_mass; ///< over the Halo
+  std::vector<double> _mass, _inverse_mass, _per_area; ///< of slave nodes: masses, reciprocals of masses and areas
+  std::vector<double> _inverse;                        ///< of NodeTracking's master nodes: 1/m, A/m
+  std::vector<double> _master_force;                   ///< on them
+  std::vector<double> _node_mass;                      ///< over the Halo
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;

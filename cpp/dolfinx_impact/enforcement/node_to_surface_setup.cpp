@@ -61,6 +61,8 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
   _tangential.assign(vector, 0.0);
   _stiffness.assign(n, 0.0);
   _closed.assign(n, 0);
+  for (double area : _candidates.areas())
+    _per_area.push_back(1.0 / area);
   if (options.kinematic)
   {
     _touch.resize(n);
@@ -105,25 +107,22 @@ std::span<const int> NodeToSurface::remote_owners() const
 
 void NodeToSurface::number(operators::Halo& halo, const double* mass)
 {
-  const std::size_t num = halo.num_nodes();
   _halo = &halo;
   _mass.resize(_candidates.nodes().size());
   std::transform(_candidates.nodes().begin(), _candidates.nodes().end(), _mass.begin(),
                  [&](std::int32_t node) { return mass[node]; });
   _acting.assign(_candidates.nodes().begin(), _candidates.nodes().end());
+  _inverse_mass.resize(_mass.size());
+  std::transform(_mass.begin(), _mass.end(), _inverse_mass.begin(), [](double m) { return 1.0 / m; });
   if (!_rigid)
   {
     const std::vector<double> areas = _candidates.master_areas(halo);
-    _inverse.assign(2 * num, 0.0);
-    for (std::size_t node = 0; node < num; ++node)
-      if (mass[node] > 0.0)
-      {
-        _inverse[2 * node] = 1.0 / mass[node];
-        _inverse[2 * node + 1] = areas[node] / mass[node];
-      }
-    surface::Facets master = _candidates.numbered(halo);
-    _acting.insert(_acting.end(), master.nodes.begin(), master.nodes.end());
-    _tracking.reset(std::move(master), _candidates.normals(), _candidates.distance());
+    _tracking.reset(_candidates.numbered(halo), _candidates.normals(), _candidates.distance());
+    _inverse.clear();
+    for (std::int32_t node : _tracking.master_nodes())
+      _inverse.insert(_inverse.end(), {1.0 / mass[node], areas[node] / mass[node]});
+    _master_force.assign(_tracking.master_nodes().size() * _gdim, 0.0);
+    _acting.insert(_acting.end(), _tracking.master_nodes().begin(), _tracking.master_nodes().end());
   }
   if (_options.kinematic)
     number_kinematic(halo, mass);
@@ -169,11 +168,7 @@ void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, cons
 
 NodalHistory NodeToSurface::history() const
 {
-  return {_tangential,
-          _results.slip,
-          _closed,
-          {_tracking.held().begin(), _tracking.held().end()},
-          {_tracking.held_xi().begin(), _tracking.held_xi().end()}};
+  return {_tangential, _results.slip, _closed, {_tracking.held().begin(), _tracking.held().end()}, _tracking.held_xi()};
 }
 
 void NodeToSurface::set_history(const NodalHistory& history)

@@ -22,6 +22,8 @@ CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, For
   for (std::size_t i = 0; i < _own_size; ++i)
     _inverse[i] = 1.0 / _mass[i];
   _load.assign(_owned, 0.0);
+  _local.assign(Local::size, 0.0);
+  _global = _local;
   resize(map);
 }
 
@@ -82,6 +84,8 @@ void CentralDifference::add_contact(std::shared_ptr<enforcement::NodalContact> c
     _parts.push_back({{}, Account::contact, -1.0, std::vector<double>(_u.size(), 0.0), {}, 0.0});
   }
   _contacts.push_back({std::move(contact), columns});
+  _local.assign(Local::size + 3 * _contacts.size(), 0.0);
+  _global = _local;
   _search_due = true;
 }
 
@@ -325,8 +329,8 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
 {
   if (table.size() != (steps.size() + 1) * columns)
     throw std::invalid_argument("the table of amplitudes needs a row for each time level");
-  if (!history.empty() && history.size() != steps.size() * Energies::size)
-    throw std::invalid_argument("the history of energies needs a row for each step");
+  if (!history.empty() && history.size() != steps.size() * row_size())
+    throw std::invalid_argument("the history needs a row for each step");
   for (double dt : steps)
     if (!(dt > 0.0))
       throw std::invalid_argument("a step is " + std::to_string(dt) + ": it must be positive");
@@ -342,7 +346,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
     if (!_fresh && !evaluate())
       return int(k);
     advance(steps[k], row + columns);
-    _row = history.empty() ? nullptr : history.data() + k * Energies::size;
+    _row = history.empty() ? nullptr : history.data() + k * row_size();
     reduce_begin();
   }
   apply_loads(table.data() + steps.size() * columns);

@@ -63,7 +63,7 @@ public:
   /// @param[in] steps lengths [T]
   /// @param[in] table amplitudes before and after each step, (steps + 1) rows
   /// @param[in] columns of the table
-  /// @param[out] history rows of Energies before each step, or empty
+  /// @param[out] history rows before each step, or empty: Energies, then three entries for each contact's force
   /// @returns steps done: fewer than asked for if the run went unstable (all ranks alike)
   int run(std::span<const double> steps, std::span<const double> table, int columns, std::span<double> history);
 
@@ -87,6 +87,7 @@ public:
   /// Owned degree of freedom that moves fastest or is not a number, and its speed: where an unstable run broke.
   std::pair<std::int32_t, double> fastest() const;
   std::int64_t num_searches() const { return _num_searches; }
+  std::size_t row_size() const { return Energies::size + 3 * _contacts.size(); }
   std::size_t num_parts() const { return _parts.size(); }
   /// How many of the saved accounts add up over ranks; the others are the same on all.
   std::size_t num_additive() const { return 3 * _parts.size() + 6; }
@@ -167,7 +168,7 @@ private:
   double _used = 0.0;     ///< contacts whose candidates are used up
   Work _residual_work, _load_work, _support_work, _damped, _kinematic_work;
   double _obstacle_work = 0.0, _support_before = 0.0, _reference = 0.0;
-  std::array<double, Local::size> _local{}, _global{};
+  std::vector<double> _local, _global; ///< Local, then the contacts' forces
   MPI_Request _request = MPI_REQUEST_NULL;
   std::int64_t _num_searches = 0;
   double* _row = nullptr; ///< of the history that the pending sums belong to

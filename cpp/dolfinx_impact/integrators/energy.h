@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <span>
 
 namespace impact::integrators
 {
@@ -65,7 +66,7 @@ struct Energies
 };
 
 /// @param[in] sums over ranks. linear: internal energy is u . F/2
-inline Energies energies_of(const std::array<double, Local::size>& e, bool linear)
+inline Energies energies_of(std::span<const double> e, bool linear)
 {
   const double* work = &e[Local::part_work];
   const double parts = -work[int(Account::contact)] + work[int(Account::damping)] + work[int(Account::viscosity)] -

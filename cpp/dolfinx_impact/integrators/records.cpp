@@ -22,7 +22,7 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
   const double now = classical ? 0.5 * (sums.momentum + sums.speed) : sums.momentum;
   _damped.before = 0.5 * _last_step * _alpha * old;
   auto& e = _local;
-  e.fill(0.0);
+  std::fill(e.begin(), e.end(), 0.0);
   // At the start v_(-1/2) = 2 v_0 - v_(1/2), seed (3.77).
   e[Local::kinetic] = _last_step > 0.0 ? 0.5 * sums.momentum : sums.momentum - 0.5 * sums.speed;
   e[Local::speed] = 0.5 * sums.speed;
@@ -36,8 +36,12 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
     e[Local::part_work + int(part.account)] += part.work.value();
     e[Local::parts_position] += 0.5 * part.sign * part.position;
   }
+  double* force = e.data() + Local::size;
   for (const Contact& c : _contacts)
   {
+    for (int k = 0; k < _bs; ++k)
+      force[k] = c.contact->force()[k];
+    force += 3;
     const enforcement::ContactEnergy energy = c.contact->energy();
     e[Local::stored] += energy.stored;
     e[Local::friction] += energy.friction;
@@ -57,7 +61,8 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
 
 void CentralDifference::reduce_begin()
 {
-  MPI_Iallreduce(_local.data(), _global.data(), Local::size, MPI_DOUBLE, MPI_SUM, _halo->map().comm(), &_request);
+  MPI_Iallreduce(_local.data(), _global.data(), int(_local.size()), MPI_DOUBLE, MPI_SUM, _halo->map().comm(),
+                 &_request);
 }
 
 /// Sums of the last step over ranks are there; returns false if they tell that it was unstable.
@@ -70,7 +75,7 @@ bool CentralDifference::reduce_end()
     _search_due = true;
   const Energies now = energies_of(_global, _linear);
   if (_row)
-    std::copy(now.values.begin(), now.values.end(), _row);
+    std::copy(_global.begin() + Local::size, _global.end(), std::copy(now.values.begin(), now.values.end(), _row));
   _row = nullptr;
   const double speed = _global[Local::speed], internal = now.values[Energies::internal];
   // The first step tells what there is at the start; springs that start pressed give theirs back.
@@ -98,8 +103,8 @@ Energies CentralDifference::energies()
   _support_work.before = 0.5 * _last_step * support;
   _support_before = _support_work.value();
   account(sums, dt, false);
-  std::array<double, Local::size> total{};
-  MPI_Allreduce(_local.data(), total.data(), Local::size, MPI_DOUBLE, MPI_SUM, _halo->map().comm());
+  std::vector<double> total(_local.size());
+  MPI_Allreduce(_local.data(), total.data(), int(total.size()), MPI_DOUBLE, MPI_SUM, _halo->map().comm());
   return energies_of(total, _linear);
 }
 

@@ -51,24 +51,26 @@ double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* d
 } // namespace
 
 NodeTracking::NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes)
-    : _gdim(gdim), _X(std::move(X)), _nodes(std::move(nodes))
+    : _gdim(gdim), _nodes(std::move(nodes))
 {
   const std::size_t n = _nodes.size();
   _last.assign(n * gdim, 0.0);
-  _wake.assign(n, -never);
-  _expire.assign(n, -never);
-  _listed.assign(n, 0.0);
-  _count.assign(n, 0);
-  _list.assign(n * most, {-1, 0.0});
+  _node.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    Node& node = _node[i];
+    node = {-never, -never, 0.0, _nodes[i], 0, -1, -1, {0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    std::copy_n(X.data() + i * gdim, gdim, node.X);
+  }
+  _list.assign(n * most, {-1, 0.0, 0.0});
   _held.assign(n, -1);
-  _held_facet.assign(n, -1);
-  _xi.assign(2 * n, 0.0);
 }
 
-void NodeTracking::reset(surface::Facets master, std::vector<double> normals, double reach)
+void NodeTracking::reset(surface::Facets master, const std::vector<double>& normals, double reach)
 {
   _master = std::move(master);
-  _normals = std::move(normals);
+  for (std::size_t i = 0; i < size(); ++i)
+    std::copy_n(normals.data() + i * _gdim, _gdim, _node[i].normal);
   _reach = reach;
   const surface::FacetElement& element = _master.geometry;
   const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _master.displacement.num_nodes();
@@ -95,12 +97,17 @@ void NodeTracking::reset(surface::Facets master, std::vector<double> normals, do
   std::sort(_master_nodes.begin(), _master_nodes.end());
   _master_nodes.erase(std::unique(_master_nodes.begin(), _master_nodes.end()), _master_nodes.end());
   _last_master.assign(_master_nodes.size() * _gdim, 0.0);
-  for (std::size_t i = 0; i < size(); ++i)
-  {
-    const auto at = std::lower_bound(_master.id.begin(), _master.id.end(), _held[i]);
-    const bool there = _held[i] >= 0 && at != _master.id.end() && *at == _held[i];
-    _held_facet[i] = there ? std::int32_t(at - _master.id.begin()) : -1;
-  }
+  _master_X = _master_x = _master_du = _last_master;
+  _corners.resize(_master.nodes.size());
+  for (std::size_t f = 0; f < _master.size(); ++f)
+    for (int j = 0; j < n_u; ++j)
+    {
+      const std::size_t k = f * n_u + j;
+      const auto at = std::lower_bound(_master_nodes.begin(), _master_nodes.end(), _master.nodes[k]);
+      _corners[k] = std::int32_t(at - _master_nodes.begin());
+      std::copy_n(_master.X_of(f) + j * _gdim, _gdim, _master_X.data() + std::size_t(_corners[k]) * _gdim);
+    }
+  find_held();
   _fresh = true;
 }
 
@@ -110,6 +117,10 @@ void NodeTracking::advance(const double* u, const double* du)
   double sum[3] = {};
   const double slave = moves(_gdim, _nodes, u, _mean, _last.data(), sum);
   const double master = moves(_gdim, _master_nodes, u, _mean, _last_master.data(), sum);
+  for (std::size_t k = 0; k < _master_x.size(); ++k)
+    _master_x[k] = _master_X[k] + _last_master[k];
+  for (std::size_t k = 0; k < _master_nodes.size(); ++k)
+    std::copy_n(du + std::size_t(_master_nodes[k]) * _gdim, _gdim, _master_du.data() + k * _gdim);
   if (_fresh) // the last positions of these facets are not known
   {
     _fresh = false;
@@ -118,7 +129,8 @@ void NodeTracking::advance(const double* u, const double* du)
     std::fill_n(_step_shift, 3, 0.0);
     _step = largest_of(_gdim, _nodes, du) + largest_of(_gdim, _master_nodes, du);
     wake_all();
-    std::fill(_expire.begin(), _expire.end(), -never);
+    for (Node& node : _node)
+      node.expire = -never;
     refit(u);
     return;
   }
@@ -148,70 +160,52 @@ void NodeTracking::refit(const double* u)
 
 void NodeTracking::wake_all()
 {
-  std::fill(_wake.begin(), _wake.end(), -never);
+  for (Node& node : _node)
+    node.wake = -never;
 }
 
-Projection NodeTracking::locate(std::size_t i, const double* u)
+void NodeTracking::find_held()
 {
-  ++_counters.nodes;
-  const Configuration at{u, nullptr};
-  if (_travel < _expire[i])
-    return from_list(i, at);
-  ++_counters.queries;
-  Found near[4 * most];
-  int num = 0;
-  double budget = 0.0;
-  const Projection out = query(i, at, _travel - _fitted, _shift, near, num, budget);
-  // The list: the nearest `most`, in the order of the facets.
-  if (num > most)
+  for (std::size_t i = 0; i < size(); ++i)
   {
-    std::nth_element(near, near + most, near + num,
-                     [](const Found& a, const Found& b) { return a.distance < b.distance; });
-    num = most;
+    const auto at = std::lower_bound(_master.id.begin(), _master.id.end(), _held[i]);
+    const bool there = _held[i] >= 0 && at != _master.id.end() && *at == _held[i];
+    _node[i].held = there ? std::int32_t(at - _master.id.begin()) : -1;
   }
-  std::sort(near, near + num, [](const Found& a, const Found& b) { return a.facet < b.facet; });
-  std::copy_n(near, num, _list.data() + i * most);
-  _count[i] = num;
-  _listed[i] = _travel;
-  _expire[i] = _travel + budget;
-  return out;
-}
-
-Projection NodeTracking::locate_before(std::size_t i, const double* u, const double* du) const
-{
-  Found near[4 * most];
-  int num = 0;
-  double budget = 0.0, shift[3];
-  for (int c = 0; c < 3; ++c)
-    shift[c] = _shift[c] - _step_shift[c];
-  return query(i, {u, du}, std::abs(_travel - _fitted) + _step, shift, near, num, budget);
 }
 
 void NodeTracking::hold(std::size_t i, const Projection& at)
 {
-  _held_facet[i] = at.facet;
-  _held[i] = _master.id[at.facet];
-  std::copy_n(at.xi, 2, _xi.data() + 2 * i);
-  _wake[i] = -never;
+  Node& node = _node[i];
+  if (node.held != at.facet || _held[i] < 0)
+    _held[i] = _master.id[at.facet];
+  node.held = at.facet;
+  node.xi[0] = at.xi[0];
+  node.xi[1] = at.xi[1];
+  node.wake = -never;
 }
 
 void NodeTracking::release(std::size_t i, double gap)
 {
-  _held_facet[i] = -1;
+  _node[i].held = -1;
   _held[i] = -1;
-  _wake[i] = gap > 0.0 ? _travel + std::min(gap, _reach) : -never;
+  _node[i].wake = gap > 0.0 ? _travel + std::min(gap, _reach) : -never;
+}
+
+std::vector<double> NodeTracking::held_xi() const
+{
+  std::vector<double> out;
+  for (const Node& node : _node)
+    out.insert(out.end(), node.xi, node.xi + 2);
+  return out;
 }
 
 void NodeTracking::set_held(std::span<const std::int64_t> ids, std::span<const double> xi)
 {
   std::copy(ids.begin(), ids.end(), _held.begin());
-  std::copy(xi.begin(), xi.end(), _xi.begin());
   for (std::size_t i = 0; i < size(); ++i)
-  {
-    const auto at = std::lower_bound(_master.id.begin(), _master.id.end(), _held[i]);
-    const bool there = _held[i] >= 0 && at != _master.id.end() && *at == _held[i];
-    _held_facet[i] = there ? std::int32_t(at - _master.id.begin()) : -1;
-  }
+    std::copy_n(xi.data() + 2 * i, 2, _node[i].xi);
+  find_held();
   wake_all();
 }
 } // namespace impact::search

@@ -25,13 +25,23 @@ public:
   NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes);
 
   /// Other facets to look at: everything is searched anew in the next step. Nodes that are held stay on their facets.
-  /// @param[in] master candidates, sorted by id, numbered as the displacements
+  /// @param[in] master candidates, sorted by id, numbered as the displacements; facets that share a node have the same
+  /// position of it, to the last bit
   /// @param[in] normals out of the slave at the nodes; only facets that face them are considered
   /// @param[in] reach search distance [L]
-  void reset(surface::Facets master, std::vector<double> normals, double reach);
-  std::size_t size() const { return _nodes.size(); }
-  std::span<const std::int32_t> nodes() const { return _nodes; }
+  void reset(surface::Facets master, const std::vector<double>& normals, double reach);
+  std::size_t size() const { return _node.size(); }
   const surface::Facets& master() const { return _master; }
+  /// The master's nodes, ascending, without repetition: what is stored for them by their position in this list stays in
+  /// the cache while nodes are looked at. Filled by `advance`: their positions and increments.
+  std::span<const std::int32_t> master_nodes() const { return _master_nodes; }
+  const double* master_x() const { return _master_x.data(); }
+  const double* master_du() const { return _master_du.data(); }
+  /// Displacement nodes of a facet, by their position in master_nodes.
+  const std::int32_t* corners(std::int32_t facet) const
+  {
+    return _corners.data() + std::size_t(facet) * _master.displacement.num_nodes();
+  }
   /// Longest distance between corners of a facet, at rest [L].
   double diameter(std::int32_t facet) const { return _size[facet]; }
 
@@ -39,7 +49,7 @@ public:
   /// @param[in] u displacements [L]
   /// @param[in] du their increments since the last step; used in the first step after `reset` [L]
   void advance(const double* u, const double* du);
-  bool asleep(std::size_t i) const { return _travel < _wake[i]; }
+  bool asleep(std::size_t i) const { return _travel < _node[i].wake; }
   /// Closest point of node i.
   Projection locate(std::size_t i, const double* u);
   /// Closest point in the configuration u - du, of the step before.
@@ -53,7 +63,7 @@ public:
 
   /// Held nodes: id of the facet (-1: not held) and reference coordinates; for checkpoints.
   std::span<const std::int64_t> held() const { return _held; }
-  std::span<const double> held_xi() const { return _xi; }
+  std::vector<double> held_xi() const;
   void set_held(std::span<const std::int64_t> ids, std::span<const double> xi);
   const Counters& counters() const { return _counters; }
 
@@ -67,9 +77,9 @@ private:
   struct Found
   {
     std::int32_t facet;
-    double distance;
+    double distance, travel; ///< how far it was, and when
   };
-  enum class Kind
+  enum class Kind : int
   {
     interval,
     triangle,
@@ -88,13 +98,13 @@ private:
                    double* normal) const;
   Projection query(std::size_t i, Configuration at, double slack, const double* shift, std::span<Found> near, int& num,
                    double& budget) const;
-  Projection from_list(std::size_t i, Configuration at);
-  std::int32_t held_facet(std::size_t i) const;
+  template <Kind kind>
+  Projection from_list(std::size_t i, const double* u);
+  void find_held();
   void refit(const double* u);
 
   int _gdim = 3;
   Kind _kind = Kind::general;
-  std::vector<double> _X, _normals;
   std::vector<std::int32_t> _nodes;
   surface::Facets _master;
   std::vector<double> _size, _phi; ///< shape functions of displacements at geometry nodes
@@ -106,15 +116,19 @@ private:
   double _travel = 0.0, _step = 0.0, _fitted = 0.0; ///< now; in the last step; when the tree was fitted
   double _shift[3] = {}, _step_shift[3] = {};       ///< translation left out, since the tree was fitted; of the step
   double _mean[3] = {};                             ///< mean motion of the last step
-  std::vector<std::int32_t> _master_nodes;
+  std::vector<std::int32_t> _master_nodes, _corners;
   std::vector<double> _last, _last_master; ///< displacements of the last step
-  // Per node.
-  std::vector<double> _wake, _expire, _listed; ///< travel at which it wakes; its list ends; its list was made
-  std::vector<std::int32_t> _count;
+  std::vector<double> _master_X, _master_x, _master_du;
+  struct Node
+  {
+    double wake, expire; ///< travel at which it wakes, its list ends
+    double others;       ///< the least sum of travel and distance at which another than `winner` was seen
+    std::int32_t number, count, held, winner;
+    double xi[2], X[3], normal[3];
+  };
+  std::vector<Node> _node;
   std::vector<Found> _list;
   std::vector<std::int64_t> _held;
-  std::vector<std::int32_t> _held_facet;
-  std::vector<double> _xi;
   mutable Counters _counters;
 };
 } // namespace impact::search

@@ -3,7 +3,7 @@
 #include <cmath>
 
 /// Closest points on facets of degree 1, inlined: what node-to-surface contact does for every node near the master in
-/// every step. The results are those of project_on_facet.
+/// every step. The results are those of project_on_facet. X[i] are the positions of a facet's nodes.
 namespace impact::search::linear
 {
 using surface::FacetShape;
@@ -44,18 +44,18 @@ inline void values(const double* xi, double* phi)
 
 /// Tangents at a point.
 template <FacetShape S>
-inline void tangents(const double* X, const double* xi, double a[2][3])
+inline void tangents(const double* const* X, const double* xi, double a[2][3])
 {
   constexpr int D = dimension<S>;
   for (int c = 0; c < D; ++c)
   {
-    a[0][c] = X[D + c] - X[c];
+    a[0][c] = X[1][c] - X[0][c];
     if constexpr (S == FacetShape::triangle)
-      a[1][c] = X[2 * D + c] - X[c];
+      a[1][c] = X[2][c] - X[0][c];
     if constexpr (S == FacetShape::quadrilateral)
     {
-      const double twist = X[3 * D + c] - X[2 * D + c] - X[D + c] + X[c];
-      a[1][c] = X[2 * D + c] - X[c] + xi[0] * twist;
+      const double twist = X[3][c] - X[2][c] - X[1][c] + X[0][c];
+      a[1][c] = X[2][c] - X[0][c] + xi[0] * twist;
       a[0][c] += xi[1] * twist;
     }
   }
@@ -63,7 +63,7 @@ inline void tangents(const double* X, const double* xi, double a[2][3])
 
 /// Unit normal, out of the body.
 template <FacetShape S>
-inline void normal(const double* X, const double* xi, double orientation, double* n)
+inline void normal(const double* const* X, const double* xi, double orientation, double* n)
 {
   double a[2][3];
   tangents<S>(X, xi, a);
@@ -88,7 +88,7 @@ inline void normal(const double* X, const double* xi, double orientation, double
 /// @param[in,out] xi from where to where
 /// @returns false if Newton's method finds no minimum near the facet
 template <FacetShape S>
-inline bool foot(const double* X, const double* point, double* xi)
+inline bool foot(const double* const* X, const double* point, double* xi)
 {
   constexpr int D = dimension<S>;
   double r[3], a[2][3];
@@ -98,7 +98,7 @@ inline bool foot(const double* X, const double* point, double* xi)
     double aa = 0, bb = 0, ab = 0, ra = 0, rb = 0;
     for (int c = 0; c < D; ++c)
     {
-      r[c] = point[c] - X[c];
+      r[c] = point[c] - X[0][c];
       aa += a[0][c] * a[0][c];
       ra += r[c] * a[0][c];
       if constexpr (S == FacetShape::triangle)
@@ -123,13 +123,14 @@ inline bool foot(const double* X, const double* point, double* xi)
   }
   else
   {
-    double e1[3], e2[3], twist[3], r0[3];
+    double e1[3], e2[3], twist[3], r0[3], twist_squared = 0.0;
     for (int c = 0; c < 3; ++c)
     {
-      e1[c] = X[3 + c] - X[c];
-      e2[c] = X[6 + c] - X[c];
-      twist[c] = X[9 + c] - X[6 + c] - e1[c];
-      r0[c] = point[c] - X[c];
+      e1[c] = X[1][c] - X[0][c];
+      e2[c] = X[2][c] - X[0][c];
+      twist[c] = X[3][c] - X[2][c] - e1[c];
+      r0[c] = point[c] - X[0][c];
+      twist_squared += twist[c] * twist[c];
     }
     for (int iteration = 0; iteration < 12; ++iteration)
     {
@@ -149,11 +150,13 @@ inline bool foot(const double* X, const double* point, double* xi)
       const double det = h11 * h22 - h12 * h12;
       if (!(det > 1e-3 * h11 * h22))
         return false;
-      const double s1 = (h22 * g1 - h12 * g2) / det, s2 = (h11 * g2 - h12 * g1) / det;
+      const double per_det = 1.0 / det, s1 = (h22 * g1 - h12 * g2) * per_det, s2 = (h11 * g2 - h12 * g1) * per_det;
       xi[0] += s1;
       xi[1] += s2;
       const double size = std::max(std::abs(s1), std::abs(s2));
-      if (size < 1e-8) // what is left is the square of it
+      // What is left is the square of the step, times how much the facet is twisted.
+      const double squared = size * size;
+      if (16 * twist_squared * squared * squared < 1e-32 * std::min(h11, h22))
         return true;
       if (!(std::abs(xi[0] - 0.5) < 20.0 && std::abs(xi[1] - 0.5) < 20.0))
         return false;
@@ -162,40 +165,49 @@ inline bool foot(const double* X, const double* point, double* xi)
   }
 }
 
-/// The nearest point of the facet's edges and vertices.
+/// The nearest point of the facet's edges and vertices. It lies on an edge beyond which the foot is.
+/// @param[in] foot reference coordinates, outside the facet
 template <FacetShape S>
-inline void boundary(const double* X, const double* point, FacetProjection& out)
+inline void boundary(const double* const* X, const double* point, const double* foot, FacetProjection& out)
 {
   constexpr int D = dimension<S>, edges = S == FacetShape::interval ? 1 : num_nodes<S>;
   constexpr int corners[3][4][2] = {
       {{0, 1}}, {{1, 2}, {0, 2}, {0, 1}}, {{0, 1}, {0, 2}, {1, 3}, {2, 3}}}; // as edge_corners
   constexpr double places[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
-  double best = 0.0;
+  const double x = foot[0], y = foot[1];
+  const bool quadrilateral[4] = {y < 0, x < 0, x > 1, y > 1}, triangle[4] = {x + y > 1, x < 0, y < 0, false};
+  double best = 0.0, xi[2] = {};
+  bool any = false;
   for (int e = 0; e < edges; ++e)
   {
+    if (!(S == FacetShape::interval || (S == FacetShape::triangle ? triangle[e] : quadrilateral[e])))
+      continue;
     const int i = corners[int(S)][e][0], j = corners[int(S)][e][1];
     double d[3], b[3], bb = 0.0, db = 0.0, squared = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      b[c] = X[D * j + c] - X[D * i + c];
-      d[c] = point[c] - X[D * i + c];
+      b[c] = X[j][c] - X[i][c];
+      d[c] = point[c] - X[i][c];
       bb += b[c] * b[c];
       db += d[c] * b[c];
     }
     const double t = db <= 0.0 ? 0.0 : db >= bb ? 1.0 : db / bb;
     for (int c = 0; c < D; ++c)
       squared += (d[c] - t * b[c]) * (d[c] - t * b[c]);
-    if (e > 0 && !(squared < best))
+    if (any && !(squared < best))
       continue;
+    any = true;
     best = squared;
     const bool vertex = t == 0.0 || t == 1.0;
     out.status = vertex ? ProjectionStatus::vertex : ProjectionStatus::edge;
     out.entity = std::int8_t(vertex ? (t == 0.0 ? i : j) : e);
     for (int a = 0; a < 2; ++a)
-      out.xi[a] = (1 - t) * places[i][a] + t * places[j][a];
+      xi[a] = (1 - t) * places[i][a] + t * places[j][a];
     for (int c = 0; c < D; ++c)
-      out.x[c] = X[D * i + c] + t * b[c];
+      out.x[c] = X[i][c] + t * b[c];
   }
+  out.xi[0] = xi[0];
+  out.xi[1] = xi[1];
   out.distance = std::sqrt(best);
 }
 
@@ -203,12 +215,12 @@ inline void boundary(const double* X, const double* point, FacetProjection& out)
 /// @param[in] start reference coordinates near it, or null
 /// @returns false if this is a case for project_on_facet
 template <FacetShape S>
-inline bool project(const double* X, const double* point, const double* start, FacetProjection& out)
+inline bool project(const double* const* X, const double* point, const double* start, FacetProjection& out)
 {
   constexpr int D = dimension<S>;
   out.xi[0] = start ? start[0] : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
   out.xi[1] = start ? start[1] : S == FacetShape::interval ? 0.0 : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
-  if (!foot<S>(X, point, out.xi))
+  if (!linear::foot<S>(X, point, out.xi))
     return false;
   bool inside = out.xi[0] >= -margin;
   if constexpr (S == FacetShape::interval)
@@ -219,7 +231,8 @@ inline bool project(const double* X, const double* point, const double* start, F
     inside = inside && out.xi[1] >= -margin && out.xi[0] <= 1 + margin && out.xi[1] <= 1 + margin;
   if (!inside)
   {
-    boundary<S>(X, point, out);
+    const double foot[2] = {out.xi[0], out.xi[1]};
+    boundary<S>(X, point, foot, out);
     return true;
   }
   double phi[4], squared = 0.0;
@@ -228,7 +241,7 @@ inline bool project(const double* X, const double* point, const double* start, F
   {
     double x = 0.0;
     for (int i = 0; i < num_nodes<S>; ++i)
-      x += phi[i] * X[i * D + c];
+      x += phi[i] * X[i][c];
     out.x[c] = x;
     squared += (point[c] - x) * (point[c] - x);
   }

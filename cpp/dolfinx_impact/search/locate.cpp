@@ -13,13 +13,24 @@ using surface::FacetElement;
 using surface::FacetShape;
 constexpr double list_budget = 0.2; ///< of the nearest facet's diameter: travel for which a list is good
 constexpr int max_values = 3 * FacetElement::max_nodes;
+
+/// Where the first nodes of a facet are in an array of positions.
+struct Corners
+{
+  const double* X[4];
+  Corners(const double* facet, int gdim)
+  {
+    for (int i = 0; i < 4; ++i)
+      X[i] = facet + i * gdim;
+  }
+};
 } // namespace
 
 void NodeTracking::position(std::size_t i, Configuration at, double* x) const
 {
-  const std::size_t node = std::size_t(_nodes[i]) * _gdim;
+  const std::size_t k = std::size_t(_node[i].number) * _gdim;
   for (int c = 0; c < _gdim; ++c)
-    x[c] = _X[i * _gdim + c] + (at.u[node + c] - (at.du ? at.du[node + c] : 0.0));
+    x[c] = _node[i].X[c] + (at.u[k + c] - (at.du ? at.du[k + c] : 0.0));
 }
 
 void NodeTracking::positions(std::int32_t f, Configuration at, double* x) const
@@ -55,16 +66,17 @@ FacetProjection NodeTracking::project(std::int32_t f, const double* facet, const
   ++_counters.projections;
   FacetProjection out;
   bool found = false;
+  const Corners corners(facet, _gdim);
   switch (_kind)
   {
   case Kind::interval:
-    found = linear::project<FacetShape::interval>(facet, x, start, out);
+    found = linear::project<FacetShape::interval>(corners.X, x, start, out);
     break;
   case Kind::triangle:
-    found = linear::project<FacetShape::triangle>(facet, x, start, out);
+    found = linear::project<FacetShape::triangle>(corners.X, x, start, out);
     break;
   case Kind::quadrilateral:
-    found = linear::project<FacetShape::quadrilateral>(facet, x, start, out);
+    found = linear::project<FacetShape::quadrilateral>(corners.X, x, start, out);
     break;
   case Kind::general:
     break;
@@ -79,14 +91,15 @@ FacetProjection NodeTracking::project(std::int32_t f, const double* facet, const
 void NodeTracking::facet_normal(std::int32_t f, const double* facet, const double* xi, double* normal) const
 {
   const double sign = _master.orientation[f];
+  const Corners corners(facet, _gdim);
   switch (_kind)
   {
   case Kind::interval:
-    return linear::normal<FacetShape::interval>(facet, xi, sign, normal);
+    return linear::normal<FacetShape::interval>(corners.X, xi, sign, normal);
   case Kind::triangle:
-    return linear::normal<FacetShape::triangle>(facet, xi, sign, normal);
+    return linear::normal<FacetShape::triangle>(corners.X, xi, sign, normal);
   case Kind::quadrilateral:
-    return linear::normal<FacetShape::quadrilateral>(facet, xi, sign, normal);
+    return linear::normal<FacetShape::quadrilateral>(corners.X, xi, sign, normal);
   case Kind::general:
     std::copy_n(surface::evaluate(_master, f, facet, xi).normal, 3, normal);
   }
@@ -109,7 +122,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
   position(i, at, x);
   for (int c = 0; c < _gdim; ++c)
     there[c] = x[c] - shift[c];
-  const double* slave_normal = _normals.data() + i * _gdim;
+  const double* slave_normal = _node[i].normal;
   const double radius = std::max(_reach, 2 * _step);
   Projection out;
   FacetProjection best;
@@ -117,7 +130,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
   const auto visit = [&](std::int32_t f)
   {
     positions(f, at, facet);
-    const FacetProjection p = project(f, facet, x, f == _held_facet[i] ? _xi.data() + 2 * i : nullptr);
+    const FacetProjection p = project(f, facet, x, f == _node[i].held ? _node[i].xi : nullptr);
     if (p.distance <= radius && (out.facet < 0 || better(p, f, best, out.facet)))
     {
       facet_normal(f, facet, p.xi, normal);
@@ -129,7 +142,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
       }
     }
     if (num < int(near.size()))
-      near[num++] = {f, p.distance};
+      near[num++] = {f, p.distance, _travel};
     else
     {
       // Full: the farthest makes room.
@@ -137,7 +150,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
                                   [](const Found& a, const Found& b) { return a.distance < b.distance; });
       dropped = std::min(dropped, std::max(far->distance, p.distance));
       if (p.distance < far->distance)
-        *far = {f, p.distance};
+        *far = {f, p.distance, _travel};
     }
     const double limit = out.facet < 0 ? radius : best.distance + 2 * list_budget * _size[out.facet];
     return (limit + slack) * (limit + slack);
@@ -164,50 +177,127 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
   return out;
 }
 
-Projection NodeTracking::from_list(std::size_t i, Configuration at)
+Projection NodeTracking::locate(std::size_t i, const double* u)
 {
-  double x[3], facet[max_values], normal[3], best_normal[3];
-  position(i, at, x);
-  const double* slave_normal = _normals.data() + i * _gdim;
-  const std::span<const Found> list(_list.data() + i * most, _count[i]);
-  const double moved = _travel - _listed[i], room = 1e-9 * _largest;
-  const std::int32_t held = _held_facet[i];
-  Projection out;
-  FacetProjection best, first;
-  double bound = std::numeric_limits<double>::infinity();
-  bool held_faces = false;
-  if (held >= 0) // most likely the nearest: saves looking at the others
-  {
-    positions(held, at, facet);
-    first = project(held, facet, x, _xi.data() + 2 * i);
-    facet_normal(held, facet, first.xi, best_normal);
-    held_faces = dot(best_normal, slave_normal, _gdim) < 0.0;
-    if (held_faces)
+  ++_counters.nodes;
+  Node& node = _node[i];
+  if (_travel < node.expire)
+    switch (_kind)
     {
-      bound = first.distance;
-      best = first;
-      out.facet = held;
+    case Kind::interval:
+      return from_list<Kind::interval>(i, u);
+    case Kind::triangle:
+      return from_list<Kind::triangle>(i, u);
+    case Kind::quadrilateral:
+      return from_list<Kind::quadrilateral>(i, u);
+    case Kind::general:
+      return from_list<Kind::general>(i, u);
     }
-  }
-  for (const auto& [f, distance] : list)
+  ++_counters.queries;
+  Found near[4 * most];
+  int num = 0;
+  double budget = 0.0;
+  const Projection out = query(i, {u, nullptr}, _travel - _fitted, _shift, near, num, budget);
+  // The list: the nearest `most`, in the order of the facets.
+  if (num > most)
   {
-    if (f == held || distance - moved > bound + room)
-      continue;
+    std::nth_element(near, near + most, near + num,
+                     [](const Found& a, const Found& b) { return a.distance < b.distance; });
+    num = most;
+  }
+  std::sort(near, near + num, [](const Found& a, const Found& b) { return a.facet < b.facet; });
+  std::copy_n(near, num, _list.data() + i * most);
+  node.count = num;
+  node.winner = -1;
+  node.expire = _travel + budget;
+  return out;
+}
+
+Projection NodeTracking::locate_before(std::size_t i, const double* u, const double* du) const
+{
+  Found near[4 * most];
+  int num = 0;
+  double budget = 0.0, shift[3];
+  for (int c = 0; c < 3; ++c)
+    shift[c] = _shift[c] - _step_shift[c];
+  return query(i, {u, du}, std::abs(_travel - _fitted) + _step, shift, near, num, budget);
+}
+
+/// The nearest of the node's list. Distances of its facets when they were last looked at tell which need it again.
+template <NodeTracking::Kind kind>
+Projection NodeTracking::from_list(std::size_t i, const double* u)
+{
+  Node& node = _node[i];
+  constexpr bool general = kind == Kind::general;
+  constexpr FacetShape S = general ? FacetShape::quadrilateral : FacetShape(int(kind));
+  const int D = general ? _gdim : linear::dimension<S>;
+  const Configuration at{u, nullptr};
+  double x[3], facet[max_values], normal[3], best_normal[3];
+  const double* X[4];
+  for (int c = 0; c < D; ++c)
+    x[c] = node.X[c] + _last[i * D + c];
+  const auto look = [&](std::int32_t f, const double* start, FacetProjection& p)
+  {
+    if constexpr (!general)
+    {
+      constexpr int N = linear::num_nodes<S>;
+      const std::int32_t* nodes = _corners.data() + std::size_t(f) * N;
+      for (int j = 0; j < N; ++j)
+        X[j] = _master_x.data() + std::size_t(nodes[j]) * linear::dimension<S>;
+      if (linear::project<S>(X, x, start, p))
+      {
+        ++_counters.projections;
+        return;
+      }
+    }
     positions(f, at, facet);
-    const FacetProjection p = project(f, facet, x, nullptr);
-    if (out.facet >= 0 && !better(p, f, best, out.facet))
+    p = project(f, facet, x, start);
+  };
+  const auto faces = [&](std::int32_t f, const double* xi, double* n)
+  {
+    if constexpr (general)
+      facet_normal(f, facet, xi, n);
+    else
+      linear::normal<S>(X, xi, _master.orientation[f], n);
+    return dot(n, node.normal, D) < 0.0;
+  };
+  const double moved = _travel + 1e-9 * _largest;
+  Found* list = _list.data() + i * most;
+  Projection out;
+  FacetProjection best, p;
+  if (node.held >= 0) // most likely the nearest: saves looking at the others
+  {
+    look(node.held, node.xi, best);
+    if (faces(node.held, best.xi, best_normal))
+      out.facet = node.held;
+  }
+  // None of the others can be nearer yet?
+  const bool alone = out.facet >= 0 && node.winner == node.held && node.others - moved > best.distance;
+  for (int k = 0; k < node.count && !alone; ++k)
+  {
+    const std::int32_t f = list[k].facet;
+    if (f == node.held || (out.facet >= 0 && list[k].distance - (moved - list[k].travel) > best.distance))
       continue;
-    facet_normal(f, facet, p.xi, normal);
-    if (dot(normal, slave_normal, _gdim) < 0.0)
+    look(f, nullptr, p);
+    list[k].distance = p.distance;
+    list[k].travel = _travel;
+    if ((out.facet < 0 || better(p, f, best, out.facet)) && faces(f, p.xi, normal))
     {
       best = p;
       out.facet = f;
-      bound = std::min(bound, p.distance);
       std::copy_n(normal, 3, best_normal);
     }
   }
+  if (!alone)
+  {
+    node.winner = out.facet;
+    node.others = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < node.count; ++k)
+      if (list[k].facet != out.facet)
+        node.others = std::min(node.others, list[k].distance + list[k].travel);
+  }
   if (out.facet >= 0 && best.distance <= std::max(_reach, 2 * _step))
-    finish(x, best_normal, best, at, list, out);
+    finish(x, best_normal, best, at, {list, std::size_t(node.count)}, out);
   else
     out = {};
   return out;
@@ -259,7 +349,7 @@ bool NodeTracking::mean_normal(const FacetProjection& at, std::int32_t facet, Co
   std::fill_n(normal, 3, 0.0);
   int meeting = 0;
   Umbrella umbrella;
-  for (const auto& [f, distance] : near)
+  for (const auto& [f, distance, travel] : near)
   {
     const int i = corner(_master, f, own[edge ? ends[0] : at.entity]), j = edge ? corner(_master, f, own[ends[1]]) : i;
     if (i < 0 || j < 0)

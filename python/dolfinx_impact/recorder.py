@@ -1,0 +1,152 @@
+"""What an explicit run writes while it runs: fields for ParaView, histories in HDF5."""
+
+import numpy as np
+from dolfinx import io
+from mpi4py import MPI
+
+from .results import RunFolder
+
+UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
+FIELDS = ("displacement", "velocity", "acceleration")
+
+
+class Recorder:
+    """Writes frames and histories of an ExplicitProblem into a folder; made by ExplicitProblem.record.
+
+    Files: fields.bp (ParaView 5.12 or newer), history.h5: `time`, energies and contact forces `force_0`, ... of every
+    step; `points/time` and `points/displacement`, `points/velocity`, shape (frames, points, gdim). Datasets have units
+    as attributes: T, L, F stand for the units of time, length and force of the problem's numbers.
+    """
+
+    def __init__(self, problem, path, fields, every, points, points_every):
+        unknown = [f for f in fields if f not in FIELDS]
+        if unknown:
+            raise ValueError(f"fields {unknown} are unknown: use some of {', '.join(FIELDS)}")
+        for name, number in (("every", every), ("points_every", points_every)):
+            if isinstance(number, bool) or int(number) != number or number < 1:
+                raise ValueError(f"{name} is {number!r}: give a positive number of steps")
+        self.problem, self.every, self.points_every = problem, int(every), int(points_every)
+        self.folder = RunFolder(path, comm=problem.comm, name="explicit")
+        functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
+        self._fields = [functions[f] for f in fields]
+        for name, f in functions.items():
+            f.name = name
+        self._writer = None
+        if self._fields:
+            self._writer = io.VTXWriter(problem.comm, self.folder.file("fields.bp"), self._fields, "BP4")
+        self._nodes = [] if points is None else self._nearest(np.atleast_2d(np.asarray(points, dtype=float)))
+        self._samples, self._seen, self._frame = [], len(problem._rows), -1
+        self._open()
+        self.after()
+
+    def _nearest(self, points):
+        """For each point the node nearest to it: (rank, number there). Collective."""
+        V, comm = self.problem.space, self.problem.comm
+        x = V.tabulate_dof_coordinates()[: V.dofmap.index_map.size_local, : V.mesh.geometry.dim]
+        if points.shape[1] < x.shape[1]:
+            raise ValueError(f"points have {points.shape[1]} coordinates: {x.shape[1]} are needed")
+        out = []
+        for p in points[:, : x.shape[1]]:
+            distance = np.linalg.norm(x - p, axis=1)
+            node = int(np.argmin(distance)) if len(x) else -1
+            _, rank = comm.allreduce((float(distance[node]) if len(x) else np.inf, comm.rank), MPI.MINLOC)
+            out.append((rank, node))
+        return out
+
+    def _open(self):
+        """History file with growing datasets, on rank 0."""
+        import h5py
+
+        from .march import ENERGIES
+
+        def work():
+            gdim, grow = self.problem.space.mesh.geometry.dim, {"chunks": True}
+            with h5py.File(self.folder.file("history.h5"), "w") as file:
+                names = {"time": "T", **{name: "F L" for name in ENERGIES}}
+                for name, unit in names.items():
+                    file.create_dataset(name, (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = unit
+                for k, contact in enumerate(self.problem.contact):
+                    d = file.create_dataset(f"force_{k}", (0, gdim), maxshape=(None, gdim), dtype=float, **grow)
+                    d.attrs["units"], d.attrs["contact"] = "F", contact.pair.name
+                if self._nodes:
+                    shape = (0, len(self._nodes), gdim)
+                    file.create_dataset("points/time", (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = "T"
+                    for name in ("displacement", "velocity"):
+                        d = file.create_dataset(
+                            f"points/{name}", shape, maxshape=(None, *shape[1:]), dtype=float, **grow
+                        )
+                        d.attrs["units"] = UNITS[name]
+
+        self.folder._write("history.h5", work)
+
+    def steps_left(self):
+        """Steps until something is to be written."""
+        step = self.problem.step
+        waits = [self.every - step % self.every]
+        if self._nodes:
+            waits.append(self.points_every - step % self.points_every)
+        return min(waits)
+
+    def after(self):
+        """Write what is due after a step. Collective."""
+        p = self.problem
+        frame, sample = p.step % self.every == 0, bool(self._nodes) and p.step % self.points_every == 0
+        if (frame or sample) and p.step != self._frame:
+            p._copy_motion()
+            self._frame = p.step
+            if sample:
+                self._sample()
+            if frame:
+                if self._writer is not None:
+                    self._writer.write(p.time)
+                self.flush()
+
+    def _sample(self):
+        p, values = self.problem, []
+        for rank, node in self._nodes:
+            gdim = p.space.mesh.geometry.dim
+            mine = [f.x.array.reshape(-1, gdim)[node].copy() if p.comm.rank == rank else None
+                    for f in (p.u, p.velocity)]  # fmt: skip
+            values.append(p.comm.bcast(mine, root=rank))
+        self._samples.append((p.time, np.array(values)))
+
+    def flush(self):
+        """Write histories so far. Collective."""
+        import h5py
+
+        from .march import ENERGIES
+
+        p, samples = self.problem, self._samples
+        rows = [r for r in p._rows[self._seen :] if len(r)]
+        self._seen, self._samples = len(p._rows), []
+
+        def work():
+            with h5py.File(self.folder.file("history.h5"), "a") as file:
+                if rows:
+                    table = np.vstack(rows)
+                    gdim = p.space.mesh.geometry.dim
+                    for k, name in enumerate(("time", *ENERGIES)):
+                        _append(file[name], table[:, k])
+                    for k in range(len(p.contact)):
+                        first = 1 + len(ENERGIES) + 3 * k
+                        _append(file[f"force_{k}"], table[:, first : first + gdim])
+                if samples:
+                    values = np.array([v for _, v in samples])
+                    _append(file["points/time"], np.array([t for t, _ in samples]))
+                    for k, name in enumerate(("displacement", "velocity")):
+                        _append(file[f"points/{name}"], values[:, :, k])
+
+        self.folder._write("history.h5", work)
+
+    def close(self):
+        """Write what is left and close the files. Collective."""
+        self.flush()
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+
+
+def _append(dataset, rows):
+    size = len(dataset)
+    dataset.resize(size + len(rows), axis=0)
+    dataset[size:] = rows

@@ -1,0 +1,90 @@
+"""Closest points followed over many steps against a full search in each; how rarely anything is searched."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from nodal_model import Nodal, pairs, smooth, two_bodies
+from nodal_oracle import node_normals
+
+from dolfinx_impact import _cpp
+
+CELLS = [("quadrilateral", 1), ("hexahedron", 1), ("tetrahedron", 1), ("hexahedron", 2), ("triangle", 2)]
+
+
+def full_search(V, slave, master, model, u, normals):
+    slave.move(u.reshape(-1)), master.move(u.reshape(-1))
+    x = np.ascontiguousarray((model.x + u)[model.contact.nodes])
+    return _cpp.search.SurfaceSearch(master).project(x, normals, model.contact.search_distance)
+
+
+@pytest.mark.parametrize("cell,degree", CELLS)
+def test_closest_points_are_those_of_a_full_search(cell, degree):
+    """Bodies that slide, rock and vibrate: every gap, normal and force direction in every step. Facets that face a node
+    are those that did at the last search: the same normals are given to both."""
+    dim = 2 if cell in ("triangle", "quadrilateral") else 3
+    V, slave, master = pairs.two_bodies(
+        MPI.COMM_SELF, dim, cell, 1, degree, gap=0.0, lower_cells=(5,) * dim, upper_cells=(4,) * dim
+    )
+    model = Nodal(V, slave, master)
+    body, middle = model.slave_body, np.array([0.5] * (dim - 1) + [1.0])
+    steps, searches, before, closed = 400, 0, None, 0
+    for step in range(steps):
+        t = step / steps
+        u = smooth(model.x, 0.004, 30 * t)
+        turn = 0.05 * np.sin(9 * t)
+        y = model.x[body] - middle
+        u[body, 0] += 0.3 * np.sin(4 * t) - turn * y[:, -1]
+        u[body, -1] += 0.01 * np.sin(50 * t) + turn * y[:, 0]
+        if step == 0 or model.again():
+            model.renumber(u)
+            searches += 1
+            slave.move(u.reshape(-1))
+            normals = np.ascontiguousarray(node_normals(slave, model.num, dim)[model.contact.nodes])
+            assert np.allclose(normals, model.contact.normals, atol=1e-13)
+        model.forces(u, np.zeros_like(u) if before is None else u - before, search=False)
+        before = u
+        r = model.contact.results()
+        expected = full_search(V, slave, master, model, u, normals)
+        deep = (expected["gap"] < 0) & (r["stiffness"] == 0)  # first seen too deep: left open
+        assert np.count_nonzero(deep) <= model.contact.counters()["implausible"]
+        touching = r["stiffness"] > 0
+        assert np.array_equal(touching, (expected["gap"] < 0) & ~deep)
+        assert np.allclose(r["gap"][touching], expected["gap"][touching], atol=1e-13)
+        # At a kink there may be two nearest points, but for that normals are the same.
+        differ = np.abs(r["normal"] - expected["normal"])[touching].max(axis=1) > 1e-9
+        assert np.count_nonzero(differ) == 0
+        closed += np.count_nonzero(touching)
+    counters = model.contact.counters()
+    num = len(model.contact.nodes)
+    assert closed > 0.1 * steps * num
+    assert searches < 0.05 * steps and counters["searches"] == searches
+    assert counters["queries"] < 0.25 * counters["nodes"]
+
+
+def test_bodies_that_fly_together_are_not_searched():
+    """Whatever the common translation; and far apart nobody is looked at."""
+    model = two_bodies("hexahedron", gap=0.2)
+    u = np.zeros_like(model.x)
+    searches = 0
+    for step in range(300):
+        du = np.zeros_like(u) + [0.05, 0.02, -0.03] if step else np.zeros_like(u)
+        u = u + du
+        search = step == 0 or model.again()
+        searches += search
+        model.forces(u, du, search=search)
+    counters = model.contact.counters()
+    assert searches <= 4
+    assert counters["nodes"] <= 2 * searches * len(model.contact.nodes)
+
+
+def test_results_of_sleeping_nodes_on_request():
+    model = two_bodies("hexahedron", gap=0.05)
+    u = np.zeros_like(model.x)
+    model.forces(u)
+    first = model.contact.results()["gap"]
+    u[model.slave_body, 2] -= 0.01
+    model.forces(u, search=False)
+    assert np.array_equal(model.contact.results()["gap"], first)  # nobody looked
+    model.contact.wake_all()
+    model.forces(u, search=False)
+    assert np.all(model.contact.results()["gap"] < first)
