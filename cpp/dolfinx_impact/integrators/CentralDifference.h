@@ -69,7 +69,8 @@ public:
 
   /// Energies at the present time level, sums over ranks. Collective.
   Energies energies();
-  /// Velocity (3.75) and acceleration at the present time level, owned entries. Collective.
+  /// Velocity (3.75) and acceleration at the present time level, owned entries; with the forces of kinematic contact of
+  /// the last step. Collective.
   void motion(std::span<double> v, std::span<double> a);
   /// Owned displacements [L].
   std::span<const double> displacement() const { return {_u.data(), _owned}; }
@@ -78,7 +79,7 @@ public:
   struct Saved
   {
     std::vector<double> u, v, r; ///< v half a step ago
-    std::vector<double> parts;   ///< one array after the other
+    std::vector<double> parts;   ///< one array after the other, at last kinematic forces
     std::vector<double> accounts;
   };
   Saved save();
