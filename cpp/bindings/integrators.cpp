@@ -98,5 +98,5 @@ void impact::bindings::integrators(nb::module_& m)
       .def_prop_ro("num_searches", &CentralDifference::num_searches)
       .def_prop_ro("num_additive", &CentralDifference::num_additive)
       .def_prop_ro("row_size", &CentralDifference::row_size)
-      .def_prop_ro("num_parts", &CentralDifference::num_parts);
+      .def_prop_ro("num_saved_parts", &CentralDifference::num_saved_parts);
 }

@@ -10,7 +10,7 @@ class Amplitude:
 
     Args:
         what: a number, a callable of the time [T], a pair (times, values) that is linear in between and constant
-            outside, or None (one at all times). size: components of its values.
+            outside, or None (one at all times; vectors: zero). size: components of its values.
 
     Raises:
         TypeError: another kind. ValueError: values of another shape, not finite, times that do not increase.
@@ -19,8 +19,9 @@ class Amplitude:
     def __init__(self, what, name, size=1):
         self.name, self.size = name, size
         if what is None:
-            what = 1.0 if size == 1 else np.zeros(size)
-        if callable(what):
+            still = np.ones(1) if size == 1 else np.zeros(size)
+            self._function = lambda t: still
+        elif callable(what):
             self._function = what
         elif isinstance(what, tuple) and len(what) == 2 and np.ndim(what[0]) == 1:
             self._function = self._table(*what)

@@ -31,7 +31,7 @@ class Restart:
         state = self._cpp.save()
         bs = self.space.dofmap.index_map_bs
         arrays = {name: state[name].reshape(-1, bs) for name in ("u", "v", "r")}
-        count = self._cpp.num_parts
+        count = self._cpp.num_saved_parts
         parts = state["parts"].reshape(count, -1, bs)
         arrays.update({f"part{k}": parts[k] for k in range(count)})
         nodal, ranks = {}, {"accounts": state["accounts"]}
@@ -60,7 +60,7 @@ class Restart:
             RuntimeError: the file cannot be read. ValueError: it is of another mesh, material, ...; on all ranks.
         """
         file = checkpoint.Reader(path, self)
-        count, a = self._cpp.num_parts, file.attributes
+        count, a = self._cpp.num_saved_parts, file.attributes
         parts = [file.arrays[f"part{k}"].ravel() for k in range(count)]
         accounts = file.ranks["accounts"]
         additive = np.ones(accounts.shape[1], dtype=bool)

@@ -171,6 +171,7 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
   _halo->forward(_u.data(), _bs);
   _halo->forward(_v.data(), _bs);
   std::fill(_r.begin(), _r.end(), 0.0);
+  std::fill(_contact_force.begin(), _contact_force.end(), 0.0);
   for (Part& part : _parts)
     std::fill(part.force.begin(), part.force.end(), 0.0);
   _last_step = 0.0;

@@ -69,7 +69,8 @@ public:
 
   /// Energies at the present time level, sums over ranks. Collective.
   Energies energies();
-  /// Velocity (3.75) and acceleration at the present time level, owned entries. Collective.
+  /// Velocity (3.75) and acceleration at the present time level, owned entries; with the forces of kinematic contact of
+  /// the last step. Collective.
   void motion(std::span<double> v, std::span<double> a);
   /// Owned displacements [L].
   std::span<const double> displacement() const { return {_u.data(), _owned}; }
@@ -78,7 +79,7 @@ public:
   struct Saved
   {
     std::vector<double> u, v, r; ///< v half a step ago
-    std::vector<double> parts;   ///< one array after the other
+    std::vector<double> parts;   ///< one array after the other, at last kinematic forces
     std::vector<double> accounts;
   };
   Saved save();
@@ -88,7 +89,8 @@ public:
   std::pair<std::int32_t, double> fastest() const;
   std::int64_t num_searches() const { return _num_searches; }
   std::size_t row_size() const { return Energies::size + 3 * _contacts.size(); }
-  std::size_t num_parts() const { return _parts.size(); }
+  /// Arrays in Saved::parts.
+  std::size_t num_saved_parts() const { return _parts.size() + 1; }
   /// How many of the saved accounts add up over ranks; the others are the same on all.
   std::size_t num_additive() const { return 3 * _parts.size() + 6; }
 

@@ -116,7 +116,8 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
     evaluate();
   for (std::size_t i = 0; i < _owned; ++i)
   {
-    a[i] = _inverse[i] > 0.0 ? _inverse[i] * (_load[i] - _r[i]) - _alpha * _v[i] : 0.0;
+    // Kinematic contact knows its forces once the step is predicted: those of the last step (zero without it).
+    a[i] = _inverse[i] > 0.0 ? _inverse[i] * (_load[i] - _r[i] + _contact_force[i]) - _alpha * _v[i] : 0.0;
     v[i] = _v[i] + 0.5 * _last_step * a[i];
   }
 }
@@ -147,6 +148,7 @@ CentralDifference::Saved CentralDifference::save()
     saved.parts.insert(saved.parts.end(), part.force.begin(), part.force.begin() + _owned);
     saved.accounts.insert(saved.accounts.end(), {part.work.done, part.work.before, part.position});
   }
+  saved.parts.insert(saved.parts.end(), _contact_force.begin(), _contact_force.begin() + _owned);
   for (const Work& work : {_residual_work, _load_work, _support_work, _damped, _kinematic_work})
     saved.accounts.push_back(work.done);
   saved.accounts.insert(saved.accounts.end(), {_obstacle_work, _reference, _last_step, _contact_step});
@@ -162,7 +164,7 @@ CentralDifference::Saved CentralDifference::save()
 void CentralDifference::restore(const Saved& saved)
 {
   if (saved.u.size() != _owned || saved.v.size() != _owned || saved.r.size() != _owned ||
-      saved.parts.size() != _parts.size() * _owned ||
+      saved.parts.size() != num_saved_parts() * _owned ||
       saved.accounts.size() != num_additive() + 3 + 9 * _contacts.size())
     throw std::invalid_argument("the saved state is that of another problem");
   start(saved.u, saved.v);
@@ -174,6 +176,7 @@ void CentralDifference::restore(const Saved& saved)
     _parts[k].work = {accounts[0], accounts[1]};
     _parts[k].position = accounts[2];
   }
+  std::copy_n(saved.parts.begin() + _parts.size() * _owned, _owned, _contact_force.begin());
   for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped, &_kinematic_work})
     *work = {*accounts++, 0.0};
   _obstacle_work = *accounts++;
