@@ -104,6 +104,8 @@ nb::dict energies(const NodeToSurface& self)
   out["stored"] = e.stored;
   out["friction"] = e.friction;
   out["normal"] = e.normal;
+  out["later_friction"] = e.later_friction;
+  out["later_normal"] = e.later_normal;
   return out;
 }
 
@@ -214,8 +216,11 @@ void impact::bindings::nodal(nb::module_& m)
       .def("results", &results)
       .def("energy", &energies)
       .def(
-          "set_energy", [](NodeToSurface& self, double stored, double friction, double normal)
-          { self.set_energy({stored, friction, normal}); }, nb::arg("stored"), nb::arg("friction"), nb::arg("normal"))
+          "set_energy",
+          [](NodeToSurface& self, double stored, double friction, double normal, double later_friction,
+             double later_normal) { self.set_energy({stored, friction, normal, later_friction, later_normal}); },
+          nb::arg("stored"), nb::arg("friction"), nb::arg("normal"), nb::arg("later_friction") = 0.0,
+          nb::arg("later_normal") = 0.0)
       .def("counters", &counters)
       .def("history", &history)
       .def("set_history", &set_history, nb::arg("history"));

@@ -125,8 +125,9 @@ class March:
         """Take steps. Collective."""
         steps = np.arange(self.step, self.step + count + 1)
         times = self._plan.times(steps) if self._plan else np.array([self.time])
-        table = [a.sample(times) for a in self._amplitudes]
-        table = np.hstack(table) if table else np.zeros((count + 1, 0))
+        levels = np.append(times, times[-1] + (self._plan.dt if self._plan else 0.0))
+        table = [a.sample(levels) for a in self._amplitudes]
+        table = np.hstack(table) if table else np.zeros((count + 2, 0))
         if self.step - (self._good[0] if self._good else -SNAPSHOT) >= SNAPSHOT or count > SNAPSHOT:
             self._good = (self.step, self.time, *self._motion())
         rows = np.zeros((count, self._cpp.row_size))

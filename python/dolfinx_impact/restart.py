@@ -6,7 +6,7 @@ from . import checkpoint
 from .march import Plan
 
 # Per contact: energies, then where a rigid master is and how far it has moved; the latter are the same on all ranks.
-ENERGY = ("stored", "friction", "normal")
+ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
 
 
 class Restart:

@@ -45,7 +45,8 @@ class Model:
     `reference_nodes`). `degree` of the displacement field defaults to the geometry's. If they differ, the model numbers
     its own field nodes: `field_points` (num_nodes, gdim), `field_cells`. Degree of freedom = gdim * node + component.
     Several materials: cell_tags (num_cells) and materials={tag: Material}; `material` may then be None.
-    `rule` is used for every integral over cells, `facet_rule` over facets; None takes the default of each purpose.
+    `rule` is used for every integral over cells, `facet_rule` over facets; None takes the default of each purpose, and
+    so do purposes that a dict {purpose: rule} leaves out ("stiffness", "finite_strain", "mass", "load").
     Raises ValueError for data out of range, connectivity that does not fit, unused points, inverted or empty cells.
     """
 
@@ -96,6 +97,8 @@ class Model:
         facet = purpose == "facet"
         cell = rules.facet_type(self.cell_type) if facet else self.cell_type
         rule = self.facet_rule if facet else self.rule
+        if isinstance(rule, dict):
+            rule = rule.get(purpose)
         return rules.points_and_weights(cell, rule, purpose, self.degree, self.geometry_degree, self.axisymmetric)
 
     def _strain_rule(self):

@@ -20,9 +20,11 @@ struct NodalState
 /// Energies of a contact on this rank; see docs/explicit.md.
 struct ContactEnergy
 {
-  double stored = 0.0;   ///< in springs, now [F L]
-  double friction = 0.0; ///< dissipated so far [F L]
-  double normal = 0.0;   ///< work of kinematic contact's normal forces on the bodies so far [F L]
+  double stored = 0.0;         ///< in springs, now [F L]
+  double friction = 0.0;       ///< dissipated so far [F L]
+  double normal = 0.0;         ///< work of kinematic contact's normal forces in the relative motion so far [F L]
+  double later_friction = 0.0; ///< what the motion after the last forces adds to `friction` [F L]
+  double later_normal = 0.0;   ///< and to `normal` [F L]
 };
 
 /// A contact as the explicit integrator sees it. Forces are on slave and master nodes, equal and opposite.

@@ -189,12 +189,15 @@ void NodeToSurface::record()
 {
   const int D = _gdim;
   _force.fill(0.0);
+  _energy.normal += _energy.later_normal;
+  _energy.friction += _energy.later_friction;
+  _energy.later_normal = _energy.later_friction = 0.0;
   for (std::size_t q = 0; q < _num_touch; ++q)
   {
     const Touch& touch = _touch[q];
     const std::size_t i = touch.i;
     const double *n = touch.at.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
-    double moved[3], before[3], mean[3], slip[3];
+    double moved[3], before[3], slip[3];
     relative(touch, _moved.data(), moved);
     relative(touch, _before.data(), before);
     _results.gap[i] = dot(n, moved, D) - _depth[q];
@@ -202,7 +205,7 @@ void NodeToSurface::record()
     for (int c = 0; c < D; ++c)
     {
       moved[c] += _motion[q * D + c];
-      mean[c] = 0.5 * (before[c] - (_rigid ? _obstacle_before[c] : 0.0) + moved[c]);
+      before[c] -= _rigid ? _obstacle_before[c] : 0.0;
       _force[c] += f[c];
       _results.traction[i * D + c] = f[c] / area;
       _tangential[i * D + c] = f[c] - normal * n[c];
@@ -210,9 +213,11 @@ void NodeToSurface::record()
     _results.pressure[i] = normal / area;
     for (int c = 0; c < D; ++c)
       slip[c] = moved[c] - dot(n, moved, D) * n[c];
-    const double work = normal * dot(n, mean, D);
+    const double work = 0.5 * normal * dot(n, before, D), later = 0.5 * normal * dot(n, moved, D);
     _energy.normal += work;
-    _energy.friction -= dot(f, mean, D) - work;
+    _energy.friction -= 0.5 * dot(f, before, D) - work;
+    _energy.later_normal += later;
+    _energy.later_friction -= 0.5 * dot(f, moved, D) - later;
     if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
       for (int c = 0; c < D; ++c)
         _results.slip[i * D + c] += slip[c];

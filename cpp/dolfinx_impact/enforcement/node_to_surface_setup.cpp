@@ -156,6 +156,8 @@ ContactEnergy NodeToSurface::energy() const
     out.stored += more.stored;
     out.friction += more.friction;
     out.normal += more.normal;
+    out.later_friction += more.later_friction;
+    out.later_normal += more.later_normal;
   }
   return out;
 }

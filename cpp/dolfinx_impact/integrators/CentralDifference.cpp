@@ -225,6 +225,11 @@ void CentralDifference::move_obstacles(const double* amplitudes, bool first)
   }
 }
 
+double CentralDifference::target(const Motion& motion, std::size_t k, const double* amplitudes)
+{
+  return motion.values[k] * (motion.amplitude < 0 ? 1.0 : amplitudes[motion.amplitude]);
+}
+
 void CentralDifference::prescribed_motion(double dt, double h, const double* amplitudes, Sums& sums)
 {
   double before = 0.0, after = 0.0;
@@ -232,8 +237,8 @@ void CentralDifference::prescribed_motion(double dt, double h, const double* amp
     for (std::size_t k = 0; k < motion.dofs.size(); ++k)
     {
       const std::int32_t i = motion.dofs[k];
-      const double target = motion.values[k] * (motion.amplitude < 0 ? 1.0 : amplitudes[motion.amplitude]);
-      const double old = motion.v[k], v = (target - motion.u[k]) / dt, m = _mass[i];
+      const double place = target(motion, k, amplitudes);
+      const double old = motion.v[k], v = (place - motion.u[k]) / dt, m = _mass[i];
       const double load = _load.empty() ? 0.0 : _load[i];
       const double force = m * ((v - old) / h + _alpha * old) + motion.r[k] - load;
       before += force * old;
@@ -244,7 +249,7 @@ void CentralDifference::prescribed_motion(double dt, double h, const double* amp
       sums.after += motion.r[k] * (v - _v[i]);
       sums.load_after += load * (v - _v[i]);
       _v[i] = v;
-      _u[i] = target;
+      _u[i] = place;
     }
   _support_work.before = 0.5 * _last_step * before;
   _support_before = _support_work.value();
@@ -272,7 +277,6 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
       for (int k = 0; k < _bs; ++k)
         _obstacle_work += 0.5 * c.moved_before[k] * c.contact->force()[k];
     }
-  double before = 0.0, after = 0.0;
   for (std::size_t k = 0; k < _touched.size(); ++k)
   {
     const std::int32_t i = _touched[k];
@@ -285,11 +289,7 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
     sums.speed += m * (v * v - predicted * predicted);
     sums.after += r * (v - predicted);
     sums.load_after += load * (v - predicted);
-    before += f * old;
-    after += f * v;
   }
-  _kinematic_work.before = 0.5 * _last_step * before;
-  _kinematic_work.commit(0.5 * dt * after);
 }
 
 void CentralDifference::advance(double dt, const double* amplitudes)
@@ -328,8 +328,9 @@ void CentralDifference::advance(double dt, const double* amplitudes)
 int CentralDifference::run(std::span<const double> steps, std::span<const double> table, int columns,
                            std::span<double> history)
 {
-  if (table.size() != (steps.size() + 1) * columns)
-    throw std::invalid_argument("the table of amplitudes needs a row for each time level");
+  if (table.size() != (steps.size() + 2) * columns)
+    throw std::invalid_argument("the table of amplitudes needs a row for each time level, and one beyond");
+  _beyond.assign(table.end() - columns, table.end());
   if (!history.empty() && history.size() != steps.size() * row_size())
     throw std::invalid_argument("the history needs a row for each step");
   for (double dt : steps)

@@ -61,7 +61,7 @@ public:
 
   /// Steps of given lengths. Collective.
   /// @param[in] steps lengths [T]
-  /// @param[in] table amplitudes before and after each step, (steps + 1) rows
+  /// @param[in] table amplitudes before and after each step and one step beyond, (steps + 2) rows
   /// @param[in] columns of the table
   /// @param[out] history rows before each step, or empty: Energies, then three entries for each contact's force
   /// @returns steps done: fewer than asked for if the run went unstable (all ranks alike)
@@ -92,7 +92,7 @@ public:
   /// Arrays in Saved::parts.
   std::size_t num_saved_parts() const { return _parts.size() + 1; }
   /// How many of the saved accounts add up over ranks; the others are the same on all.
-  std::size_t num_additive() const { return 3 * _parts.size() + 6; }
+  std::size_t num_additive() const { return 3 * _parts.size() + 5; }
 
 private:
   struct Load
@@ -137,6 +137,7 @@ private:
   void advance(double dt, const double* amplitudes);
   void apply_loads(const double* amplitudes);
   void move_obstacles(const double* amplitudes, bool first);
+  static double target(const Motion& motion, std::size_t k, const double* amplitudes);
   void prescribed_motion(double dt, double h, const double* amplitudes, Sums& sums);
   void kinematic_contact(double dt, double h, Sums& sums);
   void account(const Sums& sums, double dt, bool commit);
@@ -163,12 +164,13 @@ private:
   std::vector<double> _before;                     ///< of touched ones: velocity and residual before an update
   std::vector<double> _contact_force;              ///< kinematic, over the halo's nodes
   std::vector<double> _old_ghosts;
-  double _last_step = 0.0; ///< that led here; 0 at the start
+  std::vector<double> _beyond; ///< amplitudes one step on: velocities of prescribed motion now
+  double _last_step = 0.0;     ///< that led here; 0 at the start
   double _contact_step = 0.0;
   bool _fresh = false, _pending = false, _search_due = true, _kinematic = false, _penalty = false;
   bool _gathered = false; ///< contact forces are with their nodes' owners, after saving
   double _used = 0.0;     ///< contacts whose candidates are used up
-  Work _residual_work, _load_work, _support_work, _damped, _kinematic_work;
+  Work _residual_work, _load_work, _support_work, _damped;
   double _obstacle_work = 0.0, _support_before = 0.0, _reference = 0.0;
   std::vector<double> _local, _global; ///< Local, then the contacts' forces
   MPI_Request _request = MPI_REQUEST_NULL;

@@ -42,7 +42,7 @@ struct Local
     parts_position = part_work + 4,
     stored,
     friction,
-    kinematic, ///< work of kinematic contact, and its friction
+    kinematic, ///< work of the normal forces of kinematic contact
     search,    ///< contacts that need a search
     size
   };

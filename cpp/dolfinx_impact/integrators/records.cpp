@@ -19,7 +19,7 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
   _load_work.before = 0.5 * _last_step * sums.load_before;
   const bool classical = _scheme == Scheme::classical;
   const double old = classical ? 0.5 * (sums.old_speed + sums.momentum) : sums.old_speed;
-  const double now = classical ? 0.5 * (sums.momentum + sums.speed) : sums.momentum;
+  const double now = classical && _last_step > 0.0 ? 0.5 * (sums.momentum + sums.speed) : sums.momentum;
   _damped.before = 0.5 * _last_step * _alpha * old;
   auto& e = _local;
   std::fill(e.begin(), e.end(), 0.0);
@@ -46,9 +46,8 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
     e[Local::stored] += energy.stored;
     e[Local::friction] += energy.friction;
     if (c.contact->kinematic())
-      e[Local::kinematic] += energy.friction;
+      e[Local::kinematic] += energy.normal;
   }
-  e[Local::kinematic] += _kinematic_work.done;
   e[Local::search] = _used;
   if (!commit)
     return;
@@ -93,12 +92,15 @@ Energies CentralDifference::energies()
     evaluate();
   const double dt = _last_step;
   Sums sums = measure(_owned, _r.data(), _load.data(), _inverse.data(), coefficients(dt), _u.data(), _v.data());
-  double support = 0.0; // as if prescribed motion went on as it did
+  double support = 0.0;
   for (const Motion& motion : _motions)
-    for (std::int32_t i : motion.dofs)
+    for (std::size_t k = 0; k < motion.dofs.size(); ++k)
     {
-      support += (_mass[i] * _alpha * _v[i] + _r[i] - _load[i]) * _v[i];
-      sums.momentum += _mass[i] * _v[i] * _v[i];
+      const std::int32_t i = motion.dofs[k];
+      const double v = _v[i], next = dt > 0.0 ? (target(motion, k, _beyond.data()) - _u[i]) / dt : v;
+      const double force = _mass[i] * ((dt > 0.0 ? (next - v) / dt : 0.0) + _alpha * v) + _r[i] - _load[i];
+      support += force * v;
+      sums.momentum += _mass[i] * v * next;
     }
   _support_work.before = 0.5 * _last_step * support;
   _support_before = _support_work.value();
@@ -114,12 +116,23 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
     throw std::invalid_argument("motion takes the owned entries of velocity and acceleration");
   if (!_fresh)
     evaluate();
+  const double dt = _last_step;
+  const Coefficients c = coefficients(dt);
   for (std::size_t i = 0; i < _owned; ++i)
   {
     // Kinematic contact knows its forces once the step is predicted: those of the last step (zero without it).
-    a[i] = _inverse[i] > 0.0 ? _inverse[i] * (_load[i] - _r[i] + _contact_force[i]) - _alpha * _v[i] : 0.0;
-    v[i] = _v[i] + 0.5 * _last_step * a[i];
+    const double f = _inverse[i] * (_load[i] - _r[i] + _contact_force[i]);
+    if (_inverse[i] > 0.0)
+      a[i] = dt > 0.0 ? ((c.keep - 1.0) * _v[i] + c.push * f) / dt : f - _alpha * _v[i];
+    else
+      a[i] = 0.0;
   }
+  for (const Motion& motion : _motions)
+    for (std::size_t k = 0; k < motion.dofs.size(); ++k)
+      if (const std::int32_t i = motion.dofs[k]; dt > 0.0)
+        a[i] = ((target(motion, k, _beyond.data()) - _u[i]) / dt - _v[i]) / dt;
+  for (std::size_t i = 0; i < _owned; ++i)
+    v[i] = _v[i] + 0.5 * dt * a[i];
 }
 
 std::pair<std::int32_t, double> CentralDifference::fastest() const
@@ -149,7 +162,7 @@ CentralDifference::Saved CentralDifference::save()
     saved.accounts.insert(saved.accounts.end(), {part.work.done, part.work.before, part.position});
   }
   saved.parts.insert(saved.parts.end(), _contact_force.begin(), _contact_force.begin() + _owned);
-  for (const Work& work : {_residual_work, _load_work, _support_work, _damped, _kinematic_work})
+  for (const Work& work : {_residual_work, _load_work, _support_work, _damped})
     saved.accounts.push_back(work.done);
   saved.accounts.insert(saved.accounts.end(), {_obstacle_work, _reference, _last_step, _contact_step});
   for (const Contact& c : _contacts)
@@ -177,7 +190,7 @@ void CentralDifference::restore(const Saved& saved)
     _parts[k].position = accounts[2];
   }
   std::copy_n(saved.parts.begin() + _parts.size() * _owned, _owned, _contact_force.begin());
-  for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped, &_kinematic_work})
+  for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
     *work = {*accounts++, 0.0};
   _obstacle_work = *accounts++;
   _reference = *accounts++;

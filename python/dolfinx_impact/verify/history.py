@@ -50,9 +50,9 @@ def run(report, progress=None):
 
 def _body(domain, tags, degree, hypothesis, law="linear_elastic", friction=0.0, rigid=None, nu=0.3):
     material = operator.LAWS[law](1.0, nu, 1.0, hypothesis)
-    return TwoBodies(
-        domain, tags, degree, material, friction, rigid, law=law, rule=operator._rule(domain, degree, hypothesis, law)
-    )
+    strain = operator._rule(domain, degree, hypothesis, law)
+    rules = None if strain is None else {"stiffness": strain, "finite_strain": strain}  # masses with rules of their own
+    return TwoBodies(domain, tags, degree, material, friction, rigid, law=law, rule=rules)
 
 
 def _upper(places):
@@ -84,7 +84,7 @@ def falling(down, along=0.0):
 def bars(cell, degree):
     """Two bars that meet end on: one row of cells, and several with nu = 0.3."""
     for rows, nu, kind in ((1, 0.0, "penalty"), (1, 0.0, "kinematic"), (3, 0.3, "penalty"), (3, 0.3, "kinematic")):
-        domain, tags = two_bodies(cell, (rows, 12), (rows, 9), start=(0.0,), length=(1.0,))
+        domain, tags = two_bodies(cell, (rows, 12), (rows, 9), start=(0.04,), length=(0.92,))  # not edge on edge
         _lift(domain, 0.003)
         body = _body(domain, tags, degree, "plane_strain", nu=nu)
         yield Run(f"two bars, {rows} rows, {kind}", body, falling(0.02), kind)
@@ -261,7 +261,9 @@ def compare(report, case, steps=STEPS):
     body = case.body
     problem, dt, (u, v) = ours(case, steps)
     other = theirs(case, dt, steps)
-    pairs = {"displacement": (u, other.u[:, body.order]), "velocity": (v, other.v[:, body.order])}
+    pairs = {"displacement": (u, other.u[:, body.order])}
+    if case.contact != "kinematic":  # which knows its forces, and with them this velocity, one step later only
+        pairs["velocity"] = (v, other.v[:, body.order])
     history = problem.energy_history
     for k, name in enumerate(("kinetic", "internal", "contact", "friction", "damping", "viscosity", "external"), 1):
         values = other.energies[name][:steps]

@@ -5,10 +5,23 @@ import sys
 from pathlib import Path
 
 from ..forms import registry
-from . import catalogue, contact, derivative, element, html, operator, order, ranks, solution, spectrum, user_form
+from . import (
+    catalogue,
+    contact,
+    derivative,
+    element,
+    history,
+    html,
+    operator,
+    order,
+    ranks,
+    solution,
+    spectrum,
+    user_form,
+)
 from .report import Report
 
-LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "ranks")
+LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "history", "ranks")
 
 
 def cross_check(
@@ -45,6 +58,7 @@ def cross_check(
         ("spectrum", spectrum),
         ("derivative", derivative),
         ("contact", contact),
+        ("history", history),
     ):
         if level in levels:
             module.run(report, progress)
@@ -120,6 +134,7 @@ def _run(report, args):
         ("spectrum", spectrum),
         ("derivative", derivative),
         ("contact", contact),
+        ("history", history),
     ):
         if level in args.levels:
             print(f"level {level}", file=sys.stderr)

@@ -1,0 +1,129 @@
+"""Level history of `verify`: explicit runs agree, and every kind of fault on one side is seen."""
+
+import copy
+import itertools
+
+import numpy as np
+import pytest
+
+import dolfinx_impact as di
+from dolfinx_impact.contact.nodal import NodalResult
+from dolfinx_impact.verify import cross_check, history
+from dolfinx_impact.verify.report import Report
+
+STEPS = 150  # a fault shows soon
+
+
+def cases(cell, degree):
+    return itertools.chain.from_iterable(make(cell, degree) for c, d, make in history.RUNS if (c, d) == (cell, degree))
+
+
+def case_of(cell, name):
+    return next(case for case in cases(cell, 1) if case.name == name)
+
+
+def test_rows_of_a_cell_pass():
+    """Bars, a disc that comes to roll, rigid masters, bodies without contact; both kinds of contact."""
+    report = cross_check(cells=["quadrilateral"], degrees=[1], levels=["history"])
+    assert report.passed and len(report.rows) > 100
+    kinds = {row.form for row in report.rows}
+    assert kinds == {"explicit.penalty", "explicit.kinematic", "explicit.free"}
+    what = {row.name.split(" of the ")[0] for row in report.rows}
+    assert {
+        "displacement",
+        "velocity",
+        "contact force",
+        "kinetic energy",
+        "friction energy",
+        "viscosity energy",
+    } <= what
+
+
+@pytest.mark.parametrize("cell", ("hexahedron", "tetrahedron"))
+def test_rows_in_space_pass(cell):
+    report = Report()
+    for case in cases(cell, 1):
+        history.compare(report, case, STEPS)
+    assert report.passed and len(report.rows) > 10
+
+
+def failed(case, monkeypatch=None, change=None, **changes):
+    """What a comparison sees when one side runs a changed case."""
+    mine, ours = copy.copy(case), history.ours
+    for name, value in changes.items():
+        setattr(mine, name, value)
+    report = Report()
+    try:
+        history.ours = lambda _, steps: ours(mine, steps)
+        history.compare(report, case, STEPS)
+    finally:
+        history.ours = ours
+    return {row.name.split(" of the ")[0] for row in report.rows if not row.passed}
+
+
+SMALL = 1 + 1e-6
+
+
+@pytest.mark.parametrize(
+    "cell, name, changes, seen",
+    (
+        ("quadrilateral", "shaken", {"damping": (1e-6, 0.0)}, {"displacement", "velocity", "damping energy"}),
+        ("quadrilateral", "damped, linear-elastic", {"damping": (0.1, 0.004 * SMALL)}, {"displacement"}),
+        ("quadrilateral", "damped, neo-hookean", {"damping": (0.1 * SMALL, 0.004)}, {"velocity"}),
+        ("quadrilateral", "classical scheme, damped", {"scheme": "half_step"}, {"displacement", "velocity"}),
+        ("quadrilateral", "viscous, linear-elastic", {"viscosity": (0.06 * SMALL, 1.2)}, {"viscosity energy"}),
+        ("quadrilateral", "viscous, neo-hookean", {"viscosity": (0.06, 1.2 * SMALL)}, {"displacement"}),
+        (
+            "quadrilateral",
+            "support that moves",
+            {"motion": lambda t: 0.02 * SMALL * np.sin(3 * t)},
+            {"external energy"},
+        ),
+        ("quadrilateral", "shaken", {"gravity": (np.array([0.0, -1e-6]), lambda t: 1.0)}, {"external energy"}),
+        ("quadrilateral", "disc on a block, penalty", {"options": {"balanced": True}}, {"contact force"}),
+        ("quadrilateral", "disc on a block, kinematic", {"options": {"sweeps": 2}}, {"contact force"}),
+        (
+            "quadrilateral",
+            "block under a rigid cylinder that moves, penalty",
+            {"obstacle": lambda t: np.array([0.01 * t, -0.03 * SMALL * np.sin(t / 4)])},
+            {"contact force", "external energy"},
+        ),
+    ),
+)
+def test_a_fault_in_what_is_given_is_seen(cell, name, changes, seen):
+    assert seen <= failed(case_of(cell, name), **changes)
+
+
+def test_another_friction_is_seen():
+    case = case_of("quadrilateral", "disc on a block, penalty")
+    changed = copy.copy(case.body)
+    changed.friction *= SMALL
+    assert {"contact force", "friction energy"} <= failed(case, body=changed)
+
+
+def test_another_contact_stiffness_is_seen(monkeypatch):
+    """The factor kappa of the automatic stiffness, a millionth off."""
+    make = NodalResult.__init__
+    monkeypatch.setattr(NodalResult, "__init__", lambda self, *a, **k: make(self, *a, **k, kappa=0.5 * SMALL))
+    assert {"contact force", "displacement"} <= failed(case_of("hexahedron", "block on a block, neo-hookean, penalty"))
+
+
+def test_another_mass_is_seen(monkeypatch):
+    from dolfinx_impact import mass
+
+    right = mass.cell_masses
+    monkeypatch.setattr(mass, "cell_masses", lambda *a, **k: [(c, m * SMALL) for c, m in right(*a, **k)])
+    assert {"displacement", "kinetic energy"} <= failed(case_of("quadrilateral", "shaken"))
+
+
+def test_another_energy_is_seen(monkeypatch):
+    """Energies are compared by themselves: the motion may be right."""
+    right = di.ExplicitProblem.energy_history.fget
+
+    def wrong(self):
+        rows = right(self).copy()
+        rows[7, 2] *= SMALL
+        return rows
+
+    monkeypatch.setattr(di.ExplicitProblem, "energy_history", property(wrong))
+    assert failed(case_of("quadrilateral", "shaken")) == {"internal energy"}
