@@ -126,7 +126,11 @@ void NodeToSurface::number(operators::Halo& halo, const double* mass)
     _tracking.reset(std::move(master), _candidates.normals(), _candidates.distance());
   }
   if (_options.kinematic)
+  {
+    // Owners correct their nodes themselves, also those that only slaves of other ranks push.
+    _acting.insert(_acting.end(), _candidates.watched().begin(), _candidates.watched().end());
     number_kinematic(halo, mass);
+  }
   if (_other)
   {
     _other->number(halo, mass);
