@@ -54,6 +54,8 @@ void NodeToSurface::spread_residual()
   const int D = _gdim, width = D + 1;
   for (std::int32_t node : _touched)
     std::fill_n(_spread.data() + std::size_t(node) * width, width, 0.0);
+  // Ghosts have what their owners sent in the last sweep, also those that nothing here touches.
+  std::fill(_spread.begin() + (_rigid ? _spread.size() : std::size_t(_halo->num_owned()) * width), _spread.end(), 0.0);
   for (std::size_t q = 0; q < _num_touch; ++q)
   {
     const Touch& touch = _touch[q];

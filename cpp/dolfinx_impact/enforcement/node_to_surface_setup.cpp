@@ -125,7 +125,11 @@ void NodeToSurface::number(operators::Halo& halo, const double* mass)
     _acting.insert(_acting.end(), _tracking.master_nodes().begin(), _tracking.master_nodes().end());
   }
   if (_options.kinematic)
+  {
+    // Owners correct their nodes themselves, also those that only slaves of other ranks push.
+    _acting.insert(_acting.end(), _candidates.watched().begin(), _candidates.watched().end());
     number_kinematic(halo, mass);
+  }
   if (_other)
   {
     _other->number(halo, mass);

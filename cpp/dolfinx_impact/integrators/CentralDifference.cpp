@@ -277,6 +277,8 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
       for (int k = 0; k < _bs; ++k)
         _obstacle_work += 0.5 * c.moved_before[k] * c.contact->force()[k];
     }
+  for (std::size_t i = _owned; i < _u.size(); ++i) // receive() has seen the prediction only
+    _v[i] = (_u[i] - _old_ghosts[i - _owned]) / dt;
   for (std::size_t k = 0; k < _touched.size(); ++k)
   {
     const std::int32_t i = _touched[k];
