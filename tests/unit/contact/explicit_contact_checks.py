@@ -28,7 +28,7 @@ SIZES = {
 
 
 def blocks(comm, dim, cell=None, seed=None, **more):
-    """A small block over the left end of a long one: mesh recipe, displacement space, whether nodes are the small one's."""
+    """A small block over the left end of a long one: recipe, displacement space, whether nodes are the small one's."""
     options = {} if seed is None else {"partitioner": scattered(seed)}
     made = meshes.make("two_blocks", comm, cell=cell, gap=0.003, **SIZES[dim], **options, **more)
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (dim,)))
@@ -48,7 +48,9 @@ def thrown(comm, dim, method, speed, press=0.0, cell=None, seed=None, steps=STEP
     if press:
         loads = [di.Traction(made.facet_tags, tags["top"], (0.0,) * (dim - 1) + (-press,))]
     pair = di.ContactPair(made.facet_tags, tags["slave_surface"], tags["master_surface"], friction=0.3)
-    problem = di.ExplicitProblem(fem.Function(V), law, velocity=v, bcs=bcs, loads=loads, contact=[method(pair)], **options)
+    problem = di.ExplicitProblem(
+        fem.Function(V), law, velocity=v, bcs=bcs, loads=loads, contact=[method(pair)], **options
+    )
     dt = 0.5 * problem.stable_step()
     seen = []
     for part in range(10):
@@ -85,9 +87,20 @@ def assert_same(problem, alone):
 def check_sliding_block_is_the_same_on_all_ranks():
     """A block pressed down slides along three quarters of a clamped one, over what other ranks have of it."""
     stiff = di.Rayleigh(0.0, 1e-4)
-    for dim, cell, seed, damping in ((2, "triangle", None, None), (2, "triangle", 3, stiff), (3, "hexahedron", 3, None)):
+    for dim, cell, seed, damping in (
+        (2, "triangle", None, None),
+        (2, "triangle", 3, stiff),
+        (3, "hexahedron", 3, None),
+    ):
         for method in METHODS:
-            case = dict(dim=dim, method=method, cell=cell, damping=damping, speed=(3.0,) + (0.0,) * (dim - 2) + (-0.5,), press=5.0)
+            case = dict(
+                dim=dim,
+                method=method,
+                cell=cell,
+                damping=damping,
+                speed=(3.0,) + (0.0,) * (dim - 2) + (-0.5,),
+                press=5.0,
+            )
             alone, closed = thrown(MPI.COMM_SELF, clamped=True, **case)
             moved = np.abs(alone.u.x.array).max()
             assert moved > 0.8 and np.count_nonzero(closed) >= 3, (moved, closed)
