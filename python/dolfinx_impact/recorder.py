@@ -26,6 +26,7 @@ class Recorder:
             if isinstance(number, bool) or int(number) != number or number < 1:
                 raise ValueError(f"{name} is {number!r}: give a positive number of steps")
         self.problem, self.every, self.points_every = problem, int(every), int(points_every)
+        self._nodes = [] if points is None else self._nearest(np.atleast_2d(np.asarray(points, dtype=float)))
         self.folder = RunFolder(path, comm=problem.comm, name="explicit")
         functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
         self._fields = [functions[f] for f in fields]
@@ -34,7 +35,6 @@ class Recorder:
         self._writer = None
         if self._fields:
             self._writer = io.VTXWriter(problem.comm, self.folder.file("fields.bp"), self._fields, "BP4")
-        self._nodes = [] if points is None else self._nearest(np.atleast_2d(np.asarray(points, dtype=float)))
         self._samples, self._seen, self._frame = [], len(problem._rows), -1
         self._open()
         self.after()

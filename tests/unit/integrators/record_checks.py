@@ -12,32 +12,32 @@ def check_histories_and_frames():
     """Energies and contact forces of every step, chosen points at their intervals, frames that ParaView opens."""
     import h5py
 
-    made, path = folder()
-    problem, alone = block_on_block(), block_on_block()
-    end = 250 * problem.stable_step()
-    points = [[0.5, 0.0], [0.7, 0.9]]
-    recorder = problem.record(path / "run", every=100, points=points, points_every=10)
-    problem.advance(end, progress=False)
-    recorder.close()
-    alone.advance(end, progress=False)
-    np.testing.assert_array_equal(problem.u.x.array, alone.u.x.array)  # writing changes nothing
-    steps = problem.step
-    assert problem.force_history[0].shape == (steps, 2)
-    COMM.barrier()
-    with h5py.File(path / "run" / "history.h5", "r") as file:
-        assert file["time"].shape == (steps,) and file["time"].attrs["units"] == "T"
-        for k, name in enumerate(("time", "kinetic", "internal", "contact", "friction"), 0):
-            np.testing.assert_array_equal(file[name][:], problem.energy_history[:, k])
-        np.testing.assert_array_equal(file["force_0"][:], problem.force_history[0])
-        assert file["force_0"].attrs["units"] == "F" and np.abs(file["force_0"][:]).max() > 0.0
-        assert file["points/displacement"].shape == (1 + steps // 10, 2, 2)
-        times = file["points/time"][:]
-        np.testing.assert_allclose(np.diff(times), 10 * np.diff(problem.energy_history[:2, 0])[0], rtol=1e-9)
-        # The first point is on the support that moves.
-        moved = 0.002 * np.sin(20 * times)
-        np.testing.assert_allclose(file["points/displacement"][:, 0, 1], moved, rtol=0, atol=1e-15)
-        assert file["points/velocity"].attrs["units"] == "L/T"
-    assert (path / "run" / "fields.bp").exists()
+    with folder() as path:
+        problem, alone = block_on_block(), block_on_block()
+        end = 250 * problem.stable_step()
+        points = [[0.5, 0.0], [0.7, 0.9]]
+        recorder = problem.record(path / "run", every=100, points=points, points_every=10)
+        problem.advance(end, progress=False)
+        recorder.close()
+        alone.advance(end, progress=False)
+        np.testing.assert_array_equal(problem.u.x.array, alone.u.x.array)  # writing changes nothing
+        steps = problem.step
+        assert problem.force_history[0].shape == (steps, 2)
+        COMM.barrier()
+        with h5py.File(path / "run" / "history.h5", "r") as file:
+            assert file["time"].shape == (steps,) and file["time"].attrs["units"] == "T"
+            for k, name in enumerate(("time", "kinetic", "internal", "contact", "friction"), 0):
+                np.testing.assert_array_equal(file[name][:], problem.energy_history[:, k])
+            np.testing.assert_array_equal(file["force_0"][:], problem.force_history[0])
+            assert file["force_0"].attrs["units"] == "F" and np.abs(file["force_0"][:]).max() > 0.0
+            assert file["points/displacement"].shape == (1 + steps // 10, 2, 2)
+            times = file["points/time"][:]
+            np.testing.assert_allclose(np.diff(times), 10 * np.diff(problem.energy_history[:2, 0])[0], rtol=1e-9)
+            # The first point is on the support that moves.
+            moved = 0.002 * np.sin(20 * times)
+            np.testing.assert_allclose(file["points/displacement"][:, 0, 1], moved, rtol=0, atol=1e-15)
+            assert file["points/velocity"].attrs["units"] == "L/T"
+        assert (path / "run" / "fields.bp").exists()
 
 
 def check_forces_of_every_step_are_the_contact_s():
@@ -49,20 +49,20 @@ def check_forces_of_every_step_are_the_contact_s():
 
 
 def check_bad_input():
-    made, path = folder()
-    problem = block_on_block()
-    for options, text in (
-        ({"fields": ("stress",)}, "unknown"),
-        ({"every": 0}, "every is 0"),
-        ({"points": [[0.0]]}, "coordinates"),
-    ):
-        with pytest.raises(ValueError, match=text):
-            problem.record(path / "bad", **options)
-    if COMM.rank == 0:
-        (path / "file").touch()
-    COMM.barrier()
-    with pytest.raises(RuntimeError):
-        problem.record(path / "file" / "under")
+    with folder() as path:
+        problem = block_on_block()
+        for options, text in (
+            ({"fields": ("stress",)}, "unknown"),
+            ({"every": 0}, "every is 0"),
+            ({"points": [[0.0]]}, "coordinates"),
+        ):
+            with pytest.raises(ValueError, match=text):
+                problem.record(path / "bad", **options)
+        if COMM.rank == 0:
+            (path / "file").touch()
+        COMM.barrier()
+        with pytest.raises(RuntimeError):
+            problem.record(path / "file" / "under")
 
 
 def check_contacts_of_explicit_problems():

@@ -1,5 +1,6 @@
 """Checkpoints of explicit runs: written, read and continued. See on_ranks.py."""
 
+import contextlib
 import os
 import tempfile
 from pathlib import Path
@@ -47,10 +48,14 @@ def block_on_block(comm=COMM, kind=di.Penalty, friction=0.3, law=di.LinearElasti
     return di.ExplicitProblem(u, steel, velocity=v, contact=[kind(pair, **options)], **others)
 
 
+@contextlib.contextmanager
 def folder():
-    """A folder that all ranks see, and that vanishes."""
+    """A folder that all ranks see, and that vanishes when all are done with it."""
     made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
-    return made, Path(COMM.bcast(made.name if made else None, root=0))
+    yield Path(COMM.bcast(made.name if made else None, root=0))
+    COMM.barrier()
+    if made:
+        made.cleanup()
 
 
 def state(problem):
@@ -68,78 +73,78 @@ VARIANTS = (
 def check_a_restored_run_is_the_uninterrupted_one():
     """Bit for bit on the same ranks, inside a call of advance, contact closed; both write the same checkpoints
     (writing one looks for contact anew)."""
-    made, path = folder()
-    for variant in VARIANTS:
-        whole = block_on_block(**variant)
-        end = 600 * whole.stable_step()
+    with folder() as path:
+        for variant in VARIANTS:
+            whole = block_on_block(**variant)
+            end = 600 * whole.stable_step()
 
-        def keep(problem):
-            if problem.step in (100, 333):
-                problem.save(path / f"{problem.step}.h5")
+            def keep(problem):
+                if problem.step in (100, 333):
+                    problem.save(path / f"{problem.step}.h5")
 
-        whole.advance(end, callback=keep, progress=False)
-        assert whole.contact[0].area >= 0.0
-        touched = False
-        for step in (100, 333):
-            again = block_on_block(**variant)
-            again.restore(path / f"{step}.h5")
-            assert again.step == step and again.time > 0.0
-            again.advance(end, callback=keep, progress=False)
-            assert again.step == whole.step and again.time == whole.time
-            np.testing.assert_array_equal(state(again), state(whole))
-            for name, value in whole.energy.items():
-                assert abs(again.energy[name] - value) < 1e-9 * whole.energy["kinetic"] or name == "drift", name
-            touched = touched or again.energy["friction"] > 0.0 or variant.get("friction") == 0.0
-        assert touched
+            whole.advance(end, callback=keep, progress=False)
+            assert whole.contact[0].area >= 0.0
+            touched = False
+            for step in (100, 333):
+                again = block_on_block(**variant)
+                again.restore(path / f"{step}.h5")
+                assert again.step == step and again.time > 0.0
+                again.advance(end, callback=keep, progress=False)
+                assert again.step == whole.step and again.time == whole.time
+                np.testing.assert_array_equal(state(again), state(whole))
+                for name, value in whole.energy.items():
+                    assert abs(again.energy[name] - value) < 1e-9 * whole.energy["kinetic"] or name == "drift", name
+                touched = touched or again.energy["friction"] > 0.0 or variant.get("friction") == 0.0
+            assert touched
 
 
 def check_errors():
     """Unwritable folders, full disks and files of other problems: the same error on all ranks, the old file stays."""
-    made, path = folder()
-    problem = block_on_block()
-    problem.advance(20 * problem.stable_step(), progress=False)
-    good = path / "good.h5"
-    problem.save(good)
-    before = good.read_bytes()
-    (path / "file").touch()
-    COMM.barrier()
-    with pytest.raises(RuntimeError, match="could not be written"):
-        problem.save(path / "file" / "under.h5")
-    with pytest.raises(RuntimeError, match="cannot be read"):
-        problem.restore(path / "none.h5")
-    if COMM.rank == 0:
-        (path / "broken.h5").write_bytes(before[: len(before) // 2])
-    COMM.barrier()
-    with pytest.raises(RuntimeError, match="cannot be read"):
-        problem.restore(path / "broken.h5")
-    for other, text in (
-        (block_on_block(young=2e3), "material"),
-        (block_on_block(friction=0.2), "contact"),
-        (block_on_block(kind=di.Kinematic), "contact"),
-    ):
-        with pytest.raises(ValueError, match=f"another problem: {text}"):
-            other.restore(good)
-    domain = mesh.create_rectangle(COMM, [[0.0, 0.0], [1.0, 1.0]], [12, 5], mesh.CellType.quadrilateral)
-    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
-    steel = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")
-    with pytest.raises((ValueError, RuntimeError), match="another|number of cells"):
-        di.ExplicitProblem(fem.Function(V), steel, velocity=fem.Function(V)).restore(good)
-    COMM.barrier()
-    assert good.read_bytes() == before and not [f for f in os.listdir(path) if f.endswith(".part")]
+    with folder() as path:
+        problem = block_on_block()
+        problem.advance(20 * problem.stable_step(), progress=False)
+        good = path / "good.h5"
+        problem.save(good)
+        before = good.read_bytes()
+        (path / "file").touch()
+        COMM.barrier()
+        with pytest.raises(RuntimeError, match="could not be written"):
+            problem.save(path / "file" / "under.h5")
+        with pytest.raises(RuntimeError, match="cannot be read"):
+            problem.restore(path / "none.h5")
+        if COMM.rank == 0:
+            (path / "broken.h5").write_bytes(before[: len(before) // 2])
+        COMM.barrier()
+        with pytest.raises(RuntimeError, match="cannot be read"):
+            problem.restore(path / "broken.h5")
+        for other, text in (
+            (block_on_block(young=2e3), "material"),
+            (block_on_block(friction=0.2), "contact"),
+            (block_on_block(kind=di.Kinematic), "contact"),
+        ):
+            with pytest.raises(ValueError, match=f"another problem: {text}"):
+                other.restore(good)
+        domain = mesh.create_rectangle(COMM, [[0.0, 0.0], [1.0, 1.0]], [12, 5], mesh.CellType.quadrilateral)
+        V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+        steel = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")
+        with pytest.raises((ValueError, RuntimeError), match="another|number of cells"):
+            di.ExplicitProblem(fem.Function(V), steel, velocity=fem.Function(V)).restore(good)
+        COMM.barrier()
+        assert good.read_bytes() == before and not [f for f in os.listdir(path) if f.endswith(".part")]
 
 
 def check_a_full_disk(monkeypatch=None):
     """What free space there is is looked at before anything is written."""
     import shutil
 
-    made, path = folder()
-    problem = block_on_block()
-    problem.save(path / "good.h5")
-    usage, shutil.disk_usage = shutil.disk_usage, lambda _: type("Usage", (), {"free": 1000})()
-    try:
-        with pytest.raises(RuntimeError, match="no space left"):
-            problem.save(path / "good.h5")
-    finally:
-        shutil.disk_usage = usage
-    COMM.barrier()
-    block_on_block().restore(path / "good.h5")
+    with folder() as path:
+        problem = block_on_block()
+        problem.save(path / "good.h5")
+        usage, shutil.disk_usage = shutil.disk_usage, lambda _: type("Usage", (), {"free": 1000})()
+        try:
+            with pytest.raises(RuntimeError, match="no space left"):
+                problem.save(path / "good.h5")
+        finally:
+            shutil.disk_usage = usage
+        COMM.barrier()
+        block_on_block().restore(path / "good.h5")
