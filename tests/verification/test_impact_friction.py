@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from contact_model import Model
 from dolfinx import mesh
 from impact_model import BOTH, Impact, enforce, mass, momentum, spin
 from mpi4py import MPI
