@@ -134,3 +134,45 @@ def test_oblique_impact_of_a_spinning_disc(method, backspin):
     # The corner that touches turns with the disc, by 1e-3, out of the line of the normal force.
     assert end / inertia - start == pytest.approx(change * m / inertia, rel=0.01)
     assert abs(problem.energy["drift"]) < 1e-3
+
+
+@pytest.mark.parametrize("method", BOTH)
+def test_oblique_impact_of_a_spinning_sphere(method):
+    """In space: as the disc, with 5/2 of the change of velocity in that of the spin, R dw = 5/2 dv_t; no other spin."""
+    law = di.NeoHookean(1e13, 0.3, 1000.0)
+    ball = Impact(
+        "sphere_on_half_space", law, radius=1.0, a=0.2, h=0.1, gap=1e-7, symmetry="none", whole=True, coarse=0.3,
+        width=0.5, height=0.5,
+    )  # fmt: skip
+    nodes, vn, friction = ball.body(lambda x: x[2] > 5e-8), 1.0, 0.1
+    ball.throw(nodes, (3.0, 1.0, -vn))
+    velocity = ball.velocity.x.array.reshape(-1, 3)
+    center = np.array([0.0, 0.0, 1.0 + 1e-7])
+    velocity[nodes] += np.cross([0.4, -0.8, 0.5], ball.X[nodes] - center)
+    floor = di.RigidPlane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    problem = ball.explicit(enforce(method, ball.pair("slave_surface", floor, friction=friction)))
+    m = problem.mass.array.reshape(-1, 3)[nodes, :1]
+
+    def motion():
+        x = ball.X[nodes] + problem.u.x.array.reshape(-1, 3)[nodes]
+        v = problem.velocity.x.array.reshape(-1, 3)[nodes]
+        r, mean = x - (m * x).sum(axis=0) / m.sum(), (m * v).sum(axis=0) / m.sum()
+        inertia = (m[:, 0] * np.sum(r**2, axis=1)).sum() * np.eye(3) - np.einsum("n,na,nb->ab", m[:, 0], r, r)
+        return mean, np.linalg.solve(inertia, (m * np.cross(r, v)).sum(axis=0))
+
+    v0, w0 = motion()
+    problem.advance(0.0008, progress=False)
+    v1, w1 = motion()
+    assert problem.contact[0].area == 0.0
+    change, e = v1 - v0, v1[2] / vn
+    assert 0.98 < e < 1.0
+    # Every node's force is on its cone; their directions differ by the ball's spin about the normal.
+    assert np.linalg.norm(change[:2]) == pytest.approx(friction * (1 + e) * vn, rel=1e-6)
+    sliding = v0 + np.cross(w0, [0.0, 0.0, -1.0])
+    np.testing.assert_allclose(
+        change[:2] / np.linalg.norm(change[:2]), -sliding[:2] / np.linalg.norm(sliding[:2]), atol=1e-3
+    )
+    # The corner that touches turns with the ball, by some 1e-4; the ball of facets has k^2 = 0.402 R^2.
+    np.testing.assert_allclose((w1 - w0)[:2], 2.5 * np.array([change[1], -change[0]]), atol=0.012 * 2.5 * 0.2)
+    assert abs((w1 - w0)[2]) < 0.012 * 2.5 * 0.2
+    assert abs(problem.energy["drift"]) < 1e-3

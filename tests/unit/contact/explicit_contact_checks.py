@@ -28,7 +28,7 @@ SIZES = {
 
 
 def blocks(comm, dim, cell=None, seed=None, **more):
-    """A small block over the left end of a long one: recipe, displacement space, whether nodes are the small one's."""
+    """A small block over the left end of a long one: mesh recipe, space, whether nodes are the small one's."""
     options = {} if seed is None else {"partitioner": scattered(seed)}
     made = meshes.make("two_blocks", comm, cell=cell, gap=0.003, **SIZES[dim], **options, **more)
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (dim,)))
@@ -68,20 +68,31 @@ def by_place(comm, f):
     return rows[np.lexsort(rows[:, :3].round(9).T)][:, 3:]
 
 
-def assert_same(problem, alone):
-    for name in ("u", "velocity", "acceleration"):
-        here, there = by_place(COMM, getattr(problem, name)), by_place(MPI.COMM_SELF, getattr(alone, name))
-        assert here.shape == there.shape
-        worst = np.abs(here - there).max() / np.abs(there).max()
-        assert worst <= SAME, (name, worst)
-    energy = alone.energy
-    for name, value in energy.items():
-        size = 1.0 if name == "drift" else max(abs(v) for v in energy.values())
-        assert abs(problem.energy[name] - value) <= SAME * size, (name, problem.energy[name], value)
-    here, there = problem.contact[0], alone.contact[0]
-    scale = np.abs(there.force).max()
-    assert np.abs(here.force - there.force).max() <= SAME * scale + 1e-12
-    assert abs(here.area - there.area) < 1e-12 and abs(here.dissipated - there.dissipated) <= SAME * there.dissipated
+def facts(comm, problem):
+    """What two runs of the same problem must agree in. Collective."""
+    contact = problem.contact[0]
+    return {
+        **{name: by_place(comm, getattr(problem, name)) for name in ("u", "velocity", "acceleration")},
+        **{"energies": list(problem.energy.values()), "force": contact.force, "area": contact.area},
+        "dissipated": contact.dissipated,
+    }
+
+
+def run_alone(**case):
+    """Facts of a run on rank 0 alone, and some of its numbers: largest motion, at how many looks there was contact,
+    part of the energy that went into friction. Collective."""
+    found = None
+    if COMM.rank == 0:
+        alone, closed = thrown(MPI.COMM_SELF, **case)
+        lost = alone.contact[0].dissipated / alone.energy_history[0, 1]
+        found = facts(MPI.COMM_SELF, alone), (np.abs(alone.u.x.array).max(), np.count_nonzero(closed), lost)
+    return COMM.bcast(found, root=0)
+
+
+def assert_same(here, there):
+    for name, value in there.items():
+        assert np.shape(here[name]) == np.shape(value)
+        assert np.abs(np.subtract(here[name], value)).max() <= SAME * np.abs(value).max() + 1e-12, name
 
 
 def check_sliding_block_is_the_same_on_all_ranks():
@@ -92,7 +103,7 @@ def check_sliding_block_is_the_same_on_all_ranks():
         (2, "triangle", 3, stiff),
         (3, "hexahedron", 3, None),
     ):
-        for method in METHODS:
+        for method in METHODS if damping is None else (di.Kinematic,):
             case = dict(
                 dim=dim,
                 method=method,
@@ -101,11 +112,9 @@ def check_sliding_block_is_the_same_on_all_ranks():
                 speed=(3.0,) + (0.0,) * (dim - 2) + (-0.5,),
                 press=5.0,
             )
-            alone, closed = thrown(MPI.COMM_SELF, clamped=True, **case)
-            moved = np.abs(alone.u.x.array).max()
-            assert moved > 0.8 and np.count_nonzero(closed) >= 3, (moved, closed)
-            assert alone.contact[0].dissipated > 0.3 * alone.energy_history[0, 1]
-            assert_same(thrown(COMM, clamped=True, seed=seed, **case)[0], alone)
+            alone, (moved, closed, lost) = run_alone(clamped=True, **case)
+            assert moved > 0.8 and closed >= 3 and lost > 0.3, (moved, closed, lost)
+            assert_same(facts(COMM, thrown(COMM, clamped=True, seed=seed, **case)[0]), alone)
 
 
 def momenta(problem):
