@@ -2,6 +2,7 @@
 
 import math
 import warnings
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +38,12 @@ class Plan:
 class March:
     """The part of ExplicitProblem that runs."""
 
+    def _fingerprint(self):
+        mesh = self.space.mesh
+        return zlib.crc32(mesh.geometry.x), mesh.topology.index_map(mesh.topology.dim).size_global
+
     def _begin(self):
+        self._mesh_then = self._fingerprint()
         self.time, self.step = 0.0, 0
         self._plan, self._rows, self._good, self._recorders = None, [], None, []
         self._total_start, self._known_start, self._largest = 0.0, False, 0.0
@@ -69,11 +75,17 @@ class March:
             raise ValueError(f"until is {until:g}, but the time is {self.time:g} already")
         if until == self.time:
             return
+        if self.comm.allreduce(int(self._fingerprint() != self._mesh_then), MPI.MAX):
+            raise ValueError("the mesh was changed after the problem was set up: make a new problem")
         self._choose(until, dt, unsafe)
         self._refresh()
         with Bar(self, progress) as bar:
             while self.step < self._plan.last:
-                self._run(1 if callback else self._chunk())
+                first = self.step == 0
+                self._run(1 if callback or first else self._chunk())
+                if first:  # kinematic contact looks at gaps in steps
+                    for contact in self.contact:
+                        contact.check_start()
                 for recorder in self._recorders:
                     recorder.after()
                 if callback:

@@ -258,6 +258,15 @@ def test_a_spinning_flying_body_keeps_its_momentum():
     assert np.abs(sides / before - 1).max() < 1e-3
 
 
+def test_a_mesh_that_is_changed_later_is_refused():
+    V = square(4)
+    steel = di.LinearElastic(1.0, 0.3, 1.0, "plane_strain")
+    problem = di.ExplicitProblem(fem.Function(V), steel, velocity=fem.Function(V))
+    V.mesh.geometry.x[0, 0] -= 0.1
+    with pytest.raises(ValueError, match="mesh was changed"):
+        problem.advance(1.0)
+
+
 def test_bad_input():
     V = square(4)
     u, v = fem.Function(V), fem.Function(V)
