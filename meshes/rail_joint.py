@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from .hertz import SIDES
 from .layout import Layout, at, positive, require
 from .wheel_rail import HEAD_HALF_WIDTH, RAIL_HEIGHT, rail_plan, wheel_plan
@@ -24,8 +26,9 @@ def _common(rail_length, gap, h, coarse, end_post):
 
 
 def rail_joint_2d(
-    rail_length=0.6, rail_height=RAIL_HEIGHT, gap=8.0e-3, end_post="glued", h=4.0e-3, coarse=0.03, wheel=False,
-    wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, a=4.5e-3,
+    rail_length=0.6, rail_height=RAIL_HEIGHT, gap=8.0e-3, end_post="glued", h=4.0e-3, coarse=0.03, core=None, corner=0.0,
+    joined=None, wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, a=4.5e-3,
+    wheel_turn=0.0,
 ):  # fmt: skip
     """Rail joint in the longitudinal plane. The running surface is y = 0, the joint is at x = 0.
 
@@ -35,31 +38,85 @@ def rail_joint_2d(
     end_post: "glued" (shares the nodes of the rail ends), "loose" (separate nodes) or "none"
     h: cell size at the joint [m]
     coarse: at the far ends [m]
+    core: half-length of a zone of cells of size h along the running surface, and as much of the wheel's rim: the way
+        that a wheel can roll, only there it may touch; default none: the cells grow from the joint on, those of the
+        wheel are a/4 over 3 a [m]
+    corner: radius of the parabola that rounds the rail ends, which meets the end faces at 45 degrees; 0: sharp [m]
+    joined: depth below which the rails are one, as joint bars make them; what fills the gap there is "end_post" [m]
     wheel: whether there is a wheel above
     wheel_x: position of its lowest point [m]
     wheel_gap: height of that point [m]
     wheel_radius, hub_radius: [m]
-    a: expected half-width of the contact, the wheel's cells there are a/4 [m]
+    a: expected half-width of the contact [m]
+    wheel_turn: angle by which the wheel's fine zone is turned forward from below (towards x), or back [rad]
     """
     _common(rail_length, gap, h, coarse, end_post)
     positive(rail_height=rail_height, a=a)
+    _check_core(core, corner, joined, h, gap, rail_length, rail_height, end_post)
     layout = Layout(2, max(rail_length, rail_height))
     deep = max(h, min(coarse, rail_height / 6))
+    levels = [(-rail_height, deep), (0.0, h)]
+    if core is not None or joined is not None:
+        levels.insert(1, (-joined if joined is not None else -min(core, rail_height / 4), 3 * h))
+    glued = end_post == "glued" or joined is not None
     left = None
-    for name, x0, x1, first, last in _spans(rail_length, gap, h, coarse, end_post):
-        body = layout.body(name, glued_to=left if name == "end_post" and end_post == "glued" else None)
-        if end_post == "glued":
+    for name, x0, x1, first, last in _spans(rail_length, gap, h, coarse, "glued" if glued else end_post):
+        body = layout.body(name, glued_to=left if name == "end_post" and glued else None)
+        if glued:
             left = left or body
             body.nodes = left.nodes
-        p = [body.point((x, y), s) for y, s in ((-rail_height, deep), (0.0, h)) for x in (x0, x1)]
-        body.block(p[0], p[1], p[3], p[2])
-        for i, j, sizes in ((0, 1, (first, last)), (2, 3, (first, last)), (0, 2, (deep, h)), (1, 3, (deep, h))):
-            layout.edge_sizes[(min(p[i], p[j]), max(p[i], p[j]))] = sizes if p[i] < p[j] else sizes[::-1]
+        columns = [(x0, first), (x1, last)]
+        if core is not None and name != "end_post":
+            columns.insert(1, (-core if x0 < 0 else core, h))
+        _block_rows(layout, body, columns, levels[:2] if name == "end_post" and end_post == "none" else levels)
         _tag_rail(body, x0, x1, 1, -rail_height)
         body.tag("master_surface", at(1, 0.0))
+        if corner > 0 and name != "end_post":
+            body.map(lambda x: _rounded(x, corner, gap / 2))
     if wheel:
-        add_wheel(layout, wheel_x, wheel_gap, wheel_radius, hub_radius, a / 4, 1.5 * a)
+        if core is None:
+            sizes = (a / 4, 1.5 * a, None)
+        else:
+            sizes = (h, core, 3 * h)
+        add_wheel(layout, wheel_x, wheel_gap, wheel_radius, hub_radius, *sizes, wheel_turn, 3 if core is None else 1)
     return layout
+
+
+def _check_core(core, corner, joined, h, gap, rail_length, rail_height, end_post):
+    require(math.isfinite(corner) and corner >= 0, f"corner = {corner!r}: a radius of at least 0")
+    require(corner == 0 or end_post == "none", f"corner = {corner!r}: rounded rail ends have no end post between them")
+    require(corner < rail_height / 8, f"corner = {corner!r}: not below an eighth of the rail, {rail_height!r}")
+    if joined is not None:
+        require(4 * corner < joined < rail_height, f"joined = {joined!r}: between 4 corner and the rail's height")
+        require(end_post != "loose", f"joined = {joined!r}: a loose end post reaches through the rail")
+    if core is not None:
+        positive(core=core)
+        require(gap / 2 + h <= core < rail_length, f"core = {core!r}: between half the gap and the rail's length")
+
+
+def _block_rows(layout, body, columns, levels):
+    """Blocks between columns (x, size along x) and levels (y, size along y)."""
+    p = [[body.point((x, y), min(sx, sy)) for x, sx in columns] for y, sy in levels]
+
+    def sized(i, j, sizes):
+        layout.edge_sizes[(min(i, j), max(i, j))] = sizes if i < j else sizes[::-1]
+
+    for r, row in enumerate(p):
+        for c in range(len(columns) - 1):
+            sized(row[c], row[c + 1], (columns[c][1], columns[c + 1][1]))
+            if r:
+                body.block(p[r - 1][c], p[r - 1][c + 1], row[c + 1], row[c])
+        if r:
+            for c in range(len(columns)):
+                sized(p[r - 1][c], row[c], (levels[r - 1][1], levels[r][1]))
+
+
+def _rounded(x, radius, end):
+    """Lower the running surface within `radius` of the rail's end by a parabola; fades out four radii below."""
+    inside = np.clip(np.abs(x[:, 0]) - end, 0.0, radius)
+    drop = (radius - inside) ** 2 / (2 * radius)
+    x[:, 1] -= drop * np.maximum(0.0, 1.0 + x[:, 1] / (4 * radius))
+    return x
 
 
 def _tag_rail(body, x0, x1, vertical, bottom):
@@ -69,20 +126,24 @@ def _tag_rail(body, x0, x1, vertical, bottom):
     body.tag("bottom", at(vertical, bottom))
 
 
-def add_wheel(layout, x, gap, radius, hub_radius, h, core):
-    """A wheel of 2D blocks above the point (x, 0)."""
+def add_wheel(layout, x, gap, radius, hub_radius, h, core, deep=None, turn=0.0, arcs=3):
+    """A wheel of 2D blocks above the point (x, 0), turned by an angle; `deep` and `arcs`: see wheel_plan."""
     positive(wheel_radius=radius, hub_radius=hub_radius)
     require(
         gap >= 0 and math.isfinite(x), f"wheel_gap = {gap!r}, wheel_x = {x!r}: a height of at least 0 and a position"
     )
+    require(math.isfinite(turn), f"wheel_turn = {turn!r}: a finite angle")
     wheel = layout.body("slave_body")
-    wheel_plan(wheel, radius, hub_radius, gap, h, core, SIDES["none"], None)
+    wheel_plan(wheel, radius, hub_radius, gap, h, core, SIDES["none"], None, deep, arcs)
+    cos, sin, height = math.cos(turn), math.sin(turn), radius + gap
 
     def move(points):
-        points[:, 0] += x
+        right, up = points[:, 0].copy(), points[:, 1] - height
+        points[:, 0] = x + cos * right - sin * up
+        points[:, 1] = height + sin * right + cos * up
         return points
 
-    if x:
+    if x or turn:
         wheel.map(move)
 
 

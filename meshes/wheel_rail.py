@@ -23,12 +23,14 @@ FOOT_EDGE = 0.0115
 FOOT_DEPTH = 0.030
 
 
-def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
-    """Blocks of a wheel (annulus) whose lowest point is (0, gap), fine at that point."""
+def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse, deep=None, num_arcs=3):
+    """Blocks of a wheel (annulus) whose lowest point is (0, gap), fine at that point; `deep`: cell size at the upper
+    end of the fine zone, default h; `num_arcs`: those of the rim, from below, that may touch, the first is fine."""
     require(hub_radius < 0.5 * radius, f"hub_radius = {hub_radius!r}: not less than half the radius, {radius!r}")
-    require(core <= 0.08 * radius, f"core = {core!r}: larger than 0.08 of the wheel radius, {radius!r}")
+    require(core <= 0.1 * radius, f"core = {core!r}: larger than 0.1 of the wheel radius, {radius!r}")
     centre = np.array((0.0, radius + gap))
     far, t = max(h, radius / 8 if coarse is None else coarse), core / radius
+    deep = h if deep is None else deep
 
     def polar(s, r, degrees, size):
         angle = math.radians(degrees)
@@ -36,8 +38,8 @@ def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
 
     near, bore_size = min(far, h + 0.03 * radius), max(h, min(far, 0.35 * hub_radius))
     for s in sides:
-        a, d = body.point((0, gap), h), body.point((0, core + gap), h)
-        b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, core + gap), h)
+        a, d = body.point((0, gap), h), body.point((0, core + gap), deep)
+        b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, core + gap), deep)
         e, f = polar(s, radius, 15, near), body.point((s * 0.13 * radius, 0.15 * radius + gap), near)
         g, lowest = body.point((0, 0.185 * radius + gap), near), polar(s, hub_radius, 0, bore_size)
         rim, bore = [], []
@@ -51,7 +53,7 @@ def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
         arcs = [(a, b), (b, e), (e, rim[0]), *zip(rim, rim[1:])]
         for k, (p, q) in enumerate(arcs):
             body.arc(p, q, centre)
-            body.facet("slave_surface" if k < 3 else "free", p, q)
+            body.facet("slave_surface" if k < num_arcs else "free", p, q)
         for p, q in [(lowest, bore[0]), *zip(bore, bore[1:])]:
             body.arc(p, q, centre)
             body.facet("hub", p, q)
