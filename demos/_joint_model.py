@@ -22,18 +22,18 @@ class Rolling:
         comm: communicator. dim: 2, plane strain per length of axle, or 3, one half of a symmetric wheel.
         load: on the wheel (2D: per length of axle) [N or N/m]. mass: of wheel and hub, likewise [kg or kg/m].
         speed: [m/s]. begin, end: place of the wheel's centre at the start and at the end, joint at 0 [m].
-        h: cell size in the contact [m]. size: other parameters of the mesh recipe.
+        h, gap, corner, step and `size`: of the mesh recipe [m].
         continuous: end post of rail steel, glued: a rail without a joint on the same kind of mesh.
         friction: Coulomb's coefficient [1]. chi: penalty of the contact [Pa/m].
     """
 
-    def __init__(self, comm, dim, load, mass, speed, begin, end, h, gap, corner, continuous, friction, chi, **size):
+    def __init__(self, comm, dim, load, mass, speed, begin, end, h, gap, corner, step, continuous, friction, chi, **size):
         self.comm, self.dim, self.load, self.speed, self.begin = comm, dim, load, speed, begin
         self.chi, self.friction = chi, friction
         self.turn = 0.5 * (end - begin) / RADIUS
         made = meshes.make(
             f"rail_joint_{dim}d", comm, wheel=True, wheel_x=begin, wheel_radius=RADIUS, hub_radius=BORE, gap=gap, h=h,
-            end_post="glued" if continuous else "none", **({} if continuous else {"corner": corner}),
+            end_post="glued" if continuous else "none", **({} if continuous else {"corner": corner, "step": step}),
             wheel_turn=self.turn, **size,
         )  # fmt: skip
         self.mesh, self.facet_tags, self.tags = made.mesh, made.facet_tags, made.tags
@@ -43,6 +43,7 @@ class Rolling:
         self._tag_hub(made.cell_tags)
         rail = di.LinearElastic(E, NU, DENSITY, hypothesis="plane_strain" if dim == 2 else "3d")
         densities = {2: DENSITY, **self._balance(mass)}
+        self.rail = rail
         self.turning = {t: di.StVenantKirchhoff(E, NU, d, hypothesis=rail.hypothesis) for t, d in densities.items()}
         parts = {self.tags[name]: rail for name in ("master_body", "second_rail", "end_post") if name in self.tags}
         self.material = di.MaterialMap(self.cell_tags, {**parts, **self.turning})
@@ -145,6 +146,15 @@ class Rolling:
             rows[:, i] = vertex_average(v[i], self.mesh, "component").x.array
         for bc in self.bcs:
             rows.reshape(-1)[bc.dof_indices()[0]] = 0.0
+
+    def mises(self):
+        """Von Mises stress at the nodes [Pa]: Cauchy's stress, of the wheel from the first of Piola and Kirchhoff."""
+        zeros = [0.0] * (3 - self.dim)
+        rows = [[ufl.grad(self.u)[i, j] for j in range(self.dim)] + zeros for i in range(self.dim)]
+        F = ufl.Identity(3) + ufl.as_tensor(rows + [[0.0] * 3] * (3 - self.dim))
+        wheel = self.turning[2].stress(self.u) * F.T / ufl.det(F)
+        both = [ufl.sqrt(1.5 * ufl.inner(ufl.dev(s), ufl.dev(s))) for s in (wheel, self.rail.stress(self.u))]
+        return vertex_average(ufl.conditional(ufl.gt(self.on_wheel, 0.5), *both), self.mesh, "von_mises")
 
     def explicit(self, balanced=True):
         """The explicit problem from this state on."""

@@ -27,7 +27,7 @@ def _common(rail_length, gap, h, coarse, end_post):
 
 def rail_joint_2d(
     rail_length=0.6, rail_height=RAIL_HEIGHT, gap=8.0e-3, end_post="glued", h=4.0e-3, coarse=0.03, core=None, corner=0.0,
-    joined=None, wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, a=4.5e-3,
+    step=0.0, joined=None, wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, a=4.5e-3,
     wheel_turn=0.0,
 ):  # fmt: skip
     """Rail joint in the longitudinal plane. The running surface is y = 0, the joint is at x = 0.
@@ -42,6 +42,7 @@ def rail_joint_2d(
         that a wheel can roll, only there it may touch; default none: the cells grow from the joint on, those of the
         wheel are a/4 over 3 a [m]
     corner: radius of the parabola that rounds the rail ends, which meets the end faces at 45 degrees; 0: sharp [m]
+    step: by how much the right rail's running surface is higher, at most a hundredth of its height [m]
     joined: depth below which the rails are one, as joint bars make them; what fills the gap there is "end_post" [m]
     wheel: whether there is a wheel above
     wheel_x: position of its lowest point [m]
@@ -52,7 +53,7 @@ def rail_joint_2d(
     """
     _common(rail_length, gap, h, coarse, end_post)
     positive(rail_height=rail_height, a=a)
-    _check_core(core, corner, joined, h, gap, rail_length, rail_height, end_post)
+    _check_core(core, corner, step, joined, h, gap, rail_length, rail_height, end_post)
     layout = Layout(2, max(rail_length, rail_height))
     deep = max(h, min(coarse, rail_height / 6))
     levels = [(-rail_height, deep), (0.0, h)]
@@ -73,6 +74,8 @@ def rail_joint_2d(
         body.tag("master_surface", at(1, 0.0))
         if corner > 0 and name != "end_post":
             body.map(lambda x: _rounded(x, corner, gap / 2))
+        if step and name == "second_rail":
+            body.map(lambda x: _raised(x, step, joined or rail_height))
     if wheel:
         if core is None:
             sizes = (a / 4, 1.5 * a, None)
@@ -82,9 +85,11 @@ def rail_joint_2d(
     return layout
 
 
-def _check_core(core, corner, joined, h, gap, rail_length, rail_height, end_post):
+def _check_core(core, corner, step, joined, h, gap, rail_length, rail_height, end_post):
     require(math.isfinite(corner) and corner >= 0, f"corner = {corner!r}: a radius of at least 0")
     require(corner == 0 or end_post == "none", f"corner = {corner!r}: rounded rail ends have no end post between them")
+    require(abs(step) <= rail_height / 100, f"step = {step!r}: more than a hundredth of the rail, {rail_height!r}")
+    require(step == 0 or end_post != "glued", f"step = {step!r}: a glued end post would be torn")
     require(corner < rail_height / 8, f"corner = {corner!r}: not below an eighth of the rail, {rail_height!r}")
     if joined is not None:
         require(4 * corner < joined < rail_height, f"joined = {joined!r}: between 4 corner and the rail's height")
@@ -116,6 +121,12 @@ def _rounded(x, radius, end):
     inside = np.clip(np.abs(x[:, 0]) - end, 0.0, radius)
     drop = (radius - inside) ** 2 / (2 * radius)
     x[:, 1] -= drop * np.maximum(0.0, 1.0 + x[:, 1] / (4 * radius))
+    return x
+
+
+def _raised(x, step, depth):
+    """Raise the running surface, nothing below a depth."""
+    x[:, 1] += step * np.clip(1.0 + x[:, 1] / depth, 0.0, 1.0)
     return x
 
 
