@@ -6,7 +6,7 @@ import numpy as np
 
 from .hertz import SIDES
 from .layout import Layout, at, positive, require
-from .wheel_rail import HEAD_HALF_WIDTH, RAIL_HEIGHT, rail_plan, wheel_plan
+from .wheel_rail import HEAD_DEPTH, HEAD_HALF_WIDTH, RAIL_HEIGHT, rail_plan, wheel_plan
 
 
 def _spans(length, gap, h, coarse, end_post):
@@ -72,16 +72,11 @@ def rail_joint_2d(
         _block_rows(layout, body, columns, levels[:2] if name == "end_post" and end_post == "none" else levels)
         _tag_rail(body, x0, x1, 1, -rail_height)
         body.tag("master_surface", at(1, 0.0))
-        if corner > 0 and name != "end_post":
-            body.map(lambda x: _rounded(x, corner, gap / 2))
-        if step and name == "second_rail":
-            body.map(lambda x: _raised(x, step, joined or rail_height))
+        _shape_ends(body, corner, step, gap / 2, joined or rail_height)
     if wheel:
-        if core is None:
-            sizes = (a / 4, 1.5 * a, None)
-        else:
-            sizes = (h, core, 3 * h)
-        add_wheel(layout, wheel_x, wheel_gap, wheel_radius, hub_radius, *sizes, wheel_turn, 3 if core is None else 1)
+        fine = (a / 4, 1.5 * a) if core is None else (h, core)
+        add_wheel(layout, wheel_gap, wheel_radius, hub_radius, *fine, core is not None)
+        place_wheel(layout.bodies[-1], wheel_x, wheel_gap, wheel_radius, wheel_turn)
     return layout
 
 
@@ -116,18 +111,24 @@ def _block_rows(layout, body, columns, levels):
                 sized(p[r - 1][c], row[c], (levels[r - 1][1], levels[r][1]))
 
 
-def _rounded(x, radius, end):
-    """Lower the running surface within `radius` of the rail's end by a parabola; fades out four radii below."""
-    inside = np.clip(np.abs(x[:, 0]) - end, 0.0, radius)
-    drop = (radius - inside) ** 2 / (2 * radius)
-    x[:, 1] -= drop * np.maximum(0.0, 1.0 + x[:, 1] / (4 * radius))
-    return x
+def _shape_ends(body, corner, step, end, depth):
+    """Maps of a rail: its end rounded within `corner` of x = +-`end`; the right one raised, but not below a depth."""
 
+    def rounded(x):
+        up = body.layout.dim - 1
+        inside = np.clip(np.abs(x[:, 0]) - end, 0.0, corner)
+        x[:, up] -= (corner - inside) ** 2 / (2 * corner) * np.maximum(0.0, 1.0 + x[:, up] / (4 * corner))
+        return x
 
-def _raised(x, step, depth):
-    """Raise the running surface, nothing below a depth."""
-    x[:, 1] += step * np.clip(1.0 + x[:, 1] / depth, 0.0, 1.0)
-    return x
+    def raised(x):
+        up = body.layout.dim - 1
+        x[:, up] += step * np.clip(1.0 + x[:, up] / depth, 0.0, 1.0)
+        return x
+
+    if corner > 0 and body.name != "end_post":
+        body.map(rounded)
+    if step and body.name == "second_rail":
+        body.map(raised)
 
 
 def _tag_rail(body, x0, x1, vertical, bottom):
@@ -137,21 +138,24 @@ def _tag_rail(body, x0, x1, vertical, bottom):
     body.tag("bottom", at(vertical, bottom))
 
 
-def add_wheel(layout, x, gap, radius, hub_radius, h, core, deep=None, turn=0.0, arcs=3):
-    """A wheel of 2D blocks above the point (x, 0), turned by an angle; `deep` and `arcs`: see wheel_plan."""
+def add_wheel(layout, gap, radius, hub_radius, h, core, rolling):
+    """A wheel of 2D blocks above the origin; if `rolling`, the fine zone is all that may touch, and is coarser above."""
     positive(wheel_radius=radius, hub_radius=hub_radius)
-    require(
-        gap >= 0 and math.isfinite(x), f"wheel_gap = {gap!r}, wheel_x = {x!r}: a height of at least 0 and a position"
-    )
-    require(math.isfinite(turn), f"wheel_turn = {turn!r}: a finite angle")
+    require(gap >= 0, f"wheel_gap = {gap!r}: a height of at least 0")
     wheel = layout.body("slave_body")
-    wheel_plan(wheel, radius, hub_radius, gap, h, core, SIDES["none"], None, deep, arcs)
+    wheel_plan(wheel, radius, hub_radius, gap, h, core, SIDES["none"], None, 3 * h if rolling else h, 1 if rolling else 3)
+
+
+def place_wheel(wheel, x, gap, radius, turn):
+    """Turn a wheel about its axle and move it along x."""
+    require(math.isfinite(x) and math.isfinite(turn), f"wheel_x = {x!r}, wheel_turn = {turn!r}: finite numbers")
     cos, sin, height = math.cos(turn), math.sin(turn), radius + gap
 
     def move(points):
-        right, up = points[:, 0].copy(), points[:, 1] - height
+        vertical = wheel.layout.dim - 1
+        right, up = points[:, 0].copy(), points[:, vertical] - height
         points[:, 0] = x + cos * right - sin * up
-        points[:, 1] = height + sin * right + cos * up
+        points[:, vertical] = height + sin * right + cos * up
         return points
 
     if x or turn:
@@ -160,7 +164,8 @@ def add_wheel(layout, x, gap, radius, hub_radius, h, core, deep=None, turn=0.0, 
 
 def rail_joint_3d(
     rail_length=0.3, rail_height=RAIL_HEIGHT, crown_radius=0.30, gap=8.0e-3, end_post="glued", h=5.0e-3, coarse=0.04,
-    symmetry="half", wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, wheel_width=0.06,
+    core=None, corner=0.0, step=0.0, joined=False, symmetry="half", wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, wheel_width=0.06,
+    wheel_turn=0.0,
 ):  # fmt: skip
     """Rail joint in 3D, the rail section of `wheel_on_rail_3d`, all hexahedra or tetrahedra. The joint is at x = 0.
 
@@ -171,40 +176,51 @@ def rail_joint_3d(
     end_post: "glued", "loose" or "none"
     h: cell size at the running surface of the joint [m]
     coarse: at the far ends [m]
+    core, corner, step: as of `rail_joint_2d` [m]
+    joined: web and foot are one, as joint bars make them; what fills the gap there is "end_post"
     symmetry: "half" (y >= 0) or "none"
     wheel: whether there is a wheel above, its fine zone with cells of size h
     wheel_x: position of its lowest point [m]
     wheel_gap: height of that point [m]
     wheel_radius, hub_radius, wheel_width: [m]
+    wheel_turn: angle by which the wheel's fine zone is turned forward from below [rad]
     """
     _common(rail_length, gap, h, coarse, end_post)
     positive(rail_height=rail_height, crown_radius=crown_radius, wheel_width=wheel_width)
     require(symmetry in SIDES, f"symmetry = {symmetry!r}: one of {', '.join(SIDES)}")
-    core = max(h, 0.3 * HEAD_HALF_WIDTH)
+    _check_core(core, corner, step, HEAD_DEPTH if joined else None, h, gap, rail_length, rail_height, end_post)
+    side = max(h, 0.3 * HEAD_HALF_WIDTH)
+    glued = end_post == "glued" or joined
     layout = None
-    for name, x0, x1, first, last in _spans(rail_length, gap, h, coarse, end_post):
+    for name, x0, x1, first, last in _spans(rail_length, gap, h, coarse, "glued" if joined else end_post):
         section = Layout(2, rail_height)
         body = section.body(name)
-        rail_plan(body, crown_radius, rail_height, h, core, SIDES[symmetry], max(h, min(coarse, 0.02)))
+        head = name != "end_post" or end_post != "none"
+        rail_plan(body, crown_radius, rail_height, h, side, SIDES[symmetry], max(h, min(coarse, 0.02)), head)
         if symmetry == "half":
             body.tag("symmetry_y", at(0, 0.0))
         ends = {"master_body": ("left", "joint_left"), "second_rail": ("joint_right", "right")}
+        along = [(x0, first), (x1, last)]
+        if core is not None and name != "end_post":
+            along.insert(1, (-core if x0 < 0 else core, h))
         part = section.extruded(
-            lambda x, t: (t, x[0], x[1]), (x0, x1), (first, last), ends.get(name, ("post_left", "post_right"))
+            lambda x, t: (t, x[0], x[1]), *zip(*along), ends.get(name, ("post_left", "post_right"))
         )
+        _shape_ends(part.bodies[0], corner, step, gap / 2, HEAD_DEPTH if joined else rail_height)
         if layout is None:
             layout = part
         else:
-            layout.merge(part, glued=end_post == "glued")
+            layout.merge(part, glued=glued)
     if wheel:
         plan = Layout(2, wheel_radius)
-        add_wheel(plan, 0.0, wheel_gap, wheel_radius, hub_radius, h, core)
+        add_wheel(plan, wheel_gap, wheel_radius, hub_radius, h, side if core is None else core, core is not None)
         half = wheel_width / 2
-        ys = (0.0, core, half) if symmetry == "half" else (-half, -core, core, half)
+        ys = (0.0, side, half) if symmetry == "half" else (-half, -side, side, half)
         sizes = (h, h, max(h, half / 4)) if symmetry == "half" else (max(h, half / 4), h, h, max(h, half / 4))
-        require(core < half, f"wheel_width = {wheel_width!r}: too small for the fine zone, {core!r}")
+        require(side < half, f"wheel_width = {wheel_width!r}: too small for the fine zone, {side!r}")
         ends = ("symmetry_y" if symmetry == "half" else "slave_front", "slave_back")
-        layout.merge(plan.extruded(lambda x, t: (x[0] + wheel_x, t, x[1]), ys, sizes, ends))
+        layout.merge(plan.extruded(lambda x, t: (x[0], t, x[1]), ys, sizes, ends))
+        place_wheel(layout.bodies[-1], wheel_x, wheel_gap, wheel_radius, wheel_turn)
     return layout
 
 

@@ -105,31 +105,35 @@ def crown(y, crown_radius):
     return math.sqrt(crown_radius**2 - y**2) - crown_radius
 
 
-def rail_plan(body, crown_radius, height, h, core, sides, coarse):
-    """Blocks of the rail section in (y, z), fine at the top of the head; `height` stretches the web."""
+def rail_plan(body, crown_radius, height, h, core, sides, coarse, head=True):
+    """Blocks of the rail section in (y, z), fine at the top of the head; `height` stretches the web. Without its
+    `head` the section begins at HEAD_DEPTH."""
     w, foot = WEB_HALF_WIDTH, height - FOOT_DEPTH
     require(height > HEAD_DEPTH + FOOT_DEPTH + 0.01, f"rail_height = {height!r}: no room for a web")
     require(core < 0.6 * HEAD_HALF_WIDTH, f"core = {core!r}: not smaller than 0.6 of the head's half-width")
     require(crown_radius >= HEAD_HALF_WIDTH * 2, f"crown_radius = {crown_radius!r}: smaller than the head is wide")
     far = max(h, 0.02 if coarse is None else coarse)
-    head = max(h, min(far, 0.008))
+    near = max(h, min(far, 0.008))
     for s in sides:
 
         def p(y, z, size):
             return body.point((s * y, z), size)
 
-        side, middle = crown(HEAD_HALF_WIDTH, crown_radius), -HEAD_SIDE_DEPTH / 2
-        a, b, c, d = p(0, 0, h), p(core, crown(core, crown_radius), h), p(core, -core, h), p(0, -core, h)
-        e, f, g = (p(HEAD_HALF_WIDTH, z, head) for z in (side, middle, -HEAD_SIDE_DEPTH))
-        i, j = p(w, -HEAD_DEPTH, head), p(0, -HEAD_DEPTH, head)
-        k, m = p(w, -foot, head), p(0, -foot, head)
-        n, o = p(w, -height, head), p(0, -height, head)
+        i, j = p(w, -HEAD_DEPTH, near), p(0, -HEAD_DEPTH, near)
+        k, m = p(w, -foot, near), p(0, -foot, near)
+        n, o = p(w, -height, near), p(0, -height, near)
         q, r = p(FOOT_HALF_WIDTH, -height + FOOT_EDGE, far), p(FOOT_HALF_WIDTH, -height, far)
-        body.arc(a, b, (0, -crown_radius))
-        body.arc(b, e, (0, -crown_radius))
-        body.facet("master_surface", a, b)
-        body.facet("master_surface", b, e)
-        for block in ((a, b, c, d), (b, e, f, c), (c, f, g, i), (d, c, i, j), (j, i, k, m), (m, k, n, o), (k, q, r, n)):
+        if head:
+            side, middle = crown(HEAD_HALF_WIDTH, crown_radius), -HEAD_SIDE_DEPTH / 2
+            a, b, c, d = p(0, 0, h), p(core, crown(core, crown_radius), h), p(core, -core, h), p(0, -core, h)
+            e, f, g = (p(HEAD_HALF_WIDTH, z, near) for z in (side, middle, -HEAD_SIDE_DEPTH))
+            body.arc(a, b, (0, -crown_radius))
+            body.arc(b, e, (0, -crown_radius))
+            body.facet("master_surface", a, b)
+            body.facet("master_surface", b, e)
+            for block in ((a, b, c, d), (b, e, f, c), (c, f, g, i), (d, c, i, j)):
+                body.block(*block)
+        for block in ((j, i, k, m), (m, k, n, o), (k, q, r, n)):
             body.block(*block)
     body.tag("bottom", at(1, -height))
 
