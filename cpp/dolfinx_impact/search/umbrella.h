@@ -1,4 +1,5 @@
 #pragma once
+#include "../common/vectors.h"
 #include "../surface/Facets.h"
 #include <algorithm>
 
@@ -11,6 +12,17 @@ inline int corner(const surface::Facets& facets, std::size_t f, std::int32_t nod
     if (facets.nodes_of(f)[i] == node)
       return i;
   return -1;
+}
+
+/// Whether d, from a surface's rim to a point, leads beside the surface; else the point is over or under the rim to
+/// within 5 degrees, as the nodes of a plane of symmetry are over facets a little tilted against it. `mean` need not be
+/// of length one.
+inline bool beside(int gdim, const double* d, const double* mean, double size)
+{
+  constexpr double tangent = 0.08748866; // of 5 degrees
+  const double squared = dot(mean, mean, gdim), along = dot(d, mean, gdim);
+  const double normal = squared > 0.0 ? along * along / squared : 0.0, round_off = 1e-9 * size;
+  return dot(d, d, gdim) - normal > tangent * tangent * normal + round_off * round_off;
 }
 
 /// Counts how often the far ends of the edges at a vertex occur: once where the surface ends.
