@@ -27,7 +27,9 @@ class Rolling:
         friction: Coulomb's coefficient [1]. chi: penalty of the contact [Pa/m].
     """
 
-    def __init__(self, comm, dim, load, mass, speed, begin, end, h, gap, corner, step, continuous, friction, chi, **size):
+    def __init__(
+        self, comm, dim, load, mass, speed, begin, end, h, gap, corner, step, continuous, friction, chi, **size
+    ):
         self.comm, self.dim, self.load, self.speed, self.begin = comm, dim, load, speed, begin
         self.chi, self.friction = chi, friction
         self.turn = 0.5 * (end - begin) / RADIUS
@@ -92,9 +94,7 @@ class Rolling:
         return dict(zip(HUBS, np.linalg.solve(np.column_stack([moments[t] for t in HUBS]), wanted).tolist()))
 
     def _roller(self, side, axis):
-        dofs = fem.locate_dofs_topological(
-            self.V.sub(axis), self.dim - 1, self.facet_tags.find(self.tags[side])
-        )
+        dofs = fem.locate_dofs_topological(self.V.sub(axis), self.dim - 1, self.facet_tags.find(self.tags[side]))
         return fem.dirichletbc(0.0, dofs, self.V.sub(axis))
 
     def _upright(self):

@@ -5,7 +5,8 @@
 # contact force drops, then the wheel strikes the end of the next rail. Explicit dynamics, central differences, contact
 # of slave nodes by penalty with Coulomb's friction (see `docs/explicit.md`).
 #
-# Run it by `make demo`, or `dolfinx-impact demo rail_joint --ranks 2`; `--3d` takes a coarse wheel and rail in space.
+# Run it by `make demo`, or `dolfinx-impact demo rail_joint --ranks 2`; with `--3d` (`make demo ARGS=--3d`) a coarse
+# wheel and rail in space.
 
 import os
 import time
@@ -38,7 +39,13 @@ quiet = -23e-3 if fast else -28e-3  # up to here the wheel has not felt the join
 size = {"h": 2.5e-3, "rail_length": 0.3} if fast else {"h": 0.6e-3, "rail_length": 0.4}
 size |= {"core": max(-begin, end) + 7e-3, "joined": 30e-3, "coarse": 0.03}
 if dim == 3:
-    size = {"h": 7e-3 if fast else 4e-3, "rail_length": 0.3, "core": max(-begin, end) + 7e-3, "joined": True, "coarse": 0.04}
+    size = {
+        "h": 7e-3 if fast else 4e-3,
+        "rail_length": 0.3,
+        "core": max(-begin, end) + 7e-3,
+        "joined": True,
+        "coarse": 0.04,
+    }
 chi = 1e14 if dim == 2 else 5e13  # penalty [Pa/m]
 parameters = {
     "dim": dim, "load": load, "mass": mass, "speed": speed, "gap": gap, "step": step, "corner": corner,

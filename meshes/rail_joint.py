@@ -143,7 +143,9 @@ def add_wheel(layout, gap, radius, hub_radius, h, core, rolling):
     positive(wheel_radius=radius, hub_radius=hub_radius)
     require(gap >= 0, f"wheel_gap = {gap!r}: a height of at least 0")
     wheel = layout.body("slave_body")
-    wheel_plan(wheel, radius, hub_radius, gap, h, core, SIDES["none"], None, 3 * h if rolling else h, 1 if rolling else 3)
+    wheel_plan(
+        wheel, radius, hub_radius, gap, h, core, SIDES["none"], None, 3 * h if rolling else h, 1 if rolling else 3
+    )
 
 
 def place_wheel(wheel, x, gap, radius, turn):
@@ -203,9 +205,7 @@ def rail_joint_3d(
         along = [(x0, first), (x1, last)]
         if core is not None and name != "end_post":
             along.insert(1, (-core if x0 < 0 else core, h))
-        part = section.extruded(
-            lambda x, t: (t, x[0], x[1]), *zip(*along), ends.get(name, ("post_left", "post_right"))
-        )
+        part = section.extruded(lambda x, t: (t, x[0], x[1]), *zip(*along), ends.get(name, ("post_left", "post_right")))
         _shape_ends(part.bodies[0], corner, step, gap / 2, HEAD_DEPTH if joined else rail_height)
         if layout is None:
             layout = part

@@ -143,9 +143,14 @@ def rail_area(crown_radius, height):
     b, r = HEAD_HALF_WIDTH, crown_radius
     cap = b * math.sqrt(r * r - b * b) / 2 + r * r * math.asin(b / r) / 2 - r * b  # integral of crown, 0 to b: negative
     head = b * HEAD_SIDE_DEPTH + cap + (b + WEB_HALF_WIDTH) / 2 * (HEAD_DEPTH - HEAD_SIDE_DEPTH)
+    return 2 * head + web_and_foot_area(height)
+
+
+def web_and_foot_area(height):
+    """Area of the section below the head [m^2]."""
     web = WEB_HALF_WIDTH * (height - HEAD_DEPTH)
     wing = (FOOT_HALF_WIDTH - WEB_HALF_WIDTH) * (FOOT_EDGE + FOOT_DEPTH) / 2
-    return 2 * (head + web + wing)
+    return 2 * (web + wing)
 
 
 def wheel_on_rail_3d(

@@ -257,8 +257,9 @@ Foot Projector::closest(const Vec<double>& x, const Vec<double>& normal) const
   const Vec<double> d = x - spot<double>(master_, master_.facets[best.facet], u_[best.facet], best.xi).x;
   const Vec<double> n = normal_at(best);
   best.sign = dot(d, n) < 0 ? -1 : 1;
-  // Nodes of a plane of symmetry are under the rim; over a facet tilted against the plane, not quite.
-  const double under = std::tan(5.0 * std::numbers::pi / 180.0) * std::abs(dot(d, n)) + 1e-9 * radii_[best.facet];
+  // Nodes of a plane of symmetry are under the rim; under a facet tilted against the plane, not quite.
+  const double size = 1.2 * radii_[best.facet], depth = std::abs(dot(d, n));
+  const double under = 1e-9 * size + (depth < 0.05 * size ? std::tan(5.0 * std::numbers::pi / 180.0) * depth : 0.0);
   if (best.sign < 0 and norm(d - dot(d, n) * n) > under and on_rim(best))
     return {};
   return best;
