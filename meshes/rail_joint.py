@@ -26,8 +26,8 @@ def _common(rail_length, gap, h, coarse, end_post):
 
 
 def rail_joint_2d(
-    rail_length=0.6, rail_height=RAIL_HEIGHT, gap=8.0e-3, end_post="glued", h=4.0e-3, coarse=0.03, core=None, corner=0.0,
-    step=0.0, joined=None, wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, a=4.5e-3,
+    rail_length=0.6, rail_height=RAIL_HEIGHT, gap=8.0e-3, end_post="glued", h=4.0e-3, coarse=0.03, core=None,
+    corner=0.0, step=0.0, joined=None, wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, a=4.5e-3,
     wheel_turn=0.0,
 ):  # fmt: skip
     """Rail joint in the longitudinal plane. The running surface is y = 0, the joint is at x = 0.
@@ -139,7 +139,7 @@ def _tag_rail(body, x0, x1, vertical, bottom):
 
 
 def add_wheel(layout, gap, radius, hub_radius, h, core, rolling):
-    """A wheel of 2D blocks above the origin; if `rolling`, the fine zone is all that may touch, and is coarser above."""
+    """A wheel of 2D blocks above the origin; if `rolling`, the fine zone is all that may touch, coarser above."""
     positive(wheel_radius=radius, hub_radius=hub_radius)
     require(gap >= 0, f"wheel_gap = {gap!r}: a height of at least 0")
     wheel = layout.body("slave_body")
@@ -166,7 +166,8 @@ def place_wheel(wheel, x, gap, radius, turn):
 
 def rail_joint_3d(
     rail_length=0.3, rail_height=RAIL_HEIGHT, crown_radius=0.30, gap=8.0e-3, end_post="glued", h=5.0e-3, coarse=0.04,
-    core=None, corner=0.0, step=0.0, joined=False, symmetry="half", wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, wheel_width=0.06,
+    core=None, corner=0.0, step=0.0, joined=False, symmetry="half", wheel=False, wheel_x=0.0,
+    wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, wheel_width=0.06,
     wheel_turn=0.0,
 ):  # fmt: skip
     """Rail joint in 3D, the rail section of `wheel_on_rail_3d`, all hexahedra or tetrahedra. The joint is at x = 0.

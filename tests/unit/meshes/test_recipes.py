@@ -129,7 +129,7 @@ def test_nodes_lie_on_the_true_surface(degree):
 
 @pytest.mark.parametrize("name, joined", [("rail_joint_2d", 0.03), ("rail_joint_3d", True)])
 def test_the_way_of_a_wheel(name, joined):
-    """Rounded and raised rail ends, and a turned wheel that is still round, whose lowest point is where it should be."""
+    """Rounded and raised rail ends, a turned wheel that is round, whose lowest point is where it should be."""
     m = meshes.make(
         name, MPI.COMM_SELF, wheel=True, end_post="none", h=4e-3, core=0.03, corner=2e-3, step=1e-4, joined=joined,
         wheel_x=-0.02, wheel_turn=0.02 / 0.46,
