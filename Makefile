@@ -1,7 +1,7 @@
 # The commands a person types. Every one enters the environment by env/run, which makes what is missing.
 SHELL := /bin/sh
 RUN := env/run
-DEMO ?= wheel_contact
+DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
@@ -10,8 +10,8 @@ PYTEST ?= python3 -m pytest
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
 
-demo: ## the flagship run with its figures (another one: make demo DEMO=name)
-	$(RUN) dolfinx-impact demo $(DEMO)
+demo: ## the flagship run with its figures (another one: make demo DEMO=name; in space: ARGS=--3d)
+	$(RUN) dolfinx-impact demo $(DEMO) $(ARGS)
 
 test: lint ## the gates, then the whole test suite without the slow studies (a part: make test ARGS="-k name")
 	$(RUN) make test-here

@@ -4,7 +4,7 @@
 # 25 kN on the quarter that symmetry leaves. Nothing but the rail holds the wheel up: where they touch, and how hard, is
 # found by multipliers at the nodes of the wheel (mortar method, see `docs/contact.md`).
 #
-# Run it by `make demo`, or `dolfinx-impact demo wheel_contact --ranks 2`.
+# Run it by `make demo DEMO=wheel_contact`, or `dolfinx-impact demo wheel_contact --ranks 2`.
 
 import os
 import time

@@ -23,12 +23,14 @@ FOOT_EDGE = 0.0115
 FOOT_DEPTH = 0.030
 
 
-def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
-    """Blocks of a wheel (annulus) whose lowest point is (0, gap), fine at that point."""
+def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse, deep=None, num_arcs=3):
+    """Blocks of a wheel (annulus) whose lowest point is (0, gap), fine at that point; `deep`: cell size at the upper
+    end of the fine zone, default h; `num_arcs`: those of the rim, from below, that may touch, the first is fine."""
     require(hub_radius < 0.5 * radius, f"hub_radius = {hub_radius!r}: not less than half the radius, {radius!r}")
-    require(core <= 0.08 * radius, f"core = {core!r}: larger than 0.08 of the wheel radius, {radius!r}")
+    require(core <= 0.1 * radius, f"core = {core!r}: larger than 0.1 of the wheel radius, {radius!r}")
     centre = np.array((0.0, radius + gap))
     far, t = max(h, radius / 8 if coarse is None else coarse), core / radius
+    deep = h if deep is None else deep
 
     def polar(s, r, degrees, size):
         angle = math.radians(degrees)
@@ -36,8 +38,8 @@ def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
 
     near, bore_size = min(far, h + 0.03 * radius), max(h, min(far, 0.35 * hub_radius))
     for s in sides:
-        a, d = body.point((0, gap), h), body.point((0, core + gap), h)
-        b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, core + gap), h)
+        a, d = body.point((0, gap), h), body.point((0, core + gap), deep)
+        b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, core + gap), deep)
         e, f = polar(s, radius, 15, near), body.point((s * 0.13 * radius, 0.15 * radius + gap), near)
         g, lowest = body.point((0, 0.185 * radius + gap), near), polar(s, hub_radius, 0, bore_size)
         rim, bore = [], []
@@ -51,7 +53,7 @@ def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse):
         arcs = [(a, b), (b, e), (e, rim[0]), *zip(rim, rim[1:])]
         for k, (p, q) in enumerate(arcs):
             body.arc(p, q, centre)
-            body.facet("slave_surface" if k < 3 else "free", p, q)
+            body.facet("slave_surface" if k < num_arcs else "free", p, q)
         for p, q in [(lowest, bore[0]), *zip(bore, bore[1:])]:
             body.arc(p, q, centre)
             body.facet("hub", p, q)
@@ -103,31 +105,35 @@ def crown(y, crown_radius):
     return math.sqrt(crown_radius**2 - y**2) - crown_radius
 
 
-def rail_plan(body, crown_radius, height, h, core, sides, coarse):
-    """Blocks of the rail section in (y, z), fine at the top of the head; `height` stretches the web."""
+def rail_plan(body, crown_radius, height, h, core, sides, coarse, head=True):
+    """Blocks of the rail section in (y, z), fine at the top of the head; `height` stretches the web. Without its
+    `head` the section begins at HEAD_DEPTH."""
     w, foot = WEB_HALF_WIDTH, height - FOOT_DEPTH
     require(height > HEAD_DEPTH + FOOT_DEPTH + 0.01, f"rail_height = {height!r}: no room for a web")
     require(core < 0.6 * HEAD_HALF_WIDTH, f"core = {core!r}: not smaller than 0.6 of the head's half-width")
     require(crown_radius >= HEAD_HALF_WIDTH * 2, f"crown_radius = {crown_radius!r}: smaller than the head is wide")
     far = max(h, 0.02 if coarse is None else coarse)
-    head = max(h, min(far, 0.008))
+    near = max(h, min(far, 0.008))
     for s in sides:
 
         def p(y, z, size):
             return body.point((s * y, z), size)
 
-        side, middle = crown(HEAD_HALF_WIDTH, crown_radius), -HEAD_SIDE_DEPTH / 2
-        a, b, c, d = p(0, 0, h), p(core, crown(core, crown_radius), h), p(core, -core, h), p(0, -core, h)
-        e, f, g = (p(HEAD_HALF_WIDTH, z, head) for z in (side, middle, -HEAD_SIDE_DEPTH))
-        i, j = p(w, -HEAD_DEPTH, head), p(0, -HEAD_DEPTH, head)
-        k, m = p(w, -foot, head), p(0, -foot, head)
-        n, o = p(w, -height, head), p(0, -height, head)
+        i, j = p(w, -HEAD_DEPTH, near), p(0, -HEAD_DEPTH, near)
+        k, m = p(w, -foot, near), p(0, -foot, near)
+        n, o = p(w, -height, near), p(0, -height, near)
         q, r = p(FOOT_HALF_WIDTH, -height + FOOT_EDGE, far), p(FOOT_HALF_WIDTH, -height, far)
-        body.arc(a, b, (0, -crown_radius))
-        body.arc(b, e, (0, -crown_radius))
-        body.facet("master_surface", a, b)
-        body.facet("master_surface", b, e)
-        for block in ((a, b, c, d), (b, e, f, c), (c, f, g, i), (d, c, i, j), (j, i, k, m), (m, k, n, o), (k, q, r, n)):
+        if head:
+            side, middle = crown(HEAD_HALF_WIDTH, crown_radius), -HEAD_SIDE_DEPTH / 2
+            a, b, c, d = p(0, 0, h), p(core, crown(core, crown_radius), h), p(core, -core, h), p(0, -core, h)
+            e, f, g = (p(HEAD_HALF_WIDTH, z, near) for z in (side, middle, -HEAD_SIDE_DEPTH))
+            body.arc(a, b, (0, -crown_radius))
+            body.arc(b, e, (0, -crown_radius))
+            body.facet("master_surface", a, b)
+            body.facet("master_surface", b, e)
+            for block in ((a, b, c, d), (b, e, f, c), (c, f, g, i), (d, c, i, j)):
+                body.block(*block)
+        for block in ((j, i, k, m), (m, k, n, o), (k, q, r, n)):
             body.block(*block)
     body.tag("bottom", at(1, -height))
 
@@ -137,9 +143,14 @@ def rail_area(crown_radius, height):
     b, r = HEAD_HALF_WIDTH, crown_radius
     cap = b * math.sqrt(r * r - b * b) / 2 + r * r * math.asin(b / r) / 2 - r * b  # integral of crown, 0 to b: negative
     head = b * HEAD_SIDE_DEPTH + cap + (b + WEB_HALF_WIDTH) / 2 * (HEAD_DEPTH - HEAD_SIDE_DEPTH)
+    return 2 * head + web_and_foot_area(height)
+
+
+def web_and_foot_area(height):
+    """Area of the section below the head [m^2]."""
     web = WEB_HALF_WIDTH * (height - HEAD_DEPTH)
     wing = (FOOT_HALF_WIDTH - WEB_HALF_WIDTH) * (FOOT_EDGE + FOOT_DEPTH) / 2
-    return 2 * (head + web + wing)
+    return 2 * (web + wing)
 
 
 def wheel_on_rail_3d(

@@ -1,6 +1,8 @@
 #include "contact_projection.h"
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace impact::reference
 {
@@ -255,7 +257,10 @@ Foot Projector::closest(const Vec<double>& x, const Vec<double>& normal) const
   const Vec<double> d = x - spot<double>(master_, master_.facets[best.facet], u_[best.facet], best.xi).x;
   const Vec<double> n = normal_at(best);
   best.sign = dot(d, n) < 0 ? -1 : 1;
-  if (best.sign < 0 and norm(d - dot(d, n) * n) > 1e-9 * radii_[best.facet] and on_rim(best))
+  // Nodes of a plane of symmetry are under the rim; under a facet tilted against the plane, not quite.
+  const double size = 1.2 * radii_[best.facet], depth = std::abs(dot(d, n));
+  const double under = 1e-9 * size + (depth < 0.05 * size ? std::tan(5.0 * std::numbers::pi / 180.0) * depth : 0.0);
+  if (best.sign < 0 and norm(d - dot(d, n) * n) > under and on_rim(best))
     return {};
   return best;
 }

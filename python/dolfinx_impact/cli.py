@@ -31,7 +31,7 @@ def _listing():
     return "\n".join(f"  {name:20s} {title}" for name, (_, title) in demos().items())
 
 
-def _surroundings(output):
+def _surroundings(output, in_space=False):
     """Environment of a demo's process: output folder, one thread per rank, Open MPI as root and with few cores."""
     env = dict(os.environ)
     env.setdefault("OMP_NUM_THREADS", "1")
@@ -40,6 +40,8 @@ def _surroundings(output):
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         env.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         env.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    if in_space:
+        env["IMPACT_DEMO_3D"] = "1"
     if output:
         env["IMPACT_OUTPUT"] = str(Path(output).absolute())
     return env
@@ -76,6 +78,9 @@ def demo(arguments):
         print(f"--ranks is {arguments.ranks}: give 1 or more", file=sys.stderr)
         return 2
     path = str(known[arguments.name][0])
+    if arguments.in_space and "IMPACT_DEMO_3D" not in Path(path).read_text(encoding="utf-8"):
+        print(f"the demo {arguments.name} takes no --3d", file=sys.stderr)
+        return 2
     command = [sys.executable, path]
     if arguments.ranks > 1:
         launcher = shutil.which("mpirun") or shutil.which("mpiexec")
@@ -84,7 +89,7 @@ def demo(arguments):
             return 2
         # -m mpi4py: an exception on one rank ends all of them
         command = [launcher, "-n", str(arguments.ranks), sys.executable, "-m", "mpi4py", path]
-    return _run(command, _surroundings(arguments.output))
+    return _run(command, _surroundings(arguments.output, arguments.in_space))
 
 
 def _size(folder):
@@ -157,6 +162,7 @@ def _parser():
     sub.add_argument("--list", action="store_true", help="list the demos")
     sub.add_argument("--ranks", type=int, default=1, metavar="N", help="number of MPI processes (default 1)")
     sub.add_argument("--output", metavar="DIR", help="folder of the results (default results/NAME)")
+    sub.add_argument("--3d", action="store_true", dest="in_space", help="in space, where a demo has both (rail_joint)")
     sub.set_defaults(run=demo)
     sub = commands.add_parser("info", help="versions, kernels, SIMD width, caches")
     sub.set_defaults(run=info)

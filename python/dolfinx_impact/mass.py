@@ -80,6 +80,7 @@ def cell_masses(V, parts, hypothesis, cell_tags=None, scheme="auto"):
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
     dx, degree = _mass_measure(V, hypothesis, cell_tags), V.element.basix_element.degree
     errors, out = [], []
+    num_dofs = V.dofmap.dof_layout.num_dofs * V.dofmap.bs  # of a cell; a rank may have no cell of a part
     for tag, density in parts:
         integral = functools.partial(_cell_integral, tag=tag, cell_tags=cell_tags)
         if scheme == "hrz":
@@ -91,7 +92,7 @@ def cell_masses(V, parts, hypothesis, cell_tags=None, scheme="auto"):
             mass = integral(inertia.row_sum(v, density, hypothesis, dx))
             lump = functools.partial(_cpp.operators.cell_masses_nodal, nodal[1], mass[1])
         try:
-            out.append((mass[0], lump(V._cpp_object).reshape(len(mass[0]), -1)))
+            out.append((mass[0], lump(V._cpp_object).reshape(len(mass[0]), num_dofs)))
         except RuntimeError as e:  # of one rank, perhaps: told to all below
             errors.append(f"rank {V.mesh.comm.rank}: {e}")
     errors = sum(V.mesh.comm.allgather(errors), [])

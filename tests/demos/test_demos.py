@@ -22,6 +22,10 @@ FILES = {
     "hertz_cylinder": (
         "convergence.csv", "convergence.h5", "hertz_cylinder.bp", "hertz_cylinder.png", "pressure.csv", "pressure.h5",
     ),
+    "rail_joint": (
+        "energy.csv", "energy.h5", "energy.png", "force.csv", "force.h5", "force.png", "rail_joint_0.bp",
+        "rail_joint_5.bp", "sequence.png",
+    ),
     "rolling_disc": ("rim.csv", "rim.h5", "rolling_disc.bp", "rolling_disc.png"),
 }  # fmt: skip
 
@@ -46,6 +50,13 @@ def test_a_demo_runs_and_leaves_its_files(name, ranks, impact, tmp_path):
     record = json.loads((folder / "parameters.json").read_text())
     assert record["run"] == name and record["ranks"] == ranks and record["versions"]["dolfinx"].startswith("0.9")
     assert output.count("results in") == 1, "one rank prints, the others do not"
+
+
+@pytest.mark.slow
+def test_the_rail_joint_in_space(impact, tmp_path):
+    status, output, errors = impact("demo", "rail_joint", "--3d", "--output", tmp_path / "here")
+    assert status == 0, output + errors
+    assert "rail_joint_3d_5.bp" in {path.name for path in (tmp_path / "here").iterdir()}
 
 
 @pytest.mark.parametrize("name", DEMOS)

@@ -324,7 +324,7 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
     return;
   }
   double mean[3];
-  const bool ends = mean_normal(at, out.facet, config, near, mean);
+  const bool ends = mean_normal(at, out.facet, config, near, mean) && beside(_gdim, d, mean, _size[out.facet]);
   out.gap = (ends || dot(d, mean, _gdim) >= 0.0 ? 1.0 : -1.0) * at.distance;
   for (int c = 0; c < _gdim; ++c)
     out.normal[c] = d[c] / out.gap;

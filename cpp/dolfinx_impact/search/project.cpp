@@ -119,7 +119,7 @@ void SurfaceSearch::finish(const double* x, const FacetProjection& at, Projectio
     return;
   }
   double mean[3];
-  const bool ends = mean_normal(at, out.facet, mean);
+  const bool ends = mean_normal(at, out.facet, mean) && beside(m.gdim, d, mean, _size[out.facet]);
   const double sign = ends || dot(d, mean, m.gdim) >= 0.0 ? 1.0 : -1.0;
   out.gap = sign * at.distance;
   for (int c = 0; c < m.gdim; ++c)

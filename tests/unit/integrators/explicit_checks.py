@@ -65,6 +65,20 @@ def check_ranks():
         assert_same(shaken(COMM, **variant), shaken(MPI.COMM_SELF, **variant))
 
 
+def check_a_rank_without_cells_of_a_material():
+    """A single cell of its own material: the other ranks have none of it."""
+    V = box(COMM)
+    domain = V.mesh
+    num = domain.topology.index_map(3).size_local
+    cells = np.arange(num, dtype=np.int32)
+    first = np.where(domain.topology.original_cell_index[:num] == 0, 2, 1).astype(np.int32)
+    laws = {1: di.LinearElastic(1.0, 0.3, 1.0), 2: di.LinearElastic(1.0, 0.3, 10.0)}
+    law = di.MaterialMap(mesh.meshtags(domain, 3, cells, first), laws)
+    problem = di.ExplicitProblem(fem.Function(V), law, velocity=fem.Function(V))
+    mass = COMM.allreduce(float(problem.mass.array[: problem.num_owned].sum())) / 3
+    assert abs(mass - (2.0 + 9.0 / 27)) < 1e-12  # 54 cells in a volume of 2
+
+
 def check_errors_are_the_same_on_all_ranks():
     """A run that goes unstable says so on every rank, with the same words, and is back at its last good state."""
     V = box(COMM)

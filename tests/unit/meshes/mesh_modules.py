@@ -102,6 +102,10 @@ def exact(name, p):
     bodies = {"master_body": area * p["rail_length"], "second_rail": area * p["rail_length"]}
     if p["end_post"] != "none":
         bodies["end_post"] = area * p["gap"]
+    elif p["joined"] and name == "rail_joint_2d":
+        bodies["end_post"] = (p["rail_height"] - p["joined"]) * p["gap"]
+    elif p["joined"]:
+        bodies["end_post"] = halves * wheel_rail.web_and_foot_area(p["rail_height"]) * p["gap"]
     if p["wheel"]:
         bodies["slave_body"] = wheel
     return bodies
@@ -137,6 +141,37 @@ CASES = {
     "wheel_3d": ("wheel_on_rail_3d", {"a": 0.011, "rail_length": 0.4, "coarse": 0.08}, True),
     "joint_2d": ("rail_joint_2d", {}, False),
     "joint_2d_wheel": ("rail_joint_2d", {"wheel": True, "end_post": "loose", "wheel_x": 0.1}, True),
+    "joint_2d_rolling": (
+        "rail_joint_2d",
+        {
+            "wheel": True,
+            "end_post": "none",
+            "h": 2e-3,
+            "core": 0.03,
+            "corner": 2e-3,
+            "step": 1e-4,
+            "joined": 0.03,
+            "wheel_x": -0.02,
+            "wheel_turn": 0.04,
+        },
+        True,
+    ),
+    "joint_3d_rolling": (
+        "rail_joint_3d",
+        {
+            "wheel": True,
+            "end_post": "none",
+            "h": 8e-3,
+            "coarse": 0.08,
+            "core": 0.03,
+            "corner": 2e-3,
+            "step": 1e-4,
+            "joined": True,
+            "wheel_x": -0.02,
+            "wheel_turn": 0.04,
+        },
+        True,
+    ),
     "joint_3d": ("rail_joint_3d", {"h": 8e-3}, True),
     "joint_3d_wheel": ("rail_joint_3d", {"wheel": True, "end_post": "none", "h": 8e-3, "coarse": 0.08}, True),
 }

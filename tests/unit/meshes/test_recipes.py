@@ -9,7 +9,7 @@ from mpi4py import MPI
 RECIPES = {name for name, _, _ in CASES.values()}
 QUALITY = {"quadrilateral": 0.3, "hexahedron": 0.3, "triangle": 0.25, "tetrahedron": 0.005}
 CUBE = {"block_3d", "two_blocks_3d", "two_bars_3d", "sphere", "sphere_whole", "cone", "wheel_3d"}
-CUBE |= {"punch_3d", "wedge_3d", "joint_3d", "joint_3d_wheel"}
+CUBE |= {"punch_3d", "wedge_3d", "joint_3d", "joint_3d_wheel", "joint_3d_rolling"}
 
 
 def cells_of(case):
@@ -69,7 +69,10 @@ PROMISED = {
     "joint_2d": "left right bottom master_surface",
     "joint_2d_wheel": "left right bottom master_surface joint_left joint_right post_left post_right hub "
     "slave_surface free",
+    "joint_2d_rolling": "left right bottom master_surface joint_left joint_right hub slave_surface free",
     "joint_3d": "left right bottom master_surface free symmetry_y",
+    "joint_3d_rolling": "left right bottom master_surface joint_left joint_right hub slave_surface slave_back free "
+    "symmetry_y",
 }
 
 
@@ -124,6 +127,26 @@ def test_nodes_lie_on_the_true_surface(degree):
     assert np.allclose(np.hypot(x[:, 1], x[:, 2] + 0.30), 0.30, rtol=1e-12)
 
 
+@pytest.mark.parametrize("name, joined", [("rail_joint_2d", 0.03), ("rail_joint_3d", True)])
+def test_the_way_of_a_wheel(name, joined):
+    """Rounded and raised rail ends, a turned wheel that is round, whose lowest point is where it should be."""
+    m = meshes.make(
+        name, MPI.COMM_SELF, wheel=True, end_post="none", h=4e-3, core=0.03, corner=2e-3, step=1e-4, joined=joined,
+        wheel_x=-0.02, wheel_turn=0.02 / 0.46,
+    )  # fmt: skip
+    up = m.mesh.geometry.dim - 1
+    rail, rim = contact_nodes(m, "master_surface"), contact_nodes(m, "slave_surface")
+    crown = np.zeros(len(rail)) if up == 1 else np.sqrt(0.3**2 - rail[:, 1] ** 2) - 0.3
+    middle = np.abs(rail[:, 1]) < 1e-9 if up == 2 else slice(None)
+    x, drop = rail[middle, 0], (rail[:, up] - crown)[middle]
+    assert np.allclose(drop[(x < -6.1e-3)], 0.0, atol=1e-12) and np.allclose(drop[x > 6.1e-3], 1e-4, atol=1e-12)
+    assert drop[np.abs(x + 4e-3) < 1e-9].item() == pytest.approx(-1e-3) and np.abs(x).min() == pytest.approx(4e-3)
+    assert np.allclose(np.hypot(rim[:, 0] + 0.02, rim[:, up] - 0.46), 0.46, rtol=1e-12)
+    # The fine zone, 30 mm to either side, is turned forward by 20 mm.
+    angle = np.arcsin((rim[:, 0] + 0.02) / 0.46)
+    assert angle.min() == pytest.approx(-0.01 / 0.46, rel=1e-6) and angle.max() == pytest.approx(0.05 / 0.46, rel=1e-6)
+
+
 def test_curved_volumes_converge():
     errors = {1: [], 2: []}
     for degree in errors:
@@ -176,6 +199,11 @@ def test_rail_section_is_close_to_60e1():
         ("wheel_on_rail_2d", {"hub_radius": 0.4}, "hub_radius = 0.4"),
         ("wheel_on_rail_3d", {"crown_radius": 0.01}, "crown_radius = 0.01"),
         ("rail_joint_2d", {"end_post": "welded"}, "one of glued, loose, none"),
+        ("rail_joint_2d", {"corner": 2e-3}, "no end post"),
+        ("rail_joint_2d", {"corner": 3e-3, "end_post": "none", "joined": 0.01}, "between 4 corner"),
+        ("rail_joint_2d", {"step": 1e-4}, "torn"),
+        ("rail_joint_2d", {"core": 1e-3}, "core = 0.001"),
+        ("rail_joint_2d", {"wheel": True, "wheel_turn": float("nan")}, "wheel_turn = nan"),
     ],
 )
 def test_bad_parameters(name, parameters, words):

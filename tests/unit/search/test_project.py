@@ -178,6 +178,18 @@ def test_beside_the_surface():
     assert one(flat, (0.5, 0.5, 0.9), normal=down)["gap"] == pytest.approx(-0.1, abs=1e-15)
 
 
+def test_under_the_rim_of_a_tilted_facet():
+    """A node of a plane of symmetry stays in contact when the last facet is tilted against the plane, either way."""
+    for tilt in (-0.02, 0.02):
+        search = _cpp.search.SurfaceSearch(
+            surface_of("hexahedron", 1, lambda x, t=tilt: x + np.outer(t * x[:, 1], np.eye(3)[2]))
+        )
+        for y in (0.0, -1e-17, 1e-17):
+            found = one(search, (0.5, y, 0.99), normal=-np.eye(3)[2])
+            assert found["gap"] == pytest.approx(-0.01, rel=1e-3) and found["normal"][2] > 0.999, (tilt, y)
+        assert one(search, (0.5, -0.01, 0.99), normal=-np.eye(3)[2])["gap"] > 0, "beside, not under"
+
+
 def test_reach_and_facing():
     search = _cpp.search.SurfaceSearch(ridge(0.0))
     assert one(search, (0.3, 1.2), reach=0.19)["status"] == NONE
