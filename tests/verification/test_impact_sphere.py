@@ -7,6 +7,7 @@ Errors of what was found (fine: facets in the radius of the largest contact; `py
     two spheres, 1 m/s       fine 4             +.04 %    -.22 %            +1.71 %   -2.17 %
                              fine 8            +1.03 %   -1.20 %            +1.35 %   -1.85 %
     rigid plane, 1 m/s       fine 5             +.86 %    -.88 %            +2.30 %   -2.17 %
+    half-space, 1 m/s        fine 4             -.16 %   -1.85 %             +.37 %   -2.17 %
 
 Hertz's half-spaces are the limit of small contacts; here a/R is 0.04 to 0.06. The ball is a little stiffer.
 """
@@ -35,10 +36,12 @@ class Sphere(Impact):
     """A ball that falls on a rigid plane, or on a block of five times its radius.
 
     Args:
-        speed, rigid: as for `hertz`. fine: facets in the radius of the largest contact.
+        speed, rigid: as for `hertz`. fine: facets of the ball in the radius of the largest contact.
+        slave: "ball" or "block", whose facets are finer still in this mesh.
     """
 
-    def __init__(self, speed, rigid, fine=4):
+    def __init__(self, speed, rigid, fine=4, slave="block"):
+        self.ball_is_slave = rigid or slave == "ball"
         self.speed, self.rigid, self.hertz = speed, rigid, hertz(speed, rigid)
         a = self.hertz.max_radius
         # Nothing happens to the block under the rigid plane: it is there because the recipe has it.
@@ -53,7 +56,8 @@ class Sphere(Impact):
 
     def run(self, method):
         """Peak force and duration over Hertz's, restitution, energy drift: from the ball's momentum at the samples."""
-        pair = self.pair("slave_surface", di.RigidPlane((0.0, 0.0), (0.0, 1.0)) if self.rigid else "master_surface")
+        sides = ("slave_surface", di.RigidPlane((0.0, 0.0), (0.0, 1.0)) if self.rigid else "master_surface")
+        pair = self.pair(*(sides if self.ball_is_slave else reversed(sides)))
         problem = self.explicit(enforce(method, pair))
         first = GAP / self.speed
         times = first + 1.3 * self.hertz.duration * np.arange(1, SAMPLES + 1) / SAMPLES
@@ -90,20 +94,25 @@ def test_two_spheres(method):
     assert check(Sphere(0.5, rigid=True).run(method)) == pytest.approx(1.0, abs=1e-3)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=(AssertionError, RuntimeError),
-    reason="the node on the axis: closest points just beyond the master's rim count as open (with kinematic contact "
-    "the run goes unstable even without that)",
-)
 @pytest.mark.slow
 @pytest.mark.parametrize("method", BOTH)
 def test_sphere_on_half_space(method):
     """What waves carry off into the block does not come back in time: a few per cent of the speed."""
-    assert 0.95 < check(Sphere(1.0, rigid=False, fine=4).run(method)) < 1.0
+    assert 0.95 < check(Sphere(1.0, rigid=False).run(method)) < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(
+    strict=True,
+    reason="the ball's node on the axis: in the dent its closest point is just beyond the master's rim, where nodes "
+    "are open; it opens and closes all the time, and energy comes from nothing",
+)
+def test_sphere_as_the_slave():
+    """The energy of a coarser slave, whose node on the axis lies over the end of the master's surface."""
+    assert abs(Sphere(1.0, rigid=False, slave="ball").run("Penalty")[3]) < 0.01
 
 
 if __name__ == "__main__":
-    for case in ((0.5, True, 4), (0.5, True, 8), (1.0, True, 5)):
+    for case in ((0.5, True, 4), (0.5, True, 8), (1.0, True, 5), (1.0, False, 4)):
         for kind in BOTH:
             print(case, kind, *(f"{x - (k < 3):+.4f}" for k, x in enumerate(Sphere(*case).run(kind))), flush=True)
