@@ -76,6 +76,19 @@ Vec<double> NodePairs::master_moved(int n) const
   return rigid_ and n > 0 ? get(displacement_, n) - get(displacement_, n - 1) : Vec<double>{};
 }
 
+namespace
+{
+/// The longest way between two vertices of a facet in the reference configuration.
+double width(const Facet& facet)
+{
+  double longest = 0;
+  for (Eigen::Index a = 0; a < facet.X.rows(); ++a)
+    for (Eigen::Index b = 0; b < a; ++b)
+      longest = std::max(longest, (facet.X.row(a) - facet.X.row(b)).norm());
+  return longest;
+}
+} // namespace
+
 std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
 {
   std::vector<Meeting> result(nodes_.size());
@@ -107,15 +120,34 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
   {
     Meeting& m = result[i];
     m.x = position(u, nodes_[i]);
-    const Foot foot = projector.closest(m.x, normals.at(nodes_[i]));
+    const auto meets = [&](const Facet& facet, double gap, const Vec<double>& normal, const auto& f)
+    {
+      m.gap = gap;
+      m.normal = normal;
+      m.masters = facet.nodes;
+      m.phi.assign(f.N.begin(), f.N.begin() + std::ptrdiff_t(facet.nodes.size()));
+    };
+    Foot foot = projector.nearest(m.x, normals.at(nodes_[i]));
+    if (foot.facet < 0)
+      continue;
+    if (foot.dim < master_.tdim() and projector.on_rim(foot))
+    {
+      const Facet& facet = master_.facets[foot.facet];
+      const auto s = spot<double>(master_, facet, gather(master_, facet, u), foot.xi);
+      const Vec<double> d = m.x - s.x, n = s.normal();
+      const double depth = dot(d, n), far = 0.05 * width(facet);
+      if (depth < 0 and dot(d, d) - depth * depth < far * far)
+      {
+        meets(facet, depth, n, s.f);
+        continue;
+      }
+    }
+    foot = projector.closest(m.x, normals.at(nodes_[i]));
     if (foot.facet < 0)
       continue;
     const Facet& facet = master_.facets[foot.facet];
     const auto projection = projector.follow<double>(foot, gather(master_, facet, u), m.x);
-    m.gap = projection.gap;
-    m.normal = projection.normal;
-    m.masters = facet.nodes;
-    m.phi.assign(projection.f.N.begin(), projection.f.N.begin() + std::ptrdiff_t(facet.nodes.size()));
+    meets(facet, projection.gap, projection.normal, projection.f);
   }
   return result;
 }

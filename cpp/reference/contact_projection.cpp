@@ -234,7 +234,7 @@ bool Projector::on_rim(const Foot& foot) const
   return false;
 }
 
-Foot Projector::closest(const Vec<double>& x, const Vec<double>& normal) const
+Foot Projector::nearest(const Vec<double>& x, const Vec<double>& normal) const
 {
   std::vector<std::pair<double, std::int64_t>> order;
   for (std::size_t f = 0; f < master_.facets.size(); ++f)
@@ -252,6 +252,12 @@ Foot Projector::closest(const Vec<double>& x, const Vec<double>& normal) const
     if (dot(spot<double>(master_, master_.facets[f], u_[f], foot.xi).normal(), normal) < 0)
       best = foot;
   }
+  return best;
+}
+
+Foot Projector::closest(const Vec<double>& x, const Vec<double>& normal) const
+{
+  Foot best = nearest(x, normal);
   if (best.facet < 0)
     return best;
   const Vec<double> d = x - spot<double>(master_, master_.facets[best.facet], u_[best.facet], best.xi).x;

@@ -34,6 +34,10 @@ public:
   /// @param x slave point, normal that of its facet. A foot without facet if nothing faces it within the search
   /// distance, or if the point has slipped off: it is behind the surface and beside its rim.
   Foot closest(const Vec<double>& x, const Vec<double>& normal) const;
+  /// The same wherever it lies, without sign.
+  Foot nearest(const Vec<double>& x, const Vec<double>& normal) const;
+  /// Whether a foot lies where the master ends.
+  bool on_rim(const Foot& foot) const;
 
   /// Gap and normal at a foot when slave point and master move.
   /// @param u the facet's displacements
@@ -44,7 +48,6 @@ private:
   Foot closest_on(std::int64_t facet, const Vec<double>& x) const;
   bool settle(std::int64_t facet, const Vec<double>& x, Foot& foot) const;
   Vec<double> normal_at(const Foot& foot) const;
-  bool on_rim(const Foot& foot) const;
   std::array<double, 6> derivatives(std::int64_t facet, const Foot& foot, const Vec<double>& x) const;
 
   const Surface& master_;

@@ -102,11 +102,6 @@ def test_sphere_on_half_space(method):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="the ball's node on the axis: in the dent its closest point is just beyond the master's rim, where nodes "
-    "are open; it opens and closes all the time, and energy comes from nothing",
-)
 def test_sphere_as_the_slave():
     """The energy of a coarser slave, whose node on the axis lies over the end of the master's surface."""
     assert abs(Sphere(1.0, rigid=False, slave="ball").run("Penalty")[3]) < 0.01

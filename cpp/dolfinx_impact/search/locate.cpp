@@ -324,7 +324,12 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
     return;
   }
   double mean[3];
-  const bool ends = mean_normal(at, out.facet, config, near, mean) && beside(_gdim, d, mean, _size[out.facet]);
+  const bool rim = mean_normal(at, out.facet, config, near, mean);
+  // Below the facet, and beside the rim by less than a twentieth of it: over the facet. Flush edges stay in contact.
+  const double far = 0.05 * _size[out.facet];
+  if (rim && out.gap < 0.0 && at.distance * at.distance - out.gap * out.gap < far * far)
+    return;
+  const bool ends = rim && beside(_gdim, d, mean, _size[out.facet]);
   out.gap = (ends || dot(d, mean, _gdim) >= 0.0 ? 1.0 : -1.0) * at.distance;
   for (int c = 0; c < _gdim; ++c)
     out.normal[c] = d[c] / out.gap;

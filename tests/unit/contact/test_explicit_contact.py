@@ -149,10 +149,7 @@ def test_overlap_at_the_start_is_refused(method):
         b.problem(method(b.pair((1, "bottom"), (0, "top")))).advance(0.01, progress=False)
 
 
-FLUSH = pytest.mark.xfail(strict=True, reason="nodes just beyond the master's rim count as open: energy from nothing")
-
-
-@pytest.mark.parametrize("method", (pytest.param(di.Penalty, marks=FLUSH), di.Kinematic))
+@METHODS
 def test_flush_edges(method):
     """Equal faces, meshes that do not match, nu = 0: the nodes at the edges stay over the other body but for the slope
     of its facets, some 1e-4."""

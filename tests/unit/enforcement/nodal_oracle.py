@@ -43,6 +43,49 @@ def node_normals(facets, num, dim):
     return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-300)
 
 
+SIDES = {  # of a facet: corners, and whether a point of the facet is on it
+    "interval": [((0,), lambda a, b: a), ((1,), lambda a, b: 1 - a)],
+    "triangle": [((0, 1), lambda a, b: b), ((0, 2), lambda a, b: a), ((1, 2), lambda a, b: 1 - a - b)],
+    "quadrilateral": [
+        ((0, 1), lambda a, b: b), ((0, 2), lambda a, b: a), ((1, 3), lambda a, b: 1 - a), ((2, 3), lambda a, b: 1 - b)
+    ],
+}  # fmt: skip
+
+
+def rim(facets):
+    """Sides, as sets of nodes, that one facet only has."""
+    sides = [frozenset(nodes[list(c)]) for nodes in facets.nodes for c, _ in SIDES[facets.displacement.shape]]
+    return {side for side in sides if sides.count(side) == 1}
+
+
+def width(facets, f, X):
+    """Longest way between corners of a facet."""
+    corners = X[facets.nodes[f][: {"interval": 2, "triangle": 3, "quadrilateral": 4}[facets.displacement.shape]]]
+    return max(np.linalg.norm(a - b) for a in corners for b in corners)
+
+
+def closest(facets, X, x, normals, reach):
+    """A full search, and the rule for nodes below the facet and just beside the rim (docs/explicit.md)."""
+    p = _cpp.search.SurfaceSearch(facets).project(np.ascontiguousarray(x), np.ascontiguousarray(normals), reach)
+    ends, dim = rim(facets), x.shape[1]
+    corners = set().union(*ends)
+    for q in range(len(x)):
+        f, xi = int(p["facet"][q]), p["xi"][q]
+        if f < 0:
+            continue
+        a, b = xi[0], xi[1] if len(xi) > 1 else 0.0
+        on = [facets.nodes[f][list(c)] for c, far in SIDES[facets.displacement.shape] if abs(far(a, b)) < 1e-12]
+        shared = set(on[0]).intersection(*on[1:]) if on else set()
+        if not on or (frozenset(on[0]) not in ends if len(on) == 1 else not shared & corners):
+            continue
+        at = facets.evaluate(f, a, b)
+        d, n = x[q] - at[:dim], at[3 : 3 + dim]
+        depth = d @ n
+        if depth < 0 and d @ d - depth**2 < (0.05 * width(facets, f, X)) ** 2:
+            p["gap"][q], p["normal"][q] = depth, n
+    return p
+
+
 class Oracle:
     """Of a Nodal model on one rank; facets are those it was made of."""
 
@@ -61,10 +104,9 @@ class Oracle:
 
     def project(self, u):
         self.slave.move(u.reshape(-1)), self.master.move(u.reshape(-1))
-        search = _cpp.search.SurfaceSearch(self.master)
         normals = node_normals(self.slave, self.model.num, self.dim)[self.nodes]
         x = (self.model.x + u)[self.nodes]
-        return x, search.project(np.ascontiguousarray(x), np.ascontiguousarray(normals), self.reach)
+        return x, closest(self.master, self.model.x, x, normals, self.reach)
 
     def forces(self, u, du):
         before = self.project(u - du)[1]["gap"]

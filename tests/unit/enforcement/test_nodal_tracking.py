@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from nodal_model import Nodal, pairs, smooth, two_bodies
-from nodal_oracle import node_normals
-
-from dolfinx_impact import _cpp
+from nodal_oracle import closest, node_normals
 
 CELLS = [("quadrilateral", 1), ("hexahedron", 1), ("tetrahedron", 1), ("hexahedron", 2), ("triangle", 2)]
 
@@ -14,7 +12,7 @@ CELLS = [("quadrilateral", 1), ("hexahedron", 1), ("tetrahedron", 1), ("hexahedr
 def full_search(V, slave, master, model, u, normals):
     slave.move(u.reshape(-1)), master.move(u.reshape(-1))
     x = np.ascontiguousarray((model.x + u)[model.contact.nodes])
-    return _cpp.search.SurfaceSearch(master).project(x, normals, model.contact.search_distance)
+    return closest(master, model.x, x, normals, model.contact.search_distance)
 
 
 @pytest.mark.parametrize("cell,degree", CELLS)
