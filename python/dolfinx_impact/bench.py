@@ -39,7 +39,7 @@ FINITE = (("tetrahedron", 2, 22), ("hexahedron", 1, 50))
 
 
 def best_time(function, at_least=0.15, rounds=5):
-    """Shortest processor time of one call; a round repeats it until it lasts `at_least` seconds: (best, median)."""
+    """Processor time of one call, (best, median); a round repeats the call until it lasts `at_least` seconds."""
     function()
     times, repeat = [], 1
     while len(times) < rounds:

@@ -1,7 +1,7 @@
 """Cost of explicit dynamics: whole steps against DOLFINx's force alone, contact, output, memory, ranks.
 
 Times are processor time of this process, so that other people's programs count as little as can be; of several ranks
-wall time.
+and of output wall time.
 """
 
 import gc

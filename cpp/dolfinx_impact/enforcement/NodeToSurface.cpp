@@ -104,16 +104,6 @@ double NodeToSurface::compliance(const Touch& touch, double dt) const
   return dt * dt * (own + masters * per_area) / (_share * _options.kappa);
 }
 
-/// Values at the node less those at its master point.
-void NodeToSurface::relative(const Touch& touch, const double* values, double* out) const
-{
-  for (int c = 0; c < _gdim; ++c)
-    out[c] = values[std::size_t(touch.node) * _gdim + c];
-  for (int j = 0; j < touch.num; ++j)
-    for (int c = 0; c < _gdim; ++c)
-      out[c] -= touch.phi[j] * values[std::size_t(touch.masters[j]) * _gdim + c];
-}
-
 /// Part of the step's motion that comes after closing.
 double NodeToSurface::counted_part(const Touch& touch, const NodalState& state) const
 {

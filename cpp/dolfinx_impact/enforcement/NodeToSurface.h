@@ -112,19 +112,27 @@ private:
   search::Projection rigid_point(std::size_t i, const double* u, const double* du) const;
   void open(std::size_t i, double gap);
   double compliance(const Touch& touch, double dt) const;
-  void relative(const Touch& touch, const double* values, double* out) const;
   double counted_part(const Touch& touch, const NodalState& state) const;
   template <int D>
   void add_node(const Touch& touch, const NodalState& state, double* f);
   template <int D>
   void add_all(const NodalState& state, double* f);
   // Kinematic contact.
+  template <int D>
+  void relative(const Touch& touch, const double* values, double* out) const;
   void number_kinematic(operators::Halo& halo, const double* mass);
+  template <int D>
   void predict(const double* u, const double* du, const double* before);
+  template <int D>
   void spread_residual();
+  template <int D>
   void solve_forces(double h);
+  template <int D>
   void apply(const double* inverse_mass, double h);
+  template <int D>
   void record();
+  template <int D>
+  void correct_all(double* u, const double* du, const double* before, const double* inverse_mass, double h, double* f);
 
   NodeToSurfaceOptions _options;
   int _gdim;

@@ -21,10 +21,21 @@ void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
   _before.assign(num * _gdim, 0.0);
 }
 
+/// Values at the node less those at its master point.
+template <int D>
+void NodeToSurface::relative(const Touch& touch, const double* values, double* out) const
+{
+  for (int c = 0; c < D; ++c)
+    out[c] = values[std::size_t(touch.node) * D + c];
+  for (int j = 0; j < touch.num; ++j)
+    for (int c = 0; c < D; ++c)
+      out[c] -= touch.phi[j] * values[std::size_t(touch.masters[j]) * D + c];
+}
+
 /// Closed nodes of the predicted configuration.
+template <int D>
 void NodeToSurface::predict(const double* u, const double* du, const double* before)
 {
-  const int D = _gdim;
   _num_touch = 0;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
@@ -33,7 +44,7 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
       continue;
     _depth[_num_touch] = -touch.at.gap;
     double* motion = _motion.data() + _num_touch * D;
-    relative(touch, du, motion);
+    relative<D>(touch, du, motion);
     for (int c = 0; c < D; ++c)
       motion[c] -= _rigid ? _obstacle_increment[c] : 0.0;
     ++_num_touch;
@@ -49,9 +60,10 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
 }
 
 /// Motion that is still to be made up for, and how masters with the mass of their slaves would take it.
+template <int D>
 void NodeToSurface::spread_residual()
 {
-  const int D = _gdim, width = D + 1;
+  constexpr int width = D + 1;
   for (std::int32_t node : _touched)
     std::fill_n(_spread.data() + std::size_t(node) * width, width, 0.0);
   // Ghosts have what their owners sent in the last sweep, also those that nothing here touches.
@@ -61,7 +73,7 @@ void NodeToSurface::spread_residual()
     const Touch& touch = _touch[q];
     const double *n = touch.at.normal, m = _mass[touch.i];
     double moved[3], *r = _residual.data() + q * D;
-    relative(touch, _moved.data(), moved);
+    relative<D>(touch, _moved.data(), moved);
     const double left = _depth[q] - dot(n, moved, D);
     for (int c = 0; c < D; ++c)
     {
@@ -87,16 +99,17 @@ void NodeToSurface::spread_residual()
     {
       const double* sum = _spread.data() + std::size_t(node) * width;
       const double mass = _node_mass[node] + sum[D];
+      const double per_mass = mass > 0.0 ? 1.0 / mass : 0.0;
       for (int c = 0; c < D; ++c)
-        _response[std::size_t(node) * D + c] = mass > 0.0 ? sum[c] / mass : 0.0;
+        _response[std::size_t(node) * D + c] = sum[c] * per_mass;
     }
   _halo->forward(_response.data(), D);
 }
 
 /// Forces of the sweep, within what contact can bear.
+template <int D>
 void NodeToSurface::solve_forces(double h)
 {
-  const int D = _gdim;
   for (std::size_t q = 0; q < _num_touch; ++q)
   {
     const Touch& touch = _touch[q];
@@ -130,9 +143,9 @@ void NodeToSurface::solve_forces(double h)
 }
 
 /// What the forces move.
+template <int D>
 void NodeToSurface::apply(const double* inverse_mass, double h)
 {
-  const int D = _gdim;
   for (std::int32_t node : _touched)
     std::fill_n(_sum.data() + std::size_t(node) * D, D, 0.0);
   for (std::size_t q = 0; q < _num_touch; ++q)
@@ -158,38 +171,10 @@ void NodeToSurface::apply(const double* inverse_mass, double h)
     _halo->forward(_moved.data(), D);
 }
 
-void NodeToSurface::correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
-                            double dt, double* f)
-{
-  const int D = _gdim;
-  if (!_rigid)
-  {
-    _candidates.advance(dt);
-    _tracking.advance(u, du);
-  }
-  predict(u, du, before);
-  for (int sweep = 0; sweep < _options.sweeps; ++sweep)
-  {
-    spread_residual();
-    solve_forces(h);
-    apply(inverse_mass, h);
-  }
-  for (std::int32_t node : _touched)
-    if (node < _halo->num_owned())
-      for (int c = 0; c < D; ++c)
-      {
-        const std::size_t k = std::size_t(node) * D + c;
-        u[k] += _moved[k];
-        f[k] += _sum[k];
-      }
-  _halo->forward(u, D);
-  record();
-}
-
 /// Results and work of the step: half with the motion before it, half with that of it.
+template <int D>
 void NodeToSurface::record()
 {
-  const int D = _gdim;
   _force.fill(0.0);
   _energy.normal += _energy.later_normal;
   _energy.friction += _energy.later_friction;
@@ -200,8 +185,8 @@ void NodeToSurface::record()
     const std::size_t i = touch.i;
     const double *n = touch.at.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
     double moved[3], before[3], slip[3];
-    relative(touch, _moved.data(), moved);
-    relative(touch, _before.data(), before);
+    relative<D>(touch, _moved.data(), moved);
+    relative<D>(touch, _before.data(), before);
     _results.gap[i] = dot(n, moved, D) - _depth[q];
     const double normal = dot(n, f, D);
     for (int c = 0; c < D; ++c)
@@ -226,5 +211,39 @@ void NodeToSurface::record()
     _closed[i] = 1;
   }
   _obstacle_before = _obstacle_increment;
+}
+
+template <int D>
+void NodeToSurface::correct_all(double* u, const double* du, const double* before, const double* inverse_mass, double h,
+                                double* f)
+{
+  predict<D>(u, du, before);
+  for (int sweep = 0; sweep < _options.sweeps; ++sweep)
+  {
+    spread_residual<D>();
+    solve_forces<D>(h);
+    apply<D>(inverse_mass, h);
+  }
+  for (std::int32_t node : _touched)
+    if (node < _halo->num_owned())
+      for (int c = 0; c < D; ++c)
+      {
+        const std::size_t k = std::size_t(node) * D + c;
+        u[k] += _moved[k];
+        f[k] += _sum[k];
+      }
+  _halo->forward(u, D);
+  record<D>();
+}
+
+void NodeToSurface::correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
+                            double dt, double* f)
+{
+  if (!_rigid)
+  {
+    _candidates.advance(dt);
+    _tracking.advance(u, du);
+  }
+  _gdim == 2 ? correct_all<2>(u, du, before, inverse_mass, h, f) : correct_all<3>(u, du, before, inverse_mass, h, f);
 }
 } // namespace impact::enforcement

@@ -18,14 +18,22 @@ void CentralDifference::receive()
 
 double CentralDifference::product(const Part& part, const std::vector<double>& x) const
 {
-  double sum = 0.0;
+  // Four sums: additions do not wait for each other.
+  double sum[4] = {};
+  const auto add = [&](std::size_t size, auto&& at)
+  {
+    std::size_t k = 0;
+    for (; k + 4 <= size; k += 4)
+      for (int j = 0; j < 4; ++j)
+        sum[j] += part.force[at(k + j)] * x[at(k + j)];
+    for (; k < size; ++k)
+      sum[0] += part.force[at(k)] * x[at(k)];
+  };
   if (part.account == Account::contact && !_gathered)
-    for (std::int32_t i : _touched)
-      sum += part.force[i] * x[i];
+    add(_touched.size(), [&](std::size_t k) { return std::size_t(_touched[k]); });
   else
-    for (std::size_t i = 0; i < _own_size; ++i)
-      sum += part.force[i] * x[i];
-  return sum;
+    add(_own_size, [](std::size_t k) { return k; });
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 void CentralDifference::evaluate_part(Part& part)
@@ -47,18 +55,26 @@ void CentralDifference::evaluate_part(Part& part)
         for (int k = 0; k < _bs; ++k)
           _obstacle_work += 0.5 * c.moved[k] * sum[k];
       }
-    for (std::int32_t i : _touched)
-      _r[i] += part.sign * force[i];
+    // One way through memory for both sums; the components' sums do not wait for each other.
+    double position[3] = {}, before[3] = {};
+    for (std::size_t k = 0; k < _touched.size(); k += _bs)
+      for (int c = 0; c < _bs; ++c)
+      {
+        const std::size_t i = std::size_t(_touched[k]) + c;
+        _r[i] += part.sign * force[i];
+        position[c] += force[i] * _u[i];
+        before[c] += force[i] * _v[i];
+      }
+    part.position = position[0] + position[1] + position[2];
+    part.work.before = 0.5 * _last_step * (before[0] + before[1] + before[2]);
+    return;
   }
-  else
-  {
-    std::fill(force, force + _own_size, 0.0);
-    for (const auto& operation : {part.forces.inner, part.forces.outer})
-      if (operation)
-        operation->assemble({force, _own_size});
-    for (std::size_t i = 0; i < _own_size; ++i)
-      _r[i] += part.sign * force[i];
-  }
+  std::fill(force, force + _own_size, 0.0);
+  for (const auto& operation : {part.forces.inner, part.forces.outer})
+    if (operation)
+      operation->assemble({force, _own_size});
+  for (std::size_t i = 0; i < _own_size; ++i)
+    _r[i] += part.sign * force[i];
   part.position = product(part, _u);
   part.work.before = 0.5 * _last_step * product(part, _v);
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "facet_projection.h"
+#include <algorithm>
 #include <cmath>
 
 /// Closest points on facets of degree 1, inlined: what node-to-surface contact does for every node near the master in
@@ -209,6 +210,25 @@ inline void boundary(const double* const* X, const double* point, const double* 
   out.xi[0] = xi[0];
   out.xi[1] = xi[1];
   out.distance = std::sqrt(best);
+}
+
+/// Square of the distance from the box around a facet: never more than that from the facet.
+template <FacetShape S>
+inline double box_distance(const double* const* X, const double* point)
+{
+  double squared = 0.0;
+  for (int c = 0; c < dimension<S>; ++c)
+  {
+    double low = X[0][c], high = X[0][c];
+    for (int i = 1; i < num_nodes<S>; ++i)
+    {
+      low = std::min(low, X[i][c]);
+      high = std::max(high, X[i][c]);
+    }
+    const double d = std::max(std::max(low - point[c], point[c] - high), 0.0);
+    squared += d * d;
+  }
+  return squared;
 }
 
 /// Closest point of a facet.

@@ -236,14 +236,18 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   const double* X[4];
   for (int c = 0; c < D; ++c)
     x[c] = node.X[c] + _last[i * D + c];
+  const auto corners_of = [&](std::int32_t f)
+  {
+    constexpr int N = linear::num_nodes<S>;
+    const std::int32_t* nodes = _corners.data() + std::size_t(f) * N;
+    for (int j = 0; j < N; ++j)
+      X[j] = _master_x.data() + std::size_t(nodes[j]) * linear::dimension<S>;
+  };
   const auto look = [&](std::int32_t f, const double* start, FacetProjection& p)
   {
     if constexpr (!general)
     {
-      constexpr int N = linear::num_nodes<S>;
-      const std::int32_t* nodes = _corners.data() + std::size_t(f) * N;
-      for (int j = 0; j < N; ++j)
-        X[j] = _master_x.data() + std::size_t(nodes[j]) * linear::dimension<S>;
+      corners_of(f);
       if (linear::project<S>(X, x, start, p))
       {
         ++_counters.projections;
@@ -278,9 +282,21 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
     const std::int32_t f = list[k].facet;
     if (f == node.held || (out.facet >= 0 && list[k].distance - (moved - list[k].travel) > best.distance))
       continue;
+    list[k].travel = _travel;
+    if constexpr (!general)
+      if (out.facet >= 0)
+      {
+        // Its box tells of most that they are no nearer.
+        corners_of(f);
+        const double squared = linear::box_distance<S>(X, x), room = best.distance + 1e-9 * _largest;
+        if (squared > room * room)
+        {
+          list[k].distance = std::sqrt(squared);
+          continue;
+        }
+      }
     look(f, nullptr, p);
     list[k].distance = p.distance;
-    list[k].travel = _travel;
     if ((out.facet < 0 || better(p, f, best, out.facet)) && faces(f, p.xi, normal))
     {
       best = p;
