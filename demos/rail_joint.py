@@ -36,7 +36,7 @@ load, mass = (100e3 / 25e-3, 600 / 25e-3) if dim == 2 else (100e3 / 2, 600 / 2)
 speed, gap, step, corner, friction = 120 / 3.6, 8e-3, 0.1e-3, 2e-3, 0.3
 begin, end = (-25e-3, 16e-3) if fast else (-35e-3, 39e-3)
 quiet = -23e-3 if fast else -28e-3  # up to here the wheel has not felt the joint
-size = {"h": 2.5e-3, "rail_length": 0.3} if fast else {"h": 0.6e-3, "rail_length": 0.4}
+size = {"h": 2.5e-3, "rail_length": 0.3} if fast else {"h": 0.75e-3, "rail_length": 0.4}
 size |= {"core": max(-begin, end) + 7e-3, "joined": 30e-3, "coarse": 0.03}
 if dim == 3:
     size = {
@@ -63,8 +63,8 @@ run.print(f"Hertz, 4 kN per mm: half-width {hertz.half_width * 1e3:.4f} mm, peak
 # axle, the material passes through it. In five degrees of turning small strain would see stress in every rigid cell
 # of the wheel: its law is that of St. Venant and Kirchhoff. The rails do not turn, Hooke's law serves.
 #
-# The penalty is that of the static problem, so that the forces are in equilibrium at the start: nothing has to calm down,
-# and nothing is damped, from here on.
+# The penalty is that of the static problem, so that the forces are in equilibrium at the start: nothing has to calm
+# down, and nothing is damped, from here on.
 
 
 def roll(continuous, moments=()):
@@ -87,8 +87,9 @@ def roll(continuous, moments=()):
             run.fields(f"{name}_{len(pictures)}", [impact.u, impact.velocity, mises], time=stop)
             pictures.append((place, gather_field(mises), gather_field(impact.u)))
     seconds = time.perf_counter() - before
+    what = "rail without a joint" if continuous else "rail joint"
     run.print(
-        f"{'rail without a joint' if continuous else 'rail joint':20s}: {model.num_cells} cells, {impact.step} steps in "
+        f"{what:20s}: {model.num_cells} cells, {impact.step} steps in "
         f"{seconds:.1f} s ({impact.step * model.num_cells / seconds / 1e6:.0f} million cells per second)"
     )
     return static, np.array(history), impact.energy_history, pictures

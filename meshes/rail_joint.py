@@ -27,8 +27,8 @@ def _common(rail_length, gap, h, coarse, end_post):
 
 def rail_joint_2d(
     rail_length=0.6, rail_height=RAIL_HEIGHT, gap=8.0e-3, end_post="glued", h=4.0e-3, coarse=0.03, core=None,
-    corner=0.0, step=0.0, joined=None, wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, a=4.5e-3,
-    wheel_turn=0.0,
+    corner=0.0, step=0.0, joined=None, wheel=False, wheel_x=0.0, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1,
+    a=4.5e-3, wheel_turn=0.0,
 ):  # fmt: skip
     """Rail joint in the longitudinal plane. The running surface is y = 0, the joint is at x = 0.
 
