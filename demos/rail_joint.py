@@ -27,10 +27,10 @@ dim = 3 if os.environ.get("IMPACT_DEMO_3D") == "1" else 2
 # ## Load, mass, way
 #
 # In the plane, numbers are per length of axle: 100 kN on an effective contact width of 25 mm, 4 kN per mm in plane
-# strain, as for the steady rolling of benchmark R-5, with the half-width of contact that Hertz gives. The wheel and what
-# moves with it (axle, bearing boxes; springs keep the rest away from the joint for some milliseconds) are 600 kg. A wheel
-# of 25 mm width has a fifth of it; the rest is a dense hub. In space it is one half of a wheel on a crowned head, 50 kN
-# and 300 kg.
+# strain, as for the steady rolling of benchmark R-5, with the half-width of contact that Hertz gives. The wheel and
+# what moves with it (axle, bearing boxes; springs keep the rest away from the joint for some milliseconds) are 600 kg.
+# A wheel of 25 mm width has a fifth of it; the rest is a dense hub. In space it is one half of a wheel on a crowned
+# head, 50 kN and 300 kg.
 
 load, mass = (100e3 / 25e-3, 600 / 25e-3) if dim == 2 else (100e3 / 2, 600 / 2)
 speed, gap, step, corner, friction = 120 / 3.6, 8e-3, 0.1e-3, 2e-3, 0.3
