@@ -30,7 +30,7 @@ def force(run, history, reference, load, quiet):
     along.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="friction / load [1]")
     for ax in (up, along):
         ax.axvspan(-4, 4, color="#f0e4d8", zorder=0, lw=0)
-    plots.save(figure, run.file("force.png"))
+    plots.save(figure, run.file("rail_joint_force.png"))
 
 
 def _line(history):
@@ -67,7 +67,7 @@ def energy(run, place, columns, balance, exchanged):
     rest.plot(place * MM, balance / exchanged, color=plots.COLOURS[0], lw=1.2)
     rest.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="drift / exchanged [1]")
     rest.ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
-    plots.save(figure, run.file("energy.png"))
+    plots.save(figure, run.file("rail_joint_energy.png"))
 
 
 def sequence(run, pictures, history):
@@ -94,4 +94,4 @@ def sequence(run, pictures, history):
         now = np.interp(place, history[:, 0], history[:, 1])
         ax.set_title(f"axle at {place * MM:+.1f} mm, force {now:.2f} of the load", fontsize=10)
     plots.colour_bar(figure, axes, clim, "von Mises stress [MPa]", shrink=0.7, extend="max")
-    plots.save(figure, run.file("sequence.png"))
+    plots.save(figure, run.file("rail_joint_sequence.png"))

@@ -3,7 +3,8 @@
 # An elastic wheel rolls at 120 km/h onto a rail joint: a gap of 8 mm in the rail head, rounded rail ends, the rail
 # behind it 0.1 mm higher; joint bars hold the rails together below the head. In the gap the rail gives way and the
 # contact force drops, then the wheel strikes the end of the next rail. Explicit dynamics, central differences, contact
-# of slave nodes by penalty with Coulomb's friction (see `docs/explicit.md`).
+# of slave nodes by penalty with Coulomb's friction (see `docs/explicit.md`). Most of the peak is due to the step: over
+# the gap alone the force rises to 1.3 times the load only, slowly, and is largest near the end of this way.
 #
 # Run it by `make demo`, or `dolfinx-impact demo rail_joint --ranks 2`; with `--3d` (`make demo ARGS=--3d`) a coarse
 # wheel and rail in space.
@@ -28,15 +29,15 @@ dim = 3 if os.environ.get("IMPACT_DEMO_3D") == "1" else 2
 #
 # In the plane, numbers are per length of axle: 100 kN on an effective contact width of 25 mm, 4 kN per mm in plane
 # strain, as for the steady rolling of benchmark R-5, with the half-width of contact that Hertz gives. The wheel and
-# what moves with it (axle, bearing boxes; springs keep the rest away for some milliseconds) are 600 kg. A wheel
-# of 25 mm width has a fifth of it; the rest is a dense hub. In space it is one half of a wheel on a crowned head, 50 kN
-# and 300 kg.
+# what moves with it (axle, bearing boxes; springs keep the rest away from the joint for some milliseconds) are 600 kg.
+# A wheel of 25 mm width has a fifth of it; the rest is a dense hub. In space it is one half of a wheel on a crowned
+# head, 50 kN and 300 kg.
 
 load, mass = (100e3 / 25e-3, 600 / 25e-3) if dim == 2 else (100e3 / 2, 600 / 2)
 speed, gap, step, corner, friction = 120 / 3.6, 8e-3, 0.1e-3, 2e-3, 0.3
 begin, end = (-25e-3, 16e-3) if fast else (-35e-3, 39e-3)
-quiet = -23e-3 if fast else -28e-3  # up to here the wheel has not felt the joint
-size = {"h": 2.5e-3, "rail_length": 0.3} if fast else {"h": 0.6e-3, "rail_length": 0.4}
+quiet = -23e-3 if fast else -28e-3  # up to here the rail end gives way by little: 1.2 % of the force
+size = {"h": 2.5e-3, "rail_length": 0.3} if fast else {"h": 0.75e-3, "rail_length": 0.4}
 size |= {"core": max(-begin, end) + 7e-3, "joined": 30e-3, "coarse": 0.03}
 if dim == 3:
     size = {
@@ -63,8 +64,8 @@ run.print(f"Hertz, 4 kN per mm: half-width {hertz.half_width * 1e3:.4f} mm, peak
 # axle, the material passes through it. In five degrees of turning small strain would see stress in every rigid cell
 # of the wheel: its law is that of St. Venant and Kirchhoff. The rails do not turn, Hooke's law serves.
 #
-# The penalty is that of the static problem, so that the forces are in equilibrium at the start: nothing has to calm down,
-# and nothing is damped, from here on.
+# The penalty is that of the static problem, so that the forces are in equilibrium at the start: nothing has to calm
+# down, and nothing is damped, from here on.
 
 
 def roll(continuous, moments=()):
@@ -87,8 +88,9 @@ def roll(continuous, moments=()):
             run.fields(f"{name}_{len(pictures)}", [impact.u, impact.velocity, mises], time=stop)
             pictures.append((place, gather_field(mises), gather_field(impact.u)))
     seconds = time.perf_counter() - before
+    what = "rail without a joint" if continuous else "rail joint"
     run.print(
-        f"{'rail without a joint' if continuous else 'rail joint':20s}: {model.num_cells} cells, {impact.step} steps in "
+        f"{what:20s}: {model.num_cells} cells, {impact.step} steps in "
         f"{seconds:.1f} s ({impact.step * model.num_cells / seconds / 1e6:.0f} million cells per second)"
     )
     return static, np.array(history), impact.energy_history, pictures

@@ -23,8 +23,8 @@ FILES = {
         "convergence.csv", "convergence.h5", "hertz_cylinder.bp", "hertz_cylinder.png", "pressure.csv", "pressure.h5",
     ),
     "rail_joint": (
-        "energy.csv", "energy.h5", "energy.png", "force.csv", "force.h5", "force.png", "rail_joint_0.bp",
-        "rail_joint_5.bp", "sequence.png",
+        "energy.csv", "energy.h5", "force.csv", "force.h5", "rail_joint_0.bp", "rail_joint_5.bp",
+        "rail_joint_energy.png", "rail_joint_force.png", "rail_joint_sequence.png",
     ),
     "rolling_disc": ("rim.csv", "rim.h5", "rolling_disc.bp", "rolling_disc.png"),
 }  # fmt: skip
