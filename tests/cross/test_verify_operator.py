@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from sabotage import assert_caught, assert_healthy, one_entry, scaled
 
-from dolfinx_impact import operators
+from dolfinx_impact import mass
 from dolfinx_impact.forms import elasticity, loads, materials
 from dolfinx_impact.verify import bodies, operator
 from dolfinx_impact.verify.report import Report
@@ -107,14 +107,14 @@ def test_a_broken_hand_written_tangent(monkeypatch):
 
 
 def test_our_lumped_mass_loses_mass(monkeypatch):
-    right = operators.lumped_mass
+    right = mass.lumped_mass
 
     def wrong(*args, **kwargs):
         diagonal = right(*args, **kwargs)
         diagonal.array[4] -= 1e-10 * diagonal.array.sum() / 2  # of the body's mass
         return diagonal
 
-    monkeypatch.setattr(operators, "lumped_mass", wrong)
+    monkeypatch.setattr(mass, "lumped_mass", wrong)
     assert_caught(linear(), "operator", "lumped_mass", "diagonal on block")
 
 
