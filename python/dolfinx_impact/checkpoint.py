@@ -157,16 +157,20 @@ class Reader:
 
         self.problem, self.comm, self.path = problem, problem.comm, Path(path)
 
-        def read():
-            with h5py.File(self.path, "r") as file:
-                self.attributes = dict(file.attrs)
-                if self.attributes.get("format") == FORMAT:
-                    self._read(file)
+        def guarded(work):
+            def read():
+                with h5py.File(self.path, "r") as file:
+                    work(file)
 
-        error = _together(self.comm, read)
-        if error:
-            raise RuntimeError(f"the checkpoint {self.path} cannot be read ({error})")
+            error = _together(self.comm, read)
+            if error:
+                raise RuntimeError(f"the checkpoint {self.path} cannot be read ({error})")
+
+        guarded(lambda file: setattr(self, "attributes", dict(file.attrs)))
         self._check()
+        guarded(self._read_cells)
+        self._owned_then = self._owned()
+        guarded(self._read_values)
 
     def _check(self):
         found = self.attributes
@@ -175,52 +179,40 @@ class Reader:
         for name, value in signature(self.problem).items():
             there = found.get(name)
             if name == "moments":
-                near = np.shape(there) == np.shape(value) and np.all(
-                    np.abs(there - value) <= SAME * np.abs(value).max()
-                )
-                if not near:
-                    raise ValueError(f"{self.path} is of another mesh or density: total mass {there[0]:.9g}, here "
-                                     f"{value[0]:.9g}, or its nodes lie elsewhere")  # fmt: skip
+                same = np.shape(there) == np.shape(value)
+                if not same or np.any(np.abs(there - value) > SAME * np.abs(value).max()):
+                    raise ValueError(f"{self.path} is of another mesh or density: masses or places of nodes differ")
             elif there != value:
                 raise ValueError(f"{self.path} is of another problem: {name} is {there!r}, here {value!r}")
 
-    def _read(self, file):
+    def _read_cells(self, file):
         V = self.problem.space
-        if file["cells/nodes"].shape != (
-            V.mesh.topology.index_map(V.mesh.topology.dim).size_global,
-            V.dofmap.list.shape[1],
-        ):
-            raise ValueError("it has another number of cells, or cells with other nodes")
         inputs = file["cells/input"][:]
         order = np.argsort(inputs)
         mine = input_cells(V.mesh)
-        rows = order[np.searchsorted(inputs[order], mine)]
-        nodes = _rows(file["cells/nodes"], rows)
-        n = V.dofmap.index_map.size_local
-        num_local = n + V.dofmap.index_map.num_ghosts
+        nodes = _rows(file["cells/nodes"], order[np.searchsorted(inputs[order], mine)])
+        num_local = V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts
         self._then = np.full(num_local, -1, dtype=np.int64)  # numbers that nodes had when the file was written
         self._then[V.dofmap.list[: len(mine)].ravel()] = nodes.ravel()
-        self.arrays = {name: d[:] if len(d) < 1 else d for name, d in file["nodes"].items()}
-        owned = self._owned(V)
-        self.arrays = {name: _rows(d, owned) for name, d in file["nodes"].items()}
-        self.nodal = {}
-        for name, group in file.get("some", {}).items():
-            self.nodal[name] = (group["nodes"][:], group["values"][:])
-        self.ranks = {name: d[:] for name, d in file["ranks"].items()}
-        self._owned_then = owned
 
-    def _owned(self, V):
-        """Numbers then of this rank's owned nodes; those of nodes without an owned cell here come from other ranks."""
+    def _read_values(self, file):
+        self.arrays = {name: _rows(d, self._owned_then) for name, d in file["nodes"].items()}
+        some = file.get("some", {})
+        self.nodal = {name: (group["nodes"][:], group["values"][:]) for name, group in some.items()}
+        self.ranks = {name: d[:] for name, d in file["ranks"].items()}
+
+    def _owned(self):
+        """Numbers then of this rank's owned nodes; those of nodes without an owned cell here come from other ranks.
+        Collective."""
         from dolfinx import la
 
-        bs, n = 1, V.dofmap.index_map.size_local
-        number = la.vector(V.dofmap.index_map, bs)
-        number.array[:] = self._then
-        count = la.vector(V.dofmap.index_map, bs)
+        index_map = self.problem.space.dofmap.index_map
+        number, count = (la.vector(index_map, 1) for _ in range(2))
+        number.array[:] = np.maximum(self._then, 0)
         count.array[:] = self._then >= 0
-        number.array[self._then < 0] = 0.0
         for v in (number, count):
             v.scatter_reverse(la.InsertMode.add)
+        n = index_map.size_local
         return np.rint(number.array[:n] / count.array[:n]).astype(np.int64)
 
     def at(self, name, nodes):

@@ -193,12 +193,14 @@ class ExplicitProblem(March, Restart):
                 self._term(form, _cpp.integrators.Account.external)
                 continue
             force = operators.InternalForce(form)
-            values = force.apply().array[: self.num_owned].copy()
-            dofs = np.arange(self.num_owned, dtype=np.int32)
-            if self.comm.allreduce(int(np.count_nonzero(values)), MPI.SUM) < 0.5 * self.mass.index_map.size_global:
-                dofs = np.flatnonzero(values).astype(np.int32)
+            # Where any value of the load acts: it may be changed between two calls of advance.
+            value = np.copy(load.constant.value)
+            load.constant.value = np.ones_like(value)
+            dofs = np.flatnonzero(force.apply().array[: self.num_owned]).astype(np.int32)
+            load.constant.value = value
+            values = force.apply().array
             self._cpp.add_load(dofs, values[dofs], self._columns(amplitude)[0])
-            self._loads.append((force, dofs, np.copy(load.constant.value), load))
+            self._loads.append((force, dofs, value, load))
 
     def _set_motion(self, bcs):
         taken = np.zeros(len(self.u.x.array), dtype=bool)
@@ -236,7 +238,8 @@ class ExplicitProblem(March, Restart):
         Args:
             method: "length": L/c_d, seed (3.79), (3.80), an estimate that distorted cells may exceed; "element": from
                 the highest frequency of the cells, never more than the true limit; "eigenvalue": the true limit, from
-                the highest frequency of the assembled system, contact springs of given stiffness included.
+                the highest frequency of the assembled system. Contact springs of given stiffness lower all of them by a
+                bound.
 
         Raises:
             ValueError: unknown method; "length" for a residual of your own.

@@ -68,7 +68,8 @@ class March:
 
         Raises:
             ValueError: a time that has passed, dt not positive or beyond the stable step. RuntimeError: the run went
-            unstable; the message says when and where, the problem is back at its last good state.
+            unstable; the message says when and where, displacement and velocity are back at the last good state, from
+            which works count anew and friction has no history.
         """
         until = _number("until", until, unit=" [T]")
         if until < self.time:
@@ -168,6 +169,11 @@ class March:
         for recorder in self._recorders:
             recorder.flush()
         self.step, self.time, u, v, _ = self._good
+        for contact in self.contact:
+            contact.forget()
+        self._known_start, self._largest, self._rows = False, 0.0, []
+        for recorder in self._recorders:
+            recorder.restart()
         self._cpp.start(u, v)
         self._run(0)
         self._look()

@@ -138,6 +138,10 @@ class Recorder:
 
         self.folder._write("history.h5", work)
 
+    def restart(self):
+        """The problem begins its rows anew."""
+        self._seen = 0
+
     def close(self):
         """Write what is left and close the files. Collective."""
         self.flush()

@@ -83,6 +83,8 @@ class Restart:
         plan = a["plan"]
         self._plan = Plan(plan[0], plan[1], int(plan[2]), int(plan[3])) if len(plan) else None
         self._rows, self._good, self._known_start = [], None, True
+        for recorder in self._recorders:
+            recorder.restart()
         self._look()
 
 

@@ -173,8 +173,13 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
   std::fill(_r.begin(), _r.end(), 0.0);
   std::fill(_contact_force.begin(), _contact_force.end(), 0.0);
   for (Part& part : _parts)
+  {
     std::fill(part.force.begin(), part.force.end(), 0.0);
-  _last_step = 0.0;
+    part.work = {};
+  }
+  for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
+    *work = {};
+  _obstacle_work = _reference = _last_step = 0.0;
   _fresh = _pending = false;
   _search_due = true;
 }

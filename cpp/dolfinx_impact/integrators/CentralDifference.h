@@ -56,7 +56,7 @@ public:
   /// The step that contact stiffnesses are made for [T].
   void set_contact_step(double dt) { _contact_step = dt; }
 
-  /// Start from u and v (owned entries) at a time level. Collective.
+  /// Start from u and v (owned entries) at a time level; works count from here. Collective.
   void start(std::span<const double> u, std::span<const double> v);
 
   /// Steps of given lengths. Collective.

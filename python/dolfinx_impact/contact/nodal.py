@@ -82,6 +82,14 @@ class NodalResult(ContactOutput):
         """The C++ contact, and for balanced contact that of the other direction."""
         return [self._cpp] + ([self._cpp.other] if self._cpp.other is not None else [])
 
+    def forget(self):
+        """Friction and energies begin anew, all nodes open."""
+        for side in self.sides():
+            history = {name: np.zeros_like(values) for name, values in side.history().items()}
+            history["facet"][:] = -1
+            side.set_history(history)
+            side.set_energy(0.0, 0.0, 0.0)
+
     def spring_frequency(self):
         """Largest angular frequency that springs of given stiffness add at most; automatic ones leave the step alone
         [1/T]. Collective."""

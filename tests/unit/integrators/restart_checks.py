@@ -3,6 +3,7 @@
 import contextlib
 import os
 import tempfile
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -148,3 +149,34 @@ def check_a_full_disk(monkeypatch=None):
             shutil.disk_usage = usage
         COMM.barrier()
         block_on_block().restore(path / "good.h5")
+
+
+def check_an_unstable_run_with_contact_starts_anew():
+    """Back at the last good state nothing of the overflow is left: energies and friction are numbers."""
+    problem = block_on_block()
+    problem.advance(150 * problem.stable_step(), progress=False)
+    step = problem.step
+    dt = 2.5 * problem.stable_step("eigenvalue")
+    with pytest.raises(RuntimeError, match="went unstable"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that the step is unsafe is told on rank 0
+        problem.advance(problem.time + 1e4, dt=dt, progress=False, unsafe=True)
+    assert problem.step >= step and all(np.isfinite(value) for value in problem.energy.values())
+    problem.advance(problem.time + 100 * problem.stable_step(), progress=False)
+    assert np.all(np.isfinite(state(problem))) and abs(problem.energy["drift"]) < 0.1
+
+
+def check_a_load_that_is_zero_at_the_start_acts_later():
+    """Components of a load that are set between two calls of advance."""
+    domain = mesh.create_rectangle(COMM, [[0.0, 0.0], [2.0, 1.0]], [4, 2], mesh.CellType.quadrilateral)
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    steel, load = di.LinearElastic(1.0, 0.3, 2.0, "plane_strain"), di.BodyForce((0.0, 0.0))
+    problem = di.ExplicitProblem(fem.Function(V), steel, velocity=fem.Function(V), loads=[load])
+    problem.advance(1.0, progress=False)
+    load.constant.value[:] = (3.0, -1.0)
+    problem.advance(2.0, progress=False)
+    # From rest, with one step's trapezoid on: v = g t to the order of half a step.
+    rows = problem.velocity.x.array.reshape(-1, 2)
+    np.testing.assert_allclose(rows, np.tile([3.0, -1.0], (len(rows), 1)), rtol=0.2)
+    np.testing.assert_allclose(
+        problem.acceleration.x.array.reshape(-1, 2), np.tile([3.0, -1.0], (len(rows), 1)), rtol=1e-9
+    )
