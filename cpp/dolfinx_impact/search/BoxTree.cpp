@@ -103,15 +103,4 @@ bool BoxTree::overlap(const double* a, const double* b) const
       return false;
   return true;
 }
-
-double BoxTree::squared_distance(const double* box, const double* x) const
-{
-  double sum = 0.0;
-  for (int c = 0; c < _gdim; ++c)
-  {
-    const double d = std::max({box[c] - x[c], x[c] - box[_gdim + c], 0.0});
-    sum += d * d;
-  }
-  return sum;
-}
 } // namespace impact::search
