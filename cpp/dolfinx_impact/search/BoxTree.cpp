@@ -18,7 +18,7 @@ BoxTree::BoxTree(int gdim, std::span<const double> boxes) : _gdim(gdim), _boxes(
   for (std::size_t n = 0; n < _nodes.size(); ++n)
   {
     const auto [first, last, left] = _nodes[n];
-    if (last - first <= leaf_size)
+    if (last - first == 1)
       continue;
     // Halve the boxes across the axis along which their centres are spread most.
     int axis = 0;
@@ -85,8 +85,7 @@ void BoxTree::fit(std::size_t n)
     include(_node_boxes.data() + 2 * _gdim * (node.left + 1));
   }
   else
-    for (std::int32_t k = node.first; k < node.last; ++k)
-      include(_boxes.data() + 2 * _gdim * _order[k]);
+    include(_boxes.data() + 2 * _gdim * _order[node.first]);
 }
 
 void BoxTree::overlapping(const double* box, std::vector<std::int32_t>& found) const

@@ -53,7 +53,6 @@ private:
     std::int32_t left;        ///< children are left and left + 1; 0: a leaf
   };
   static constexpr int max_depth = 64;
-  static constexpr std::int32_t leaf_size = 1;
 
   bool overlap(const double* a, const double* b) const;
   template <int D, typename Visitor>
@@ -97,10 +96,8 @@ void BoxTree::overlapping(const double* box, Visitor visit) const
       stack[depth++] = node.left + 1;
       stack[depth++] = node.left;
     }
-    else
-      for (std::int32_t k = node.first; k < node.last; ++k)
-        if (overlap(_boxes.data() + 2 * _gdim * _order[k], box))
-          visit(_order[k]);
+    else // one box: that of the leaf
+      visit(_order[node.first]);
   }
 }
 
@@ -130,10 +127,8 @@ void BoxTree::nearest_in(const double* x, double squared_limit, Visitor& visit) 
       distance[depth] = left_first ? left : right;
       stack[depth++] = node.left + (left_first ? 0 : 1);
     }
-    else
-      for (std::int32_t k = node.first; k < node.last; ++k)
-        if (squared_distance<D>(_boxes.data() + 2 * D * _order[k], x) <= squared_limit)
-          squared_limit = visit(_order[k]);
+    else // one box: that of the leaf
+      squared_limit = visit(_order[node.first]);
   }
 }
 } // namespace impact::search
