@@ -67,7 +67,7 @@ void NodeTracking::take_block(const std::int32_t* nodes)
       fetch(nodes[l]);
     out.at.status = ProjectionStatus::converged;
     out.at.facet = node.winner;
-    out.at.gap = _block.gap[l];
+    out.at.gap = out.at.clearance = _block.gap[l];
     for (int a = 0; a < 2; ++a)
       out.at.xi[a] = node.last[a] = _block.xi[a][l];
     for (int c = 0; c < 3; ++c)
