@@ -27,7 +27,7 @@ void shape_values(const FacetElement& element, const double* xi, double* phi)
 
 search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u) const
 {
-  const std::size_t k = std::size_t(_candidates.nodes()[i]) * _gdim;
+  const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
   double x[3];
   for (int c = 0; c < _gdim; ++c)
     x[c] = _candidates.X()[i * _gdim + c] + u[k + c];
@@ -66,7 +66,7 @@ bool NodeToSurface::implausible(const Touch& touch, const double* u, const doubl
 bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch)
 {
   touch.i = i;
-  touch.node = _candidates.nodes()[i];
+  touch.node = _candidates.numbers()[i];
   touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u);
   search::Projection& at = touch.at;
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);

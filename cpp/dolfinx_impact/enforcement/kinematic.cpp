@@ -10,7 +10,7 @@ void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
 {
   const std::size_t num = halo.num_nodes();
   _node_mass.assign(mass, mass + num);
-  _touched.assign(_candidates.watched().begin(), _candidates.watched().end());
+  _touched.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _touched.insert(_touched.end(), _tracking.master().nodes.begin(), _tracking.master().nodes.end());
   std::sort(_touched.begin(), _touched.end());
   _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());

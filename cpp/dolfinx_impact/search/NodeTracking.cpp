@@ -53,16 +53,15 @@ double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* d
 }
 } // namespace
 
-NodeTracking::NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes)
-    : _gdim(gdim), _nodes(std::move(nodes))
+NodeTracking::NodeTracking(int gdim, const std::vector<double>& X) : _gdim(gdim)
 {
-  const std::size_t n = _nodes.size();
+  const std::size_t n = X.size() / gdim;
   _last.assign(n * gdim, 0.0);
   _node.resize(n);
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {0.0, -never, -never, 0.0, _nodes[i], 0, -1, -1, {0.0, 0.0}, {0.0, 0.0}, {}, {}};
+    node = {0.0, -never, -never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {0.0, 0.0}, {}, {}};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
   }
   _list.assign(n * most, -1);
@@ -71,11 +70,16 @@ NodeTracking::NodeTracking(int gdim, std::vector<double> X, std::vector<std::int
   _warm.resize(n);
 }
 
-void NodeTracking::reset(surface::Facets master, const std::vector<double>& normals, double reach)
+void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> nodes,
+                         const std::vector<double>& normals, double reach)
 {
   _master = std::move(master);
+  _nodes.assign(nodes.begin(), nodes.end());
   for (std::size_t i = 0; i < size(); ++i)
+  {
+    _node[i].number = nodes[i];
     std::copy_n(normals.data() + i * _gdim, _gdim, _node[i].normal);
+  }
   _reach = reach;
   const surface::FacetElement& element = _master.geometry;
   const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _master.displacement.num_nodes();

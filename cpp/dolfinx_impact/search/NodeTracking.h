@@ -8,9 +8,9 @@ namespace impact::search
 {
 /// Closest points of a surface to nodes, step after step: the same as those of SurfaceSearch::project, for much less.
 ///
-/// `travel` of a node adds up, step by step, how far it has moved and the farthest that any facet has, common translation
-/// left out: no distance between the node and the surface changes faster. So a node that was seen at a distance sleeps
-/// until travel has used it up. For a node close to the surface, the facets are listed that can become
+/// `travel` of a node adds up, step by step, how far it has moved and the farthest that any facet has, common
+/// translation left out: no distance between the node and the surface changes faster. So a node that was seen at a
+/// distance sleeps until travel has used it up. For a node close to the surface, the facets are listed that can become
 /// the nearest one within a budget of travel: far from edges this is one. Nothing is allocated after `reset`.
 class NodeTracking
 {
@@ -22,15 +22,16 @@ public:
 
   NodeTracking() = default;
   /// @param[in] X reference positions of the nodes, gdim each [L]
-  /// @param[in] nodes their numbers in the arrays of displacements
-  NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes);
+  NodeTracking(int gdim, const std::vector<double>& X);
 
   /// Other facets to look at: everything is searched anew in the next step. Nodes that are held stay on their facets.
   /// @param[in] master candidates, sorted by id, numbered as the displacements; facets that share a node have the same
   /// position of it, to the last bit
+  /// @param[in] nodes numbers of the nodes in the arrays of displacements
   /// @param[in] normals out of the slave at the nodes; only facets that face them are considered
   /// @param[in] reach search distance [L]
-  void reset(surface::Facets master, const std::vector<double>& normals, double reach);
+  void reset(surface::Facets master, std::span<const std::int32_t> nodes, const std::vector<double>& normals,
+             double reach);
   std::size_t size() const { return _node.size(); }
   const surface::Facets& master() const { return _master; }
   /// The master's nodes, ascending, without repetition: what is stored for them by their position in this list stays in
