@@ -357,7 +357,7 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
   if (rim)
   {
     // The gap jumps where a node comes in from the side, below the surface.
-    out.rim = Projection::Rim::beside;
+    out.rim = along < 0.0 ? Projection::Rim::below : Projection::Rim::beside;
     out.clearance = std::min(out.gap, std::max(along, aside - far));
   }
   for (int c = 0; c < _gdim; ++c)

@@ -57,6 +57,9 @@ def test_momentum_is_kept_and_nothing_adheres(cell, degree, friction):
         new, f = model.correct(u, u - before)
         total = np.abs(f).sum()
         assert total > 0 and np.abs(f.sum(axis=0)).max() < 1e-14 * total
+        x = np.pad(model.x + before, ((0, 0), (0, 3 - f.shape[1])))  # forces act where the step begins
+        moment = np.cross(x, np.pad(f, ((0, 0), (0, 3 - f.shape[1])))).sum(axis=0)
+        assert np.abs(moment).max() < 1e-13 * np.abs(x).max() * total
         assert np.allclose(new - u, model.dt**2 * f / model.mass_owned[:, None], rtol=1e-12, atol=1e-16)
         r = model.contact.results()
         assert np.all(r["pressure"] >= 0) and np.any(r["pressure"] > 0)
