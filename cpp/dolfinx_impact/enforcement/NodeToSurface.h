@@ -170,7 +170,7 @@ private:
   // ranks: they are zero at all ghosts but those in `_touched`, and never sent forward.
   std::vector<Touch> _touch;
   std::size_t _num_touch = 0;
-  std::vector<double> _motion, _residual, _nodal_force;
+  std::vector<double> _motion, _residual, _nodal_force, _relax;
   std::vector<Couple> _couples;
   std::vector<std::int32_t> _touched;
   std::vector<double> _spread, _response, _sum, _moved, _before;
