@@ -60,11 +60,12 @@ bool NodeToSurface::barred(const Touch& touch, const double* u, const double* du
     return false;
   if (closed == came_in)
     return true;
-  using Rim = search::Projection::Rim;
-  const search::Projection before = _tracking.locate_before(touch.i, u, du);
-  const bool deep = -gap > 0.5 * _tracking.diameter(touch.at.facet) && !(before.gap > 0.0 && std::isfinite(before.gap));
+  if (!(-gap > 0.5 * _tracking.diameter(touch.at.facet)))
+    return false;
+  const double before = _tracking.locate_before(touch.i, u, du).gap;
+  const bool deep = !(before > 0.0 && std::isfinite(before));
   _implausible += deep;
-  return deep || before.rim == Rim::below;
+  return deep;
 }
 
 bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch)
@@ -74,12 +75,13 @@ bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, doub
   touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u);
   search::Projection& at = touch.at;
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
-  if (!(at.gap < reach))
+  const bool below = at.rim == search::Projection::Rim::below;
+  if (!(at.gap < reach) && !below)
   {
     open(i, at);
     return false;
   }
-  if (barred(touch, u, du))
+  if (below || barred(touch, u, du))
   {
     open(i, at);
     _closed[i] = came_in;

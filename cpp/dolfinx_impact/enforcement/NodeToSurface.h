@@ -39,7 +39,7 @@ struct NodalHistory
 {
   std::vector<double> tangential;  ///< forces [i*gdim + c] [F]
   std::vector<double> slip;        ///< [i*gdim + c] [L]
-  std::vector<std::int8_t> closed; ///< 1: was in contact; -1: came in beside the rim, or was found deep inside; else 0
+  std::vector<std::int8_t> closed; ///< 1: in contact; -1: below the surface, beside the rim or found there; else 0
   std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
   std::vector<double> xi;          ///< reference coordinates there, [2*i + alpha]
 };
@@ -111,7 +111,7 @@ private:
                 const gap::Rigid* rigid, const NodeToSurfaceOptions& options);
   /// Looks for the master of node i. @returns whether it is nearer than `reach`; else it is open
   bool meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch);
-  /// A node below the surface that did not come through it: from beside the rim, or first seen deep inside.
+  /// A node below the surface that did not come through it: from beside the rim, or found deep inside.
   bool barred(const Touch& touch, const double* u, const double* du);
   search::Projection rigid_point(std::size_t i, const double* u) const;
   void open(std::size_t i, const search::Projection& at);

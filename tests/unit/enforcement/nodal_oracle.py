@@ -110,7 +110,7 @@ class Oracle:
         self.t = np.zeros((model.num, self.dim))
         self.slip = np.zeros((model.num, self.dim))
         self.closed = np.zeros(model.num, dtype=bool)
-        self.barred = np.zeros(model.num, dtype=bool)  # came in from beside the rim
+        self.barred = np.zeros(model.num, dtype=bool)  # below the surface, from beside the rim
         self.reach = reach or model.contact.search_distance
         self.dissipated = 0.0
 
@@ -121,7 +121,6 @@ class Oracle:
         return x, closest(self.master, self.model.x, x, normals, self.reach)
 
     def forces(self, u, du):
-        below = self.project(u - du)[1]["below"]
         x, p = self.project(u)
         self.gap = p["gap"]
         m, dt, A = self.model.mass_owned, self.model.dt, self.A
@@ -135,7 +134,7 @@ class Oracle:
                 step = du[i] - phi @ du[masters]
                 r = n @ step
                 overlap = mean_overlap(g, r, p["beside"][q])
-            self.barred[i] = g < 0 and (self.barred[i] or (below[q] and not self.closed[i]))
+            self.barred[i] = p["below"][q] or (self.barred[i] and g < 0)
             if not overlap > 0 or self.barred[i]:
                 self.t[i], self.slip[i], self.closed[i] = 0.0, 0.0, False
                 continue
