@@ -39,7 +39,7 @@ struct NodalHistory
 {
   std::vector<double> tangential;  ///< forces [i*gdim + c] [F]
   std::vector<double> slip;        ///< [i*gdim + c] [L]
-  std::vector<std::int8_t> closed; ///< was the node in contact?
+  std::vector<std::int8_t> closed; ///< 1: in contact; -1: below the surface, beside the rim or found there; else 0
   std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
   std::vector<double> xi;          ///< reference coordinates there, [2*i + alpha]
 };
@@ -125,8 +125,8 @@ private:
                 const gap::Rigid* rigid, const NodeToSurfaceOptions& options);
   /// Looks for the master of node i. @returns whether it is nearer than `reach`; else it is open
   bool meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch);
-  /// Not to be believed: an open node that is deep in the master and was not outside a step ago.
-  bool implausible(const Touch& touch, const double* u, const double* du);
+  /// A node below the surface that did not come through it: from beside the rim, or found deep inside.
+  bool barred(const Touch& touch, const double* u, const double* du);
   search::Projection rigid_point(std::size_t i, const double* u) const;
   void open(std::size_t i, const search::Projection& at);
   double compliance(const Touch& touch, double dt) const;
@@ -177,6 +177,7 @@ private:
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;
+  static constexpr std::int8_t came_in = -1; ///< of `_closed`: open until its gap is positive
   std::vector<std::int8_t> _closed;
   ContactEnergy _energy;
   std::array<double, 3> _force{};
@@ -186,7 +187,7 @@ private:
   // ranks: they are zero at all ghosts but those in `_touched`, and never sent forward.
   std::vector<Touch> _touch;
   std::size_t _num_touch = 0;
-  std::vector<double> _motion, _residual, _nodal_force;
+  std::vector<double> _motion, _residual, _nodal_force, _relax;
   std::vector<Couple> _couples;
   std::vector<std::int32_t> _touched;
   std::vector<double> _spread, _response, _sum, _moved, _before;

@@ -68,6 +68,7 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
     for (std::vector<double>* a : {&_motion, &_residual, &_nodal_force})
       a->assign(vector, 0.0);
     _couples.resize(n);
+    _relax.assign(n, 1.0);
   }
 }
 

@@ -414,9 +414,9 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
   out.clearance = out.gap;
   if (rim)
   {
-    // The gap jumps where a node comes in from the side, below the surface.
-    out.rim = Projection::Rim::beside;
-    out.clearance = std::min(out.gap, std::max(along, aside - far));
+    // The gap jumps where a node comes in from the side, also because the facet turns.
+    out.rim = along < 0.0 ? Projection::Rim::below : Projection::Rim::beside;
+    out.clearance = 0.0;
   }
   for (int c = 0; c < _gdim; ++c)
     out.normal[c] = d[c] / out.gap;

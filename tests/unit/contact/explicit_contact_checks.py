@@ -30,14 +30,14 @@ SIZES = {
 def blocks(comm, dim, cell=None, seed=None, **more):
     """A small block over the left end of a long one: mesh recipe, space, whether nodes are the small one's."""
     options = {} if seed is None else {"partitioner": scattered(seed)}
-    made = meshes.make("two_blocks", comm, cell=cell, gap=0.003, **SIZES[dim], **options, **more)
+    made = meshes.make("two_blocks", comm, cell=cell, gap=0.003, **{**SIZES[dim], **options, **more})
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (dim,)))
     return made, V, V.tabulate_dof_coordinates()[:, dim - 1] > 0.5015
 
 
-def thrown(comm, dim, method, speed, press=0.0, cell=None, seed=None, steps=STEPS, clamped=False, **options):
+def thrown(comm, dim, method, speed, press=0.0, cell=None, seed=None, steps=STEPS, clamped=False, size={}, **options):
     """The small block thrown at the long one, obliquely; problem after some steps."""
-    made, V, upper = blocks(comm, dim, cell, seed)
+    made, V, upper = blocks(comm, dim, cell, seed, **size)
     law = di.NeoHookean(1e3, 0.3, 1.0, "3d" if dim == 3 else "plane_strain")
     v = fem.Function(V)
     v.x.array.reshape(-1, dim)[upper] = speed
@@ -132,62 +132,20 @@ def momenta(problem):
 
 
 def check_free_bodies_keep_their_momentum():
-    """Linear and angular momentum of two free bodies, to 1e-12, through an oblique impact with friction."""
+    """Linear and angular momentum of two free bodies, to 1e-12, through an oblique impact with friction: over the
+    middle, over the master's rim, and with faces that are flush at the rim."""
     for dim in (2, 3):
+        ends = {"offset": -0.3 if dim == 2 else (-0.3, -0.2)}
+        flush = {"upper": SIZES[dim]["lower"], "offset": 0.0 if dim == 2 else (0.0, 0.0)}
         for method in METHODS:
-            speed = (0.7,) + (0.2,) * (dim - 2) + (-1.0,)
-            start = momenta(thrown(COMM, dim, method, speed, steps=0, seed=5)[0])
-            problem, closed = thrown(COMM, dim, method, speed, seed=5)
-            end = momenta(problem)
-            assert problem.contact[0].dissipated > 0.1 * problem.energy_history[0, 1], closed
-            assert np.abs(end[0] - start[0]).max() <= 1e-12 * start[2]
-            # Kinematic contact pushes at points that meet at the end of the step, not at its beginning: the forces are
-            # opposite but not in line, by what the bodies slide in a step.
-            angular = 1e-12 if method is di.Penalty else 1e-3
-            assert np.abs(end[1] - start[1]).max() <= angular * start[3]
-
-
-def pressed(comm, friction, balanced):
-    """Two blocks of nodes that match, pressed together in equilibrium by stiff springs; problem and its displacement."""
-    made = meshes.make("two_blocks", comm, cell="quadrilateral", gap=0.0, lower=(1.0, 0.5), upper=(1.0, 0.5),
-                       lower_cells=(4, 2), upper_cells=(4, 2))  # fmt: skip
-    V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
-    tags, facets, (E, p, chi) = made.tags, made.facet_tags, (1e3, 1.0, 8e4)
-    upper = made.mesh.geometry.x[made.mesh.geometry.dofmap][:, :, 1].mean(axis=1) > 0.5
-    nodes, x = np.unique(V.dofmap.list[upper]), V.tabulate_dof_coordinates()
-    u, v = fem.Function(V), fem.Function(V)
-    rows = u.x.array.reshape(-1, 2)
-    rows[:, 1] = -p / E * x[:, 1]
-    rows[nodes, 1] -= p / chi
-    # Small, and without regard to how nodes are numbered.
-    v.x.array.reshape(-1, 2)[:] = 1e-8 * np.sin(1e3 * x @ [[1.3, 2.9], [3.1, 1.7], [0.0, 0.0]])
-    bottom = fem.locate_dofs_topological(V, 1, facets.find(tags["bottom"]))
-    rows[bottom] = v.x.array.reshape(-1, 2)[bottom] = 0.0
-    pair = di.ContactPair(facets, tags["slave_surface"], tags["master_surface"], friction=friction)
-    return di.ExplicitProblem(
-        u, di.LinearElastic(E, 0.0, 1.0, "plane_strain"), velocity=v, loads=[di.Traction(facets, tags["top"], (0.0, -p))],
-        bcs=[fem.dirichletbc(np.zeros(2), bottom, V)],
-        contact=[di.Penalty(pair, penalty=chi, balanced=balanced)],
-    )  # fmt: skip
-
-
-def strayed(comm, friction, balanced, part, steps):
-    """How far from equilibrium a run with a part of the limit strays; the limit."""
-    problem = pressed(comm, friction, balanced)
-    start, limit = problem.u.x.array.copy(), problem.stable_step("eigenvalue")
-    problem.advance(steps * part * limit, dt=part * limit, progress=False, unsafe=True)
-    away = float(np.abs(problem.u.x.array - start).max())
-    return comm.allreduce(away, MPI.MAX), limit
-
-
-def check_stiff_springs_set_the_limit():
-    """0.99 of the limit runs on; with 1.01 what is small grows by exp(0.28) a step. The springs lower the limit; it is
-    that of one rank."""
-    for friction, balanced in ((0.0, False), (0.3, False), (0.3, True)):
-        runs_on, limit = strayed(COMM, friction, balanced, 0.99, 1000)
-        blows_up, _ = strayed(COMM, friction, balanced, 1.01, 80)
-        assert runs_on < 1e-9 and blows_up > 1e-6, (runs_on, blows_up)  # it starts with 1e-11 a step
-        free = 2.0 / pressed(COMM, friction, balanced)._frequencies.bound()
-        assert limit < 0.4 * free
-        alone = pressed(MPI.COMM_SELF, friction, balanced).stable_step("eigenvalue")
-        assert abs(limit / alone - 1) < 1e-8  # tolerance of the eigenvalue
+            for size in ({}, ends, flush):
+                speed = (0.7,) + (0.2,) * (dim - 2) + (-1.0,)
+                start = momenta(thrown(COMM, dim, method, speed, steps=0, seed=5, size=size)[0])
+                problem, closed = thrown(COMM, dim, method, speed, seed=5, size=size)
+                end = momenta(problem)
+                assert problem.contact[0].dissipated > 0.02 * problem.energy_history[0, 1], (closed, size)
+                assert np.abs(end[0] - start[0]).max() <= 1e-12 * start[2]
+                assert np.abs(end[1] - start[1]).max() <= 1e-12 * start[3], (method, size)
+                # Kinematic: works as in docs/explicit.md. Penalty: a hundredth for each node that closes and opens.
+                drift = abs(problem.energy["drift"])
+                assert drift <= (1e-12 if method is di.Kinematic else 0.02), (method, size, drift)
