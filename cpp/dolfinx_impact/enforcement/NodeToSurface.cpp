@@ -2,6 +2,7 @@
 #include "../search/linear_facet.h"
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace impact::enforcement
@@ -24,17 +25,13 @@ void shape_values(const FacetElement& element, const double* xi, double* phi)
 }
 } // namespace
 
-search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, const double* du) const
+search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u) const
 {
   const std::size_t k = std::size_t(_candidates.nodes()[i]) * _gdim;
   double x[3];
-  gap::Rigid obstacle = _obstacle;
   for (int c = 0; c < _gdim; ++c)
-  {
-    x[c] = _candidates.X()[i * _gdim + c] + (u[k + c] - (du ? du[k + c] : 0.0));
-    obstacle.displacement[c] -= du ? _obstacle_increment[c] : 0.0;
-  }
-  const gap::RigidPoint p = gap::evaluate(obstacle, x);
+    x[c] = _candidates.X()[i * _gdim + c] + u[k + c];
+  const gap::RigidPoint p = gap::evaluate(_obstacle, x);
   search::Projection out;
   out.status = search::ProjectionStatus::converged;
   out.gap = p.gap;
@@ -42,49 +39,50 @@ search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, co
   return out;
 }
 
-void NodeToSurface::open(std::size_t i, double gap)
+void NodeToSurface::open(std::size_t i, const search::Projection& at)
 {
   _results.status[i] = ContactStatus::open;
-  _results.gap[i] = gap;
+  _results.gap[i] = at.gap;
   _results.pressure[i] = 0.0;
   _stiffness[i] = 0.0;
   for (int c = 0; c < _gdim; ++c)
     _results.traction[i * _gdim + c] = _results.slip[i * _gdim + c] = _tangential[i * _gdim + c] = 0.0;
   _closed[i] = 0;
   if (!_rigid)
-    _tracking.release(i, gap);
+    _tracking.release(i, at.clearance);
 }
 
-bool NodeToSurface::touches(std::size_t i, const double* u, const double* du, Touch& touch)
+bool NodeToSurface::implausible(const Touch& touch, const double* u, const double* du)
+{
+  if (_rigid || _closed[touch.i] || !(-touch.at.gap > 0.5 * _tracking.diameter(touch.at.facet)))
+    return false;
+  const double before = _tracking.locate_before(touch.i, u, du).gap;
+  if (before > 0.0 && std::isfinite(before))
+    return false;
+  ++_implausible;
+  return true;
+}
+
+bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch)
 {
   touch.i = i;
   touch.node = _candidates.nodes()[i];
-  touch.at = _rigid ? rigid_point(i, u, nullptr) : _tracking.locate(i, u);
+  touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u);
   search::Projection& at = touch.at;
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
-  if (!(at.gap < 0.0))
+  if (!(at.gap < reach) || implausible(touch, u, du))
   {
-    open(i, at.gap);
+    open(i, at);
     return false;
   }
+  touch.num = 0;
   if (_rigid)
-  {
-    touch.num = 0;
     return true;
-  }
-  if (!_closed[i] && -at.gap > 0.5 * _tracking.diameter(at.facet))
-    if (const double before = _tracking.locate_before(i, u, du).gap; !(before > 0.0 && std::isfinite(before)))
-    {
-      ++_implausible;
-      open(i, at.gap);
-      return false;
-    }
   const surface::Facets& master = _tracking.master();
   touch.num = master.displacement.num_nodes();
   touch.masters = master.nodes_of(at.facet);
   touch.corners = _tracking.corners(at.facet);
   shape_values(master.displacement, at.xi, touch.phi);
-  _tracking.hold(i, at);
   return true;
 }
 
@@ -102,16 +100,6 @@ double NodeToSurface::compliance(const Touch& touch, double dt) const
     masters += weight * _inverse[2 * touch.corners[j] + 1];
   }
   return dt * dt * (own + masters * per_area) / (_share * _options.kappa);
-}
-
-/// Part of the step's motion that comes after closing.
-double NodeToSurface::counted_part(const Touch& touch, const NodalState& state) const
-{
-  if (_closed[touch.i])
-    return 1.0;
-  const double before =
-      _rigid ? rigid_point(touch.i, state.u, state.du).gap : _tracking.locate_before(touch.i, state.u, state.du).gap;
-  return !(before > 0.0) ? 1.0 : std::isinf(before) ? 0.0 : touch.at.gap / (touch.at.gap - before);
 }
 
 namespace
@@ -157,72 +145,53 @@ bool coulomb(const double* n, double k, double per_k, double limit, double* t, d
   return slips;
 }
 
-/// Forces along the normal on the master's nodes, linear in their place along the tangent plane, without resultant:
-/// friction on the slave and on the master acts at points that are a gap apart, and this turns back by as much.
-/// @param[out] w their sizes
-template <int D>
-void couple(int num, const std::int32_t* nodes, const double* positions, const double* n, double gap, const double* t,
-            double* w)
+/// Mean of max(-g, 0) over gaps from g - |r|/2 to g + |r|/2.
+double mean_overlap(double g, double r)
 {
-  // Axes of the tangent plane: along the force, and across it.
-  double squared = 0.0, mean[D] = {}, x[FacetElement::max_nodes][D], place[FacetElement::max_nodes][2];
-  for (int c = 0; c < D; ++c)
-    squared += t[c] * t[c];
-  const double size = std::sqrt(squared), per_size = 1.0 / size;
-  double a[D], b[3] = {};
-  for (int c = 0; c < D; ++c)
-    a[c] = t[c] * per_size;
-  if constexpr (D == 3)
-    for (int c = 0; c < 3; ++c)
-      b[c] = n[(c + 1) % 3] * a[(c + 2) % 3] - n[(c + 2) % 3] * a[(c + 1) % 3];
-  const double part = 1.0 / num;
-  for (int j = 0; j < num; ++j)
-    for (int c = 0; c < D; ++c)
-    {
-      x[j][c] = positions[std::size_t(nodes[j]) * D + c];
-      mean[c] += part * x[j][c];
-    }
-  double aa = 0.0, bb = 0.0, ab = 0.0;
-  for (int j = 0; j < num; ++j)
-  {
-    place[j][0] = place[j][1] = 0.0;
-    for (int c = 0; c < D; ++c)
-    {
-      place[j][0] += (x[j][c] - mean[c]) * a[c];
-      place[j][1] += (x[j][c] - mean[c]) * b[c];
-    }
-    aa += place[j][0] * place[j][0];
-    bb += place[j][1] * place[j][1];
-    ab += place[j][0] * place[j][1];
-  }
-  const double moment = gap * size, factor = D == 3 ? moment / (aa * bb - ab * ab) : moment / aa;
-  for (int j = 0; j < num; ++j)
-  {
-    w[j] = D == 3 ? factor * (bb * place[j][0] - ab * place[j][1]) : factor * place[j][0];
-  }
+  const double half = 0.5 * std::abs(r);
+  return g >= half ? 0.0 : g <= -half ? -g : (half - g) * (half - g) / (4.0 * half);
+}
+
+/// Part of the way from gap g - r to g that lies below zero.
+double part_below(double g, double r)
+{
+  if (g < 0.0)
+    return r < 0.0 ? std::min(1.0, g / r) : 1.0;
+  return r > g ? 1.0 - g / r : 0.0;
 }
 } // namespace
 
-/// The force of a closed node.
+/// The force of a node that is near the master.
 template <int D>
-void NodeToSurface::add_node(const Touch& touch, const NodalState& state, double* f)
+void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
 {
   const std::size_t i = touch.i;
-  const double* n = touch.at.normal;
-  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, normal_force = -k * touch.at.gap;
-  double force[D], w[FacetElement::max_nodes] = {}, tangential_squared = 0.0;
+  const search::Projection& at = touch.at;
+  const double* n = at.normal;
+  double motion[D], r = 0.0;
+  for (int c = 0; c < D; ++c)
+    motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+  for (int j = 0; j < touch.num; ++j)
+    for (int c = 0; c < D; ++c)
+      motion[c] -= touch.phi[j] * _tracking.master_du()[std::size_t(touch.corners[j]) * D + c];
+  for (int c = 0; c < D; ++c)
+    r += n[c] * motion[c];
+  // Who passes beside an edge is not pushed.
+  const double overlap = at.gap >= 0.0 && at.rim == search::Projection::Rim::beside ? 0.0 : mean_overlap(at.gap, r);
+  if (!(overlap > 0.0))
+    return open(i, at);
+  if (!_rigid)
+    _tracking.hold(i, at);
+
+  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, normal_force = k * overlap;
+  double force[D], tangential_squared = 0.0;
   for (int c = 0; c < D; ++c)
     force[c] = normal_force * n[c];
   ContactStatus status = ContactStatus::slip;
   if (_options.friction > 0.0)
   {
-    double motion[D], *t = _tangential.data() + i * D;
-    for (int c = 0; c < D; ++c)
-      motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
-    for (int j = 0; j < touch.num; ++j)
-      for (int c = 0; c < D; ++c)
-        motion[c] -= touch.phi[j] * _tracking.master_du()[std::size_t(touch.corners[j]) * D + c];
-    const double part = counted_part(touch, state);
+    double* t = _tangential.data() + i * D;
+    const double part = part_below(at.gap, r);
     for (int c = 0; c < D; ++c)
       motion[c] *= part;
     const bool slips = coulomb<D>(n, k, per_k, _options.friction * normal_force, t, motion);
@@ -243,8 +212,6 @@ void NodeToSurface::add_node(const Touch& touch, const NodalState& state, double
     }
     else
       status = ContactStatus::stick;
-    if (!_rigid && tangential_squared > 0.0)
-      couple<D>(touch.num, touch.corners, _tracking.master_x(), n, touch.at.gap, t, w);
   }
   const double per_area = _per_area[i];
   for (int c = 0; c < D; ++c)
@@ -255,21 +222,38 @@ void NodeToSurface::add_node(const Touch& touch, const NodalState& state, double
   }
   for (int j = 0; j < touch.num; ++j)
     for (int c = 0; c < D; ++c)
-      _master_force[std::size_t(touch.corners[j]) * D + c] += w[j] * n[c] - touch.phi[j] * force[c];
+      _master_force[std::size_t(touch.corners[j]) * D + c] -= touch.phi[j] * force[c];
+  // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
+  const surface::Facets& master = _tracking.master();
+  if (turns() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
+                  master.geometry.degree != master.displacement.degree))
+  {
+    double x[D];
+    for (int c = 0; c < D; ++c)
+      x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
+    Couple couple;
+    couple.set<D>(
+        touch.num, [&](int j, int c) { return _tracking.master_x()[std::size_t(touch.corners[j]) * D + c]; }, touch.phi,
+        x);
+    couple.forces<D>(force, [&](int j, int c, double value)
+                     { _master_force[std::size_t(touch.corners[j]) * D + c] += value; });
+  }
   _closed[i] = 1;
   _stiffness[i] = k;
   _results.status[i] = status;
-  _results.gap[i] = touch.at.gap;
+  _results.gap[i] = at.gap;
   _results.pressure[i] = normal_force * per_area;
-  _energy.stored += 0.5 * (k * touch.at.gap * touch.at.gap + tangential_squared * per_k);
+  _energy.stored += 0.5 * (k * overlap * overlap + tangential_squared * per_k);
 }
 
 template <int D>
 void NodeToSurface::add_all(const NodalState& state, double* f)
 {
   Touch touch;
+  // No gap changes by more than this in a step.
+  const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracking.step();
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
-    if ((_rigid || !_tracking.asleep(i)) && touches(i, state.u, state.du, touch))
+    if ((_rigid || !_tracking.asleep(i)) && meets(i, state.u, state.du, reach, touch))
       add_node<D>(touch, state, f);
   // Zero again for the next step.
   const auto masters = _tracking.master_nodes();

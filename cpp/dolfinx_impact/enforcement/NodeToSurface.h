@@ -1,5 +1,6 @@
 #pragma once
 #include "../gap/Rigid.h"
+#include "Couple.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
 #include "Penalty.h"
@@ -103,24 +104,28 @@ private:
     const std::int32_t* corners = nullptr; ///< positions in NodeTracking's list of them
     double phi[surface::FacetElement::max_nodes];
     search::Projection at;
+    double overlap; ///< penetration, by penalty its mean over a step [L]
   };
 
   NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
                 const gap::Rigid* rigid, const NodeToSurfaceOptions& options);
-  /// Looks at node i: is it in contact?
-  bool touches(std::size_t i, const double* u, const double* du, Touch& touch);
-  search::Projection rigid_point(std::size_t i, const double* u, const double* du) const;
-  void open(std::size_t i, double gap);
+  /// Looks for the master of node i. @returns whether it is nearer than `reach`; else it is open
+  bool meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch);
+  /// Not to be believed: an open node that is deep in the master and was not outside a step ago.
+  bool implausible(const Touch& touch, const double* u, const double* du);
+  search::Projection rigid_point(std::size_t i, const double* u) const;
+  void open(std::size_t i, const search::Projection& at);
   double compliance(const Touch& touch, double dt) const;
-  double counted_part(const Touch& touch, const NodalState& state) const;
   template <int D>
-  void add_node(const Touch& touch, const NodalState& state, double* f);
+  void add_node(Touch& touch, const NodalState& state, double* f);
   template <int D>
   void add_all(const NodalState& state, double* f);
   // Kinematic contact.
   template <int D>
   void relative(const Touch& touch, const double* values, double* out) const;
   void number_kinematic(operators::Halo& halo, const double* mass);
+  /// Do contact forces need a moment given back?
+  bool turns() const { return !_rigid && !_options.axisymmetric; }
   template <int D>
   void predict(const double* u, const double* du, const double* before);
   template <int D>
@@ -164,7 +169,8 @@ private:
   // ranks: they are zero at all ghosts but those in `_touched`, and never sent forward.
   std::vector<Touch> _touch;
   std::size_t _num_touch = 0;
-  std::vector<double> _depth, _motion, _residual, _nodal_force;
+  std::vector<double> _motion, _residual, _nodal_force;
+  std::vector<Couple> _couples;
   std::vector<std::int32_t> _touched;
   std::vector<double> _spread, _response, _sum, _moved, _before;
 };

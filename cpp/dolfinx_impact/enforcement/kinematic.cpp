@@ -40,9 +40,26 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
     Touch& touch = _touch[_num_touch];
-    if ((!_rigid && _tracking.asleep(i)) || !touches(i, u, du, touch))
+    if ((!_rigid && _tracking.asleep(i)) || !meets(i, u, du, 0.0, touch))
       continue;
-    _depth[_num_touch] = -touch.at.gap;
+    touch.overlap = -touch.at.gap;
+    if (!_rigid)
+      _tracking.hold(i, touch.at);
+    if (turns())
+    {
+      double x[D];
+      for (int c = 0; c < D; ++c)
+      {
+        const std::size_t k = std::size_t(touch.node) * D + c;
+        x[c] = _candidates.X()[i * D + c] + (u[k] - du[k]);
+      }
+      const auto at = [&](int j, int c)
+      {
+        const std::size_t k = std::size_t(touch.corners[j]) * D + c;
+        return _tracking.master_x()[k] - _tracking.master_du()[k];
+      };
+      _couples[_num_touch].set<D>(touch.num, at, touch.phi, x);
+    }
     double* motion = _motion.data() + _num_touch * D;
     relative<D>(touch, du, motion);
     for (int c = 0; c < D; ++c)
@@ -74,7 +91,7 @@ void NodeToSurface::spread_residual()
     const double *n = touch.at.normal, m = _mass[touch.i];
     double moved[3], *r = _residual.data() + q * D;
     relative<D>(touch, _moved.data(), moved);
-    const double left = _depth[q] - dot(n, moved, D);
+    const double left = touch.overlap - dot(n, moved, D);
     for (int c = 0; c < D; ++c)
     {
       moved[c] += _motion[q * D + c];
@@ -157,6 +174,9 @@ void NodeToSurface::apply(const double* inverse_mass, double h)
     for (int j = 0; j < touch.num; ++j)
       for (int c = 0; c < D; ++c)
         _sum[std::size_t(touch.masters[j]) * D + c] -= touch.phi[j] * f[c];
+    if (turns())
+      _couples[q].forces<D>(f,
+                            [&](int j, int c, double value) { _sum[std::size_t(touch.masters[j]) * D + c] += value; });
   }
   if (!_rigid)
     _halo->reverse(_sum.data(), D);
@@ -187,7 +207,7 @@ void NodeToSurface::record()
     double moved[3], before[3], slip[3];
     relative<D>(touch, _moved.data(), moved);
     relative<D>(touch, _before.data(), before);
-    _results.gap[i] = dot(n, moved, D) - _depth[q];
+    _results.gap[i] = dot(n, moved, D) - touch.overlap;
     const double normal = dot(n, f, D);
     for (int c = 0; c < D; ++c)
     {
@@ -201,6 +221,15 @@ void NodeToSurface::record()
     for (int c = 0; c < D; ++c)
       slip[c] = moved[c] - dot(n, moved, D) * n[c];
     const double work = 0.5 * normal * dot(n, before, D), later = 0.5 * normal * dot(n, moved, D);
+    if (turns())
+      _couples[q].forces<D>(f,
+                            [&](int j, int c, double value)
+                            {
+                              const std::size_t k = std::size_t(touch.masters[j]) * D + c;
+                              const double du = _tracking.master_du()[std::size_t(touch.corners[j]) * D + c];
+                              _energy.normal += 0.5 * value * _before[k];
+                              _energy.later_normal += 0.5 * value * (du + _moved[k]);
+                            });
     _energy.normal += work;
     _energy.friction -= 0.5 * dot(f, before, D) - work;
     _energy.later_normal += later;

@@ -68,7 +68,7 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
     _touch.resize(n);
     for (std::vector<double>* a : {&_motion, &_residual, &_nodal_force})
       a->assign(vector, 0.0);
-    _depth.assign(n, 0.0);
+    _couples.resize(n);
   }
 }
 

@@ -185,11 +185,11 @@ void NodeTracking::hold(std::size_t i, const Projection& at)
   node.wake = -never;
 }
 
-void NodeTracking::release(std::size_t i, double gap)
+void NodeTracking::release(std::size_t i, double clearance)
 {
   _node[i].held = -1;
   _held[i] = -1;
-  _node[i].wake = gap > 0.0 ? _travel + std::min(gap, _reach) : -never;
+  _node[i].wake = clearance > 0.0 ? _travel + std::min(clearance, _reach) : -never;
 }
 
 std::vector<double> NodeTracking::held_xi() const

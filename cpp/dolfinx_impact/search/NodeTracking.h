@@ -49,15 +49,18 @@ public:
   /// @param[in] u displacements [L]
   /// @param[in] du their increments since the last step; used in the first step after `reset` [L]
   void advance(const double* u, const double* du);
-  bool asleep(std::size_t i) const { return _travel < _node[i].wake; }
+  /// No closer to the surface than half a step's motion.
+  bool asleep(std::size_t i) const { return _travel + 0.5 * _step < _node[i].wake; }
+  /// Bounds the motion of nodes and surface against each other in the last step [L].
+  double step() const { return _step; }
   /// Closest point of node i.
   Projection locate(std::size_t i, const double* u);
   /// Closest point in the configuration u - du, of the step before.
   Projection locate_before(std::size_t i, const double* u, const double* du) const;
   /// The node is in contact: its next closest point is looked for from this one.
   void hold(std::size_t i, const Projection& at);
-  /// The node is not in contact. If it has a gap, it sleeps as long as that lasts.
-  void release(std::size_t i, double gap);
+  /// The node is not in contact. It sleeps as long as its clearance lasts.
+  void release(std::size_t i, double clearance);
   /// Nobody sleeps in this step: gaps of all nodes are wanted.
   void wake_all();
 

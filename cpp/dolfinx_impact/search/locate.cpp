@@ -329,7 +329,8 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
   double d[3] = {0.0, 0.0, 0.0};
   for (int c = 0; c < _gdim; ++c)
     d[c] = x[c] - at.x[c];
-  out.gap = dot(d, normal, _gdim);
+  const double along = dot(d, normal, _gdim);
+  out.gap = out.clearance = along;
   if (at.status == ProjectionStatus::converged)
     return;
   if (at.distance <= 1e-10 * _size[out.facet])
@@ -337,16 +338,28 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
     // d has no direction: the node counts as one of the facet.
     out.status = ProjectionStatus::converged;
     out.entity = -1;
+    out.rim = Projection::Rim::near;
     return;
   }
   double mean[3];
   const bool rim = mean_normal(at, out.facet, config, near, mean);
-  // Below the facet, and beside the rim by less than a twentieth of it: over the facet. Flush edges stay in contact.
+  // Beside the rim by less than a twentieth of the facet: over the facet. Flush edges stay in contact.
   const double far = 0.05 * _size[out.facet];
-  if (rim && out.gap < 0.0 && at.distance * at.distance - out.gap * out.gap < far * far)
+  const double aside = std::sqrt(std::max(at.distance * at.distance - along * along, 0.0));
+  if (rim && aside < far)
+  {
+    out.rim = Projection::Rim::near;
     return;
+  }
   const bool ends = rim && beside(_gdim, d, mean, _size[out.facet]);
   out.gap = (ends || dot(d, mean, _gdim) >= 0.0 ? 1.0 : -1.0) * at.distance;
+  out.clearance = out.gap;
+  if (rim)
+  {
+    // The gap jumps where a node comes in from the side, below the surface.
+    out.rim = Projection::Rim::beside;
+    out.clearance = std::min(out.gap, std::max(along, aside - far));
+  }
   for (int c = 0; c < _gdim; ++c)
     out.normal[c] = d[c] / out.gap;
 }

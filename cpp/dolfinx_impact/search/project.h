@@ -11,10 +11,18 @@ struct Projection
 {
   ProjectionStatus status = ProjectionStatus::outside;
   std::int8_t entity = -1; ///< number of the edge or vertex of the facet
+  enum class Rim : std::int8_t
+  {
+    no,    ///< the closest point is not on the outer rim, or the node right over it (only NodeTracking tells)
+    near,  ///< beside it by less than a twentieth of the facet, or on it: gap and normal are those of the facet
+    beside ///< beside the rim
+  } rim = Rim::no;
   std::int32_t facet = -1; ///< of the master's Facets
   double xi[2] = {0.0, 0.0};
   double gap = std::numeric_limits<double>::infinity(); ///< docs/contact.md: positive outside the master [L]
   double normal[3] = {0.0, 0.0, 0.0};                   ///< unit, out of the master
+  /// By no less can point and surface move against each other before the gap is negative (of NodeTracking) [L].
+  double clearance = std::numeric_limits<double>::infinity();
 };
 
 /// Closest points of a surface. Among facets at one distance (to 1e-12 of it and of their size) those on which the

@@ -65,10 +65,11 @@ def width(facets, f, X):
 
 
 def closest(facets, X, x, normals, reach):
-    """A full search, and the rule for nodes below the facet and just beside the rim (docs/explicit.md)."""
+    """A full search, and the rule for nodes just beside the rim (docs/explicit.md); beside: farther than that."""
     p = _cpp.search.SurfaceSearch(facets).project(np.ascontiguousarray(x), np.ascontiguousarray(normals), reach)
     ends, dim = rim(facets), x.shape[1]
     corners = set().union(*ends)
+    p["beside"] = np.zeros(len(x), dtype=bool)
     for q in range(len(x)):
         f, xi = int(p["facet"][q]), p["xi"][q]
         if f < 0:
@@ -81,9 +82,19 @@ def closest(facets, X, x, normals, reach):
         at = facets.evaluate(f, a, b)
         d, n = x[q] - at[:dim], at[3 : 3 + dim]
         depth = d @ n
-        if depth < 0 and d @ d - depth**2 < (0.05 * width(facets, f, X)) ** 2:
+        if d @ d - depth**2 < (0.05 * width(facets, f, X)) ** 2:
             p["gap"][q], p["normal"][q] = depth, n
+        else:
+            p["beside"][q] = True
     return p
+
+
+def mean_overlap(g, r, beside):
+    """Integral of max(-g, 0) over gaps from g - |r|/2 to g + |r|/2, by |r|; none where g >= 0 beside the rim."""
+    if g >= 0 and beside:
+        return 0.0
+    ends = np.minimum([g - abs(r) / 2, g + abs(r) / 2], 0.0)
+    return (ends[0] ** 2 - ends[1] ** 2) / (2 * abs(r)) if abs(r) > 1e-9 * abs(g) else max(-g, 0.0)
 
 
 class Oracle:
@@ -109,32 +120,36 @@ class Oracle:
         return x, closest(self.master, self.model.x, x, normals, self.reach)
 
     def forces(self, u, du):
-        before = self.project(u - du)[1]["gap"]
         x, p = self.project(u)
         self.gap = p["gap"]
         m, dt, A = self.model.mass_owned, self.model.dt, self.A
         f, self.stored, self.k = np.zeros_like(u), 0.0, np.zeros(len(self.nodes))
         for q, i in enumerate(self.nodes):
             g, n = p["gap"][q], p["normal"][q]
-            if not g < 0:
+            overlap = 0.0
+            if p["facet"][q] >= 0:
+                masters = self.master.nodes[p["facet"][q]]
+                phi = self.master.displacement.tabulate(*p["xi"][q])[0]
+                step = du[i] - phi @ du[masters]
+                r = n @ step
+                overlap = mean_overlap(g, r, p["beside"][q])
+            if not overlap > 0:
                 self.t[i], self.slip[i], self.closed[i] = 0.0, 0.0, False
                 continue
-            masters = self.master.nodes[p["facet"][q]]
-            phi = self.master.displacement.tabulate(*p["xi"][q])[0]
             compliance = 1 / m[i] + sum(abs(phi) * (1 + self.A_master[masters] / A[i]) / m[masters])
             k = self.kappa / dt**2 / compliance if self.penalty == 0 else self.penalty * A[i]
             self.k[q] = k
-            force = -k * g * n
+            force = k * overlap * n
             if self.friction > 0:
                 P = np.eye(self.dim) - np.outer(n, n)
-                b = before[q]
-                psi = 1.0 if self.closed[i] or not b > 0 else 0.0 if np.isinf(b) else -g / (b - g)
-                step = psi * P @ (du[i] - phi @ du[masters])
+                way = np.sort([g - r, g])
+                psi = float(g < 0) if r == 0 else np.diff(np.minimum(way, 0.0))[0] / abs(r)
+                step = psi * P @ step
                 turned = P @ self.t[i]
                 if np.any(turned):
                     turned *= np.linalg.norm(self.t[i]) / np.linalg.norm(turned)
                 t = turned - k * step
-                limit = self.friction * k * -g
+                limit = self.friction * k * overlap
                 if np.linalg.norm(t) > limit:
                     t *= limit / np.linalg.norm(t)
                     slip = step + (t - turned) / k
@@ -142,17 +157,21 @@ class Oracle:
                     self.dissipated += np.linalg.norm(t) * np.linalg.norm(slip)
                 self.t[i] = t
                 force = force + t
-                f[masters] += self.couple((self.model.x + u)[masters], n, g, t)
                 self.stored += t @ t / k / 2
             self.closed[i] = True
-            self.stored += k * g * g / 2
+            self.stored += k * overlap**2 / 2
             f[i] += force
             np.add.at(f, masters, -np.outer(phi, force))
+            f[masters] += couple((self.model.x + u)[masters], x[q], phi, force)
         return f
 
-    def couple(self, x, n, g, t):
-        """Forces n w_j with the moment (x_m - x_i) x t, w linear in the tangent plane: least squares."""
-        basis = np.linalg.svd(n[None])[2][1:]
-        y = (x - x.mean(axis=0)) @ basis.T
-        slope = np.linalg.solve(y.T @ y, g * (basis @ t))
-        return np.outer(y @ slope, n)
+
+def couple(masters, x, phi, force):
+    """The smallest forces on masters without resultant that give back the moment of `force` at x and its reaction."""
+    dim, num = masters.shape[1], len(masters)
+    r = masters - masters.mean(axis=0)
+    turn = [np.array([[-a[1], a[0]]]) if dim == 2 else np.cross(a, np.eye(3)).T for a in r]  # a x
+    lever = phi @ masters - x
+    moment = np.array([[-lever[1], lever[0]]]) @ force if dim == 2 else np.cross(lever, force)
+    rows = [np.kron(np.ones(num), np.eye(dim)), np.hstack(turn)]
+    return np.linalg.lstsq(np.vstack(rows), np.concatenate([np.zeros(dim), moment]))[0].reshape(num, dim)

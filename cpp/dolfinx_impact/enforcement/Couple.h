@@ -1,0 +1,89 @@
+#pragma once
+#include "../surface/Facets.h"
+
+namespace impact::enforcement
+{
+/// Forces without resultant on the nodes of a facet that give back the moment which a contact force and its reaction
+/// leave: c_j = omega x (x_j - mean), sum_j (x_j - mean) x c_j = e x f, e from the slave's node to the master's point
+/// (docs/explicit.md, Moment).
+struct Couple
+{
+  int num = 0;
+  double e[3], r[surface::FacetElement::max_nodes][3], inverse[6];
+
+  /// @param[in] count nodes of the facet
+  /// @param[in] at at(j, c): position of node j
+  /// @param[in] phi shape functions at the master's point
+  /// @param[in] x position of the slave's node
+  template <int D>
+  void set(int count, auto&& at, const double* phi, const double* x)
+  {
+    num = count;
+    double mean[D] = {}, squares[D][D] = {};
+    const double part = 1.0 / num;
+    for (int c = 0; c < D; ++c)
+      e[c] = -x[c];
+    for (int j = 0; j < num; ++j)
+      for (int c = 0; c < D; ++c)
+      {
+        r[j][c] = at(j, c);
+        mean[c] += part * r[j][c];
+        e[c] += phi[j] * r[j][c];
+      }
+    for (int j = 0; j < num; ++j)
+    {
+      for (int c = 0; c < D; ++c)
+        r[j][c] -= mean[c];
+      for (int c = 0; c < D; ++c)
+        for (int d = 0; d <= c; ++d)
+          squares[c][d] += r[j][c] * r[j][d];
+    }
+    if constexpr (D == 2)
+      inverse[0] = 1.0 / (squares[0][0] + squares[1][1]);
+    else
+    {
+      // Inverse of sum |r|^2 I - r r^T, symmetric: xx, yy, zz, xy, xz, yz.
+      const double trace = squares[0][0] + squares[1][1] + squares[2][2];
+      const double xx = trace - squares[0][0], yy = trace - squares[1][1], zz = trace - squares[2][2];
+      const double xy = -squares[1][0], xz = -squares[2][0], yz = -squares[2][1];
+      const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+      const double per = 1.0 / (xx * a + xy * b + xz * c);
+      inverse[0] = a * per;
+      inverse[1] = (xx * zz - xz * xz) * per;
+      inverse[2] = (xx * yy - xy * xy) * per;
+      inverse[3] = b * per;
+      inverse[4] = c * per;
+      inverse[5] = (xy * xz - xx * yz) * per;
+    }
+  }
+
+  /// @param[in] f force on the slave's node
+  /// @param[in,out] add add(j, c, value): value is component c of node j's force
+  template <int D>
+  void forces(const double* f, auto&& add) const
+  {
+    if constexpr (D == 2)
+    {
+      const double omega = inverse[0] * (e[0] * f[1] - e[1] * f[0]);
+      for (int j = 0; j < num; ++j)
+      {
+        add(j, 0, -omega * r[j][1]);
+        add(j, 1, omega * r[j][0]);
+      }
+    }
+    else
+    {
+      const double m[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+      const double w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
+                           inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
+                           inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
+      for (int j = 0; j < num; ++j)
+      {
+        add(j, 0, w[1] * r[j][2] - w[2] * r[j][1]);
+        add(j, 1, w[2] * r[j][0] - w[0] * r[j][2]);
+        add(j, 2, w[0] * r[j][1] - w[1] * r[j][0]);
+      }
+    }
+  }
+};
+} // namespace impact::enforcement
