@@ -16,6 +16,7 @@ from dolfinx_impact.verify import ranks
 from dolfinx_impact import operators
 ranks.CASES = ranks.CASES[:1]
 ranks.contact_ranks.CASES = [(*c[:3], c[3][:1]) for c in ranks.contact_ranks.CASES[:1] if {contact}]
+ranks.explicit_ranks.CASES = [c for c in ranks.explicit_ranks.CASES[:1] if {explicit}]
 {fault}
 sys.argv = ["ranks", sys.argv[1]]
 ranks.main()
@@ -46,13 +47,32 @@ ContactOutput.total = total
 """
 
 
-def launch(monkeypatch, fault="", contact=False):
+# What rank 0 does not have of the contact surfaces is forgotten: contact is lost where pairs are split.
+LOST_FACETS = """
+from mpi4py import MPI
+from dolfinx_impact.contact import pair
+right = pair._surface
+pair._surface = lambda V, facets: right(V, facets if MPI.COMM_WORLD.rank == 0 else facets[:0])
+"""
+# Energies of this rank's part of the bodies.
+LOCAL_ENERGIES = """
+from dolfinx_impact.explicit import ExplicitProblem
+right = ExplicitProblem.energy_history.fget
+def energy_history(self):
+    n = self.num_owned
+    part = n / self.comm.allreduce(n)
+    return right(self) * ([1.0] + 7 * [part])
+ExplicitProblem.energy_history = property(energy_history)
+"""
+
+
+def launch(monkeypatch, fault="", contact=False, explicit=False):
     """ranks.run starts its processes with a prelude: the first case only, and a fault."""
     real = subprocess.run
 
     def run(command, **kwargs):
         where = command.index("-m")
-        prelude = ["-c", PRELUDE.format(fault=fault, contact=contact), command[-1]]
+        prelude = ["-c", PRELUDE.format(fault=fault, contact=contact, explicit=explicit), command[-1]]
         return real([*command[:where], *prelude], **kwargs)
 
     monkeypatch.setattr(ranks.subprocess, "run", run)
@@ -101,6 +121,32 @@ def test_contact_on_two_ranks(monkeypatch):
 def test_contact_that_every_rank_sums_up_for_itself(monkeypatch):
     launch(monkeypatch, LOCAL_TOTAL, contact=True)
     assert {r.form for r in report().failures()} == {"contact.lagrange_total"}
+
+
+@pytest.mark.mpi
+def test_explicit_runs_on_two_and_four_ranks(monkeypatch):
+    launch(monkeypatch, explicit=True)
+    found = report((2, 4))
+    assert_healthy(found, "ranks", 12 + 2 * 12)
+    methods = ("penalty", "balanced", "kinematic")
+    values = {f"explicit.{m}_{what}" for m in methods for what in ("u", "velocity", "force", "energy")}
+    assert values <= {r.form for r in found.rows}
+
+
+@pytest.mark.mpi
+def test_contact_that_is_lost_where_pairs_are_split(monkeypatch):
+    launch(monkeypatch, LOST_FACETS, explicit=True)
+    failures = {r.form for r in report().failures()}
+    assert failures == {f"explicit.{m}_{what}" for m in ("penalty", "balanced", "kinematic")
+                        for what in ("u", "velocity", "force", "energy")}  # fmt: skip
+
+
+@pytest.mark.mpi
+def test_energies_of_a_rank_alone(monkeypatch):
+    launch(monkeypatch, LOCAL_ENERGIES, explicit=True)
+    assert {r.form for r in report().failures()} == {
+        f"explicit.{m}_energy" for m in ("penalty", "balanced", "kinematic")
+    }
 
 
 @pytest.mark.mpi

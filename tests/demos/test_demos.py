@@ -22,6 +22,10 @@ FILES = {
     "hertz_cylinder": (
         "convergence.csv", "convergence.h5", "hertz_cylinder.bp", "hertz_cylinder.png", "pressure.csv", "pressure.h5",
     ),
+    "impact_bars": (
+        "cases.csv", "errors_penalty.csv", "errors_kinematic.h5", "impact_bars.png", "impact_bars_convergence.png",
+        "two_bars.bp",
+    ),
     "rail_joint": (
         "energy.csv", "energy.h5", "force.csv", "force.h5", "rail_joint_0.bp", "rail_joint_5.bp",
         "rail_joint_energy.png", "rail_joint_force.png", "rail_joint_sequence.png",

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import contact_ranks
+from . import contact_ranks, explicit_ranks
 
 TOLERANCE = 1e-12
 SOLUTION = 1e-9
@@ -51,10 +51,14 @@ def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
                 k = np.unravel_index(np.argmax(error), error.shape)
                 difference = error[k] / np.max(np.abs(b))
                 note = f"entry {[int(i) for i in k]} by position: {a[k]:.15g} on {n} ranks, {b[k]:.15g} on 1"
-            solved = form == "solution" or form.startswith("contact.")
+            tolerance, reason = TOLERANCE, REASON
+            if form == "solution" or form.startswith("contact."):
+                tolerance, reason = SOLUTION, "round-off times condition number"
+            elif form.startswith("explicit."):
+                tolerance, reason = SOLUTION, explicit_ranks.REASON
             report.add(
-                "ranks", form, cell, int(degree), 1, hypothesis, difference, SOLUTION if solved else TOLERANCE,
-                "round-off times condition number" if solved else REASON, f"{n} ranks against 1", note,
+                "ranks", form, cell, int(degree), 1, hypothesis, difference, tolerance, reason,
+                f"{n} ranks against 1", note,
             )  # fmt: skip
 
 
@@ -76,7 +80,7 @@ def _values():
     from ..problem import StaticProblem
 
     comm = MPI.COMM_WORLD
-    out = contact_ranks.values(comm, _gather)
+    out = contact_ranks.values(comm, _gather) | explicit_ranks.values(comm, _gather)
     for cell, degree, hypothesis in CASES:
         kind = getattr(mesh.CellType, cell)
         if hypothesis == "3d":

@@ -15,8 +15,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
 from pairs import scattered  # noqa: E402
 
 COMM = MPI.COMM_WORLD
-STEPS = 1000
-SAME = 1e-9  # of the largest entry after 1,000 steps: round-off, and how far waves and contact carry it
+STEPS, LOOKS = 1000, 20
+# Of the largest entry. Two orders of the same sums differ by round-off, 1e-16 a step, 1e-13 in 1,000 steps if nothing
+# amplifies it. Every time the bodies part and meet again what differs may grow, by the ratio of times between and in
+# contact, some ten; they do so three or four times. Who is closed, who sticks is the same on all: no edge lies on an
+# edge, no gap is zero. (Found: 2e-13 and less; the difference does not grow exponentially.)
+SAME = 1e-9
 METHODS = (di.Penalty, di.Kinematic)
 SIZES = {
     2: {"lower": (2.5, 0.5), "upper": (0.6, 0.4), "lower_cells": (13, 3), "upper_cells": (4, 3), "offset": 0.1},
@@ -52,11 +56,30 @@ def thrown(comm, dim, method, speed, press=0.0, cell=None, seed=None, steps=STEP
         fem.Function(V), law, velocity=v, bcs=bcs, loads=loads, contact=[method(pair)], **options
     )
     dt = 0.5 * problem.stable_step()
-    seen = []
-    for part in range(10):
-        problem.advance((part + 1) * steps // 10 * dt, dt=dt, progress=False)
+    seen, partners = [], []
+    cells = made.mesh.topology.index_map(dim).size_local
+    made.mesh.topology.create_connectivity(dim - 1, dim)
+    cell_of = made.mesh.topology.connectivity(dim - 1, dim)
+    masters = [f for f in made.facet_tags.find(tags["master_surface"]) if cell_of.links(f)[0] < cells]
+    masters = [fem.locate_dofs_topological(V, dim - 1, np.array([f]), remote=False) for f in masters]
+    for part in range(LOOKS):
+        problem.advance((part + 1) * steps // LOOKS * dt, dt=dt, progress=False)
         seen.append(problem.contact[0].area)
-    return problem, seen
+        partners.append(ranks_that_meet(comm, problem, masters))
+    return problem, seen, partners
+
+
+def ranks_that_meet(comm, problem, masters):
+    """Of all slave nodes, by their place at rest: owner, and that of the master facet next to them (-1: open)."""
+    contact, dim = problem.contact[0], problem.space.mesh.geometry.dim
+    moved = problem.space.tabulate_dof_coordinates()[:, :dim] + problem.u.x.array.reshape(-1, dim)
+    places = comm.allgather(np.array([moved[nodes].mean(axis=0) for nodes in masters]).reshape(-1, dim))
+    owners = np.repeat(np.arange(comm.size), [len(p) for p in places])
+    far = np.linalg.norm(contact.points[:, None] - np.vstack(places)[None], axis=2)
+    meets = np.where(contact.status > 0, owners[np.argmin(far, axis=1)], -1)
+    at_rest = problem.space.tabulate_dof_coordinates()[contact.nodes]
+    rows = np.vstack(comm.allgather(np.column_stack([at_rest, np.full(len(meets), comm.rank), meets])))
+    return rows[np.lexsort(rows[:, :3].round(9).T)][:, 3:].astype(int)
 
 
 def by_place(comm, f):
@@ -70,8 +93,19 @@ def by_place(comm, f):
 
 def facts(comm, problem):
     """What two runs of the same problem must agree in. Collective."""
-    contact = problem.contact[0]
+    contact, V = problem.contact[0], problem.space
+    at_rest = V.tabulate_dof_coordinates()[contact.nodes]
+    points = np.column_stack([at_rest, contact.status, contact.traction, contact.slip, contact.points])
+    points = np.vstack(comm.allgather(points))
+    points = points[np.lexsort(points[:, :3].round(9).T)][:, 3:]
+    dim = V.mesh.geometry.dim
     return {
+        **{
+            name: points[:, columns]
+            for name, columns in zip(
+                ("status", "traction", "slip", "points"), np.split(np.arange(1 + 3 * dim), (1, 1 + dim, 1 + 2 * dim))
+            )
+        },
         **{name: by_place(comm, getattr(problem, name)) for name in ("u", "velocity", "acceleration")},
         **{"energies": list(problem.energy.values()), "force": contact.force, "area": contact.area},
         "dissipated": contact.dissipated,
@@ -79,13 +113,13 @@ def facts(comm, problem):
 
 
 def run_alone(**case):
-    """Facts of a run on rank 0 alone, and some of its numbers: largest motion, at how many looks there was contact,
+    """Facts of a run on rank 0 alone, and some of its numbers: largest motion, area in contact at the looks,
     part of the energy that went into friction. Collective."""
     found = None
     if COMM.rank == 0:
-        alone, closed = thrown(MPI.COMM_SELF, **case)
+        alone, closed, _ = thrown(MPI.COMM_SELF, **case)
         lost = alone.contact[0].dissipated / alone.energy_history[0, 1]
-        found = facts(MPI.COMM_SELF, alone), (np.abs(alone.u.x.array).max(), np.count_nonzero(closed), lost)
+        found = facts(MPI.COMM_SELF, alone), (np.abs(alone.u.x.array).max(), closed, lost)
     return COMM.bcast(found, root=0)
 
 
@@ -100,6 +134,7 @@ def check_sliding_block_is_the_same_on_all_ranks():
     stiff = di.Rayleigh(0.0, 1e-4)
     for dim, cell, seed, damping in (
         (2, "triangle", None, None),
+        (2, "triangle", 3, None),
         (2, "triangle", 3, stiff),
         (3, "hexahedron", 3, None),
     ):
@@ -113,8 +148,20 @@ def check_sliding_block_is_the_same_on_all_ranks():
                 press=5.0,
             )
             alone, (moved, closed, lost) = run_alone(clamped=True, **case)
-            assert moved > 0.8 and closed >= 3 and lost > 0.3, (moved, closed, lost)
-            assert_same(facts(COMM, thrown(COMM, clamped=True, seed=seed, **case)[0]), alone)
+            assert moved > 0.8 and np.count_nonzero(closed) >= 3 and closed[-1] > 0 and lost > 0.3, (
+                moved,
+                closed,
+                lost,
+            )
+            problem, _, partners = thrown(COMM, clamped=True, seed=seed, **case)
+            assert_same(facts(COMM, problem), alone)
+            if seed is not None and COMM.size > 1:
+                slave, master = np.array(partners)[..., 0], np.array(partners)[..., 1]
+                assert np.any((master >= 0) & (master != slave)), "no pair is split"
+                closed_on = [set(column[column >= 0]) for column in master.T]
+                assert any(
+                    len(ranks) > 1 for ranks in closed_on
+                ), "no node has come from one rank's facets to another's"
 
 
 def momenta(problem):
@@ -141,7 +188,7 @@ def check_free_bodies_keep_their_momentum():
             for size in ({}, ends, flush):
                 speed = (0.7,) + (0.2,) * (dim - 2) + (-1.0,)
                 start = momenta(thrown(COMM, dim, method, speed, steps=0, seed=5, size=size)[0])
-                problem, closed = thrown(COMM, dim, method, speed, seed=5, size=size)
+                problem, closed, _ = thrown(COMM, dim, method, speed, seed=5, size=size)
                 end = momenta(problem)
                 assert problem.contact[0].dissipated > 0.02 * problem.energy_history[0, 1], (closed, size)
                 assert np.abs(end[0] - start[0]).max() <= 1e-12 * start[2]
