@@ -128,18 +128,19 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
     Foot foot = projector.nearest(m.x, normals.at(nodes_[i]));
     if (foot.facet < 0)
       continue;
-    m.on_rim = foot.dim < master_.tdim() and projector.on_rim(foot);
-    if (m.on_rim)
+    if (foot.dim < master_.tdim() and projector.on_rim(foot))
     {
       const Facet& facet = master_.facets[foot.facet];
       const auto s = spot<double>(master_, facet, gather(master_, facet, u), foot.xi);
       const Vec<double> d = m.x - s.x, n = s.normal();
       const double depth = dot(d, n), far = 0.05 * width(facet);
-      if (depth < 0 and dot(d, d) - depth * depth < far * far)
+      if (norm(d - depth * n) < far)
       {
         meets(facet, depth, n, s.f);
         continue;
       }
+      m.beside = true;
+      m.below = depth < 0;
     }
     foot = projector.closest(m.x, normals.at(nodes_[i]));
     if (foot.facet < 0)
@@ -149,6 +150,18 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
     meets(facet, projection.gap, projection.normal, projection.f);
   }
   return result;
+}
+
+bool Gate::lets(std::size_t i, const Meeting& before, const Meeting& now, bool closed)
+{
+  if (closed or not(now.gap < 0))
+    barred_[i] = false;
+  else
+  {
+    const bool above = before.gap > 0 and std::isfinite(before.gap), deep = -now.gap > now.width / 2;
+    barred_[i] = barred_[i] or before.below or (deep and not above);
+  }
+  return not barred_[i];
 }
 
 double NodePairs::compliance(std::int64_t node, const Meeting& m) const

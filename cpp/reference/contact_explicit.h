@@ -7,11 +7,12 @@ namespace impact::reference
 /// What a slave node meets.
 struct Meeting
 {
-  double gap = std::numeric_limits<double>::infinity();   ///< without master [L]
-  Vec<double> x, normal;                                  ///< position of the node, normal out of the master [L], [1]
-  std::vector<std::int64_t> masters;                      ///< nodes of the facet; none if the master is rigid
-  std::vector<double> phi;                                ///< its shape functions at the closest point
-  bool on_rim = false;                                    ///< the closest point is where the master ends
+  double gap = std::numeric_limits<double>::infinity(); ///< without master [L]
+  Vec<double> x, normal;                                ///< position of the node, normal out of the master [L], [1]
+  std::vector<std::int64_t> masters;                    ///< nodes of the facet; none if the master is rigid
+  std::vector<double> phi;                              ///< its shape functions at the closest point
+  bool beside = false; ///< the outer rim, by more than a twentieth of the facet; also without master
+  bool below = false;  ///< beside the rim and below the facet that ends there
   double width = std::numeric_limits<double>::infinity(); ///< of the facet, at rest; infinite if rigid [L]
 };
 
@@ -57,6 +58,20 @@ private:
   std::map<std::int64_t, double> areas_, master_areas_;
 };
 
+/// Slave nodes close only through the master's surface: who comes in from below beside its rim, or is found deep below
+/// it, stays open until it has been above.
+class Gate
+{
+public:
+  explicit Gate(std::size_t num_nodes) : barred_(num_nodes, false) {}
+  /// Whether slave node i may close now; once per step.
+  /// @param closed in the step before
+  bool lets(std::size_t i, const Meeting& before, const Meeting& now, bool closed);
+
+private:
+  std::vector<bool> barred_;
+};
+
 /// Areas of the nodes of a surface: int phi dA_0 at degree 1, shares of the facets' area in proportion to int phi^2 at
 /// degree 2.
 std::map<std::int64_t, double> nodal_areas(const Surface& surface);
@@ -92,8 +107,9 @@ private:
   struct Direction
   {
     NodePairs pairs;
-    std::vector<double> gap_before; // infinite without master and at the start
+    std::vector<Meeting> before; // without masters at the start
     std::vector<bool> closed;
+    Gate gate;
     Matrix traction, slip; // per slave node, as in ContactAnswer
   };
   double stiffness(const NodePairs& pairs, std::int64_t node, const Meeting& m, double dt) const;
@@ -115,6 +131,7 @@ public:
 
 private:
   NodePairs pairs_;
+  Gate gate_;
   double friction_;
   int sweeps_;
 };

@@ -1,5 +1,6 @@
 #include "contact_explicit.h"
 #include <algorithm>
+#include <utility>
 
 namespace impact::reference
 {
@@ -11,7 +12,7 @@ NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, d
   {
     const ContactAnswer none = no_contact(pairs);
     const std::size_t count = none.status.size();
-    directions_.push_back({std::move(pairs), std::vector<double>(count, none.gap(0)), std::vector<bool>(count, false),
+    directions_.push_back({std::move(pairs), std::vector<Meeting>(count), std::vector<bool>(count, false), Gate(count),
                            none.traction, none.slip});
   }
 }
@@ -57,13 +58,15 @@ double part_below(double g, double r)
 void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool first)
 {
   const NodePairs& pairs = direction.pairs;
-  const auto meetings = pairs.meet(step.u, step.n);
+  const auto before = std::exchange(direction.before, pairs.meet(step.u, step.n));
+  const auto& meetings = direction.before;
   // A balanced pair's total is that on the slave of the first direction.
   const double sign = first ? 1 : -1;
   for (std::size_t i = 0; i < meetings.size(); ++i)
   {
     const Meeting& m = meetings[i];
     const std::int64_t node = pairs.nodes()[i];
+    const bool may_close = direction.gate.lets(i, before[i], m, direction.closed[i]);
     double delta = 0, r = 0;
     Vec<double> moved;
     if (std::isfinite(m.gap))
@@ -71,15 +74,9 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       moved = pairs.relative(step.moved, pairs.master_moved(step.n), node, m);
       r = dot(m.normal, moved);
       // Who passes beside an edge is not pushed.
-      if (not(m.on_rim and m.gap >= 0))
+      if (may_close and not(m.beside and m.gap >= 0))
         delta = overlap(m.gap, r);
-      // Who was not seen in front of the surface does not belong this deep below it.
-      const double gap_before = direction.gap_before[i];
-      const bool came = gap_before > 0 and std::isfinite(gap_before);
-      if (not direction.closed[i] and not came and -m.gap > m.width / 2)
-        delta = 0;
     }
-    direction.gap_before[i] = m.gap;
     direction.closed[i] = delta > 0;
     Vec<double> t, slip;
     ContactStatus status = ContactStatus::open;
@@ -91,8 +88,8 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       if (friction_ > 0)
       {
         const Vec<double> s = part_below(m.gap, r) * (moved - r * m.normal);
-        const Vec<double> before = turned(get(direction.traction, i), m.normal);
-        t = before - k * s;
+        const Vec<double> last = turned(get(direction.traction, i), m.normal);
+        t = last - k * s;
         const double bound = friction_ * k * delta, size = norm(t);
         status = ContactStatus::stick;
         slip = get(direction.slip, i);
@@ -100,7 +97,7 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
         {
           status = ContactStatus::slip;
           t = (bound / size) * t;
-          const Vec<double> more = s + (1 / k) * (t - before);
+          const Vec<double> more = s + (1 / k) * (t - last);
           slip = slip + more;
           answer_.dissipated += norm(t) * norm(more);
         }

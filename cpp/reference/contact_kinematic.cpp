@@ -3,7 +3,7 @@
 namespace impact::reference
 {
 NodalKinematic::NodalKinematic(NodePairs pairs, double friction, int sweeps)
-    : pairs_(std::move(pairs)), friction_(friction), sweeps_(sweeps)
+    : pairs_(std::move(pairs)), gate_(pairs_.nodes().size()), friction_(friction), sweeps_(sweeps)
 {
   answer_ = no_contact(pairs_);
 }
@@ -12,8 +12,9 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
 {
   const int d = pairs_.gdim();
   const Matrix slip_before = answer_.slip;
+  const auto status_before = answer_.status;
   answer_ = no_contact(pairs_);
-  const auto meetings = pairs_.meet(predicted, step.n + 1);
+  const auto before = pairs_.meet(step.u, step.n), meetings = pairs_.meet(predicted, step.n + 1);
   const Vector motion = predicted - step.u;
   const Vec<double> rigid = pairs_.master_moved(step.n + 1);
 
@@ -21,7 +22,7 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
   {
     std::int64_t row, node;
     const Meeting& m;
-    double mass;
+    double mass, alpha;
     Vec<double> moved, f, residual; // predicted relative motion, force, residual motion
     bool cut = false;
   };
@@ -31,12 +32,19 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
   {
     const Meeting& m = meetings[i];
     answer_.gap(i) = m.gap;
-    if (not(m.gap < 0))
+    if (not gate_.lets(i, before[i], m, status_before[i] != ContactStatus::open) or not(m.gap < 0))
       continue;
     const std::int64_t node = pairs_.nodes()[i];
-    closed.push_back({std::int64_t(i), node, m, pairs_.mass(node), pairs_.relative(motion, rigid, node, m), {}, {}});
+    const double mass = pairs_.mass(node);
+    double apart = 1, shared = 1; // the factors of alpha
     for (std::size_t j = 0; j < m.masters.size(); ++j)
-      added[m.masters[j]] += std::abs(m.phi[j]) * closed.back().mass;
+    {
+      const double master = pairs_.mass(m.masters[j]), phi = std::abs(m.phi[j]);
+      added[m.masters[j]] += phi * mass;
+      apart += phi * phi * mass / master;
+      shared -= phi * phi * mass / (master + phi * mass);
+    }
+    closed.push_back({std::int64_t(i), node, m, mass, apart * shared, pairs_.relative(motion, rigid, node, m), {}, {}});
   }
 
   // Forces act at t_n: there the reaction's moment is taken.
@@ -78,7 +86,7 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
       Vec<double> more = c.residual;
       for (std::size_t j = 0; j < c.m.masters.size(); ++j)
         more = more + c.m.phi[j] * delta.at(c.m.masters[j]);
-      c.f = c.f + (c.mass / step.h) * more;
+      c.f = c.f + (c.mass / (c.alpha * step.h)) * more;
       const double normal = std::max(0.0, dot(c.f, n));
       Vec<double> t;
       c.cut = true;

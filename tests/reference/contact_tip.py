@@ -10,9 +10,9 @@ DIMS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 class Tip:
     """The unit body below zero along the last axis, one cell along each (two simplices or six); a small cube that
     stands on its corner, whose facets at the tip are the slave. The tip follows path (num_steps + 2, gdim). roof: two
-    cells that slope down from their common edge in the middle."""
+    cells that slope down from their common edge in the middle. density: of the cube."""
 
-    def __init__(self, cell, path, degree=1, axisymmetric=False, start=0.0, roof=0.0):
+    def __init__(self, cell, path, degree=1, axisymmetric=False, start=0.0, roof=0.0, density=1.0):
         d = DIMS[cell]
         turn = np.array([[1, -1], [1, 1.0]]) / 2**0.5 if d == 2 else _cube_on_its_corner()
         p, c = box(cell, (1,) * d)
@@ -22,7 +22,9 @@ class Tip:
         low[:, -1] -= roof * np.abs(low[:, 0] - 0.5)
         points, cells = np.vstack([low, 0.2 * p @ turn.T + path[0]]), np.vstack([c_low, c + len(low)])
         hypothesis = "axisymmetric" if axisymmetric else "plane_strain" if d == 2 else "3d"
-        self.model = ir.Model(points, cells, cell, ir.Material(1.0, 0.3, 1.0, hypothesis), degree=degree)
+        materials = {k: ir.Material(1.0, 0.3, rho, hypothesis) for k, rho in enumerate((1.0, density))}
+        tags = np.repeat([0, 1], [len(c_low), len(c)])
+        self.model = ir.Model(points, cells, cell, cell_tags=tags, materials=materials, degree=degree)
         sides = [facets_where(p, c, cell, lambda x, k=k: x[k] == 0) for k in range(d)]
         self.slave = np.vstack(sides) + len(low)
         tops = set(np.flatnonzero(top))

@@ -1,0 +1,115 @@
+"""Who closes in explicit contact of the hand-written solver: through the surface only."""
+
+import impact_reference as ir
+import numpy as np
+import pytest
+from contact_tip import Tip
+from reference_meshes import CELLS, box, facets_where
+
+KINDS = [ir.NodalPenalty, ir.NodalKinematic]
+
+# Places of the tip (along the first and the last axis) over the facet from 0 to 1, and whether it is closed there. Half
+# of a facet is 0.5 or 0.71, a twentieth 0.05 or 0.07. Penalty sees all but the last place, kinematic all but the first.
+WAYS = {
+    "from above": ([(0.5, 0.1), (0.5, -0.1), (0.5, -0.2), (0.5, -0.2)], [0, 1, 1, 1]),
+    "overlapping from the start": ([(0.5, -0.1), (0.5, -0.1), (0.5, -0.1)], [1, 1, 1]),
+    "from above, and deep": ([(0.5, 0.1), (0.5, -0.8), (0.5, -0.9), (0.5, -0.9)], [0, 1, 1, 1]),
+    "deep from the start, until it has been above": (
+        [(0.5, -0.9), (0.5, -0.8), (0.5, -0.4), (0.5, -0.4), (0.5, 0.5), (0.5, -0.1), (0.5, -0.1)],
+        [0, 0, 0, 0, 0, 1, 1],
+    ),
+    "from beside, below, until it has been above": (
+        [(1.4, -0.1), (0.5, -0.1), (0.5, -0.2), (0.5, 0.5), (0.5, -0.1), (0.5, -0.1)],
+        [0, 0, 0, 0, 1, 1],
+    ),
+    "from beside, below, until it has been beside and above": (
+        [(1.4, -0.1), (0.9, -0.1), (0.9, -0.1), (1.4, 0.3), (0.9, -0.1), (0.9, -0.1)],
+        [0, 0, 0, 0, 1, 1],
+    ),
+    "from beside, deep": ([(1.4, -0.9), (0.5, -0.9), (0.5, -0.9), (0.5, -0.9)], [0, 0, 0, 0]),
+    "from beside, above": ([(1.4, 0.1), (0.5, -0.1), (0.5, -0.1), (0.5, -0.1)], [0, 1, 1, 1]),
+    "beside by less than a twentieth": (
+        [(1.4, 0.1), (1.04, 0.1), (1.04, -0.1), (0.9, -0.1), (0.9, -0.1)],
+        [0, 0, 1, 1, 1],
+    ),
+    "closed, off the rim and back": (
+        [(0.5, 0.1), (0.9, -0.1), (1.2, -0.1), (0.9, -0.1), (0.9, -0.1)],
+        [0, 1, 0, 0, 0],
+    ),
+    "deep from where there is no master": ([(2.5, -0.9), (0.5, -0.9), (0.5, -0.9), (0.5, -0.9)], [0, 0, 0, 0]),
+}
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("way", WAYS)
+def test_nodes_close_through_the_surface(cell, kind, way):
+    places, closed = WAYS[way]
+    d = 2 if cell in ("triangle", "quadrilateral") else 3
+    tip = Tip(cell, np.array([[x, 0.4, z][: d - 1] + [z] for x, z in places]))
+    run = tip.run(kind(tip.slave, tip.master, friction=0.5, search_distance=1.2))
+    row, seen = tip.row(run), slice(1, None) if kind is ir.NodalKinematic else slice(None, -1)
+    closed = np.array(closed[seen]) > 0
+    assert (run.contacts[0].status[:, row] > 0).tolist() == closed.tolist()
+    force = run.contacts[0].force.reshape(len(closed), -1, d)[:, tip.node]
+    assert (force[:, -1] > 0).tolist() == closed.tolist() and (force[~closed] == 0).all()
+    assert (run.contacts[0].traction[~closed, row] == 0).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_rigid_master_takes_who_is_deep(kind):
+    tip = Tip("quadrilateral", np.array([(1.4, -0.9), (0.5, -0.9), (0.5, -0.9)]))
+    run = tip.run(kind(tip.slave, ir.RigidPlane([0, 0], [0, 1.0])))
+    assert (run.contacts[0].status[:, tip.row(run)] > 0).all()
+
+
+def over_a_corner(cell, speed, spin, down):
+    """A block over the rim of a larger one, which sinks, turns its outer half down and passes inwards: model, slave,
+    master, v0."""
+    d = 2 if cell in ("triangle", "quadrilateral") else 3
+    p, c = box(
+        cell, (8, 4) if d == 2 else (6, 2, 2), mapping=lambda x: ([2, 1, 1][:d] * x - np.eye(d)[-1] - 2 * np.eye(d)[0])
+    )
+    q, e = box(
+        cell, (6, 3) if d == 2 else (4, 2, 2), mapping=lambda x: [0.8, 0.4, 0.4][:d] * x + [-0.3, 0.3, 0.01][3 - d :]
+    )
+    if d == 2:
+        q[:, 0] -= 0.6
+    points, cells = np.vstack([p, q]), np.vstack([c, e + len(p)])
+    law = ir.Material(1e3, 0.3, 2.0, "plane_strain" if d == 2 else "3d", law="st_venant_kirchhoff")
+    model = ir.Model(points, cells, cell, law)
+    slave = facets_where(q, e, cell, lambda x: abs(x[-1] - 0.01) < 1e-9) + len(p)
+    master = facets_where(p, c, cell, lambda x: abs(x[-1]) < 1e-9)
+    v, arm = np.zeros_like(points), q - q.mean(0)
+    v[len(p) :, 0] = spin * arm[:, -1] - speed
+    v[len(p) :, -1] = -spin * arm[:, 0] - down
+    return model, slave, master, v.reshape(-1)
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("touches", [False, True])
+def test_who_comes_in_below_the_rim_brings_no_energy(cell, kind, touches):
+    """touches: some nodes close through the surface before others come in from beside it."""
+    model, slave, master, v0 = over_a_corner(cell, *((2.0, 0.5, 0.2) if touches else (1.0, 2.0, 0.3)))
+    d = model.points.shape[1]
+    dt = 0.8 * model.stable_step()
+    run = model.run_explicit(dt, int(0.5 / dt), v0=v0, contacts=[kind(slave, master)])
+    contact, e = run.contacts[0], run.energies
+    start, mass = e["kinetic"][0], model.mass(lumped=True)[::d]
+    # Nodes that are below the master and have been beside it.
+    inside = (contact.gap < -0.02) & (contact.status == 0)
+    assert inside.any(0).sum() >= (1 if d == 2 else 3)
+    closed = contact.nodes[(contact.status > 0).any(0)]
+    if not touches:
+        assert (contact.force == 0).all()
+        # Round-off of some 200 steps.
+        assert np.abs(e["total"] - start).max() < 1e-13 * start
+        return
+    assert closed.size > 0
+    # A node that closes as it passes the rim may lose or gain what its approach has.
+    cost = np.sum(mass[closed] * v0.reshape(-1, d)[closed, -1] ** 2) / 2
+    assert cost < 0.01 * start
+    moving = e["kinetic"] + e["internal"]
+    assert np.abs(e["total"] - start).max() < (cost if kind is ir.NodalPenalty else 1e-13 * start)
+    assert moving.max() < start + cost
