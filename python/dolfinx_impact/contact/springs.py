@@ -8,8 +8,8 @@ from .. import _cpp
 
 
 def _searched(contact, u):
-    """A contact like this one with the candidates of a configuration, its Halo and u over that; the contact that runs is
-    left alone. Collective."""
+    """A contact like this one with the candidates of a configuration, its Halo and u over that; the contact that runs
+    is left alone. Collective."""
     made, V = contact.make(), contact.V
     if contact.motion is not None:
         made.set_obstacle(contact.motion.sample([contact.problem.time])[0].tolist(), [0.0] * 3)
