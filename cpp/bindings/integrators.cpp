@@ -1,4 +1,5 @@
 #include "arrays.h"
+#include "dolfinx_impact/common/machine.h"
 #include "dolfinx_impact/integrators/CentralDifference.h"
 
 namespace nb = nanobind;
@@ -33,6 +34,7 @@ nb::object row(const Energies& e)
 
 void impact::bindings::integrators(nb::module_& m)
 {
+  m.def("release_memory", &common::release_memory, "Give memory that set-up no longer needs back to the system");
   nb::enum_<Scheme>(m, "Scheme").value("half_step", Scheme::half_step).value("classical", Scheme::classical);
   nb::enum_<Account>(m, "Account")
       .value("damping", Account::damping)

@@ -88,8 +88,9 @@ class ExplicitProblem(March, Restart):
             internal, tangent, linear = residual, ufl.derivative(residual, u, du), False
             parts, tags = [(None, self._density(density, mesh))], None
         self.axisymmetric = hypothesis == "axisymmetric"
-        masses = lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping)
-        self._frequencies = Frequencies(u, tangent, masses)
+        self._frequencies = Frequencies(
+            u, tangent, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping)
+        )
         self._nonlinear = any(c is u for c in tangent.coefficients())
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(_number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
@@ -112,6 +113,7 @@ class ExplicitProblem(March, Restart):
             motion = c.motion
             self._cpp.add_contact(c._cpp, [-1] * 3 if motion is None else self._columns(motion))
         self._begin()
+        _cpp.integrators.release_memory()
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 
@@ -132,16 +134,15 @@ class ExplicitProblem(March, Restart):
         return fem.Constant(mesh, default_scalar_type(_number("density", density, 0.0, " [M/L^3]")))
 
     def _frequencies_masses(self):
-        cells = np.arange(len(self._frequencies.masses), dtype=np.int32)
-        return [(cells, self._frequencies.masses)]
+        masses = self._frequencies.masses()
+        return [(np.arange(len(masses), dtype=np.int32), masses)]
 
     def _scale_mass(self, dt):
         """Mass for cells whose own stable step is less than dt; returns how much, of all ranks. Collective."""
         f = self._frequencies
         factor = np.maximum(1.0, f.by_cell() * (dt / 2.0) ** 2)
-        before = f.masses.sum()
-        f.masses *= factor[:, None]
-        added = self.comm.allreduce(float(f.masses.sum() - before), MPI.SUM)
+        added = self.comm.allreduce(float((factor - 1.0) @ f.masses().sum(axis=1)), MPI.SUM)
+        f.factor = factor
         return added / self.space.mesh.geometry.dim
 
     def _check_viscosity(self, factors):

@@ -37,25 +37,34 @@ class Frequencies:
     """Highest frequencies of a body by cells and as a whole.
 
     Args:
-        u: displacement function. tangent: UFL form of rank 2, derivative of the internal force. masses: as from
-            mass.cell_masses.
+        u: displacement function. tangent: UFL form of rank 2, derivative of the internal force. masses: function
+            without arguments, returns what mass.cell_masses does; called when needed, nothing is kept.
+
+    Attributes:
+        factor: of each owned cell's mass, or None [1].
     """
 
     def __init__(self, u, tangent, masses):
         V = u.function_space
         self.u, self.tangent, self.comm = u, tangent, V.mesh.comm
-        num_cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
-        self.masses = np.zeros((num_cells, V.dofmap.bs * V.dofmap.dof_layout.num_dofs))
-        for cells, values in masses:
-            self.masses[cells] += values
+        self._num_cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+        self._masses, self.factor = masses, None
         self._compiled = compile_form(tangent)
         tags = next(iter(tangent.subdomain_data().values())).get("cell", [])
         self._tags = next((t for t in tags if t is not None), None)
 
-    def by_cell(self):
-        """Square of the highest angular frequency of every owned cell [1/T^2]."""
+    def masses(self):
+        """Lumped mass of every owned cell, (num_cells, local degrees of freedom) [M]. Collective."""
         V = self.u.function_space
-        out = np.zeros(len(self.masses))
+        out = np.zeros((self._num_cells, V.dofmap.bs * V.dofmap.dof_layout.num_dofs))
+        for cells, values in self._masses():
+            out[cells] += values
+        return out if self.factor is None else out * self.factor[:, None]
+
+    def by_cell(self):
+        """Square of the highest angular frequency of every owned cell [1/T^2]. Collective."""
+        V, of_cells = self.u.function_space, self.masses()
+        out = np.zeros(self._num_cells)
         for kernel in self._compiled.kernels:
             if kernel.integral_type != "cell":  # loads that follow the body
                 continue
@@ -67,7 +76,7 @@ class Frequencies:
             for subdomain in kernel.subdomains:
                 cells = np.ascontiguousarray(operators._entities(V.mesh, "cell", subdomain, self._tags))
                 integral = _cpp.operators.Integral(kernel.address, cells, constants)
-                masses = np.ascontiguousarray(self.masses[cells]).ravel()
+                masses = np.ascontiguousarray(of_cells[cells]).ravel()
                 out[cells] += _cpp.operators.cell_frequencies(integral, V._cpp_object, functions, masses)
         return out
 

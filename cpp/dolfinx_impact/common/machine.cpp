@@ -1,4 +1,8 @@
 #include "machine.h"
+#include <cstdlib> // defines __GLIBC__ where that is the C library
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
@@ -69,5 +73,12 @@ double peak_flops()
     best = std::max(best, 2.0 * lanes * chains * repeats / seconds_since(start));
   }
   return best;
+}
+
+void release_memory()
+{
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
 }
 } // namespace impact::common

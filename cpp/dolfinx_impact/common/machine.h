@@ -10,4 +10,7 @@ double triad_bandwidth();
 /// Double-precision operations per second of one core: independent fused multiply-adds in the widest vectors that
 /// kernels are compiled for; a multiply-add counts as two.
 double peak_flops();
+
+/// Give memory that set-up no longer needs back to the system, where the C library can.
+void release_memory();
 } // namespace impact::common

@@ -21,7 +21,6 @@ CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, For
   _inverse.resize(_own_size);
   for (std::size_t i = 0; i < _own_size; ++i)
     _inverse[i] = 1.0 / _mass[i];
-  _load.assign(_owned, 0.0);
   _local.assign(Local::size, 0.0);
   _global = _local;
   resize(map);
@@ -52,6 +51,7 @@ void CentralDifference::add_load(std::span<const std::int32_t> dofs, std::span<c
                     {values.begin(), values.end()},
                     amplitude,
                     std::numeric_limits<double>::quiet_NaN()});
+  _load.resize(_owned, 0.0);
 }
 
 void CentralDifference::set_load(std::size_t i, std::span<const double> values)
@@ -182,7 +182,7 @@ void CentralDifference::prescribed_motion(double dt, double h, const double* amp
       const std::int32_t i = motion.dofs[k];
       const double place = target(motion, k, amplitudes);
       const double old = motion.v[k], v = (place - motion.u[k]) / dt, m = _mass[i];
-      const double load = _load.empty() ? 0.0 : _load[i];
+      const double load = load_at(i);
       const double force = m * ((v - old) / h + _alpha * old) + motion.r[k] - load;
       before += force * old;
       after += force * v;
@@ -218,8 +218,7 @@ void CentralDifference::advance(double dt, const double* amplitudes)
         _near.before[2 * n] = _v[i];
         _near.before[2 * n + 1] = _r[i];
       }
-  Sums sums =
-      update(_owned, _r.data(), _loads.empty() ? nullptr : _load.data(), _inverse.data(), c, _u.data(), _v.data());
+  Sums sums = update(_owned, _r.data(), loads(), _inverse.data(), c, _u.data(), _v.data());
   prescribed_motion(dt, 0.5 * (_last_step + dt), amplitudes, sums);
   move_obstacles(amplitudes, false);
   if (_kinematic)

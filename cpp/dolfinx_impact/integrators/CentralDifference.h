@@ -158,6 +158,8 @@ private:
   void kinematic_contact(double dt, double h, Sums& sums);
   void account(const Sums& sums, double dt, bool commit);
   Coefficients coefficients(double dt) const;
+  const double* loads() const { return _load.empty() ? nullptr : _load.data(); }
+  double load_at(std::size_t i) const { return _load.empty() ? 0.0 : _load[i]; }
   void reduce_begin();
   bool reduce_end();
 
@@ -175,7 +177,7 @@ private:
   std::size_t _owned, _own_size;       ///< degrees of freedom: owned, with the space's ghosts
   std::vector<double> _u, _v, _r;      ///< over the halo's nodes
   std::vector<double> _mass, _inverse; ///< per degree of freedom over the halo's nodes
-  std::vector<double> _load;           ///< owned
+  std::vector<double> _load;           ///< owned; empty without loads
   std::vector<std::int32_t> _touched;  ///< nodes that contacts may act on
   Near _near;
   std::vector<double> _old_ghosts;

@@ -209,7 +209,7 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
       continue;
     const std::size_t i = std::size_t(_touched[n / _bs]) * _bs + n % _bs;
     const double old = _near.before[2 * n], r = _near.before[2 * n + 1], predicted = _near.v[n], f = _near.force[n];
-    const double v = predicted + h * _near.inverse[n] * f, m = _mass[i], load = _load[i];
+    const double v = predicted + h * _near.inverse[n] * f, m = _mass[i], load = load_at(i);
     _v[i] = v;
     sums.momentum += m * old * (v - predicted);
     sums.speed += m * (v * v - predicted * predicted);

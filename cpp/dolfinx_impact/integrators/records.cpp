@@ -91,14 +91,14 @@ Energies CentralDifference::energies()
   if (!_fresh)
     evaluate();
   const double dt = _last_step;
-  Sums sums = measure(_owned, _r.data(), _load.data(), _inverse.data(), coefficients(dt), _u.data(), _v.data());
+  Sums sums = measure(_owned, _r.data(), loads(), _inverse.data(), coefficients(dt), _u.data(), _v.data());
   double support = 0.0;
   for (const Motion& motion : _motions)
     for (std::size_t k = 0; k < motion.dofs.size(); ++k)
     {
       const std::int32_t i = motion.dofs[k];
       const double v = _v[i], next = dt > 0.0 ? (target(motion, k, _beyond.data()) - _u[i]) / dt : v;
-      const double force = _mass[i] * ((dt > 0.0 ? (next - v) / dt : 0.0) + _alpha * v) + _r[i] - _load[i];
+      const double force = _mass[i] * ((dt > 0.0 ? (next - v) / dt : 0.0) + _alpha * v) + _r[i] - load_at(i);
       support += force * v;
       sums.momentum += _mass[i] * v * next;
     }
@@ -122,7 +122,7 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
   const std::vector<double> contact = _kinematic ? kept_forces() : std::vector<double>();
   for (std::size_t i = 0; i < _owned; ++i)
   {
-    const double f = _inverse[i] * (_load[i] - _r[i] + (_kinematic ? contact[_owned + i] : 0.0));
+    const double f = _inverse[i] * (load_at(i) - _r[i] + (_kinematic ? contact[_owned + i] : 0.0));
     if (_inverse[i] > 0.0)
       a[i] = dt > 0.0 ? ((c.keep - 1.0) * _v[i] + c.push * f) / dt : f - _alpha * _v[i];
     else

@@ -87,6 +87,7 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
     a.name = c.name;
     a.function = found->second;
     a.offset = c.offset;
+    a.as_test = test && V->dofmap() == test->dofmap();
     _coefficients.push_back(std::move(a));
   }
 
@@ -144,6 +145,8 @@ void Batches::add_group(std::span<const std::int32_t> cells, int facet)
   }
   for (Array& a : _coefficients)
   {
+    if (a.as_test)
+      continue;
     auto& map = *a.function->function_space()->dofmap();
     number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _width, a.num_nodes, a.dofs);
   }
@@ -177,8 +180,9 @@ double Batches::run(double* b) const
   {
     _x.gather(nodes, _x.dofs.data() + batch * _x.num_nodes * _width, _x.num_nodes, x);
     for (const Array& a : _coefficients)
-      a.gather(a.values ? a.values : a.function->x()->array().data(), a.dofs.data() + batch * a.num_nodes * _width,
-               a.num_nodes, w + std::size_t(a.offset) * _width);
+      a.gather(a.values ? a.values : a.function->x()->array().data(),
+               (a.as_test ? _test.dofs : a.dofs).data() + batch * a.num_nodes * _width, a.num_nodes,
+               w + std::size_t(a.offset) * _width);
     std::fill_n(A, size_A, 0.0);
     _tabulate(A, w, _constants.data(), x, _facet[batch]);
     if (k.rank == 1)

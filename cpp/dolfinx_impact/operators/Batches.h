@@ -38,6 +38,7 @@ public:
     int num_nodes = 0;
     int block_size = 1;
     std::vector<std::int32_t> dofs;
+    bool as_test = false; ///< the test space's numbers: `dofs` is empty
     gather_function gather = nullptr;
     std::string name;                         ///< of a coefficient
     std::shared_ptr<const Function> function; ///< of a coefficient
