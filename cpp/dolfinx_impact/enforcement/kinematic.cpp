@@ -101,7 +101,8 @@ void NodeToSurface::add_masses(const double* inverse_mass)
     {
       w[c] = inverse_mass[std::size_t(touch.node) * D + c];
       for (int j = 0; j < touch.num; ++j)
-        w[c] += std::abs(touch.phi[j]) * _weight[touch.masters[j]] * inverse_mass[std::size_t(touch.masters[j]) * D + c];
+        w[c] +=
+            std::abs(touch.phi[j]) * _weight[touch.masters[j]] * inverse_mass[std::size_t(touch.masters[j]) * D + c];
       along += touch.at.normal[c] * touch.at.normal[c] * w[c];
       across = std::max(across, w[c]);
     }
