@@ -1,5 +1,7 @@
 """Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit.md."""
 
+import math
+
 import numpy as np
 import ufl
 from mpi4py import MPI
@@ -35,6 +37,9 @@ class Kinematic:
 
     def _bind_explicit(self, problem):
         return NodalResult(self.pair, problem, kinematic=True, sweeps=self.sweeps)
+
+
+RESULTS = ("gap", "normal", "pressure", "traction", "slip", "status", "stiffness")  # by node
 
 
 class NodalResult(ContactOutput):
@@ -129,11 +134,10 @@ class NodalResult(ContactOutput):
     def look(self):
         """Copy results of the last step. Collective."""
         results = self._cpp.results()
-        for name in ("gap", "normal", "pressure", "traction", "slip", "status"):
+        for name in RESULTS:
             setattr(self, name, results[name])
         u = self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes]
         self.points = self._X + u
-        self.stiffness = results["stiffness"]
         forces = self.weight[:, None] * self.traction
         if self.gdim == 2:
             moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
@@ -145,6 +149,26 @@ class NodalResult(ContactOutput):
         gdim = self.gdim
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
         self.dissipated = float(sums[-1])
+
+    def seen(self):
+        """What `look` found, for checkpoints: rows by node, and the totals."""
+        rows = [np.asarray(getattr(self, name), dtype=float) for name in RESULTS]
+        rows = [values.reshape(len(values), math.prod(values.shape[1:])) for values in rows]
+        return np.hstack(rows), np.concatenate([self.force, self.moment, [self.area, self.dissipated]])
+
+    def set_seen(self, rows, totals):
+        """Results as `seen` gave them, in place of a `look` at a state whose forces are not there any more."""
+        first = 0
+        for name in RESULTS:
+            now = getattr(self, name)
+            count = math.prod(now.shape[1:])
+            setattr(
+                self, name, np.ascontiguousarray(rows[:, first : first + count].reshape(now.shape).astype(now.dtype))
+            )
+            first += count
+        gdim = self.gdim
+        self.force, self.moment = totals[:gdim], totals[gdim:-2]
+        self.area, self.dissipated = float(totals[-2]), float(totals[-1])
 
     def covered(self):
         """Part of each node's area that is in contact: all of it or nothing, (n)."""
