@@ -1,6 +1,7 @@
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/NodeToSurface.h"
 #include <algorithm>
+#include <numeric>
 
 using namespace impact::enforcement;
 using impact::gap::Rigid;
@@ -109,6 +110,27 @@ nb::dict energies(const NodeToSurface& self)
   return out;
 }
 
+/// Numbers of nodes are global.
+nb::dict springs(NodeToSurface& self, const Halo& halo, const Values& u)
+{
+  const std::size_t gdim = self.candidates().gdim();
+  NodalSprings s = self.springs(over(halo, u, int(gdim), "u"));
+  const auto global = [&](const std::vector<std::int32_t>& nodes)
+  {
+    std::vector<std::int64_t> numbers(nodes.size());
+    halo.map().local_to_global(nodes, numbers);
+    return numbers;
+  };
+  const std::size_t n = s.nodes.size(), masters = s.num_masters;
+  nb::dict out;
+  out["nodes"] = take(global(s.nodes));
+  out["masters"] = copy(global(s.masters), {n, masters});
+  out["phi"] = copy(s.phi, {n, masters});
+  out["normal"] = copy(s.normal, {n, gdim});
+  out["stiffness"] = take(std::move(s.stiffness));
+  return out;
+}
+
 template <typename Master>
 void construct(NodeToSurface* self, const FunctionSpace& V, const Facets& slave, const Master& master, double friction,
                double penalty, double kappa, bool balanced, bool kinematic, int sweeps, double search_distance,
@@ -154,7 +176,13 @@ void impact::bindings::nodal(nb::module_& m)
           nb::rv_policy::move)
       .def(
           "number",
-          [](NodeToSurface& self, Halo& halo, Values mass) { self.number(halo, over(halo, mass, 1, "mass")); },
+          [](NodeToSurface& self, Halo& halo, Values mass)
+          {
+            std::vector<std::int32_t> same(halo.num_nodes());
+            std::iota(same.begin(), same.end(), 0);
+            self.needs(halo);
+            self.number(halo, same, over(halo, mass, 1, "mass"));
+          },
           nb::arg("halo"), nb::arg("mass"), nb::keep_alive<1, 2>(), "Take the numbers of nodes from a Halo. Collective")
       .def(
           "used", [](const NodeToSurface& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt)
@@ -186,6 +214,8 @@ void impact::bindings::nodal(nb::module_& m)
           nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"), nb::arg("dt"),
           nb::arg("f"),
           "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
+      .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
+           "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
       .def("set_obstacle", &NodeToSurface::set_obstacle, nb::arg("displacement"), nb::arg("increment"))
       .def("wake_all", &NodeToSurface::wake_all)
       .def_prop_ro("kinematic", &NodeToSurface::kinematic)

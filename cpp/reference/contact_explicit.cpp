@@ -4,8 +4,6 @@
 
 namespace impact::reference
 {
-namespace
-{
 void put(Matrix& rows, std::int64_t row, const Vec<double>& v)
 {
   for (int c = 0; c < rows.cols(); ++c)
@@ -19,7 +17,6 @@ Vec<double> get(const Matrix& rows, std::int64_t row)
     v[c] = rows(row, c);
   return v;
 }
-} // namespace
 
 std::map<std::int64_t, double> nodal_areas(const Surface& s)
 {
@@ -78,11 +75,11 @@ Vec<double> NodePairs::master_moved(int n) const
 
 namespace
 {
-/// The longest way between two vertices of a facet in the reference configuration.
+// The longest way between two vertices of a facet in the reference configuration; they come first in X.
 double width(const Facet& facet)
 {
   double longest = 0;
-  for (Eigen::Index a = 0; a < facet.X.rows(); ++a)
+  for (Eigen::Index a = 0; a < Eigen::Index(facet.vertices.size()); ++a)
     for (Eigen::Index b = 0; b < a; ++b)
       longest = std::max(longest, (facet.X.row(a) - facet.X.row(b)).norm());
   return longest;
@@ -122,6 +119,7 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
     m.x = position(u, nodes_[i]);
     const auto meets = [&](const Facet& facet, double gap, const Vec<double>& normal, const auto& f)
     {
+      m.width = width(facet);
       m.gap = gap;
       m.normal = normal;
       m.masters = facet.nodes;
@@ -130,7 +128,8 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
     Foot foot = projector.nearest(m.x, normals.at(nodes_[i]));
     if (foot.facet < 0)
       continue;
-    if (foot.dim < master_.tdim() and projector.on_rim(foot))
+    m.on_rim = foot.dim < master_.tdim() and projector.on_rim(foot);
+    if (m.on_rim)
     {
       const Facet& facet = master_.facets[foot.facet];
       const auto s = spot<double>(master_, facet, gather(master_, facet, u), foot.xi);
@@ -179,6 +178,47 @@ void NodePairs::add(Vector& force, const Vec<double>& f, std::int64_t node, cons
   }
 }
 
+void NodePairs::add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node,
+                           const Meeting& m) const
+{
+  if (rigid_ or slave_.axisymmetric)
+    return;
+  const int d = gdim();
+  const double share = 1 / double(m.masters.size());
+  Vec<double> lever = -1.0 * position(u, node), centre; // from the slave node to the master's point
+  std::vector<Vec<double>> y;
+  for (std::size_t j = 0; j < m.masters.size(); ++j)
+  {
+    y.push_back(position(u, m.masters[j]));
+    lever = lever + m.phi[j] * y[j];
+    centre = centre + share * y[j];
+  }
+  // sum_j y_j x (omega x y_j) = sum_j (|y_j|^2 omega - (y_j . omega) y_j) from the nodes' mean.
+  Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
+  for (Vec<double>& v : y)
+  {
+    v = v - centre;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        J(a, b) += (a == b ? dot(v, v) : 0.0) - v[a] * v[b];
+  }
+  const Vec<double> moment = cross(lever, f); // f and -f leave the opposite
+  Vec<double> omega;
+  if (d == 2)
+    omega[2] = moment[2] / J(2, 2); // the other two are of no account: two nodes lie on a line
+  else
+  {
+    const Eigen::Vector3d w = J.partialPivLu().solve(Eigen::Vector3d(moment[0], moment[1], moment[2]));
+    omega = {w(0), w(1), w(2)};
+  }
+  for (std::size_t j = 0; j < y.size(); ++j)
+  {
+    const Vec<double> c = cross(omega, y[j]);
+    for (int k = 0; k < d; ++k)
+      force(d * m.masters[j] + k) += c[k];
+  }
+}
+
 Vec<double> turned(const Vec<double>& t, const Vec<double>& n)
 {
   const Vec<double> flat = t - dot(t, n) * n;
@@ -199,181 +239,5 @@ ContactAnswer no_contact(const NodePairs& pairs)
           rows,
           rows,
           std::vector<ContactStatus>(count, ContactStatus::open)};
-}
-
-NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty)
-    : friction_(friction), penalty_(penalty), part_(1.0 / double(directions.size()))
-{
-  answer_ = no_contact(directions[0]);
-  for (NodePairs& pairs : directions)
-  {
-    const ContactAnswer none = no_contact(pairs);
-    directions_.push_back(
-        {std::move(pairs), std::vector<double>(none.status.size(), none.gap(0)), none.traction, none.slip});
-  }
-}
-
-double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const Meeting& m, double dt) const
-{
-  if (penalty_ > 0)
-    return part_ * penalty_ * pairs.area(node);
-  return part_ * 0.5 / (dt * dt * pairs.compliance(node, m));
-}
-
-void NodalPenalty::before(const ContactStep& step)
-{
-  const double dissipated = answer_.dissipated;
-  answer_ = no_contact(directions_[0].pairs);
-  answer_.dissipated = dissipated;
-  for (std::size_t k = 0; k < directions_.size(); ++k)
-    evaluate(directions_[k], step, k == 0);
-}
-
-namespace
-{
-// The forces +t at x and -t at the master's point are gap apart: forces along n on the facet's nodes, without
-// resultant, carry the couple.
-void add_couple(Vector& force, const NodePairs& pairs, const Vector& u, const Meeting& m, const Vec<double>& t)
-{
-  const int d = pairs.gdim();
-  std::vector<Vec<double>> y;
-  Vec<double> centre;
-  for (auto node : m.masters)
-  {
-    y.push_back(pairs.position(u, node));
-    centre = centre + (1.0 / double(m.masters.size())) * y.back();
-  }
-  // sum_j w_j y_j = gap t, w_j = c . y_j, in the tangent plane.
-  Eigen::Matrix3d G = Eigen::Matrix3d::Zero();
-  const Eigen::Vector3d n(m.normal[0], m.normal[1], m.normal[2]);
-  for (auto& v : y)
-  {
-    v = v - centre;
-    v = v - dot(v, m.normal) * m.normal;
-    const Eigen::Vector3d e(v[0], v[1], v[2]);
-    G += e * e.transpose();
-  }
-  const double size = G.trace();
-  G += size * n * n.transpose();
-  if (d == 2)
-    G(2, 2) += size;
-  const Eigen::Vector3d c = G.partialPivLu().solve(m.gap * Eigen::Vector3d(t[0], t[1], t[2]));
-  for (std::size_t j = 0; j < y.size(); ++j)
-  {
-    const double w = c(0) * y[j][0] + c(1) * y[j][1] + c(2) * y[j][2];
-    for (int k = 0; k < d; ++k)
-      force(d * m.masters[j] + k) += w * m.normal[k];
-  }
-}
-} // namespace
-
-void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool first)
-{
-  const NodePairs& pairs = direction.pairs;
-  const auto meetings = pairs.meet(step.u, step.n);
-  // A balanced pair's total is that on the slave of the first direction.
-  const double sign = first ? 1 : -1;
-  for (std::size_t i = 0; i < meetings.size(); ++i)
-  {
-    const Meeting& m = meetings[i];
-    const std::int64_t node = pairs.nodes()[i];
-    const double gap_before = direction.gap_before[i];
-    direction.gap_before[i] = m.gap;
-    Vec<double> t, slip;
-    ContactStatus status = ContactStatus::open;
-    if (m.gap < 0)
-    {
-      const double k = stiffness(pairs, node, m, step.dt);
-      const Vec<double> normal = (-k * m.gap) * m.normal;
-      status = ContactStatus::slip;
-      answer_.stored += k * m.gap * m.gap / 2;
-      if (friction_ > 0)
-      {
-        const Vec<double> moved = pairs.relative(step.moved, pairs.master_moved(step.n), node, m);
-        const double part = gap_before > 0 ? (std::isinf(gap_before) ? 0 : -m.gap / (gap_before - m.gap)) : 1;
-        const Vec<double> s = part * (moved - dot(moved, m.normal) * m.normal);
-        const Vec<double> before = turned(get(direction.traction, i), m.normal);
-        t = before - k * s;
-        const double bound = friction_ * -k * m.gap, size = norm(t);
-        status = ContactStatus::stick;
-        slip = get(direction.slip, i);
-        if (size > bound)
-        {
-          status = ContactStatus::slip;
-          t = (bound / size) * t;
-          const Vec<double> more = s + (1 / k) * (t - before);
-          slip = slip + more;
-          answer_.dissipated += norm(t) * norm(more);
-        }
-        answer_.stored += dot(t, t) / (2 * k);
-        pairs.add(answer_.tangential, t, node, m);
-        if (not m.masters.empty() and not pairs.axisymmetric())
-          add_couple(answer_.tangential, pairs, step.u, m, t);
-        answer_.friction = answer_.friction + sign * t;
-      }
-      pairs.add(answer_.force, normal, node, m);
-      answer_.total = answer_.total + sign * (normal + t);
-    }
-    put(direction.traction, i, t);
-    put(direction.slip, i, slip);
-    if (first)
-    {
-      answer_.gap(i) = m.gap;
-      answer_.status[i] = status;
-      put(answer_.traction, i, t);
-      put(answer_.slip, i, slip);
-    }
-  }
-  if (&direction == &directions_.back())
-    answer_.force += answer_.tangential;
-}
-
-double NodalPenalty::added_frequency(const Vector& u) const
-{
-  double sum = 0;
-  if (penalty_ > 0)
-    for (const Direction& direction : directions_)
-    {
-      const NodePairs& pairs = direction.pairs;
-      const auto meetings = pairs.meet(u, 0);
-      double highest = 0;
-      for (std::size_t i = 0; i < meetings.size(); ++i)
-        if (const std::int64_t node = pairs.nodes()[i]; std::isfinite(meetings[i].gap))
-          highest = std::max(highest, stiffness(pairs, node, meetings[i], 1) * pairs.compliance(node, meetings[i]));
-      sum += highest;
-    }
-  return sum;
-}
-
-Entries NodalPenalty::springs(const Vector& u) const
-{
-  Entries entries;
-  if (not(penalty_ > 0))
-    return entries;
-  for (const Direction& direction : directions_)
-  {
-    const NodePairs& pairs = direction.pairs;
-    const int d = pairs.gdim();
-    const auto meetings = pairs.meet(u, 0);
-    for (std::size_t i = 0; i < meetings.size(); ++i)
-    {
-      const Meeting& m = meetings[i];
-      if (not std::isfinite(m.gap))
-        continue;
-      const double k = stiffness(pairs, pairs.nodes()[i], m, 1);
-      std::vector<std::pair<std::int64_t, double>> parts{{pairs.nodes()[i], 1.0}};
-      for (std::size_t j = 0; j < m.masters.size(); ++j)
-        parts.emplace_back(m.masters[j], -m.phi[j]);
-      for (const auto& [a, wa] : parts)
-        for (const auto& [b, wb] : parts)
-          for (int r = 0; r < d; ++r)
-            for (int c = 0; c < d; ++c)
-            {
-              const double direction_part = friction_ > 0 ? double(r == c) : m.normal[r] * m.normal[c];
-              entries.emplace_back(int(d * a + r), int(d * b + c), k * wa * wb * direction_part);
-            }
-    }
-  }
-  return entries;
 }
 } // namespace impact::reference

@@ -7,10 +7,12 @@ namespace impact::reference
 /// What a slave node meets.
 struct Meeting
 {
-  double gap = std::numeric_limits<double>::infinity(); ///< without master [L]
-  Vec<double> x, normal;                                ///< position of the node, normal out of the master [L], [1]
-  std::vector<std::int64_t> masters;                    ///< nodes of the facet; none if the master is rigid
-  std::vector<double> phi;                              ///< its shape functions at the closest point
+  double gap = std::numeric_limits<double>::infinity();   ///< without master [L]
+  Vec<double> x, normal;                                  ///< position of the node, normal out of the master [L], [1]
+  std::vector<std::int64_t> masters;                      ///< nodes of the facet; none if the master is rigid
+  std::vector<double> phi;                                ///< its shape functions at the closest point
+  bool on_rim = false;                                    ///< the closest point is where the master ends
+  double width = std::numeric_limits<double>::infinity(); ///< of the facet, at rest; infinite if rigid [L]
 };
 
 /// The nodes of a slave surface and their master.
@@ -29,7 +31,6 @@ public:
   const std::vector<std::int64_t>& nodes() const { return nodes_; }
   int gdim() const { return model_.gdim(); }
   std::int64_t num_dofs() const { return model_.num_dofs(); }
-  bool axisymmetric() const { return slave_.axisymmetric; }
   double mass(std::int64_t node) const { return mass_(gdim() * node); }
   double area(std::int64_t node) const { return areas_.at(node); } ///< of a slave node [L^2]
   /// 1 / m_i + sum_j |phi_j| (1 + A_j / A_i) / m_j [1/M].
@@ -42,6 +43,8 @@ public:
   Vec<double> relative(const Vector& motion, const Vec<double>& rigid, std::int64_t node, const Meeting& m) const;
   /// Adds f to the slave node and the opposite to the master.
   void add(Vector& force, const Vec<double>& f, std::int64_t node, const Meeting& m) const;
+  /// Adds the forces c_j on the facet's nodes that take back the moment of f and its reaction at the positions of u.
+  void add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node, const Meeting& m) const;
 
 private:
   const Model& model_;
@@ -57,6 +60,10 @@ private:
 /// Areas of the nodes of a surface: int phi dA_0 at degree 1, shares of the facets' area in proportion to int phi^2 at
 /// degree 2.
 std::map<std::int64_t, double> nodal_areas(const Surface& surface);
+
+/// A row as a vector, and back.
+Vec<double> get(const Matrix& rows, std::int64_t row);
+void put(Matrix& rows, std::int64_t row, const Vec<double>& v);
 
 /// A tangential vector turned into the plane orthogonal to n without a change of length.
 Vec<double> turned(const Vec<double>& t, const Vec<double>& n);
@@ -85,7 +92,8 @@ private:
   struct Direction
   {
     NodePairs pairs;
-    std::vector<double> gap_before;
+    std::vector<double> gap_before; // infinite without master and at the start
+    std::vector<bool> closed;
     Matrix traction, slip; // per slave node, as in ContactAnswer
   };
   double stiffness(const NodePairs& pairs, std::int64_t node, const Meeting& m, double dt) const;

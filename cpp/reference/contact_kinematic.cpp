@@ -39,12 +39,18 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
       added[m.masters[j]] += std::abs(m.phi[j]) * closed.back().mass;
   }
 
+  // Forces act at t_n: there the reaction's moment is taken.
+  const auto push = [&](Vector& force, const Closed& c)
+  {
+    pairs_.add(force, c.f, c.node, c.m);
+    pairs_.add_moment(force, c.f, step.u, c.node, c.m);
+  };
   // Motion that the forces have brought.
   const auto brought = [&]
   {
     Vector force = Vector::Zero(pairs_.num_dofs());
     for (const Closed& c : closed)
-      pairs_.add(force, c.f, c.node, c.m);
+      push(force, c);
     return Vector(step.h * step.inverse.cwiseProduct(force));
   };
   const auto tangential = [](const Vec<double>& v, const Vec<double>& n) { return v - dot(v, n) * n; };
@@ -94,7 +100,7 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
     const Vec<double>& n = c.m.normal;
     const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m), t = tangential(c.f, n);
     const Vec<double> slip = tangential(c.moved + so_far, n);
-    pairs_.add(answer_.force, c.f, c.node, c.m);
+    push(answer_.force, c);
     if (friction_ > 0)
       pairs_.add(answer_.tangential, t, c.node, c.m);
     answer_.total = answer_.total + c.f;

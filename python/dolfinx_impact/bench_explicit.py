@@ -6,6 +6,7 @@ and of output wall time.
 
 import gc
 import json
+import math
 import os
 import subprocess
 import sys
@@ -25,6 +26,7 @@ CELLS_PER_S = "million cells/s"
 # Cells on each side of the interface: (thick enough for 1.5 % of the nodes to be slaves; thin, so that contact shows)
 SHARE_BLOCKS = (32, 32)
 COST_BLOCKS = (64, 4)
+ROUND = 0.2  # processor seconds
 SPEED = 0.005  # sliding and closing, of the wave speed
 
 
@@ -40,9 +42,10 @@ def step_seconds(problem, steps, rounds=3):
     times = []
     for k in range(rounds + 1):
         dt = 0.9 * problem._safe
+        count = steps if k else max(2, steps // 5)  # the first round warms up
         begin, first = time.process_time(), problem.step
-        problem.advance(problem.time + steps * dt, progress=False)
-        if k:  # the first round warms up
+        problem.advance(problem.time + count * dt, progress=False)
+        if k:
             times.append((time.process_time() - begin) / (problem.step - first))
     return min(times), float(np.median(times))
 
@@ -58,8 +61,9 @@ def own_form(u):
     return ufl.inner(stress, ufl.grad(ufl.TestFunction(V))) * ufl.dx(domain=mesh, metadata=rule)
 
 
-def step_rows(cases, law=materials.LinearElastic, steps=100, baselines=("A", "B"), own=()):
-    """Whole steps against assemble_vector alone; for cells in `own`, with a residual of the user's own as well.
+def step_rows(cases, law=materials.LinearElastic, steps=0, baselines=("A", "B"), own=()):
+    """Whole steps against assemble_vector alone; for cells in `own`, with a residual of the user's own as well. Steps of
+    a round: as many as last ROUND seconds, if not given.
 
     Raises:
         RuntimeError: the acceleration of the start is not that of assemble_vector's force.
@@ -72,7 +76,8 @@ def step_rows(cases, law=materials.LinearElastic, steps=100, baselines=("A", "B"
         u_start = setup.u.x.array.copy()
         problem = ExplicitProblem(setup.u, material, velocity=start(setup.V))
         acceleration = problem.acceleration.x.array * problem.mass.array
-        ours = step_seconds(problem, steps)[1]
+        count = steps or max(5, math.ceil(ROUND / step_seconds(problem, 5, 1)[0]))
+        ours = step_seconds(problem, count)[1]
         setup.u.x.array[:] = u_start
         found = {}
         for key, flags in (("A", bench.STRICT), ("B", bench.FAST)):
@@ -88,7 +93,7 @@ def step_rows(cases, law=materials.LinearElastic, steps=100, baselines=("A", "B"
         base = setup.num_cells / force_alone * 1e-6
         rows.append(bench.row(f"{name} whole step / own force", label, 1, rate, CELLS_PER_S, base))
         if cell in own:
-            rows.append(own_row(setup, label, problem, steps))
+            rows.append(own_row(setup, label, problem, count))
     return rows
 
 
@@ -150,17 +155,18 @@ CONTACTS = (
 )
 
 
-def contact_rows(share=SHARE_BLOCKS, cost=COST_BLOCKS, steps=100, rounds=3):
+def contact_rows(share=SHARE_BLOCKS, cost=COST_BLOCKS, steps=(30, 100), rounds=(2, 3)):
     """Contact's share of a step; nanoseconds per slave node and step: the same bodies with and without contact, turn by
     turn. The bodies slide all the time, are in touch over most of the surface, and searches are counted in."""
     rows = []
-    for what, (n, layers) in (("share", share), ("cost", cost)):
+    cases = zip(("share", "cost"), (share, cost), steps, rounds)
+    for what, (n, layers), num_steps, num_rounds in cases:
         free = Blocks(n, layers)
         for name, kind, friction in CONTACTS:
             model = Blocks(n, layers, kind, friction)
             differences, alone, touching = [], [], []
-            for k in range(rounds + 1):
-                without, with_contact = (step_seconds(m.problem, steps, 1)[0] for m in (free, model))
+            for k in range(num_rounds + 1):
+                without, with_contact = (step_seconds(m.problem, num_steps, 1)[0] for m in (free, model))
                 touching.append(np.mean(model.problem.contact[0].status > 0))
                 alone.append(without)
                 differences.append(with_contact - without)
@@ -177,7 +183,7 @@ def contact_rows(share=SHARE_BLOCKS, cost=COST_BLOCKS, steps=100, rounds=3):
     return rows
 
 
-def output_rows(n, steps=1000, rounds=3):
+def output_rows(n, steps=1000, rounds=2):
     """Frames every 100 steps and a checkpoint every 1,000: share of the loop; wall time, with and without in turn."""
     setup, plain = explicit_problem(MPI.COMM_SELF, n)
     writing, times = explicit_problem(MPI.COMM_SELF, n)[1], []
@@ -260,7 +266,7 @@ def rows(large=False, ranks=0):
     hexahedron = ("hexahedron",)
     out = step_rows([c for c in bench.CASES if c[0] in ("tetrahedron", "hexahedron")], own=hexahedron)
     out += step_rows(bench.FINITE, materials.NeoHookean, baselines=("A",))
-    out += contact_rows(rounds=5 if large else 3)
+    out += contact_rows(rounds=(5, 5) if large else (2, 3))
     out += output_rows(48 if large else 20)
     out += memory_rows(64 if large else 40)
     return out + (rank_rows(ranks) if ranks > 1 else [])

@@ -10,6 +10,7 @@ from mpi4py import MPI
 from . import _cpp, operators
 from . import mass as lumps
 from .amplitude import Amplitude, PrescribedMotion
+from .contact.springs import stiffness
 from .march import March
 from .forms import elasticity, viscosity
 from .materials import Rayleigh, _number
@@ -238,8 +239,9 @@ class ExplicitProblem(March, Restart):
         Args:
             method: "length": L/c_d, seed (3.79), (3.80), an estimate that distorted cells may exceed; "element": from
                 the highest frequency of the cells, never more than the true limit; "eigenvalue": the true limit, from
-                the highest frequency of the assembled system. Contact springs of given stiffness lower all of them by a
-                bound.
+                the highest frequency of the assembled system. Contact springs of given stiffness lower the first two
+                by a bound that holds wherever the bodies meet; the last has the springs of all slave nodes that have a
+                master now, closed or not.
 
         Raises:
             ValueError: unknown method; "length" for a residual of your own.
@@ -256,9 +258,12 @@ class ExplicitProblem(March, Restart):
         else:
             inverse = 1.0 / self.mass.array[: self.num_owned]
             inverse[self.prescribed[: self.num_owned]] = 0.0
-            omega = self._frequencies.highest(inverse)
-        springs = max((c.spring_frequency() for c in self.contact), default=0.0)
-        omega = math.hypot(omega, springs)
+            springs = stiffness(self.contact, self.space, self.u.x.array)
+            omega = self._frequencies.highest(inverse, springs)
+            if springs is not None:
+                springs.destroy()
+        if method != "eigenvalue":
+            omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
         return damped(omega, self.damping.alpha, self.damping.beta, self._viscosity[0], self.scheme)
 
     def _cell_times(self):

@@ -34,7 +34,9 @@ class Recorder:
             f.name = name
         self._writer = None
         if self._fields:
-            self._writer = io.VTXWriter(problem.comm, self.folder.file("fields.bp"), self._fields, "BP4")
+            # The mesh is written once: it would be most of what is written.
+            path, policy = self.folder.file("fields.bp"), io.VTXMeshPolicy.reuse
+            self._writer = io.VTXWriter(problem.comm, path, self._fields, "BP4", policy)
         self._samples, self._seen, self._frame = [], len(problem._rows), -1
         self._open()
         self.after()

@@ -3,8 +3,8 @@
 import impact_reference as ir
 import numpy as np
 import pytest
-from contact_bodies import DEGREES, Pair, blocks
-from reference_meshes import CELLS, boundary, box, facets_where, nodes_where
+from contact_bodies import Pair, blocks
+from reference_meshes import boundary, box, facets_where, nodes_where
 
 STICK, SLIP = 1, 2
 
@@ -37,7 +37,8 @@ def test_mass_on_penalty_spring():
     assert np.isclose(pressed[-1] - pressed[0], np.pi * 1e-3, atol=2 * dt)
     assert np.isclose(force.max(), 1000, rtol=1e-5) and np.isclose(run.u[:, free].max(), 1e-3, rtol=1e-5)
     assert np.isclose(run.v[-1, free], -1, rtol=1e-5)
-    assert np.abs(run.energies["drift"]).max() < 1e-3  # opening and closing within a step: k (v dt)^2 / 2
+    # Closing and opening between two steps with the mean overlap: of the order (omega dt)^2.
+    assert np.abs(run.energies["drift"]).max() < (1e3 * dt) ** 2
     assert np.isclose(run.energies["contact"].max(), 0.5, rtol=1e-5)
 
 
@@ -82,7 +83,8 @@ def test_bar_on_rigid_wall():
         assert np.isclose(force[middle].mean(), 1, rtol=1e-2)
         mass = model.mass(lumped=True)[::2]
         assert np.isclose(mass @ run.v[-1, ::2] / (mass.sum() * v), -1, rtol=2e-2)
-        assert np.abs(run.energies["drift"]).max() < 1e-2
+        # Less than a tenth of the energy of the end, a 200th of the mass, as the springs open; or round-off.
+        assert np.abs(run.energies["drift"]).max() < (5e-4 if kind is ir.NodalPenalty else 1e-12)
 
 
 def two_bars(n=50, L=0.5, E=207e9, rho=7800.0):
@@ -113,7 +115,8 @@ def test_equal_bars_swap_velocities(kind):
     middle = (run.time > 0.2 * L / c) & (run.time < 1.8 * L / c)
     assert np.isclose(force[middle].mean(), 1, rtol=1e-2)
     assert np.abs(run.contacts[0].force.reshape(len(run.time), -1, 2).sum(1)).max() < 1e-9 * force.max()
-    assert np.abs(run.energies["drift"]).max() < 1e-2
+    # As on the wall: the ends are a hundredth of the mass, a twentieth of their energy.
+    assert np.abs(run.energies["drift"]).max() < (1e-12 if kind == "kinematic" else 5e-4)
     if kind == "kinematic":
         gap = run.contacts[0].gap
         assert np.abs(gap[run.contacts[0].status > 0]).max() < 1e-15 and gap.min() > -1e-15
@@ -174,10 +177,22 @@ def test_disc_thrown_without_spin_comes_to_roll(kind):
     assert np.abs(run.energies["drift"]).max() < (1e-12 if kind is ir.NodalKinematic else 2e-3)
 
 
-def collision(cell, law="st_venant_kirchhoff", degree=1, geometry_degree=1, gap=0.01, density=2.0, inner=False):
-    """Two free blocks that meet obliquely: model, slave, master, v0. inner: no slave node leaves the master."""
+def collision(
+    cell,
+    law="st_venant_kirchhoff",
+    degree=1,
+    geometry_degree=1,
+    gap=0.01,
+    density=2.0,
+    inner=False,
+    shift=0.3,
+    spin=0.0,
+    speed=1.0,
+):
+    """Two free blocks that meet obliquely, the upper one turning, the lower one half as fast the other way: model,
+    slave, master, v0. inner: no slave node leaves the master."""
     d = 2 if cell in ("triangle", "quadrilateral") else 3
-    pair = blocks(cell, degree, geometry_degree, gap=gap, shift=0.3, law=law)
+    pair = blocks(cell, degree, geometry_degree, gap=gap, shift=shift, law=law)
     law = ir.Material(1e3, 0.3, density, "plane_strain" if d == 2 else "3d", law=law)
     points, cells = np.vstack([pair.lower[0], pair.upper[0]]), np.vstack([pair.lower[1], pair.upper[1] + pair.split])
     if inner:
@@ -185,7 +200,14 @@ def collision(cell, law="st_venant_kirchhoff", degree=1, geometry_degree=1, gap=
     model = ir.Model(points, cells, cell, law, degree=degree, geometry_degree=geometry_degree)
     upper = np.unique(model.field_cells[len(pair.lower[1]) :])
     v = np.zeros_like(model.field_points)
-    v[upper, -1], v[upper, 0] = -2.0, 1.0
+    v[upper, -1], v[upper, 0] = -2.0, speed
+    part = np.full((len(v), 1), -0.5 * spin)
+    part[upper] = spin
+    arm = model.field_points - 0.5
+    if d == 2:
+        v += part * np.stack([-arm[:, 1], arm[:, 0]], 1)
+    else:
+        v += part * np.cross([0.3, -1.0, 0.5], arm)
     return model, pair.slave, pair.master, v.reshape(-1)
 
 
@@ -203,31 +225,12 @@ def spin_of(model, run):
     return np.cross(x, p).sum(1), p.sum(1), np.abs(p).sum(2).sum(1).max()
 
 
-@pytest.mark.parametrize("cell", CELLS)
-@pytest.mark.parametrize("friction", [0.0, 0.4])
-@pytest.mark.parametrize("balanced", [False, True])
-def test_momenta_are_kept(cell, friction, balanced):
-    """Where no node is just beside the other body's rim, where forces are not on one line."""
-    model, slave, master, v0 = collision(cell, inner=True)
-    contact = ir.NodalPenalty(slave, master, friction=friction, balanced=balanced)
-    dt = 0.8 * model.stable_step()
-    run = model.run_explicit(dt, 200, v0=v0, contacts=[contact])
-    spin, momentum, size = spin_of(model, run)
-    assert np.abs(momentum - momentum[0]).max() < 1e-12 * size
-    assert np.abs(spin - spin[0]).max() < 1e-12 * size
-    status = run.contacts[0].status
-    assert (status > 0).any() and (status == 0).any()
-    assert friction == 0 or (status == STICK).any() and (status == SLIP).any()
-    assert (run.energies["friction"][-1] > 0) == (friction > 0)
-    # A spring that closes and opens between two steps is off by up to kappa / 4 of its nodes' kinetic energy.
-    # Nodes that come in or go out over the master's rim below it bring or take their spring's energy at once.
-    assert np.abs(run.energies["drift"]).max() < 0.15
-
-
 @pytest.mark.parametrize("cell", ["quadrilateral", "tetrahedron"])
 def test_drift_falls_with_step_and_penetration(cell):
-    """Springs of a given penalty: closing and opening between two steps is of second order in the step. With friction,
-    slip counts the turning of the normal times the gap as well: friction, penetration and turning multiplied."""
+    """Springs of a given penalty: closing and opening between two steps is of second order in the step, the rest too:
+    16 times less with a fourth of it. No node leaves the master, which would cost what its spring holds whatever the
+    step. With friction, slip counts the turning of the normal times the gap as well: friction, penetration and turning
+    multiplied."""
     model, slave, master, v0 = collision(cell, inner=True)
 
     longest = model.stable_step(contacts=[ir.NodalPenalty(slave, master, penalty=1e5)])
@@ -240,27 +243,6 @@ def test_drift_falls_with_step_and_penetration(cell):
         return np.abs(run.energies["drift"]).max()
 
     coarse, fine = drift(0.4, 5e3, 0.0), drift(0.1, 5e3, 0.0)
-    assert coarse < 1e-3 and fine < coarse / 3
+    assert coarse < 1e-3 and fine < coarse / 10
     soft, hard = drift(0.1, 5e3, 0.4), drift(0.02, 1e5, 0.4)
     assert soft < 4e-3 and hard < 1e-3 and hard < 0.8 * soft
-
-
-@pytest.mark.parametrize("cell", CELLS)
-@pytest.mark.parametrize("degree, geometry_degree", DEGREES)
-def test_forces_balance_at_every_degree(cell, degree, geometry_degree):
-    """Resultant and moment of one state about current positions; degree 1 on quadratic cells that are straight."""
-    model, slave, master, v0 = collision(cell, "linear_elastic", degree, geometry_degree, gap=-0.01, inner=True)
-    rng = np.random.default_rng(0)
-    u0 = 0.003 * rng.standard_normal(model.num_dofs)
-    run = model.run_explicit(
-        0.3 * model.stable_step(), 3, u0=u0, v0=v0, contacts=[ir.NodalPenalty(slave, master, friction=0.2)]
-    )
-    d = model.points.shape[1]
-    f = run.contacts[0].force.reshape(len(run.time), -1, d)
-    x = model.field_points + run.u.reshape(f.shape)
-    size = np.abs(f).sum()
-    assert np.abs(run.contacts[0].traction[1:]).max() > 1e-3 * np.abs(f).max() > 0
-    assert np.abs(f.sum(1)).max() < 1e-13 * size
-    moments = x[..., 0] * f[..., 1] - x[..., 1] * f[..., 0] if d == 2 else np.cross(x, f)
-    assert np.abs(moments.sum(1)).max() < 1e-13 * size
-    assert np.allclose(run.contacts[0].total, f[:, run.contacts[0].nodes].sum(1), rtol=0, atol=1e-13 * size)

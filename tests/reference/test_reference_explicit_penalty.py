@@ -115,9 +115,21 @@ def dragged(gdim, master, path, friction, chi, motion=None):
 
 @pytest.mark.parametrize("moving", [False, True])
 def test_coulomb_step_by_step(moving):
-    """Closing within a step, sticking, being cut back, sticking the other way, opening: by hand; k = chi / 2 = 1."""
+    """Closing within a step, sticking, being cut back, sticking the other way, a step that leaves the wall, closing
+    again: by hand; k = chi / 2 = 1. Overlaps: r = -0.2, g = -0.1: 0.1; r = 0.16, g = -0.04: 0.12^2 / 0.32; r = 0.06,
+    g = 0.02: 0.01^2 / 0.12."""
     path = np.array(
-        [[0, 0.1], [1, -0.1], [1.5, -0.2], [1.5, -0.05], [1.3, -0.05], [1.3, 0.1], [1.3, -0.1], [1.3, -0.1]]
+        [
+            [0, 0.1],
+            [1, -0.1],
+            [1.5, -0.2],
+            [1.5, -0.04],
+            [1.3, -0.04],
+            [1.3, 0.02],
+            [1.3, 0.1],
+            [1.3, -0.1],
+            [1.3, -0.1],
+        ]
     )
     plane = ir.RigidPlane([0, 0], [0, 1.0])
     if moving:  # half of the motion by the plane, the other way
@@ -126,12 +138,15 @@ def test_coulomb_step_by_step(moving):
         _, run = dragged(2, plane, path, 10.0, 2.0)
     contact = run.contacts[0]
     traction, slip, status = contact.traction[:, 0, 0], contact.slip[:, 0, 0], contact.status[:, 0]
-    assert np.allclose(traction, [0, -0.5, -1.0, -0.5, -0.3, 0, 0], rtol=0, atol=1e-14)
-    assert np.allclose(slip, [0, 0, 0, 0.5, 0.5, 0, 0], rtol=0, atol=1e-14)
-    assert status.tolist() == [OPEN, STICK, STICK, SLIP, STICK, OPEN, STICK]
-    assert np.allclose(run.energies["friction"], 2 * np.array([0, 0, 0, 0.25, 0.25, 0.25, 0.25]), atol=1e-14)
-    springs = 2 * (np.minimum(path[:-1, 1], 0) ** 2 + traction**2) / 2
-    assert np.allclose(run.energies["contact"], springs, atol=1e-14)
+    overlaps = np.array([0, 0.1, 0.2, 0.045, 0.04, 1 / 1200, 0, 0.1])
+    assert np.allclose(contact.total[:, 1], 2 * overlaps, rtol=0, atol=1e-14)
+    assert np.allclose(traction, [0, -0.5, -1.0, -0.45, -0.25, -1 / 120, 0, 0], rtol=0, atol=1e-14)
+    last = 0.25 - 1 / 120
+    assert np.allclose(slip, [0, 0, 0, 0.55, 0.55, 0.55 + last, 0, 0], rtol=0, atol=1e-14)
+    assert status.tolist() == [OPEN, STICK, STICK, SLIP, STICK, SLIP, OPEN, STICK]
+    lost = np.cumsum([0, 0, 0, 0.45 * 0.55, 0, last / 120, 0, 0])
+    assert np.allclose(run.energies["friction"], 2 * lost, atol=1e-14)
+    assert np.allclose(run.energies["contact"], overlaps**2 + traction**2, atol=1e-14)
     # The nodes do not move freely: supports, or the plane, do what contact takes, to the rule of the trapezium.
     force = contact.total
     work = np.cumsum(np.sum((force[1:] + force[:-1]) * np.diff(path[:-1], axis=0), 1)) / 2
@@ -173,6 +188,11 @@ def test_coulomb_along_a_random_path(gdim, shape):
     else:
         model, run = dragged(gdim, ir.RigidSphere(-2.0 * np.eye(gdim)[-1], 2.0), path, mu, chi)
 
+    def overlap(g, r):
+        """By an antiderivative of <-g>."""
+        ends = np.minimum([g - abs(r) / 2, g + abs(r) / 2], 0)
+        return (ends[0] ** 2 - ends[1] ** 2) / (2 * abs(r)) if r else max(-g, 0.0)
+
     def gap_of(x):
         if shape == "sphere":
             d = x + 2.0 * np.eye(gdim)[-1]
@@ -180,33 +200,38 @@ def test_coulomb_along_a_random_path(gdim, shape):
         return x @ normal, normal
 
     contact = run.contacts[0]
-    seen = set()
+    seen, beyond, dissipated = set(), 0, 0.0
     for a, node in enumerate(contact.nodes):
         x = model.field_points[node]
-        t, before, dissipated = np.zeros(gdim), np.inf, 0.0
+        t = np.zeros(gdim)
         for n in range(59):
             g, nrm = gap_of(x + path[n])
             assert np.isclose(contact.gap[n, a], g, atol=1e-13)
-            status = OPEN
-            if g >= 0:
+            moved = path[n] - path[n - 1] if n else np.zeros(gdim)
+            r = moved @ nrm
+            delta, status = overlap(g, r), OPEN
+            beyond += delta > 0 and g > 0
+            if delta == 0:
                 t = np.zeros(gdim)
             else:
                 P = np.eye(gdim) - np.outer(nrm, nrm)
-                moved = P @ (path[n] - path[n - 1]) if n else np.zeros(gdim)
-                psi = -g / (before - g) if before > 0 else 1.0
+                psi = np.clip(max(-g, r - g) / abs(r), 0, 1) if n else float(g < 0)  # of gaps g - r to g
                 old = P @ t
                 if np.linalg.norm(old):
                     old *= np.linalg.norm(t) / np.linalg.norm(old)
-                t = old - k * psi * moved
+                t = old - k * psi * P @ moved
                 status = STICK
-                if np.linalg.norm(t) > -mu * k * g:
-                    t, status = -mu * k * g * t / np.linalg.norm(t), SLIP
-                dissipated += np.linalg.norm(t) * np.linalg.norm(psi * moved + (t - old) / k)
-            before = g
+                if np.linalg.norm(t) > mu * k * delta:
+                    t, status = mu * k * delta * t / np.linalg.norm(t), SLIP
+                dissipated += np.linalg.norm(t) * np.linalg.norm(psi * P @ moved + (t - old) / k)
+            # On facets nodes of the master are held, and the slave's are not in the master.
+            f = contact.force[n].reshape(-1, gdim)[node]
+            assert np.allclose(f, k * delta * nrm + t, rtol=0, atol=1e-13)
             seen.add(status)
             assert contact.status[n, a] == status
             assert np.allclose(contact.traction[n, a], t, rtol=0, atol=1e-13)
-    assert seen == {OPEN, STICK, SLIP}
+    assert seen == {OPEN, STICK, SLIP} and beyond > 0
+    assert np.isclose(run.energies["friction"][-1], dissipated, rtol=1e-12)
 
 
 def test_moving_wall_is_a_moving_body():

@@ -102,9 +102,13 @@ def test_sphere_on_half_space(method):
 
 
 @pytest.mark.slow
-def test_sphere_as_the_slave():
-    """The energy of a coarser slave, whose node on the axis lies over the end of the master's surface."""
-    assert abs(Sphere(1.0, rigid=False, slave="ball").run("Penalty")[3]) < 0.01
+@pytest.mark.parametrize("method", BOTH)
+def test_sphere_as_the_slave(method):
+    """A slave four times coarser than its master, whose node on the axis lies over the end of the master's surface:
+    stable, energy and peak force as they are the other way round. (The time of contact is not: masters between slave
+    nodes go on to tremble, and touch once more.)"""
+    peak, _, restitution, drift = Sphere(1.0, rigid=False, slave="ball").run(method)
+    assert peak == pytest.approx(1.0, abs=0.03) and 0.95 < restitution < 1.0 and abs(drift) < 0.01
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@
 
 namespace impact::enforcement
 {
-/// What the explicit integrator shows to contacts: arrays over the nodes of a Halo (owned, ghosts of the displacement
-/// space, then nodes of other ranks that contacts asked for), entry node*gdim + c.
+/// What the explicit integrator shows to contacts: arrays over the nodes of the Halo they were numbered by, entry
+/// node*gdim + c.
 struct NodalState
 {
   const double* u = nullptr;            ///< displacements [L]
@@ -39,10 +39,14 @@ public:
   /// Nodes of other ranks that the candidates need: global numbers and owners, ascending.
   virtual std::span<const std::int64_t> remote_nodes() const = 0;
   virtual std::span<const int> remote_owners() const = 0;
-  /// Take the numbers of nodes from a Halo that has them all, and what belongs to them: ghosts of `mass` are valid.
-  virtual void number(operators::Halo& halo, const double* mass) = 0;
-  /// Halo numbers of all nodes that forces may act on, each once.
-  virtual std::span<const std::int32_t> nodes() const = 0;
+  /// Which nodes the contact reads and acts on, each once, ascending, after a search. Collective.
+  /// @param[in] all a Halo of the space's nodes and those asked for; numbers are those of this one
+  virtual std::span<const std::int32_t> needs(operators::Halo& all) = 0;
+  /// Take other numbers for the nodes that `needs` told, and what belongs to them. Collective.
+  /// @param[in] halo of these nodes, among others. It is kept: it must live until the next call
+  /// @param[in] numbers in `halo`, for each node of the Halo that was given to `needs`
+  /// @param[in] mass of the nodes of `halo`, ghosts valid [M]
+  virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) = 0;
   /// Where a rigid master is now, and how far it has moved in the last step (no effect on deformable ones) [L].
   virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
   /// How much of the motion is used up that the candidates allow, looking two steps ahead; at 1 or more search again.

@@ -222,6 +222,17 @@ surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
   return out;
 }
 
+void NodeCandidates::number(std::span<const std::int32_t> numbers)
+{
+  const auto of = [&](const std::vector<std::int32_t>& nodes, std::vector<std::int32_t>& out)
+  {
+    out.resize(nodes.size());
+    std::transform(nodes.begin(), nodes.end(), out.begin(), [&](std::int32_t node) { return numbers[node]; });
+  };
+  of(_nodes, _numbers);
+  of(_watched, _watched_numbers);
+}
+
 std::vector<double> NodeCandidates::master_areas(operators::Halo& halo) const
 {
   std::vector<double> out(halo.num_nodes(), 0.0);
@@ -244,9 +255,9 @@ double NodeCandidates::used(const NodalState& state) const
   const int gdim = _slave.gdim;
   const double ahead = _time + 2 * state.dt;
   double motion = 0.0, step = 0.0;
-  for (std::size_t i = 0; i < _watched.size(); ++i)
+  for (std::size_t i = 0; i < _watched_numbers.size(); ++i)
   {
-    const std::size_t k = std::size_t(_watched[i]) * gdim;
+    const std::size_t k = std::size_t(_watched_numbers[i]) * gdim;
     double far = 0.0, fast = 0.0;
     for (int c = 0; c < gdim; ++c)
     {

@@ -39,6 +39,10 @@ public:
   /// The candidates, numbered as the Halo's nodes. Where facets share a node, their positions of it are made the same,
   /// to the last bit. Collective.
   surface::Facets numbered(operators::Halo& halo) const;
+  /// The numbers of nodes() and watched() in the arrays of NodalState, from those in the space.
+  void number(std::span<const std::int32_t> numbers);
+  std::span<const std::int32_t> numbers() const { return _numbers; }
+  std::span<const std::int32_t> watched_numbers() const { return _watched_numbers; }
   /// Areas of the master's nodes over the Halo's. Collective.
   std::vector<double> master_areas(operators::Halo& halo) const;
   /// Slave and master nodes that this rank owns.
@@ -63,7 +67,7 @@ private:
   surface::Facets _slave, _master;
   std::vector<std::int64_t> _global; ///< numbers and owners of the master's nodes, facet by facet
   std::vector<std::int32_t> _owners;
-  std::vector<std::int32_t> _nodes, _watched;
+  std::vector<std::int32_t> _nodes, _watched, _numbers, _watched_numbers;
   std::vector<double> _watched_X, _X, _areas, _master_areas, _normals;
   search::Travellers _found;
   std::vector<std::int64_t> _remote_nodes;

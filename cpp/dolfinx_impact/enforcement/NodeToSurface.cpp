@@ -27,7 +27,7 @@ void shape_values(const FacetElement& element, const double* xi, double* phi)
 
 search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u) const
 {
-  const std::size_t k = std::size_t(_candidates.nodes()[i]) * _gdim;
+  const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
   double x[3];
   for (int c = 0; c < _gdim; ++c)
     x[c] = _candidates.X()[i * _gdim + c] + u[k + c];
@@ -52,27 +52,39 @@ void NodeToSurface::open(std::size_t i, const search::Projection& at)
     _tracking.release(i, at.clearance);
 }
 
-bool NodeToSurface::implausible(const Touch& touch, const double* u, const double* du)
+bool NodeToSurface::barred(const Touch& touch, const double* u, const double* du)
 {
-  if (_rigid || _closed[touch.i] || !(-touch.at.gap > 0.5 * _tracking.diameter(touch.at.facet)))
+  const double gap = touch.at.gap;
+  std::int8_t& closed = _closed[touch.i];
+  if (_rigid || closed == 1 || !(gap < 0.0))
+    return false;
+  if (closed == came_in)
+    return true;
+  if (!(-gap > 0.5 * _tracking.diameter(touch.at.facet)))
     return false;
   const double before = _tracking.locate_before(touch.i, u, du).gap;
-  if (before > 0.0 && std::isfinite(before))
-    return false;
-  ++_implausible;
-  return true;
+  const bool deep = !(before > 0.0 && std::isfinite(before));
+  _implausible += deep;
+  return deep;
 }
 
 bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch)
 {
   touch.i = i;
-  touch.node = _candidates.nodes()[i];
+  touch.node = _candidates.numbers()[i];
   touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u);
   search::Projection& at = touch.at;
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
-  if (!(at.gap < reach) || implausible(touch, u, du))
+  const bool below = at.rim == search::Projection::Rim::below;
+  if (!(at.gap < reach) && !below)
   {
     open(i, at);
+    return false;
+  }
+  if (below || barred(touch, u, du))
+  {
+    open(i, at);
+    _closed[i] = came_in;
     return false;
   }
   touch.num = 0;

@@ -39,9 +39,20 @@ struct NodalHistory
 {
   std::vector<double> tangential;  ///< forces [i*gdim + c] [F]
   std::vector<double> slip;        ///< [i*gdim + c] [L]
-  std::vector<std::int8_t> closed; ///< was the node in contact?
+  std::vector<std::int8_t> closed; ///< 1: in contact; -1: below the surface, beside the rim or found there; else 0
   std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
   std::vector<double> xi;          ///< reference coordinates there, [2*i + alpha]
+};
+
+/// Springs of given stiffness of all slave nodes that have a master, closed or not.
+struct NodalSprings
+{
+  int num_masters = 0;
+  std::vector<std::int32_t> nodes;   ///< numbers of the slave nodes, and `num_masters` of the master for each
+  std::vector<std::int32_t> masters; ///< [s*num_masters + j]
+  std::vector<double> phi;           ///< shape functions there, as `masters`
+  std::vector<double> normal;        ///< [s*gdim + c]
+  std::vector<double> stiffness;     ///< [F/L]
 };
 
 /// Explicit contact of the slave's nodes with the master's surface or a rigid obstacle (docs/explicit.md).
@@ -60,8 +71,8 @@ public:
   void search(std::span<const double> u) override;
   std::span<const std::int64_t> remote_nodes() const override;
   std::span<const int> remote_owners() const override;
-  /// Collective. The Halo is kept: it must live until the next call.
-  void number(operators::Halo& halo, const double* mass) override;
+  std::span<const std::int32_t> needs(operators::Halo& all) override;
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override;
   double used(const NodalState& state) const override;
   void forget() override;
   void add_forces(const NodalState& state, double* f) override;
@@ -70,7 +81,6 @@ public:
   bool kinematic() const override { return _options.kinematic; }
   ContactEnergy energy() const override;
   const double* force() const override { return _force.data(); }
-  std::span<const std::int32_t> nodes() const override { return _acting; }
 
   /// Where a rigid master is now, and how far it has moved since the last step [L].
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
@@ -88,6 +98,10 @@ public:
   NodalHistory history() const;
   /// @throws std::invalid_argument for arrays of wrong sizes
   void set_history(const NodalHistory& history);
+  /// The springs in a configuration, after `number`, instead of a step. Not those of the other direction.
+  /// @param[in] u displacements of the Halo's nodes [L]
+  /// @throws std::invalid_argument without a given penalty
+  NodalSprings springs(const double* u);
   /// Energies so far, for a run that goes on from a checkpoint.
   void set_energy(const ContactEnergy& energy) { _energy = energy; }
   /// The other direction of balanced contact, or null.
@@ -111,8 +125,8 @@ private:
                 const gap::Rigid* rigid, const NodeToSurfaceOptions& options);
   /// Looks for the master of node i. @returns whether it is nearer than `reach`; else it is open
   bool meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch);
-  /// Not to be believed: an open node that is deep in the master and was not outside a step ago.
-  bool implausible(const Touch& touch, const double* u, const double* du);
+  /// A node below the surface that did not come through it: from beside the rim, or found deep inside.
+  bool barred(const Touch& touch, const double* u, const double* du);
   search::Projection rigid_point(std::size_t i, const double* u) const;
   void open(std::size_t i, const search::Projection& at);
   double compliance(const Touch& touch, double dt) const;
@@ -149,8 +163,11 @@ private:
   std::unique_ptr<NodeToSurface> _other;
   std::vector<std::int64_t> _all_remote; ///< of both directions
   std::vector<int> _all_owners;
-  std::vector<std::int32_t> _acting; ///< Halo numbers of nodes that forces may act on
-  double _share = 1.0;               ///< of the stiffness: half when balanced
+  // By the numbers of the Halo that `needs` was given: nodes, candidates, areas of master nodes.
+  std::vector<std::int32_t> _needed;
+  surface::Facets _facets;
+  std::vector<double> _areas;
+  double _share = 1.0; ///< of the stiffness: half when balanced
 
   operators::Halo* _halo = nullptr;
   std::vector<double> _mass, _inverse_mass, _per_area; ///< of slave nodes: masses, reciprocals of masses and areas
@@ -160,6 +177,7 @@ private:
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;
+  static constexpr std::int8_t came_in = -1; ///< of `_closed`: open until its gap is positive
   std::vector<std::int8_t> _closed;
   ContactEnergy _energy;
   std::array<double, 3> _force{};
@@ -169,7 +187,7 @@ private:
   // ranks: they are zero at all ghosts but those in `_touched`, and never sent forward.
   std::vector<Touch> _touch;
   std::size_t _num_touch = 0;
-  std::vector<double> _motion, _residual, _nodal_force;
+  std::vector<double> _motion, _residual, _nodal_force, _relax;
   std::vector<Couple> _couples;
   std::vector<std::int32_t> _touched;
   std::vector<double> _spread, _response, _sum, _moved, _before;

@@ -10,7 +10,7 @@ void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
 {
   const std::size_t num = halo.num_nodes();
   _node_mass.assign(mass, mass + num);
-  _touched.assign(_candidates.watched().begin(), _candidates.watched().end());
+  _touched.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _touched.insert(_touched.end(), _tracking.master().nodes.begin(), _tracking.master().nodes.end());
   std::sort(_touched.begin(), _touched.end());
   _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());
@@ -60,6 +60,16 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
       };
       _couples[_num_touch].set<D>(touch.num, at, touch.phi, x);
     }
+    // The factor by which step 2 overshoots for a slave that stands alone.
+    const double m = _mass[i];
+    double moves = 1.0, stays = 1.0;
+    for (int j = 0; j < touch.num; ++j)
+    {
+      const double ratio = m / _node_mass[touch.masters[j]], phi = touch.phi[j];
+      moves += phi * phi * ratio;
+      stays -= phi * phi * ratio / (1.0 + std::abs(phi) * ratio);
+    }
+    _relax[_num_touch] = 1.0 / (moves * stays);
     double* motion = _motion.data() + _num_touch * D;
     relative<D>(touch, du, motion);
     for (int c = 0; c < D; ++c)
@@ -130,7 +140,7 @@ void NodeToSurface::solve_forces(double h)
   for (std::size_t q = 0; q < _num_touch; ++q)
   {
     const Touch& touch = _touch[q];
-    const double *n = touch.at.normal, factor = _mass[touch.i] / h;
+    const double *n = touch.at.normal, factor = _relax[q] * _mass[touch.i] / h;
     double more[3], *f = _nodal_force.data() + q * D;
     for (int c = 0; c < D; ++c)
     {

@@ -46,8 +46,7 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
                              const NodeToSurfaceOptions& options)
     : _options(checked(options, rigid != nullptr)), _gdim(slave.gdim), _rigid(rigid != nullptr),
       _obstacle(rigid ? *rigid : gap::Rigid{}),
-      _candidates(V, slave, master, options.search_distance, options.axisymmetric),
-      _tracking(_gdim, _candidates.X(), {_candidates.nodes().begin(), _candidates.nodes().end()})
+      _candidates(V, slave, master, options.search_distance, options.axisymmetric), _tracking(_gdim, _candidates.X())
 {
   if (rigid && rigid->gdim != _gdim)
     throw std::invalid_argument("the rigid master has another dimension than the slave");
@@ -69,6 +68,7 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
     for (std::vector<double>* a : {&_motion, &_residual, &_nodal_force})
       a->assign(vector, 0.0);
     _couples.resize(n);
+    _relax.assign(n, 1.0);
   }
 }
 
@@ -105,38 +105,55 @@ std::span<const int> NodeToSurface::remote_owners() const
   return _all_owners;
 }
 
-void NodeToSurface::number(operators::Halo& halo, const double* mass)
+std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
 {
-  _halo = &halo;
-  _mass.resize(_candidates.nodes().size());
-  std::transform(_candidates.nodes().begin(), _candidates.nodes().end(), _mass.begin(),
-                 [&](std::int32_t node) { return mass[node]; });
-  _acting.assign(_candidates.nodes().begin(), _candidates.nodes().end());
-  _inverse_mass.resize(_mass.size());
-  std::transform(_mass.begin(), _mass.end(), _inverse_mass.begin(), [](double m) { return 1.0 / m; });
+  // Owners have all their nodes, also those that only slaves of other ranks push.
+  _needed.assign(_candidates.watched().begin(), _candidates.watched().end());
   if (!_rigid)
   {
-    const std::vector<double> areas = _candidates.master_areas(halo);
-    _tracking.reset(_candidates.numbered(halo), _candidates.normals(), _candidates.distance());
+    _areas = _candidates.master_areas(all);
+    _facets = _candidates.numbered(all);
+    _needed.insert(_needed.end(), _facets.nodes.begin(), _facets.nodes.end());
+  }
+  if (_other)
+  {
+    const auto more = _other->needs(all);
+    _needed.insert(_needed.end(), more.begin(), more.end());
+  }
+  std::sort(_needed.begin(), _needed.end());
+  _needed.erase(std::unique(_needed.begin(), _needed.end()), _needed.end());
+  return _needed;
+}
+
+void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+{
+  _halo = &halo;
+  _candidates.number(numbers);
+  _mass.clear();
+  _inverse_mass.clear();
+  for (std::int32_t node : _candidates.numbers())
+  {
+    _mass.push_back(mass[node]);
+    _inverse_mass.push_back(1.0 / mass[node]);
+  }
+  if (!_rigid)
+  {
+    std::vector<double> areas(halo.num_nodes(), 0.0);
+    for (std::int32_t& node : _facets.nodes)
+    {
+      areas[numbers[node]] = _areas[node];
+      node = numbers[node];
+    }
+    _tracking.reset(std::move(_facets), _candidates.numbers(), _candidates.normals(), _candidates.distance());
     _inverse.clear();
     for (std::int32_t node : _tracking.master_nodes())
       _inverse.insert(_inverse.end(), {1.0 / mass[node], areas[node] / mass[node]});
     _master_force.assign(_tracking.master_nodes().size() * _gdim, 0.0);
-    _acting.insert(_acting.end(), _tracking.master_nodes().begin(), _tracking.master_nodes().end());
   }
   if (_options.kinematic)
-  {
-    // Owners correct their nodes themselves, also those that only slaves of other ranks push.
-    _acting.insert(_acting.end(), _candidates.watched().begin(), _candidates.watched().end());
     number_kinematic(halo, mass);
-  }
   if (_other)
-  {
-    _other->number(halo, mass);
-    _acting.insert(_acting.end(), _other->_acting.begin(), _other->_acting.end());
-  }
-  std::sort(_acting.begin(), _acting.end());
-  _acting.erase(std::unique(_acting.begin(), _acting.end()), _acting.end());
+    _other->number(halo, numbers, mass);
 }
 
 double NodeToSurface::used(const NodalState& state) const

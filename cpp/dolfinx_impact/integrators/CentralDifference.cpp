@@ -81,7 +81,7 @@ void CentralDifference::add_contact(std::shared_ptr<enforcement::NodalContact> c
   else if (!_penalty)
   {
     _penalty = true;
-    _parts.push_back({{}, Account::contact, -1.0, std::vector<double>(_u.size(), 0.0), {}, 0.0});
+    _parts.push_back({{}, Account::contact, -1.0, {}, {}, 0.0});
   }
   _contacts.push_back({std::move(contact), columns});
   _local.assign(Local::size + 3 * _contacts.size(), 0.0);
@@ -105,61 +105,15 @@ void CentralDifference::resize(std::shared_ptr<const dolfinx::common::IndexMap> 
 {
   _halo = std::make_unique<Halo>(map);
   const std::size_t size = std::size_t(_halo->num_nodes()) * _bs;
-  for (std::vector<double>* values : {&_u, &_v, &_r, &_du, &_du_before, &_mass, &_inverse, &_contact_force})
+  for (std::vector<double>* values : {&_u, &_v, &_r, &_mass, &_inverse})
     values->resize(size, 0.0);
   _old_ghosts.resize(size - _owned);
   for (Part& part : _parts)
-    part.force.resize(size, 0.0);
+    if (part.account != Account::contact)
+      part.force.resize(size, 0.0);
   bind(_internal);
   for (const Part& part : _parts)
     bind(part.forces);
-}
-
-void CentralDifference::search()
-{
-  ++_num_searches;
-  const auto own = _V->dofmap()->index_map;
-  std::vector<std::pair<std::int64_t, int>> found;
-  const std::span<const std::int64_t> ghosts = own->ghosts();
-  std::vector<std::int64_t> known(ghosts.begin(), ghosts.end());
-  std::sort(known.begin(), known.end());
-  for (Contact& c : _contacts)
-  {
-    c.contact->search({_u.data(), _owned});
-    const auto nodes = c.contact->remote_nodes();
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-      if (!std::binary_search(known.begin(), known.end(), nodes[k]))
-        found.emplace_back(nodes[k], c.contact->remote_owners()[k]);
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::vector<std::int64_t> nodes(ghosts.begin(), ghosts.end());
-  std::vector<int> owners(own->owners().begin(), own->owners().end());
-  for (const auto& [node, owner] : found)
-  {
-    nodes.push_back(node);
-    owners.push_back(owner);
-  }
-  resize(std::make_shared<const dolfinx::common::IndexMap>(own->comm(), own->size_local(), nodes, owners));
-  for (std::vector<double>* values : {&_u, &_v, &_mass, &_inverse})
-    _halo->forward(values->data(), _bs);
-  std::vector<std::int32_t> touched;
-  std::vector<double> masses(_halo->num_nodes());
-  for (std::size_t i = 0; i < masses.size(); ++i)
-    masses[i] = _mass[i * _bs];
-  for (Contact& c : _contacts)
-  {
-    c.contact->number(*_halo, masses.data());
-    touched.insert(touched.end(), c.contact->nodes().begin(), c.contact->nodes().end());
-  }
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  _touched.clear();
-  for (std::int32_t node : touched)
-    for (int c = 0; c < _bs; ++c)
-      _touched.push_back(node * _bs + c);
-  _before.resize(2 * _touched.size());
-  _search_due = false;
 }
 
 void CentralDifference::start(std::span<const double> u, std::span<const double> v)
@@ -171,7 +125,8 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
   _halo->forward(_u.data(), _bs);
   _halo->forward(_v.data(), _bs);
   std::fill(_r.begin(), _r.end(), 0.0);
-  std::fill(_contact_force.begin(), _contact_force.end(), 0.0);
+  std::fill(_near.force.begin(), _near.force.end(), 0.0);
+  _near.kept.clear();
   for (Part& part : _parts)
   {
     std::fill(part.force.begin(), part.force.end(), 0.0);
@@ -213,23 +168,6 @@ void CentralDifference::apply_loads(const double* amplitudes)
       _load[load.dofs[k]] += load.reached * load.values[k];
 }
 
-void CentralDifference::move_obstacles(const double* amplitudes, bool first)
-{
-  for (Contact& c : _contacts)
-  {
-    if (c.columns[0] < 0)
-      continue;
-    std::array<double, 3> place{};
-    for (int k = 0; k < 3; ++k)
-      place[k] = amplitudes[c.columns[k]];
-    c.moved_before = c.moved;
-    for (int k = 0; k < 3; ++k)
-      c.moved[k] = first ? 0.0 : place[k] - c.place[k];
-    c.place = place;
-    c.contact->set_obstacle(place, c.moved);
-  }
-}
-
 double CentralDifference::target(const Motion& motion, std::size_t k, const double* amplitudes)
 {
   return motion.values[k] * (motion.amplitude < 0 ? 1.0 : amplitudes[motion.amplitude]);
@@ -261,44 +199,6 @@ void CentralDifference::prescribed_motion(double dt, double h, const double* amp
   _support_work.commit(0.5 * dt * after);
 }
 
-void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
-{
-  _pending = true;
-  _halo->forward_begin(_u.data(), _bs);
-  std::swap(_last_step, dt); // ghosts' velocities are those of the new step
-  receive();
-  std::swap(_last_step, dt);
-  for (std::int32_t i : _touched)
-  {
-    _du[i] = dt * _v[i];
-    _contact_force[i] = 0.0;
-  }
-  for (std::size_t k = 0; k < _touched.size(); ++k)
-    _du_before[_touched[k]] = _last_step * _before[2 * k];
-  for (Contact& c : _contacts)
-    if (c.contact->kinematic())
-    {
-      c.contact->correct(_u.data(), _du.data(), _du_before.data(), _inverse.data(), h * dt, dt, _contact_force.data());
-      for (int k = 0; k < _bs; ++k)
-        _obstacle_work += 0.5 * c.moved_before[k] * c.contact->force()[k];
-    }
-  for (std::size_t i = _owned; i < _u.size(); ++i) // receive() has seen the prediction only
-    _v[i] = (_u[i] - _old_ghosts[i - _owned]) / dt;
-  for (std::size_t k = 0; k < _touched.size(); ++k)
-  {
-    const std::int32_t i = _touched[k];
-    if (std::size_t(i) >= _owned || _inverse[i] == 0.0)
-      continue;
-    const double old = _before[2 * k], r = _before[2 * k + 1], predicted = _v[i], f = _contact_force[i];
-    const double v = predicted + h * _inverse[i] * f, m = _mass[i], load = _load[i];
-    _v[i] = v;
-    sums.momentum += m * old * (v - predicted);
-    sums.speed += m * (v * v - predicted * predicted);
-    sums.after += r * (v - predicted);
-    sums.load_after += load * (v - predicted);
-  }
-}
-
 void CentralDifference::advance(double dt, const double* amplitudes)
 {
   const Coefficients c = coefficients(dt);
@@ -312,10 +212,12 @@ void CentralDifference::advance(double dt, const double* amplitudes)
     }
   if (_kinematic)
     for (std::size_t k = 0; k < _touched.size(); ++k)
-    {
-      _before[2 * k] = _v[_touched[k]];
-      _before[2 * k + 1] = _r[_touched[k]];
-    }
+      for (int j = 0; j < _bs; ++j)
+      {
+        const std::size_t n = k * _bs + j, i = std::size_t(_touched[k]) * _bs + j;
+        _near.before[2 * n] = _v[i];
+        _near.before[2 * n + 1] = _r[i];
+      }
   Sums sums =
       update(_owned, _r.data(), _loads.empty() ? nullptr : _load.data(), _inverse.data(), c, _u.data(), _v.data());
   prescribed_motion(dt, 0.5 * (_last_step + dt), amplitudes, sums);

@@ -121,19 +121,35 @@ private:
   {
     Forces forces; ///< none: contact
     Account account;
-    double sign; ///< in the residual
-    std::vector<double> force;
+    double sign;               ///< in the residual
+    std::vector<double> force; ///< over the halo's nodes; of contact over the near ones
     Work work;
     double position = 0.0; ///< u . force
+  };
+
+  /// Values at the nodes that contacts may act on (`_touched`, owned first), one after the other, so that what is done
+  /// to them in every step stays in the cache.
+  struct Near
+  {
+    std::unique_ptr<Halo> halo;
+    std::vector<double> u, v, du, du_before, inverse;
+    std::vector<double> before; ///< velocity and residual before an update
+    std::vector<double> force;  ///< kinematic
+    std::vector<double> kept;   ///< by owned degree of freedom, until nodes are numbered: forces of springs, kinematic
   };
 
   void bind(const Forces& forces);
   void resize(std::shared_ptr<const dolfinx::common::IndexMap> map);
   void search();
+  void number_contacts();
+  void gather();
+  std::vector<double> kept_forces();
+  void take_forces(const std::vector<double>& forces);
+  Part* springs();
   void receive();
   bool evaluate();
   void evaluate_part(Part& part);
-  double product(const Part& part, const std::vector<double>& x) const;
+  double product(const Part& part) const;
   void advance(double dt, const double* amplitudes);
   void apply_loads(const double* amplitudes);
   void move_obstacles(const double* amplitudes, bool first);
@@ -156,20 +172,18 @@ private:
   std::vector<Contact> _contacts;
   std::vector<Part> _parts;
   std::unique_ptr<Halo> _halo;
-  std::size_t _owned, _own_size;                   ///< degrees of freedom: owned, with the space's ghosts
-  std::vector<double> _u, _v, _r, _du, _du_before; ///< over the halo's nodes
-  std::vector<double> _mass, _inverse;             ///< per degree of freedom over the halo's nodes
-  std::vector<double> _load;                       ///< owned
-  std::vector<std::int32_t> _touched;              ///< degrees of freedom that contacts may act on
-  std::vector<double> _before;                     ///< of touched ones: velocity and residual before an update
-  std::vector<double> _contact_force;              ///< kinematic, over the halo's nodes
+  std::size_t _owned, _own_size;       ///< degrees of freedom: owned, with the space's ghosts
+  std::vector<double> _u, _v, _r;      ///< over the halo's nodes
+  std::vector<double> _mass, _inverse; ///< per degree of freedom over the halo's nodes
+  std::vector<double> _load;           ///< owned
+  std::vector<std::int32_t> _touched;  ///< nodes that contacts may act on
+  Near _near;
   std::vector<double> _old_ghosts;
   std::vector<double> _beyond; ///< amplitudes one step on: velocities of prescribed motion now
   double _last_step = 0.0;     ///< that led here; 0 at the start
   double _contact_step = 0.0;
   bool _fresh = false, _pending = false, _search_due = true, _kinematic = false, _penalty = false;
-  bool _gathered = false; ///< contact forces are with their nodes' owners, after saving
-  double _used = 0.0;     ///< contacts whose candidates are used up
+  double _used = 0.0; ///< contacts whose candidates are used up
   Work _residual_work, _load_work, _support_work, _damped;
   double _obstacle_work = 0.0, _support_before = 0.0, _reference = 0.0;
   std::vector<double> _local, _global; ///< Local, then the contacts' forces

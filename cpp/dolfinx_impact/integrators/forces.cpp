@@ -4,6 +4,22 @@
 // The forces of a time level.
 namespace impact::integrators
 {
+namespace
+{
+/// By four sums: additions do not wait for each other.
+double sum_of_products(std::size_t size, const double* a, const double* b)
+{
+  double sum[4] = {};
+  std::size_t k = 0;
+  for (; k + 4 <= size; k += 4)
+    for (int j = 0; j < 4; ++j)
+      sum[j] += a[k + j] * b[k + j];
+  for (; k < size; ++k)
+    sum[0] += a[k] * b[k];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+} // namespace
+
 /// Ghosts' displacements arrive; their velocities follow from them.
 void CentralDifference::receive()
 {
@@ -16,24 +32,13 @@ void CentralDifference::receive()
   _pending = false;
 }
 
-double CentralDifference::product(const Part& part, const std::vector<double>& x) const
+/// Sum of a part's forces times velocities.
+double CentralDifference::product(const Part& part) const
 {
-  // Four sums: additions do not wait for each other.
-  double sum[4] = {};
-  const auto add = [&](std::size_t size, auto&& at)
-  {
-    std::size_t k = 0;
-    for (; k + 4 <= size; k += 4)
-      for (int j = 0; j < 4; ++j)
-        sum[j] += part.force[at(k + j)] * x[at(k + j)];
-    for (; k < size; ++k)
-      sum[0] += part.force[at(k)] * x[at(k)];
-  };
-  if (part.account == Account::contact && !_gathered)
-    add(_touched.size(), [&](std::size_t k) { return std::size_t(_touched[k]); });
-  else
-    add(_own_size, [](std::size_t k) { return k; });
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  const bool contact = part.account == Account::contact;
+  const double* v = contact ? _near.v.data() : _v.data();
+  const std::size_t size = contact ? part.force.size() : _own_size;
+  return sum_of_products(size, part.force.data(), v);
 }
 
 void CentralDifference::evaluate_part(Part& part)
@@ -41,12 +46,8 @@ void CentralDifference::evaluate_part(Part& part)
   double* force = part.force.data();
   if (part.account == Account::contact)
   {
-    for (std::int32_t i : _touched)
-    {
-      force[i] = 0.0;
-      _du[i] = _last_step * _v[i];
-    }
-    const enforcement::NodalState state{_u.data(), _du.data(), _inverse.data(), _contact_step};
+    std::fill(part.force.begin(), part.force.end(), 0.0);
+    const enforcement::NodalState state{_near.u.data(), _near.du.data(), _near.inverse.data(), _contact_step};
     for (Contact& c : _contacts)
       if (!c.contact->kinematic())
       {
@@ -55,18 +56,11 @@ void CentralDifference::evaluate_part(Part& part)
         for (int k = 0; k < _bs; ++k)
           _obstacle_work += 0.5 * c.moved[k] * sum[k];
       }
-    // One way through memory for both sums; the components' sums do not wait for each other.
-    double position[3] = {}, before[3] = {};
-    for (std::size_t k = 0; k < _touched.size(); k += _bs)
+    for (std::size_t k = 0; k < _touched.size(); ++k)
       for (int c = 0; c < _bs; ++c)
-      {
-        const std::size_t i = std::size_t(_touched[k]) + c;
-        _r[i] += part.sign * force[i];
-        position[c] += force[i] * _u[i];
-        before[c] += force[i] * _v[i];
-      }
-    part.position = position[0] + position[1] + position[2];
-    part.work.before = 0.5 * _last_step * (before[0] + before[1] + before[2]);
+        _r[std::size_t(_touched[k]) * _bs + c] += part.sign * force[k * _bs + c];
+    part.position = sum_of_products(part.force.size(), force, _near.u.data());
+    part.work.before = 0.5 * _last_step * product(part);
     return;
   }
   std::fill(force, force + _own_size, 0.0);
@@ -75,8 +69,8 @@ void CentralDifference::evaluate_part(Part& part)
       operation->assemble({force, _own_size});
   for (std::size_t i = 0; i < _own_size; ++i)
     _r[i] += part.sign * force[i];
-  part.position = product(part, _u);
-  part.work.before = 0.5 * _last_step * product(part, _v);
+  part.position = sum_of_products(_own_size, force, _u.data());
+  part.work.before = 0.5 * _last_step * product(part);
 }
 
 bool CentralDifference::evaluate()
@@ -85,20 +79,24 @@ bool CentralDifference::evaluate()
     _internal.inner->assemble({_r.data(), _own_size});
   receive();
   const bool stable = reduce_end();
+  if (!_contacts.empty())
+    gather();
   for (Part& part : _parts)
-    part.work.done += 0.5 * _last_step * product(part, _v); // the forces of the last time level, the motion since
-  _gathered = false;
+    part.work.done += 0.5 * _last_step * product(part); // the forces of the last time level, the motion since
   for (Contact& c : _contacts)
     for (int k = 0; k < _bs; ++k)
       _obstacle_work += 0.5 * c.moved[k] * c.contact->force()[k];
   if (_search_due && !_contacts.empty())
+  {
     search();
+    gather();
+  }
   if (_internal.outer)
     _internal.outer->assemble({_r.data(), _own_size});
   for (Part& part : _parts)
     evaluate_part(part);
   _used = 0.0;
-  const enforcement::NodalState state{_u.data(), _du.data(), _inverse.data(), _contact_step};
+  const enforcement::NodalState state{_near.u.data(), _near.du.data(), _near.inverse.data(), _contact_step};
   for (const Contact& c : _contacts)
     if (!(c.contact->used(state) < 1.0))
       _used += 1.0;

@@ -118,10 +118,11 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
     evaluate();
   const double dt = _last_step;
   const Coefficients c = coefficients(dt);
+  // Kinematic contact knows its forces once the step is predicted: those of the last step.
+  const std::vector<double> contact = _kinematic ? kept_forces() : std::vector<double>();
   for (std::size_t i = 0; i < _owned; ++i)
   {
-    // Kinematic contact knows its forces once the step is predicted: those of the last step (zero without it).
-    const double f = _inverse[i] * (_load[i] - _r[i] + _contact_force[i]);
+    const double f = _inverse[i] * (_load[i] - _r[i] + (_kinematic ? contact[_owned + i] : 0.0));
     if (_inverse[i] > 0.0)
       a[i] = dt > 0.0 ? ((c.keep - 1.0) * _v[i] + c.push * f) / dt : f - _alpha * _v[i];
     else
@@ -154,14 +155,20 @@ CentralDifference::Saved CentralDifference::save()
     evaluate();
   Saved saved{
       {_u.begin(), _u.begin() + _owned}, {_v.begin(), _v.begin() + _owned}, {_r.begin(), _r.begin() + _owned}, {}, {}};
+  const std::vector<double> contact = kept_forces();
   for (Part& part : _parts) // owners take all of it, here as in the run that continues
   {
-    _halo->reverse(part.force.data(), _bs);
-    std::fill(part.force.begin() + _owned, part.force.end(), 0.0);
-    saved.parts.insert(saved.parts.end(), part.force.begin(), part.force.begin() + _owned);
+    const double* force = contact.data();
+    if (part.account != Account::contact)
+    {
+      _halo->reverse(part.force.data(), _bs);
+      std::fill(part.force.begin() + _owned, part.force.end(), 0.0);
+      force = part.force.data();
+    }
+    saved.parts.insert(saved.parts.end(), force, force + _owned);
     saved.accounts.insert(saved.accounts.end(), {part.work.done, part.work.before, part.position});
   }
-  saved.parts.insert(saved.parts.end(), _contact_force.begin(), _contact_force.begin() + _owned);
+  saved.parts.insert(saved.parts.end(), contact.begin() + _owned, contact.end());
   for (const Work& work : {_residual_work, _load_work, _support_work, _damped})
     saved.accounts.push_back(work.done);
   saved.accounts.insert(saved.accounts.end(), {_obstacle_work, _reference, _last_step, _contact_step});
@@ -170,7 +177,7 @@ CentralDifference::Saved CentralDifference::save()
       saved.accounts.insert(saved.accounts.end(), values.begin(), values.end());
   for (const Contact& c : _contacts)
     c.contact->forget();
-  _search_due = _gathered = true;
+  _search_due = true;
   return saved;
 }
 
@@ -182,14 +189,16 @@ void CentralDifference::restore(const Saved& saved)
     throw std::invalid_argument("the saved state is that of another problem");
   start(saved.u, saved.v);
   std::copy(saved.r.begin(), saved.r.end(), _r.begin());
+  _near.kept.assign(2 * _owned, 0.0);
   const double* accounts = saved.accounts.data();
   for (std::size_t k = 0; k < _parts.size(); ++k, accounts += 3)
   {
-    std::copy_n(saved.parts.begin() + k * _owned, _owned, _parts[k].force.begin());
+    const bool contact = _parts[k].account == Account::contact;
+    std::copy_n(saved.parts.begin() + k * _owned, _owned, contact ? _near.kept.begin() : _parts[k].force.begin());
     _parts[k].work = {accounts[0], accounts[1]};
     _parts[k].position = accounts[2];
   }
-  std::copy_n(saved.parts.begin() + _parts.size() * _owned, _owned, _contact_force.begin());
+  std::copy_n(saved.parts.begin() + _parts.size() * _owned, _owned, _near.kept.begin() + _owned);
   for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
     *work = {*accounts++, 0.0};
   _obstacle_work = *accounts++;
@@ -204,6 +213,8 @@ void CentralDifference::restore(const Saved& saved)
     c.contact->set_obstacle(c.place, c.moved);
     c.contact->forget();
   }
-  _fresh = _gathered = true;
+  if (_contacts.empty())
+    _near.kept.clear();
+  _fresh = true;
 }
 } // namespace impact::integrators

@@ -18,7 +18,7 @@ BoxTree::BoxTree(int gdim, std::span<const double> boxes) : _gdim(gdim), _boxes(
   for (std::size_t n = 0; n < _nodes.size(); ++n)
   {
     const auto [first, last, left] = _nodes[n];
-    if (last - first <= leaf_size)
+    if (last - first == 1)
       continue;
     // Halve the boxes across the axis along which their centres are spread most.
     int axis = 0;
@@ -85,8 +85,7 @@ void BoxTree::fit(std::size_t n)
     include(_node_boxes.data() + 2 * _gdim * (node.left + 1));
   }
   else
-    for (std::int32_t k = node.first; k < node.last; ++k)
-      include(_boxes.data() + 2 * _gdim * _order[k]);
+    include(_boxes.data() + 2 * _gdim * _order[node.first]);
 }
 
 void BoxTree::overlapping(const double* box, std::vector<std::int32_t>& found) const
@@ -102,16 +101,5 @@ bool BoxTree::overlap(const double* a, const double* b) const
     if (!(a[c] <= b[_gdim + c] && b[c] <= a[_gdim + c]))
       return false;
   return true;
-}
-
-double BoxTree::squared_distance(const double* box, const double* x) const
-{
-  double sum = 0.0;
-  for (int c = 0; c < _gdim; ++c)
-  {
-    const double d = std::max({box[c] - x[c], x[c] - box[_gdim + c], 0.0});
-    sum += d * d;
-  }
-  return sum;
 }
 } // namespace impact::search

@@ -25,7 +25,8 @@ public:
   /// Square of the distance from x to box i, zero inside [L^2].
   double squared_distance(std::int32_t i, const double* x) const
   {
-    return squared_distance(_boxes.data() + 2 * _gdim * i, x);
+    const double* box = _boxes.data() + 2 * _gdim * i;
+    return _gdim == 2 ? squared_distance<2>(box, x) : squared_distance<3>(box, x);
   }
 
   /// Calls visit(i) for every box i that overlaps `box` (touching counts), in no particular order.
@@ -37,7 +38,13 @@ public:
   /// the distance beyond which boxes no longer matter.
   /// @param[in] squared_limit that square at the beginning [L^2]
   template <typename Visitor>
-  void nearest(const double* x, double squared_limit, Visitor visit) const;
+  void nearest(const double* x, double squared_limit, Visitor visit) const
+  {
+    if (_gdim == 2)
+      nearest_in<2>(x, squared_limit, visit);
+    else
+      nearest_in<3>(x, squared_limit, visit);
+  }
 
 private:
   struct Node
@@ -46,10 +53,21 @@ private:
     std::int32_t left;        ///< children are left and left + 1; 0: a leaf
   };
   static constexpr int max_depth = 64;
-  static constexpr std::int32_t leaf_size = 1;
 
   bool overlap(const double* a, const double* b) const;
-  double squared_distance(const double* box, const double* x) const;
+  template <int D, typename Visitor>
+  void nearest_in(const double* x, double squared_limit, Visitor& visit) const;
+  template <int D>
+  static double squared_distance(const double* box, const double* x)
+  {
+    double sum = 0.0;
+    for (int c = 0; c < D; ++c)
+    {
+      const double low = box[c] - x[c], high = x[c] - box[D + c], out = low < high ? high : low;
+      sum += out > 0.0 ? out * out : 0.0;
+    }
+    return sum;
+  }
   void fit(std::size_t node);
 
   int _gdim = 3;
@@ -78,22 +96,20 @@ void BoxTree::overlapping(const double* box, Visitor visit) const
       stack[depth++] = node.left + 1;
       stack[depth++] = node.left;
     }
-    else
-      for (std::int32_t k = node.first; k < node.last; ++k)
-        if (overlap(_boxes.data() + 2 * _gdim * _order[k], box))
-          visit(_order[k]);
+    else // one box: that of the leaf
+      visit(_order[node.first]);
   }
 }
 
-template <typename Visitor>
-void BoxTree::nearest(const double* x, double squared_limit, Visitor visit) const
+template <int D, typename Visitor>
+void BoxTree::nearest_in(const double* x, double squared_limit, Visitor& visit) const
 {
   if (_nodes.empty())
     return;
   std::array<std::int32_t, max_depth> stack;
   std::array<double, max_depth> distance;
   int depth = 0;
-  distance[depth] = squared_distance(_node_boxes.data(), x);
+  distance[depth] = squared_distance<D>(_node_boxes.data(), x);
   stack[depth++] = 0;
   while (depth > 0)
   {
@@ -103,18 +119,16 @@ void BoxTree::nearest(const double* x, double squared_limit, Visitor visit) cons
     const Node& node = _nodes[stack[depth]];
     if (node.left > 0)
     {
-      const double left = squared_distance(_node_boxes.data() + 2 * _gdim * node.left, x);
-      const double right = squared_distance(_node_boxes.data() + 2 * _gdim * (node.left + 1), x);
+      const double left = squared_distance<D>(_node_boxes.data() + 2 * D * node.left, x);
+      const double right = squared_distance<D>(_node_boxes.data() + 2 * D * (node.left + 1), x);
       const bool left_first = left <= right;
       distance[depth] = left_first ? right : left;
       stack[depth++] = node.left + (left_first ? 1 : 0);
       distance[depth] = left_first ? left : right;
       stack[depth++] = node.left + (left_first ? 0 : 1);
     }
-    else
-      for (std::int32_t k = node.first; k < node.last; ++k)
-        if (squared_distance(_boxes.data() + 2 * _gdim * _order[k], x) <= squared_limit)
-          squared_limit = visit(_order[k]);
+    else // one box: that of the leaf
+      squared_limit = visit(_order[node.first]);
   }
 }
 } // namespace impact::search

@@ -12,8 +12,10 @@ constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double tree_slack = 0.25; ///< of the largest facet: travel after which the tree is fitted again
 
 /// Moves of some nodes since the last step: the largest against `mean`, and their sum.
+/// @param[in] each takes the number of a node and the square of its move
+template <typename Each>
 double moves(int gdim, std::span<const std::int32_t> nodes, const double* u, const double* mean, double* last,
-             double* sum)
+             double* sum, Each each)
 {
   double largest = 0.0;
   const auto sweep = [&]<int D>()
@@ -30,11 +32,12 @@ double moves(int gdim, std::span<const std::int32_t> nodes, const double* u, con
         squared += (d - mean[c]) * (d - mean[c]);
       }
       largest = std::max(largest, squared);
+      each(i, squared);
     }
     for (int c = 0; c < D; ++c)
       sum[c] += total[c];
   };
-  gdim == 2 ? sweep.operator()<2>() : sweep.operator()<3>();
+  gdim == 2 ? sweep.template operator()<2>() : sweep.template operator()<3>();
   return std::sqrt(largest);
 }
 
@@ -50,27 +53,33 @@ double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* d
 }
 } // namespace
 
-NodeTracking::NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes)
-    : _gdim(gdim), _nodes(std::move(nodes))
+NodeTracking::NodeTracking(int gdim, const std::vector<double>& X) : _gdim(gdim)
 {
-  const std::size_t n = _nodes.size();
+  const std::size_t n = X.size() / gdim;
   _last.assign(n * gdim, 0.0);
   _node.resize(n);
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {-never, -never, 0.0, _nodes[i], 0, -1, -1, {0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    node = {0.0, -never, -never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {0.0, 0.0}, {}, {}};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
   }
-  _list.assign(n * most, {-1, 0.0, 0.0});
+  _list.assign(n * most, -1);
+  _bound.assign(n * most, 0.0);
   _held.assign(n, -1);
+  _warm.resize(n);
 }
 
-void NodeTracking::reset(surface::Facets master, const std::vector<double>& normals, double reach)
+void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> nodes,
+                         const std::vector<double>& normals, double reach)
 {
   _master = std::move(master);
+  _nodes.assign(nodes.begin(), nodes.end());
   for (std::size_t i = 0; i < size(); ++i)
+  {
+    _node[i].number = nodes[i];
     std::copy_n(normals.data() + i * _gdim, _gdim, _node[i].normal);
+  }
   _reach = reach;
   const surface::FacetElement& element = _master.geometry;
   const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _master.displacement.num_nodes();
@@ -115,8 +124,12 @@ void NodeTracking::advance(const double* u, const double* du)
 {
   ++_counters.steps;
   double sum[3] = {};
-  const double slave = moves(_gdim, _nodes, u, _mean, _last.data(), sum);
-  const double master = moves(_gdim, _master_nodes, u, _mean, _last_master.data(), sum);
+  // Room for rounding: what is added up over many steps must not be too small.
+  constexpr double room = 1 + 1e-12;
+  const double master =
+      room * moves(_gdim, _master_nodes, u, _mean, _last_master.data(), sum, [](std::size_t, double) {});
+  const double slave = room * moves(_gdim, _nodes, u, _mean, _last.data(), sum, [&](std::size_t i, double squared)
+                                    { _node[i].travel += room * std::sqrt(squared) + master; });
   for (std::size_t k = 0; k < _master_x.size(); ++k)
     _master_x[k] = _master_X[k] + _last_master[k];
   for (std::size_t k = 0; k < _master_nodes.size(); ++k)
@@ -130,13 +143,16 @@ void NodeTracking::advance(const double* u, const double* du)
     _step = largest_of(_gdim, _nodes, du) + largest_of(_gdim, _master_nodes, du);
     wake_all();
     for (Node& node : _node)
+    {
       node.expire = -never;
+      node.travel = 0.0;
+    }
     refit(u);
+    look_ahead();
     return;
   }
-  // Room for rounding: what is added up over many steps must not be too small.
-  _step = (slave + master) * (1 + 1e-12);
-  _travel += _step;
+  _step = slave + master;
+  _travel += master;
   for (int c = 0; c < _gdim; ++c)
   {
     _step_shift[c] = _mean[c];
@@ -145,6 +161,7 @@ void NodeTracking::advance(const double* u, const double* du)
   }
   if (_travel - _fitted > tree_slack * _largest)
     refit(u);
+  look_ahead();
 }
 
 void NodeTracking::refit(const double* u)
@@ -189,7 +206,7 @@ void NodeTracking::release(std::size_t i, double clearance)
 {
   _node[i].held = -1;
   _held[i] = -1;
-  _node[i].wake = clearance > 0.0 ? _travel + std::min(clearance, _reach) : -never;
+  _node[i].wake = clearance > 0.0 ? _node[i].travel + std::min(clearance, _reach) : -never;
 }
 
 std::vector<double> NodeTracking::held_xi() const

@@ -1,5 +1,6 @@
 #pragma once
 #include "project.h"
+#include "warm.h"
 #include <span>
 #include <vector>
 
@@ -7,8 +8,8 @@ namespace impact::search
 {
 /// Closest points of a surface to nodes, step after step: the same as those of SurfaceSearch::project, for much less.
 ///
-/// `travel` adds up, step by step, the farthest that any node and any facet have moved against each other, common
-/// translation left out: no distance between a node and the surface changes faster. So a node that was seen at a
+/// `travel` of a node adds up, step by step, how far it has moved and the farthest that any facet has, common
+/// translation left out: no distance between the node and the surface changes faster. So a node that was seen at a
 /// distance sleeps until travel has used it up. For a node close to the surface, the facets are listed that can become
 /// the nearest one within a budget of travel: far from edges this is one. Nothing is allocated after `reset`.
 class NodeTracking
@@ -21,15 +22,16 @@ public:
 
   NodeTracking() = default;
   /// @param[in] X reference positions of the nodes, gdim each [L]
-  /// @param[in] nodes their numbers in the arrays of displacements
-  NodeTracking(int gdim, std::vector<double> X, std::vector<std::int32_t> nodes);
+  NodeTracking(int gdim, const std::vector<double>& X);
 
   /// Other facets to look at: everything is searched anew in the next step. Nodes that are held stay on their facets.
   /// @param[in] master candidates, sorted by id, numbered as the displacements; facets that share a node have the same
   /// position of it, to the last bit
+  /// @param[in] nodes numbers of the nodes in the arrays of displacements
   /// @param[in] normals out of the slave at the nodes; only facets that face them are considered
   /// @param[in] reach search distance [L]
-  void reset(surface::Facets master, const std::vector<double>& normals, double reach);
+  void reset(surface::Facets master, std::span<const std::int32_t> nodes, const std::vector<double>& normals,
+             double reach);
   std::size_t size() const { return _node.size(); }
   const surface::Facets& master() const { return _master; }
   /// The master's nodes, ascending, without repetition: what is stored for them by their position in this list stays in
@@ -50,7 +52,7 @@ public:
   /// @param[in] du their increments since the last step; used in the first step after `reset` [L]
   void advance(const double* u, const double* du);
   /// No closer to the surface than half a step's motion.
-  bool asleep(std::size_t i) const { return _travel + 0.5 * _step < _node[i].wake; }
+  bool asleep(std::size_t i) const { return _node[i].travel + 0.5 * _step < _node[i].wake; }
   /// Bounds the motion of nodes and surface against each other in the last step [L].
   double step() const { return _step; }
   /// Closest point of node i.
@@ -80,7 +82,7 @@ private:
   struct Found
   {
     std::int32_t facet;
-    double distance, travel; ///< how far it was, and when
+    double distance; ///< no more than that of the facet
   };
   enum class Kind : int
   {
@@ -96,13 +98,19 @@ private:
   void facet_normal(std::int32_t f, const double* facet, const double* xi, double* normal) const;
   bool better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best, std::int32_t best_facet) const;
   void finish(const double* x, const double* normal, const FacetProjection& at, Configuration config,
-              std::span<const Found> near, Projection& out) const;
-  bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config, std::span<const Found> near,
-                   double* normal) const;
+              std::span<const std::int32_t> near, Projection& out) const;
+  bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config,
+                   std::span<const std::int32_t> near, double* normal) const;
   Projection query(std::size_t i, Configuration at, double slack, const double* shift, std::span<Found> near, int& num,
                    double& budget) const;
   template <Kind kind>
   Projection from_list(std::size_t i, const double* u);
+  /// Closest points on the facets where nodes were in the last step, many at a time.
+  void look_ahead();
+  void take_block(const std::int32_t* nodes);
+  void fetch(std::size_t i) const;
+  double least_other(std::size_t i, std::int32_t winner) const;
+  double box_distance(std::int32_t f, const double* x) const;
   void find_held();
   void refit(const double* u);
 
@@ -116,21 +124,35 @@ private:
   std::vector<double> _boxes;
   // Travel.
   bool _fresh = true;
-  double _travel = 0.0, _step = 0.0, _fitted = 0.0; ///< now; in the last step; when the tree was fitted
+  double _travel = 0.0, _fitted = 0.0, _step = 0.0; ///< of the surface, now and when the tree was fitted; bound of both
   double _shift[3] = {}, _step_shift[3] = {};       ///< translation left out, since the tree was fitted; of the step
   double _mean[3] = {};                             ///< mean motion of the last step
   std::vector<std::int32_t> _master_nodes, _corners;
   std::vector<double> _last, _last_master; ///< displacements of the last step
   std::vector<double> _master_X, _master_x, _master_du;
+  /// What look_ahead found for a node.
+  struct Warm
+  {
+    Projection at;         ///< of its last facet, inside; without facet: nothing
+    double distance = 0.0; ///< [L]
+    bool alone = false;    ///< no other facet can be nearer yet
+  };
   struct Node
   {
+    double travel;       ///< its own and the surface's since `reset`
     double wake, expire; ///< travel at which it wakes, its list ends
     double others;       ///< the least sum of travel and distance at which another than `winner` was seen
     std::int32_t number, count, held, winner;
-    double xi[2], X[3], normal[3];
+    double xi[2], last[2]; ///< where it is held; where it was on `winner` when last looked at
+    double X[3], normal[3];
   };
   std::vector<Node> _node;
-  std::vector<Found> _list;
+  // Lists, `most` entries for each node: facets, ascending; their distances when they were last looked at, plus travel
+  // then: no distance is less than that less travel now.
+  std::vector<std::int32_t> _list;
+  std::vector<double> _bound;
+  WarmBlock _block;
+  std::vector<Warm> _warm;
   std::vector<std::int64_t> _held;
   mutable Counters _counters;
 };

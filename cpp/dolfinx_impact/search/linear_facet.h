@@ -4,7 +4,7 @@
 #include <cmath>
 
 /// Closest points on facets of degree 1, inlined: what node-to-surface contact does for every node near the master in
-/// every step. The results are those of project_on_facet. X[i] are the positions of a facet's nodes.
+/// every step. The results are those of project_on_facet. X[i][c] are the positions of a facet's nodes.
 namespace impact::search::linear
 {
 using surface::FacetShape;
@@ -44,8 +44,8 @@ inline void values(const double* xi, double* phi)
 }
 
 /// Tangents at a point.
-template <FacetShape S>
-inline void tangents(const double* const* X, const double* xi, double a[2][3])
+template <FacetShape S, typename Nodes>
+inline void tangents(const Nodes& X, const double* xi, double a[2][3])
 {
   constexpr int D = dimension<S>;
   for (int c = 0; c < D; ++c)
@@ -63,8 +63,8 @@ inline void tangents(const double* const* X, const double* xi, double a[2][3])
 }
 
 /// Unit normal, out of the body.
-template <FacetShape S>
-inline void normal(const double* const* X, const double* xi, double orientation, double* n)
+template <FacetShape S, typename Nodes>
+inline void normal(const Nodes& X, const double* xi, double orientation, double* n)
 {
   double a[2][3];
   tangents<S>(X, xi, a);
@@ -85,85 +85,130 @@ inline void normal(const double* const* X, const double* xi, double orientation,
     n[c] *= factor;
 }
 
-/// Where the distance is stationary on the facet continued beyond its edges.
-/// @param[in,out] xi from where to where
-/// @returns false if Newton's method finds no minimum near the facet
-template <FacetShape S>
-inline bool foot(const double* const* X, const double* point, double* xi)
+/// Where the distance is stationary on the plane of a triangle or the line of an interval.
+template <FacetShape S, typename Nodes>
+inline void flat_foot(const Nodes& X, const double* point, double* xi)
 {
   constexpr int D = dimension<S>;
-  double r[3], a[2][3];
-  if constexpr (S != FacetShape::quadrilateral)
+  double a[2][3], aa = 0, bb = 0, ab = 0, ra = 0, rb = 0;
+  tangents<S>(X, xi, a);
+  for (int c = 0; c < D; ++c)
   {
-    tangents<S>(X, xi, a);
-    double aa = 0, bb = 0, ab = 0, ra = 0, rb = 0;
-    for (int c = 0; c < D; ++c)
+    const double r = point[c] - X[0][c];
+    aa += a[0][c] * a[0][c];
+    ra += r * a[0][c];
+    if constexpr (S == FacetShape::triangle)
     {
-      r[c] = point[c] - X[0][c];
-      aa += a[0][c] * a[0][c];
-      ra += r[c] * a[0][c];
-      if constexpr (S == FacetShape::triangle)
-      {
-        bb += a[1][c] * a[1][c];
-        ab += a[0][c] * a[1][c];
-        rb += r[c] * a[1][c];
-      }
+      bb += a[1][c] * a[1][c];
+      ab += a[0][c] * a[1][c];
+      rb += r * a[1][c];
     }
-    if constexpr (S == FacetShape::interval)
-    {
-      xi[0] = ra / aa;
-      xi[1] = 0.0;
-    }
-    else
-    {
-      const double det = aa * bb - ab * ab;
-      xi[0] = (bb * ra - ab * rb) / det;
-      xi[1] = (aa * rb - ab * ra) / det;
-    }
-    return true;
+  }
+  if constexpr (S == FacetShape::interval)
+  {
+    xi[0] = ra / aa;
+    xi[1] = 0.0;
   }
   else
   {
-    double e1[3], e2[3], twist[3], r0[3], twist_squared = 0.0;
-    for (int c = 0; c < 3; ++c)
-    {
-      e1[c] = X[1][c] - X[0][c];
-      e2[c] = X[2][c] - X[0][c];
-      twist[c] = X[3][c] - X[2][c] - e1[c];
-      r0[c] = point[c] - X[0][c];
-      twist_squared += twist[c] * twist[c];
-    }
-    for (int iteration = 0; iteration < 12; ++iteration)
-    {
-      double g1 = 0, g2 = 0, h11 = 0, h22 = 0, h12 = 0, m12 = 0;
-      for (int c = 0; c < 3; ++c)
-      {
-        const double a1 = e1[c] + xi[1] * twist[c], a2 = e2[c] + xi[0] * twist[c];
-        const double rc = r0[c] - xi[0] * a1 - xi[1] * e2[c];
-        g1 += rc * a1;
-        g2 += rc * a2;
-        h11 += a1 * a1;
-        h22 += a2 * a2;
-        m12 += a1 * a2;
-        h12 -= rc * twist[c];
-      }
-      h12 += m12;
-      const double det = h11 * h22 - h12 * h12;
-      if (!(det > 1e-3 * h11 * h22))
-        return false;
-      const double per_det = 1.0 / det, s1 = (h22 * g1 - h12 * g2) * per_det, s2 = (h11 * g2 - h12 * g1) * per_det;
-      xi[0] += s1;
-      xi[1] += s2;
-      const double size = std::max(std::abs(s1), std::abs(s2));
-      // What is left is the square of the step, times how much the facet is twisted.
-      const double squared = size * size;
-      if (16 * twist_squared * squared * squared < 1e-32 * std::min(h11, h22))
-        return true;
-      if (!(std::abs(xi[0] - 0.5) < 20.0 && std::abs(xi[1] - 0.5) < 20.0))
-        return false;
-    }
-    return false;
+    const double det = aa * bb - ab * ab;
+    xi[0] = (bb * ra - ab * rb) / det;
+    xi[1] = (aa * rb - ab * ra) / det;
   }
+}
+
+/// A step of Newton's method on a quadrilateral; answers as numbers, so that several lanes can be computed at once.
+struct Step
+{
+  double xi[2]; ///< the step
+  double fine;  ///< 1: there is a minimum nearby
+  double done;  ///< 1: it is found
+};
+
+/// One step of Newton's method for the stationary distance on a quadrilateral, from xi.
+template <typename Nodes>
+inline Step newton_step(const Nodes& X, const double* point, const double* xi)
+{
+  double g1 = 0, g2 = 0, h11 = 0, h22 = 0, h12 = 0, m12 = 0, twist_squared = 0;
+  for (int c = 0; c < 3; ++c)
+  {
+    const double e1 = X[1][c] - X[0][c], e2 = X[2][c] - X[0][c], twist = X[3][c] - X[2][c] - e1;
+    const double a1 = e1 + xi[1] * twist, a2 = e2 + xi[0] * twist;
+    const double rc = point[c] - X[0][c] - xi[0] * a1 - xi[1] * e2;
+    g1 += rc * a1;
+    g2 += rc * a2;
+    h11 += a1 * a1;
+    h22 += a2 * a2;
+    m12 += a1 * a2;
+    h12 -= rc * twist;
+    twist_squared += twist * twist;
+  }
+  h12 += m12;
+  const double det = h11 * h22 - h12 * h12;
+  const double per_det = 1.0 / det, s1 = (h22 * g1 - h12 * g2) * per_det, s2 = (h11 * g2 - h12 * g1) * per_det;
+  // What is left is the square of the step, times how much the facet is twisted.
+  const double far1 = std::abs(s1), far2 = std::abs(s2), size = far1 < far2 ? far2 : far1, squared = size * size;
+  const double done = 16 * twist_squared * squared * squared < 1e-32 * (h22 < h11 ? h22 : h11) ? 1.0 : 0.0;
+  const double near1 = std::abs(xi[0] + s1 - 0.5) < 20.0 ? 1.0 : done;
+  const double near2 = std::abs(xi[1] + s2 - 0.5) < 20.0 ? 1.0 : done;
+  return {{s1, s2}, det > 1e-3 * h11 * h22 ? near1 * near2 : 0.0, done};
+}
+constexpr int most_steps = 12; ///< of Newton's method
+
+/// Where the distance is stationary on the facet continued beyond its edges.
+/// @param[in,out] xi from where to where
+/// @returns false if Newton's method finds no minimum near the facet
+template <FacetShape S, typename Nodes>
+inline bool foot(const Nodes& X, const double* point, double* xi)
+{
+  if constexpr (S != FacetShape::quadrilateral)
+  {
+    flat_foot<S>(X, point, xi);
+    return true;
+  }
+  else
+    for (int iteration = 0; iteration < most_steps; ++iteration)
+    {
+      const Step step = newton_step(X, point, xi);
+      if (step.fine == 0.0)
+        return false;
+      xi[0] += step.xi[0];
+      xi[1] += step.xi[1];
+      if (step.done > 0.0)
+        return true;
+    }
+  return false;
+}
+
+/// Is a foot inside the facet?
+template <FacetShape S>
+inline bool inside(const double* xi)
+{
+  bool in = xi[0] >= -margin;
+  if constexpr (S == FacetShape::interval)
+    in &= xi[0] <= 1 + margin;
+  else if constexpr (S == FacetShape::triangle)
+    in &= (xi[1] >= -margin) & (xi[0] + xi[1] <= 1 + margin);
+  else
+    in &= (xi[1] >= -margin) & (xi[0] <= 1 + margin) & (xi[1] <= 1 + margin);
+  return in;
+}
+
+/// Position of a place on the facet. @returns the square of its distance from the point
+template <FacetShape S, typename Nodes>
+inline double place(const Nodes& X, const double* point, const double* xi, double* x)
+{
+  double phi[4], squared = 0.0;
+  values<S>(xi, phi);
+  for (int c = 0; c < dimension<S>; ++c)
+  {
+    double sum = 0.0;
+    for (int i = 0; i < num_nodes<S>; ++i)
+      sum += phi[i] * X[i][c];
+    x[c] = sum;
+    squared += (point[c] - sum) * (point[c] - sum);
+  }
+  return squared;
 }
 
 /// The nearest point of the facet's edges and vertices. It lies on an edge beyond which the foot is.
@@ -237,37 +282,19 @@ inline double box_distance(const double* const* X, const double* point)
 template <FacetShape S>
 inline bool project(const double* const* X, const double* point, const double* start, FacetProjection& out)
 {
-  constexpr int D = dimension<S>;
   out.xi[0] = start ? start[0] : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
   out.xi[1] = start ? start[1] : S == FacetShape::interval ? 0.0 : S == FacetShape::triangle ? 1.0 / 3 : 0.5;
   if (!linear::foot<S>(X, point, out.xi))
     return false;
-  bool inside = out.xi[0] >= -margin;
-  if constexpr (S == FacetShape::interval)
-    inside = inside && out.xi[0] <= 1 + margin;
-  else if constexpr (S == FacetShape::triangle)
-    inside = inside && out.xi[1] >= -margin && out.xi[0] + out.xi[1] <= 1 + margin;
-  else
-    inside = inside && out.xi[1] >= -margin && out.xi[0] <= 1 + margin && out.xi[1] <= 1 + margin;
-  if (!inside)
+  if (!inside<S>(out.xi))
   {
     const double foot[2] = {out.xi[0], out.xi[1]};
     boundary<S>(X, point, foot, out);
     return true;
   }
-  double phi[4], squared = 0.0;
-  values<S>(out.xi, phi);
-  for (int c = 0; c < D; ++c)
-  {
-    double x = 0.0;
-    for (int i = 0; i < num_nodes<S>; ++i)
-      x += phi[i] * X[i][c];
-    out.x[c] = x;
-    squared += (point[c] - x) * (point[c] - x);
-  }
+  out.distance = std::sqrt(place<S>(X, point, out.xi, out.x));
   out.status = ProjectionStatus::converged;
   out.entity = -1;
-  out.distance = std::sqrt(squared);
   return true;
 }
 } // namespace impact::search::linear

@@ -115,6 +115,15 @@ bool NodeTracking::better(const FacetProjection& a, std::int32_t facet, const Fa
   return a_inside != b_inside ? a_inside : _master.id[facet] < _master.id[best_facet];
 }
 
+double NodeTracking::least_other(std::size_t i, std::int32_t winner) const
+{
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = i * most; k < i * most + _node[i].count; ++k)
+    if (_list[k] != winner)
+      least = std::min(least, _bound[k]);
+  return least;
+}
+
 Projection NodeTracking::query(std::size_t i, Configuration at, double slack, const double* shift,
                                std::span<Found> near, int& num, double& budget) const
 {
@@ -129,28 +138,34 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
   double dropped = std::numeric_limits<double>::infinity();
   const auto visit = [&](std::int32_t f)
   {
-    positions(f, at, facet);
-    const FacetProjection p = project(f, facet, x, f == _node[i].held ? _node[i].xi : nullptr);
-    if (p.distance <= radius && (out.facet < 0 || better(p, f, best, out.facet)))
+    // Its box tells of most facets that they are no nearer; the list takes that distance, too.
+    double distance = out.facet >= 0 && !at.du ? box_distance(f, x) : 0.0;
+    if (out.facet < 0 || distance <= best.distance + 1e-9 * _largest)
     {
-      facet_normal(f, facet, p.xi, normal);
-      if (dot(normal, slave_normal, _gdim) < 0.0)
+      positions(f, at, facet);
+      const FacetProjection p = project(f, facet, x, f == _node[i].held ? _node[i].xi : nullptr);
+      distance = p.distance;
+      if (p.distance <= radius && (out.facet < 0 || better(p, f, best, out.facet)))
       {
-        best = p;
-        out.facet = f;
-        std::copy_n(normal, 3, best_normal);
+        facet_normal(f, facet, p.xi, normal);
+        if (dot(normal, slave_normal, _gdim) < 0.0)
+        {
+          best = p;
+          out.facet = f;
+          std::copy_n(normal, 3, best_normal);
+        }
       }
     }
     if (num < int(near.size()))
-      near[num++] = {f, p.distance, _travel};
+      near[num++] = {f, distance};
     else
     {
       // Full: the farthest makes room.
       auto far = std::max_element(near.begin(), near.end(),
                                   [](const Found& a, const Found& b) { return a.distance < b.distance; });
-      dropped = std::min(dropped, std::max(far->distance, p.distance));
-      if (p.distance < far->distance)
-        *far = {f, p.distance, _travel};
+      dropped = std::min(dropped, std::max(far->distance, distance));
+      if (distance < far->distance)
+        *far = {f, distance};
     }
     const double limit = out.facet < 0 ? radius : best.distance + 2 * list_budget * _size[out.facet];
     return (limit + slack) * (limit + slack);
@@ -173,15 +188,19 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
                      [](const Found& a, const Found& b) { return a.distance < b.distance; });
     budget = std::min(budget, 0.5 * (near[most].distance - best.distance));
   }
-  finish(x, best_normal, best, at, near.first(num), out);
+  std::int32_t facets[4 * most];
+  std::transform(near.begin(), near.begin() + num, facets, [](const Found& f) { return f.facet; });
+  finish(x, best_normal, best, at, {facets, std::size_t(num)}, out);
   return out;
 }
 
 Projection NodeTracking::locate(std::size_t i, const double* u)
 {
   ++_counters.nodes;
+  if (_warm[i].alone && _warm[i].at.facet >= 0)
+    return _warm[i].at;
   Node& node = _node[i];
-  if (_travel < node.expire)
+  if (node.travel < node.expire)
     switch (_kind)
     {
     case Kind::interval:
@@ -206,10 +225,16 @@ Projection NodeTracking::locate(std::size_t i, const double* u)
     num = most;
   }
   std::sort(near, near + num, [](const Found& a, const Found& b) { return a.facet < b.facet; });
-  std::copy_n(near, num, _list.data() + i * most);
+  for (int k = 0; k < num; ++k)
+  {
+    _list[i * most + k] = near[k].facet;
+    _bound[i * most + k] = near[k].distance + node.travel;
+  }
   node.count = num;
-  node.winner = -1;
-  node.expire = _travel + budget;
+  node.winner = out.facet;
+  std::copy_n(out.xi, 2, node.last);
+  node.others = least_other(i, out.facet);
+  node.expire = node.travel + budget;
   return out;
 }
 
@@ -221,6 +246,31 @@ Projection NodeTracking::locate_before(std::size_t i, const double* u, const dou
   for (int c = 0; c < 3; ++c)
     shift[c] = _shift[c] - _step_shift[c];
   return query(i, {u, du}, std::abs(_travel - _fitted) + _step, shift, near, num, budget);
+}
+
+/// The distance of the box around a facet: never more than that of the facet itself. Zero if not known.
+double NodeTracking::box_distance(std::int32_t f, const double* x) const
+{
+  const auto corner = [&](int j) { return _master_x.data() + std::size_t(corners(f)[j]) * _gdim; };
+  const double* X[4];
+  switch (_kind)
+  {
+  case Kind::interval:
+    for (int j = 0; j < 2; ++j)
+      X[j] = corner(j);
+    return std::sqrt(linear::box_distance<FacetShape::interval>(X, x));
+  case Kind::triangle:
+    for (int j = 0; j < 3; ++j)
+      X[j] = corner(j);
+    return std::sqrt(linear::box_distance<FacetShape::triangle>(X, x));
+  case Kind::quadrilateral:
+    for (int j = 0; j < 4; ++j)
+      X[j] = corner(j);
+    return std::sqrt(linear::box_distance<FacetShape::quadrilateral>(X, x));
+  case Kind::general:
+    break;
+  }
+  return 0.0;
 }
 
 /// The nearest of the node's list. Distances of its facets when they were last looked at tell which need it again.
@@ -265,24 +315,33 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
       linear::normal<S>(X, xi, _master.orientation[f], n);
     return dot(n, node.normal, D) < 0.0;
   };
-  const double moved = _travel + 1e-9 * _largest;
-  Found* list = _list.data() + i * most;
+  const double moved = node.travel + 1e-9 * _largest;
+  const std::int32_t* list = _list.data() + i * most;
+  double* bound = _bound.data() + i * most;
   Projection out;
   FacetProjection best, p;
-  if (node.held >= 0) // most likely the nearest: saves looking at the others
+  // Most likely the nearest: saves looking at the others.
+  const std::int32_t first = node.held >= 0 ? node.held : node.winner;
+  const bool warm = _warm[i].at.facet >= 0;
+  if (warm)
   {
-    look(node.held, node.xi, best);
-    if (faces(node.held, best.xi, best_normal))
-      out.facet = node.held;
+    best.status = ProjectionStatus::converged;
+    best.distance = _warm[i].distance;
+    out.facet = first;
+  }
+  else if (first >= 0)
+  {
+    look(first, node.held >= 0 ? node.xi : nullptr, best);
+    if (faces(first, best.xi, best_normal))
+      out.facet = first;
   }
   // None of the others can be nearer yet?
-  const bool alone = out.facet >= 0 && node.winner == node.held && node.others - moved > best.distance;
+  const bool alone = out.facet >= 0 && node.winner == first && node.others - moved > best.distance;
   for (int k = 0; k < node.count && !alone; ++k)
   {
-    const std::int32_t f = list[k].facet;
-    if (f == node.held || (out.facet >= 0 && list[k].distance - (moved - list[k].travel) > best.distance))
+    const std::int32_t f = list[k];
+    if (f == first || (out.facet >= 0 && bound[k] - moved > best.distance))
       continue;
-    list[k].travel = _travel;
     if constexpr (!general)
       if (out.facet >= 0)
       {
@@ -291,12 +350,12 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
         const double squared = linear::box_distance<S>(X, x), room = best.distance + 1e-9 * _largest;
         if (squared > room * room)
         {
-          list[k].distance = std::sqrt(squared);
+          bound[k] = std::sqrt(squared) + node.travel;
           continue;
         }
       }
     look(f, nullptr, p);
-    list[k].distance = p.distance;
+    bound[k] = p.distance + node.travel;
     if ((out.facet < 0 || better(p, f, best, out.facet)) && faces(f, p.xi, normal))
     {
       best = p;
@@ -307,20 +366,19 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   if (!alone)
   {
     node.winner = out.facet;
-    node.others = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < node.count; ++k)
-      if (list[k].facet != out.facet)
-        node.others = std::min(node.others, list[k].distance + list[k].travel);
+    node.others = least_other(i, out.facet);
   }
-  if (out.facet >= 0 && best.distance <= std::max(_reach, 2 * _step))
-    finish(x, best_normal, best, at, {list, std::size_t(node.count)}, out);
-  else
-    out = {};
+  if (out.facet < 0 || best.distance > std::max(_reach, 2 * _step))
+    return {};
+  if (warm && out.facet == first)
+    return _warm[i].at;
+  std::copy_n(best.xi, 2, node.last);
+  finish(x, best_normal, best, at, {list, std::size_t(node.count)}, out);
   return out;
 }
 
 void NodeTracking::finish(const double* x, const double* normal, const FacetProjection& at, Configuration config,
-                          std::span<const Found> near, Projection& out) const
+                          std::span<const std::int32_t> near, Projection& out) const
 {
   out.status = at.status;
   out.entity = at.entity;
@@ -356,9 +414,9 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
   out.clearance = out.gap;
   if (rim)
   {
-    // The gap jumps where a node comes in from the side, below the surface.
-    out.rim = Projection::Rim::beside;
-    out.clearance = std::min(out.gap, std::max(along, aside - far));
+    // The gap jumps where a node comes in from the side, also because the facet turns.
+    out.rim = along < 0.0 ? Projection::Rim::below : Projection::Rim::beside;
+    out.clearance = 0.0;
   }
   for (int c = 0; c < _gdim; ++c)
     out.normal[c] = d[c] / out.gap;
@@ -367,7 +425,7 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
 /// Mean normal of the facets that meet at an edge or vertex; they are all in the list.
 /// @returns whether the surface ends there
 bool NodeTracking::mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config,
-                               std::span<const Found> near, double* normal) const
+                               std::span<const std::int32_t> near, double* normal) const
 {
   const FacetElement& element = _master.geometry;
   const bool edge = at.status == ProjectionStatus::edge;
@@ -383,7 +441,7 @@ bool NodeTracking::mean_normal(const FacetProjection& at, std::int32_t facet, Co
   std::fill_n(normal, 3, 0.0);
   int meeting = 0;
   Umbrella umbrella;
-  for (const auto& [f, distance, travel] : near)
+  for (std::int32_t f : near)
   {
     const int i = corner(_master, f, own[edge ? ends[0] : at.entity]), j = edge ? corner(_master, f, own[ends[1]]) : i;
     if (i < 0 || j < 0)

@@ -65,7 +65,7 @@ class NodalResult(ContactOutput):
             self.obstacle.displacement = pair.master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)
         self.penalty, self.options = penalty, dict(options, penalty=penalty)
-        self._cpp = _cpp.nodal.NodeToSurface(
+        self.make = lambda: _cpp.nodal.NodeToSurface(
             V._cpp_object,
             slave,
             self.obstacle if pair.rigid else master,
@@ -75,6 +75,7 @@ class NodalResult(ContactOutput):
             axisymmetric=problem.axisymmetric,
             **options,
         )
+        self._cpp = self.make()
         self.nodes, self.weight = self._cpp.nodes, self._cpp.areas
         self._X = self._cpp.X.reshape(-1, self.gdim)
         self.motion = None
@@ -96,19 +97,28 @@ class NodalResult(ContactOutput):
             side.set_energy(0.0, 0.0, 0.0)
 
     def spring_frequency(self):
-        """Largest angular frequency that springs of given stiffness add at most; automatic ones leave the step alone
-        [1/T]. Collective."""
+        """Largest angular frequency that springs of given stiffness add at most, wherever slave and master come to
+        meet; automatic ones leave the step alone [1/T]. Collective."""
         if not self.penalty:
             return 0.0
+
+        def most(values):
+            return self.comm.allreduce(float(np.max(values, initial=0.0)), MPI.MAX)
+
         mass = self.problem.mass.array[:: self.gdim]
-        largest = float(np.max(self.weight / mass[self.nodes], initial=0.0))
-        widest = self.comm.allreduce(float(np.max(self.weight, initial=0.0)), MPI.MAX)
-        if not self.pair.rigid:
-            areas = self._master_areas()
-            near = np.flatnonzero(areas)
-            largest = self.comm.allreduce(largest, MPI.MAX)
-            largest += self.comm.allreduce(float(np.max((areas[near] + widest) / mass[near], initial=0.0)), MPI.MAX)
-        return float(np.sqrt(self.penalty * self.comm.allreduce(largest, MPI.MAX)))
+        slave = self.weight, mass[self.nodes]
+        if self.pair.rigid:
+            return float(np.sqrt(self.penalty * most(slave[0] / slave[1])))
+        areas = self._master_areas()
+        near = np.flatnonzero(areas)
+        master = areas[near], mass[near]
+        # The largest sum of |phi_j| on a facet.
+        phi = 1.0 if self.V.element.basix_element.degree == 1 else {2: 1.25, 3: 5 / 3}[self.gdim]
+        sums = [
+            most(a[0] / a[1]) + phi * most((b[0] + most(a[0])) / b[1]) for a, b in ((slave, master), (master, slave))
+        ]
+        balanced = self.options.get("balanced", False)  # half of it in each direction
+        return float(np.sqrt(self.penalty * (0.5 * (sums[0] + sums[1]) if balanced else sums[0])))
 
     def _master_areas(self):
         V, mesh = self.V, self.V.mesh

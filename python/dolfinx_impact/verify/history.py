@@ -114,6 +114,27 @@ def blocks(cell, degree):
         yield Run(f"block on a block, {law.replace('_', '-')}, {kind}", body, falling(0.05, 0.03), kind)
 
 
+def overhang(cell, degree):
+    """A block thrown over the end of another one: nodes over the rim, beside it, and come in below it as it turns."""
+    plane = cell in ("triangle", "quadrilateral")
+    for kind in ("penalty", "kinematic"):
+        domain, tags = two_bodies(cell, (9, 4) if plane else (4, 4, 2), (5, 4) if plane else (3, 3, 2),
+                                  start=(0.66,) * (1 if plane else 2), length=(0.6,) * (1 if plane else 2))  # fmt: skip
+        _lift(domain, 0.002)
+        body = _body(domain, tags, degree, "plane_strain" if plane else "3d", "neo_hookean", friction=0.2)
+        yield Run(f"block over an end, {kind}", body, falling(0.1, -0.05), kind)
+
+
+def coarse(cell, degree):
+    """A ring on a finer one, with friction: slaves much heavier than the masters they meet."""
+    for kind in ("penalty", "kinematic"):
+        domain, tags = two_bodies(cell, (14, 10), (3, 2), start=(0.11,), length=(0.75,))
+        domain.geometry.x[:, 0] += 0.3
+        _lift(domain, 0.002)
+        body = _body(domain, tags, degree, "axisymmetric", friction=0.2)
+        yield Run(f"coarse ring on a fine one, {kind}", body, falling(0.03, 0.01), kind)
+
+
 def rigid(cell, degree):
     """A body of revolution thrown on a rigid plane, and a block hit by a rigid cylinder that moves."""
     domain = bodies.block(cell, 5)
@@ -181,6 +202,11 @@ RUNS = (
     ("quadrilateral", 1, disc),
     ("hexahedron", 1, blocks),
     ("tetrahedron", 1, blocks),
+    ("quadrilateral", 1, overhang),
+    ("hexahedron", 1, overhang),
+    ("tetrahedron", 2, overhang),
+    ("quadrilateral", 1, coarse),
+    ("triangle", 2, coarse),
     ("quadrilateral", 1, rigid),
     ("quadrilateral", 1, alone),
     ("triangle", 2, alone),

@@ -34,14 +34,14 @@ SIZES = {
 def blocks(comm, dim, cell=None, seed=None, **more):
     """A small block over the left end of a long one: mesh recipe, space, whether nodes are the small one's."""
     options = {} if seed is None else {"partitioner": scattered(seed)}
-    made = meshes.make("two_blocks", comm, cell=cell, gap=0.003, **SIZES[dim], **options, **more)
+    made = meshes.make("two_blocks", comm, cell=cell, gap=0.003, **{**SIZES[dim], **options, **more})
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (dim,)))
     return made, V, V.tabulate_dof_coordinates()[:, dim - 1] > 0.5015
 
 
-def thrown(comm, dim, method, speed, press=0.0, cell=None, seed=None, steps=STEPS, clamped=False, **options):
+def thrown(comm, dim, method, speed, press=0.0, cell=None, seed=None, steps=STEPS, clamped=False, size={}, **options):
     """The small block thrown at the long one, obliquely; problem after some steps."""
-    made, V, upper = blocks(comm, dim, cell, seed)
+    made, V, upper = blocks(comm, dim, cell, seed, **size)
     law = di.NeoHookean(1e3, 0.3, 1.0, "3d" if dim == 3 else "plane_strain")
     v = fem.Function(V)
     v.x.array.reshape(-1, dim)[upper] = speed
@@ -179,16 +179,20 @@ def momenta(problem):
 
 
 def check_free_bodies_keep_their_momentum():
-    """Linear and angular momentum of two free bodies, to 1e-12, through an oblique impact with friction."""
+    """Linear and angular momentum of two free bodies, to 1e-12, through an oblique impact with friction: over the
+    middle, over the master's rim, and with faces that are flush at the rim."""
     for dim in (2, 3):
+        ends = {"offset": -0.3 if dim == 2 else (-0.3, -0.2)}
+        flush = {"upper": SIZES[dim]["lower"], "offset": 0.0 if dim == 2 else (0.0, 0.0)}
         for method in METHODS:
-            speed = (0.7,) + (0.2,) * (dim - 2) + (-1.0,)
-            start = momenta(thrown(COMM, dim, method, speed, steps=0, seed=5)[0])
-            problem, closed, _ = thrown(COMM, dim, method, speed, seed=5)
-            end = momenta(problem)
-            assert problem.contact[0].dissipated > 0.1 * problem.energy_history[0, 1], closed
-            assert np.abs(end[0] - start[0]).max() <= 1e-12 * start[2]
-            # Kinematic contact pushes at points that meet at the end of the step, not at its beginning: the forces are
-            # opposite but not in line, by what the bodies slide in a step.
-            angular = 1e-12 if method is di.Penalty else 1e-3
-            assert np.abs(end[1] - start[1]).max() <= angular * start[3]
+            for size in ({}, ends, flush):
+                speed = (0.7,) + (0.2,) * (dim - 2) + (-1.0,)
+                start = momenta(thrown(COMM, dim, method, speed, steps=0, seed=5, size=size)[0])
+                problem, closed, _ = thrown(COMM, dim, method, speed, seed=5, size=size)
+                end = momenta(problem)
+                assert problem.contact[0].dissipated > 0.02 * problem.energy_history[0, 1], (closed, size)
+                assert np.abs(end[0] - start[0]).max() <= 1e-12 * start[2]
+                assert np.abs(end[1] - start[1]).max() <= 1e-12 * start[3], (method, size)
+                # Kinematic: works as in docs/explicit.md. Penalty: a hundredth for each node that closes and opens.
+                drift = abs(problem.energy["drift"])
+                assert drift <= (1e-12 if method is di.Kinematic else 0.02), (method, size, drift)

@@ -23,10 +23,11 @@ def both(make):
     return make(COMM, 3), make(MPI.COMM_SELF, None)
 
 
-def compare(models, results, tolerance):
+def compare(models, results, tolerance, least=0.0):
+    """Relative to the largest entry, `least` at least."""
     found, expected = (in_order(m.comm, m.x, *r) for m, r in zip(models, results))
     for a, b in zip(found, expected):
-        size = np.abs(b).max()
+        size = max(np.abs(b).max(), least)
         assert a.shape == b.shape and np.abs(a - b).max() <= tolerance * size, (np.abs(a - b).max(), size)
 
 
@@ -63,7 +64,8 @@ def check_nodes_that_cross_rank_boundaries():
                 u[model.slave_body, 0] += 0.02 * (step - 60)
                 forces.append((model.forces(u, u - before[k] if step else None, search=step == 0 or model.again()),))
                 before[k] = u
-            compare(models, forces, 10 * SAME)
+            # Round-off of positions is the same when little is in contact: relative to overlaps of the amplitude.
+            compare(models, forces, 10 * SAME, 0.01 * models[1].contact.results()["stiffness"].max())
         assert 1 <= models[0].contact.counters()["searches"] < 40
 
 

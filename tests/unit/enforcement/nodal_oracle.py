@@ -69,7 +69,7 @@ def closest(facets, X, x, normals, reach):
     p = _cpp.search.SurfaceSearch(facets).project(np.ascontiguousarray(x), np.ascontiguousarray(normals), reach)
     ends, dim = rim(facets), x.shape[1]
     corners = set().union(*ends)
-    p["beside"] = np.zeros(len(x), dtype=bool)
+    p["beside"], p["below"] = np.zeros((2, len(x)), dtype=bool)
     for q in range(len(x)):
         f, xi = int(p["facet"][q]), p["xi"][q]
         if f < 0:
@@ -85,7 +85,7 @@ def closest(facets, X, x, normals, reach):
         if d @ d - depth**2 < (0.05 * width(facets, f, X)) ** 2:
             p["gap"][q], p["normal"][q] = depth, n
         else:
-            p["beside"][q] = True
+            p["beside"][q], p["below"][q] = True, depth < 0
     return p
 
 
@@ -110,6 +110,7 @@ class Oracle:
         self.t = np.zeros((model.num, self.dim))
         self.slip = np.zeros((model.num, self.dim))
         self.closed = np.zeros(model.num, dtype=bool)
+        self.barred = np.zeros(model.num, dtype=bool)  # below the surface, from beside the rim
         self.reach = reach or model.contact.search_distance
         self.dissipated = 0.0
 
@@ -133,7 +134,8 @@ class Oracle:
                 step = du[i] - phi @ du[masters]
                 r = n @ step
                 overlap = mean_overlap(g, r, p["beside"][q])
-            if not overlap > 0:
+            self.barred[i] = p["below"][q] or (self.barred[i] and g < 0)
+            if not overlap > 0 or self.barred[i]:
                 self.t[i], self.slip[i], self.closed[i] = 0.0, 0.0, False
                 continue
             compliance = 1 / m[i] + sum(abs(phi) * (1 + self.A_master[masters] / A[i]) / m[masters])

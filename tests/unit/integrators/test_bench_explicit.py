@@ -34,7 +34,7 @@ def test_another_force_makes_no_rows(monkeypatch):
 
 
 def test_rows_of_contact():
-    rows = bench_explicit.contact_rows((6, 4), (6, 2), steps=10, rounds=1)
+    rows = bench_explicit.contact_rows((6, 4), (6, 2), steps=(10, 10), rounds=(1, 1))
     assert len(rows) == 4 * len(bench_explicit.CONTACTS)
     shares = [r for r in rows if "share of a step" in r["name"]]
     assert len(shares) == 4 and all(r["cell"] == "49 of 490 nodes" for r in shares)
