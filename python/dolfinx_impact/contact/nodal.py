@@ -11,6 +11,7 @@ from ..amplitude import Amplitude
 from ..forms.materials import weight
 from .output import ContactOutput
 from .pair import ContactPair
+from .springs import searched
 from .start import check_side
 
 
@@ -65,7 +66,7 @@ class NodalResult(ContactOutput):
             self.obstacle.displacement = pair.master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)
         self.penalty, self.options = penalty, dict(options, penalty=penalty)
-        self.make = lambda: _cpp.nodal.NodeToSurface(
+        self.make = lambda **changes: _cpp.nodal.NodeToSurface(
             V._cpp_object,
             slave,
             self.obstacle if pair.rigid else master,
@@ -73,8 +74,10 @@ class NodalResult(ContactOutput):
             penalty=penalty or 0.0,
             search_distance=pair.search_distance or 0.0,
             axisymmetric=problem.axisymmetric,
-            **options,
+            **{**options, **changes},
         )
+        facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
+        self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest, at rest
         self._cpp = self.make()
         self.nodes, self.weight = self._cpp.nodes, self._cpp.areas
         self._X = self._cpp.X.reshape(-1, self.gdim)
@@ -134,12 +137,30 @@ class NodalResult(ContactOutput):
         Raises:
             ValueError: on all ranks.
         """
-        deep = self.comm.allreduce(int(self._cpp.counters()["implausible"]), MPI.SUM)
+        deep = int(self._cpp.counters()["implausible"])  # kinematic contact looks at gaps in steps
+        if self.problem.step == 0 and self.pair.rigid:
+            deep = self._deep_in_obstacle()
+        elif self.problem.step == 0 and self._cpp.kinematic:
+            deep = self._deep_by_springs()
+        deep = self.comm.allreduce(deep, MPI.SUM)
         if deep:
             raise ValueError(
                 f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies overlap "
                 "at the start; move them apart"
             )
+
+    def _deep_by_springs(self):
+        """How many nodes springs in place of the steps' correction would find too deep. Collective."""
+        twin, halo, u = searched(self, self.problem.u.x.array, kinematic=False)
+        zero = np.zeros_like(u)
+        twin.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
+        return int(twin.counters()["implausible"])
+
+    def _deep_in_obstacle(self):
+        moved = (self.motion.sample([self.problem.time])[0] - self.pair.master.displacement)[: self.gdim]
+        x = self._X + self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes] - moved
+        gap = self.obstacle.evaluate(np.ascontiguousarray(x).ravel())[0]
+        return int(np.count_nonzero(gap < -0.5 * self._facet))
 
     def look(self):
         """Copy results of the last step. Collective."""

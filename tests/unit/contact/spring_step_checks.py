@@ -11,7 +11,7 @@ COMM = MPI.COMM_WORLD
 
 
 def pressed(comm, friction, balanced):
-    """Two blocks of nodes that match, pressed together in equilibrium by stiff springs; problem and its displacement."""
+    """Two blocks of nodes that match, pressed together at rest by stiff springs; problem and its displacement."""
     made = meshes.make("two_blocks", comm, cell="quadrilateral", gap=0.0, lower=(1.0, 0.5), upper=(1.0, 0.5),
                        lower_cells=(4, 2), upper_cells=(4, 2))  # fmt: skip
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
