@@ -154,9 +154,10 @@ run.print(f"results in {run.path}, {time.perf_counter() - started:.1f} s in all 
 # Hertz's numbers for this load, computed beforehand: 4.538523 mm, 561.081 MPa. A rail without a joint: the force
 # within 1 % of the static one all the way, as the benchmark has it; before the joint 1 % more for the rail end, which
 # gives way there. Facets of the tests' length $h$ make the wheel a polygon, flatter by $h^2/8R$, which takes another
-# per cent from the force; in space, where they are longer still, this is most of it: facets raise and lower the force by
-# $h^2/8R$ over what Hertz's contact, $F \sim \delta^{3/2}$, and the springs yield for their load, on average by no more
-# than two thirds of it, a parabola's mean. The balance of energy within 1 % of what the impact exchanges, and an impact.
+# per cent from the force; in space, where they are longer still, this is most of it: facets raise and lower the force
+# by $h^2/8R$ over what Hertz's contact, $F \sim \delta^{3/2}$, and the springs yield for their load, on average by no
+# more than two thirds of it, a parabola's mean. The balance of energy within 1 % of what the impact exchanges, and an
+# impact.
 
 assert abs(hertz.half_width / 4.538523e-3 - 1) < 1e-6 and abs(hertz.peak_pressure / 561.081e6 - 1) < 1e-5
 assert abs(static / load - 1) < 1e-4

@@ -62,8 +62,8 @@ def own_form(u):
 
 
 def step_rows(cases, law=materials.LinearElastic, steps=0, baselines=("A", "B"), own=()):
-    """Whole steps against assemble_vector alone; for cells in `own`, with a residual of the user's own too. Steps of
-    a round: as many as last ROUND seconds, if not given.
+    """Whole steps against assemble_vector alone; for cells in `own`, with a residual of the user's own as well. Steps
+    of a round: as many as last ROUND seconds, if not given.
 
     Raises:
         RuntimeError: the acceleration of the start is not that of assemble_vector's force.

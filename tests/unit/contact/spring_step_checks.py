@@ -11,9 +11,10 @@ COMM = MPI.COMM_WORLD
 
 
 def pressed(comm, friction, balanced):
-    """Two blocks of nodes that match, pressed together at rest by stiff springs; problem and its displacement."""
-    made = meshes.make("two_blocks", comm, cell="quadrilateral", gap=0.0, lower=(1.0, 0.5), upper=(1.0, 0.5),
-                       lower_cells=(4, 2), upper_cells=(4, 2))  # fmt: skip
+    """Two blocks of nodes that match, pressed together in equilibrium by stiff springs; problem and its
+    displacement."""
+    size = dict(lower=(1.0, 0.5), upper=(1.0, 0.5), lower_cells=(4, 2), upper_cells=(4, 2))
+    made = meshes.make("two_blocks", comm, cell="quadrilateral", gap=0.0, **size)
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
     tags, facets, (E, p, chi) = made.tags, made.facet_tags, (1e3, 1.0, 8e4)
     upper = made.mesh.geometry.x[made.mesh.geometry.dofmap][:, :, 1].mean(axis=1) > 0.5
