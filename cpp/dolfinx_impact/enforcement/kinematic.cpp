@@ -27,9 +27,12 @@ void NodeToSurface::relative(const Touch& touch, const double* values, double* o
 {
   for (int c = 0; c < D; ++c)
     out[c] = values[std::size_t(touch.node) * D + c];
-  for (int j = 0; j < touch.num; ++j)
-    for (int c = 0; c < D; ++c)
-      out[c] -= touch.phi[j] * values[std::size_t(touch.masters[j]) * D + c];
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              for (int c = 0; c < D; ++c)
+                out[c] -= touch.phi[j] * values[std::size_t(touch.masters[j]) * D + c];
+            });
 }
 
 /// Closed nodes of the predicted configuration.
@@ -110,13 +113,14 @@ void NodeToSurface::spread_residual()
     if (_options.friction > 0.0)
       for (int c = 0; c < D; ++c)
         r[c] -= moved[c] - dot(n, moved, D) * n[c];
-    for (int j = 0; j < touch.num; ++j)
-    {
-      double* sum = _spread.data() + std::size_t(touch.masters[j]) * width;
-      for (int c = 0; c < D; ++c)
-        sum[c] -= touch.phi[j] * m * r[c];
-      sum[D] += std::abs(touch.phi[j]) * m;
-    }
+    for_nodes(touch.num,
+              [&](int j)
+              {
+                double* sum = _spread.data() + std::size_t(touch.masters[j]) * width;
+                for (int c = 0; c < D; ++c)
+                  sum[c] -= touch.phi[j] * m * r[c];
+                sum[D] += std::abs(touch.phi[j]) * m;
+              });
   }
   if (_rigid)
     return;
