@@ -6,3 +6,10 @@
 #else
 #define IMPACT_CLONES
 #endif
+
+/// What clones share: a function that is called would be compiled for the oldest processors only.
+#if defined(__GNUC__)
+#define IMPACT_INLINED __attribute__((always_inline)) inline
+#else
+#define IMPACT_INLINED inline
+#endif

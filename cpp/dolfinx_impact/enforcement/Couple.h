@@ -3,6 +3,18 @@
 
 namespace impact::enforcement
 {
+/// Calls each(j) for the nodes of a facet; unrolled for the most common number.
+template <typename Each>
+inline void for_nodes(int num, Each&& each)
+{
+  if (num == 4)
+    for (int j = 0; j < 4; ++j)
+      each(j);
+  else
+    for (int j = 0; j < num; ++j)
+      each(j);
+}
+
 /// Forces without resultant on the nodes of a facet that give back the moment which a contact force and its reaction
 /// leave: c_j = omega x (x_j - mean), sum_j (x_j - mean) x c_j = e x f, e from the slave's node to the master's point
 /// (docs/explicit.md, Moment).
@@ -23,21 +35,25 @@ struct Couple
     const double part = 1.0 / num;
     for (int c = 0; c < D; ++c)
       e[c] = -x[c];
-    for (int j = 0; j < num; ++j)
-      for (int c = 0; c < D; ++c)
-      {
-        r[j][c] = at(j, c);
-        mean[c] += part * r[j][c];
-        e[c] += phi[j] * r[j][c];
-      }
-    for (int j = 0; j < num; ++j)
-    {
-      for (int c = 0; c < D; ++c)
-        r[j][c] -= mean[c];
-      for (int c = 0; c < D; ++c)
-        for (int d = 0; d <= c; ++d)
-          squares[c][d] += r[j][c] * r[j][d];
-    }
+    for_nodes(num,
+              [&](int j)
+              {
+                for (int c = 0; c < D; ++c)
+                {
+                  r[j][c] = at(j, c);
+                  mean[c] += part * r[j][c];
+                  e[c] += phi[j] * r[j][c];
+                }
+              });
+    for_nodes(num,
+              [&](int j)
+              {
+                for (int c = 0; c < D; ++c)
+                  r[j][c] -= mean[c];
+                for (int c = 0; c < D; ++c)
+                  for (int d = 0; d <= c; ++d)
+                    squares[c][d] += r[j][c] * r[j][d];
+              });
     if constexpr (D == 2)
       inverse[0] = 1.0 / (squares[0][0] + squares[1][1]);
     else
@@ -65,11 +81,12 @@ struct Couple
     if constexpr (D == 2)
     {
       const double omega = inverse[0] * (e[0] * f[1] - e[1] * f[0]);
-      for (int j = 0; j < num; ++j)
-      {
-        add(j, 0, -omega * r[j][1]);
-        add(j, 1, omega * r[j][0]);
-      }
+      for_nodes(num,
+                [&](int j)
+                {
+                  add(j, 0, -omega * r[j][1]);
+                  add(j, 1, omega * r[j][0]);
+                });
     }
     else
     {
@@ -77,12 +94,13 @@ struct Couple
       const double w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
                            inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
                            inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
-      for (int j = 0; j < num; ++j)
-      {
-        add(j, 0, w[1] * r[j][2] - w[2] * r[j][1]);
-        add(j, 1, w[2] * r[j][0] - w[0] * r[j][2]);
-        add(j, 2, w[0] * r[j][1] - w[1] * r[j][0]);
-      }
+      for_nodes(num,
+                [&](int j)
+                {
+                  add(j, 0, w[1] * r[j][2] - w[2] * r[j][1]);
+                  add(j, 1, w[2] * r[j][0] - w[0] * r[j][2]);
+                  add(j, 2, w[0] * r[j][1] - w[1] * r[j][0]);
+                });
     }
   }
 };

@@ -105,12 +105,13 @@ double NodeToSurface::compliance(const Touch& touch, double dt) const
   if (_options.penalty > 0.0)
     return per_area / (_share * _options.penalty);
   double own = _inverse_mass[touch.i], masters = 0.0;
-  for (int j = 0; j < touch.num; ++j)
-  {
-    const double weight = std::abs(touch.phi[j]);
-    own += weight * _inverse[2 * touch.corners[j]];
-    masters += weight * _inverse[2 * touch.corners[j] + 1];
-  }
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              const double weight = std::abs(touch.phi[j]);
+              own += weight * _inverse[2 * touch.corners[j]];
+              masters += weight * _inverse[2 * touch.corners[j] + 1];
+            });
   return dt * dt * (own + masters * per_area) / (_share * _options.kappa);
 }
 
@@ -183,9 +184,13 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
   double motion[D], r = 0.0;
   for (int c = 0; c < D; ++c)
     motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
-  for (int j = 0; j < touch.num; ++j)
-    for (int c = 0; c < D; ++c)
-      motion[c] -= touch.phi[j] * _tracking.master_du()[std::size_t(touch.corners[j]) * D + c];
+  const double* master_du = _tracking.master_du();
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              for (int c = 0; c < D; ++c)
+                motion[c] -= touch.phi[j] * master_du[std::size_t(touch.corners[j]) * D + c];
+            });
   for (int c = 0; c < D; ++c)
     r += n[c] * motion[c];
   // Who passes beside an edge is not pushed.
@@ -232,9 +237,13 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
     _force[c] += force[c];
     _results.traction[i * D + c] = force[c] * per_area;
   }
-  for (int j = 0; j < touch.num; ++j)
-    for (int c = 0; c < D; ++c)
-      _master_force[std::size_t(touch.corners[j]) * D + c] -= touch.phi[j] * force[c];
+  double master_force[FacetElement::max_nodes][D];
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              for (int c = 0; c < D; ++c)
+                master_force[j][c] = -touch.phi[j] * force[c];
+            });
   // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
   const surface::Facets& master = _tracking.master();
   if (turns() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
@@ -247,9 +256,15 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
     couple.set<D>(
         touch.num, [&](int j, int c) { return _tracking.master_x()[std::size_t(touch.corners[j]) * D + c]; }, touch.phi,
         x);
-    couple.forces<D>(force, [&](int j, int c, double value)
-                     { _master_force[std::size_t(touch.corners[j]) * D + c] += value; });
+    couple.forces<D>(force, [&](int j, int c, double value) { master_force[j][c] += value; });
   }
+  double* sums = _master_force.data();
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              for (int c = 0; c < D; ++c)
+                sums[std::size_t(touch.corners[j]) * D + c] += master_force[j][c];
+            });
   _closed[i] = 1;
   _stiffness[i] = k;
   _results.status[i] = status;

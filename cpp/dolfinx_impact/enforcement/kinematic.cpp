@@ -30,9 +30,12 @@ void NodeToSurface::relative(const Touch& touch, const double* values, double* o
 {
   for (int c = 0; c < D; ++c)
     out[c] = values[std::size_t(touch.node) * D + c];
-  for (int j = 0; j < touch.num; ++j)
-    for (int c = 0; c < D; ++c)
-      out[c] -= touch.phi[j] * values[std::size_t(touch.masters[j]) * D + c];
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              for (int c = 0; c < D; ++c)
+                out[c] -= touch.phi[j] * values[std::size_t(touch.masters[j]) * D + c];
+            });
 }
 
 /// Closed nodes of the predicted configuration.
@@ -98,11 +101,16 @@ void NodeToSurface::add_masses(const double* inverse_mass)
     const Touch& touch = _touch[q];
     double w[D], along = 0.0, across = 0.0;
     for (int c = 0; c < D; ++c)
-    {
       w[c] = inverse_mass[std::size_t(touch.node) * D + c];
-      for (int j = 0; j < touch.num; ++j)
-        w[c] +=
-            std::abs(touch.phi[j]) * _weight[touch.masters[j]] * inverse_mass[std::size_t(touch.masters[j]) * D + c];
+    for_nodes(touch.num,
+              [&](int j)
+              {
+                const std::size_t node = touch.masters[j];
+                for (int c = 0; c < D; ++c)
+                  w[c] += std::abs(touch.phi[j]) * _weight[node] * inverse_mass[node * D + c];
+              });
+    for (int c = 0; c < D; ++c)
+    {
       along += touch.at.normal[c] * touch.at.normal[c] * w[c];
       across = std::max(across, w[c]);
     }

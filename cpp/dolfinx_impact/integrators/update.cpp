@@ -6,33 +6,10 @@ namespace impact::integrators
 namespace
 {
 /// Sums are split by the vector's lanes (omp simd), always in the same order.
-IMPACT_CLONES Sums update_free(std::size_t n, double* __restrict r, const double* __restrict inverse_mass,
-                               const Coefficients& c, double* __restrict u, double* __restrict v)
-{
-  const double keep = c.keep, push = c.push, dt = c.dt;
-  double momentum = 0.0, speed = 0.0, old_speed = 0.0, position = 0.0, before = 0.0, after = 0.0;
-#pragma omp simd reduction(+ : momentum, speed, old_speed, position, before, after)
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    const double im = inverse_mass[i], ri = r[i], vo = v[i], ui = u[i];
-    const double m = im > 0.0 ? 1.0 / im : 0.0;
-    const double vn = keep * vo - push * im * ri;
-    v[i] = vn;
-    u[i] = ui + dt * vn;
-    r[i] = 0.0;
-    momentum += m * vo * vn;
-    speed += m * vn * vn;
-    old_speed += m * vo * vo;
-    position += ui * ri;
-    before += ri * vo;
-    after += ri * vn;
-  }
-  return {momentum, speed, old_speed, position, before, after, 0.0, 0.0};
-}
-
-IMPACT_CLONES Sums update_loaded(std::size_t n, double* __restrict r, const double* __restrict load,
-                                 const double* __restrict inverse_mass, const Coefficients& c, double* __restrict u,
-                                 double* __restrict v)
+template <bool loaded>
+IMPACT_INLINED Sums update_all(std::size_t n, double* __restrict r, const double* __restrict load,
+                               const double* __restrict inverse_mass, const Coefficients& c, double* __restrict u,
+                               double* __restrict v)
 {
   const double keep = c.keep, push = c.push, dt = c.dt;
   double momentum = 0.0, speed = 0.0, old_speed = 0.0, position = 0.0, before = 0.0, after = 0.0;
@@ -40,9 +17,10 @@ IMPACT_CLONES Sums update_loaded(std::size_t n, double* __restrict r, const doub
 #pragma omp simd reduction(+ : momentum, speed, old_speed, position, before, after, load_before, load_after)
   for (std::size_t i = 0; i < n; ++i)
   {
-    const double im = inverse_mass[i], ri = r[i], vo = v[i], ui = u[i], li = load[i];
+    const double im = inverse_mass[i], ri = r[i], vo = v[i], ui = u[i];
+    const double li = loaded ? load[i] : 0.0;
     const double m = im > 0.0 ? 1.0 / im : 0.0;
-    const double vn = keep * vo + push * im * (li - ri);
+    const double vn = loaded ? keep * vo + push * im * (li - ri) : keep * vo - push * im * ri;
     v[i] = vn;
     u[i] = ui + dt * vn;
     r[i] = 0.0;
@@ -52,10 +30,25 @@ IMPACT_CLONES Sums update_loaded(std::size_t n, double* __restrict r, const doub
     position += ui * ri;
     before += ri * vo;
     after += ri * vn;
-    load_before += li * vo;
-    load_after += li * vn;
+    if constexpr (loaded)
+    {
+      load_before += li * vo;
+      load_after += li * vn;
+    }
   }
   return {momentum, speed, old_speed, position, before, after, load_before, load_after};
+}
+
+IMPACT_CLONES Sums update_free(std::size_t n, double* r, const double* inverse_mass, const Coefficients& c, double* u,
+                               double* v)
+{
+  return update_all<false>(n, r, nullptr, inverse_mass, c, u, v);
+}
+
+IMPACT_CLONES Sums update_loaded(std::size_t n, double* r, const double* load, const double* inverse_mass,
+                                 const Coefficients& c, double* u, double* v)
+{
+  return update_all<true>(n, r, load, inverse_mass, c, u, v);
 }
 } // namespace
 

@@ -61,7 +61,7 @@ NodeTracking::NodeTracking(int gdim, const std::vector<double>& X) : _gdim(gdim)
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {0.0, -never, -never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {0.0, 0.0}, {}, {}};
+    node = {0.0, -never, -never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
   }
   _list.assign(n * most, -1);

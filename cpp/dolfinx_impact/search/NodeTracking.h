@@ -96,7 +96,6 @@ private:
   void positions(std::int32_t f, Configuration at, double* x) const;
   FacetProjection project(std::int32_t f, const double* facet, const double* x, const double* start) const;
   void facet_normal(std::int32_t f, const double* facet, const double* xi, double* normal) const;
-  bool better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best, std::int32_t best_facet) const;
   void finish(const double* x, const double* normal, const FacetProjection& at, Configuration config,
               std::span<const std::int32_t> near, Projection& out) const;
   bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config,
@@ -143,8 +142,7 @@ private:
     double wake, expire; ///< travel at which it wakes, its list ends
     double others;       ///< the least sum of travel and distance at which another than `winner` was seen
     std::int32_t number, count, held, winner;
-    double xi[2], last[2]; ///< where it is held; where it was on `winner` when last looked at
-    double X[3], normal[3];
+    double xi[2], X[3], normal[3]; ///< xi: where it is held
   };
   std::vector<Node> _node;
   // Lists, `most` entries for each node: facets, ascending; their distances when they were last looked at, plus travel

@@ -1,5 +1,6 @@
 #pragma once
 #include "../surface/FacetElement.h"
+#include <cmath>
 #include <cstdint>
 
 namespace impact::search
@@ -22,6 +23,17 @@ struct FacetProjection
   double x[3] = {0.0, 0.0, 0.0}; ///< position [L]
   double distance = 0.0;         ///< [L]
 };
+
+/// Is a closer than the best facet so far? Where distances are equal to 1e-12 of them and of the facet's size, points
+/// inside come first, then the lowest id.
+inline bool closer(const FacetProjection& a, std::int64_t id, const FacetProjection& best, std::int64_t best_id,
+                   double best_size)
+{
+  if (std::abs(a.distance - best.distance) > 1e-12 * (best.distance + best_size))
+    return a.distance < best.distance;
+  const bool a_inside = a.status == ProjectionStatus::converged, b_inside = best.status == ProjectionStatus::converged;
+  return a_inside != b_inside ? a_inside : id < best_id;
+}
 
 /// From how many places Newton's method starts on a facet.
 enum class Starts

@@ -1,7 +1,6 @@
 #include "../common/vectors.h"
 #include "NodeTracking.h"
 #include "linear_facet.h"
-#include "umbrella.h"
 #include <algorithm>
 #include <cmath>
 
@@ -13,107 +12,7 @@ using surface::FacetElement;
 using surface::FacetShape;
 constexpr double list_budget = 0.2; ///< of the nearest facet's diameter: travel for which a list is good
 constexpr int max_values = 3 * FacetElement::max_nodes;
-
-/// Where the first nodes of a facet are in an array of positions.
-struct Corners
-{
-  const double* X[4];
-  Corners(const double* facet, int gdim)
-  {
-    for (int i = 0; i < 4; ++i)
-      X[i] = facet + i * gdim;
-  }
-};
 } // namespace
-
-void NodeTracking::position(std::size_t i, Configuration at, double* x) const
-{
-  const std::size_t k = std::size_t(_node[i].number) * _gdim;
-  for (int c = 0; c < _gdim; ++c)
-    x[c] = _node[i].X[c] + (at.u[k + c] - (at.du ? at.du[k + c] : 0.0));
-}
-
-void NodeTracking::positions(std::int32_t f, Configuration at, double* x) const
-{
-  const int n_x = _master.geometry.num_nodes(), n_u = _master.displacement.num_nodes();
-  const std::int32_t* nodes = _master.nodes_of(f);
-  const double* X = _master.X_of(f);
-  if (n_x == n_u)
-  {
-    for (int i = 0; i < n_x; ++i)
-      for (int c = 0; c < _gdim; ++c)
-      {
-        const std::size_t k = std::size_t(nodes[i]) * _gdim + c;
-        x[i * _gdim + c] = X[i * _gdim + c] + (at.u[k] - (at.du ? at.du[k] : 0.0));
-      }
-    return;
-  }
-  for (int i = 0; i < n_x; ++i)
-    for (int c = 0; c < _gdim; ++c)
-    {
-      double sum = X[i * _gdim + c];
-      for (int j = 0; j < n_u; ++j)
-      {
-        const std::size_t k = std::size_t(nodes[j]) * _gdim + c;
-        sum += _phi[i * n_u + j] * (at.u[k] - (at.du ? at.du[k] : 0.0));
-      }
-      x[i * _gdim + c] = sum;
-    }
-}
-
-FacetProjection NodeTracking::project(std::int32_t f, const double* facet, const double* x, const double* start) const
-{
-  ++_counters.projections;
-  FacetProjection out;
-  bool found = false;
-  const Corners corners(facet, _gdim);
-  switch (_kind)
-  {
-  case Kind::interval:
-    found = linear::project<FacetShape::interval>(corners.X, x, start, out);
-    break;
-  case Kind::triangle:
-    found = linear::project<FacetShape::triangle>(corners.X, x, start, out);
-    break;
-  case Kind::quadrilateral:
-    found = linear::project<FacetShape::quadrilateral>(corners.X, x, start, out);
-    break;
-  case Kind::general:
-    break;
-  }
-  if (found)
-    return out;
-  const bool curved = _master.geometry.tdim() == 2;
-  const Starts starts = curved ? bend(_master.geometry, _gdim, facet).starts(2 * _size[f]) : Starts::nearest;
-  return project_on_facet(_master.geometry, _gdim, facet, x, starts);
-}
-
-void NodeTracking::facet_normal(std::int32_t f, const double* facet, const double* xi, double* normal) const
-{
-  const double sign = _master.orientation[f];
-  const Corners corners(facet, _gdim);
-  switch (_kind)
-  {
-  case Kind::interval:
-    return linear::normal<FacetShape::interval>(corners.X, xi, sign, normal);
-  case Kind::triangle:
-    return linear::normal<FacetShape::triangle>(corners.X, xi, sign, normal);
-  case Kind::quadrilateral:
-    return linear::normal<FacetShape::quadrilateral>(corners.X, xi, sign, normal);
-  case Kind::general:
-    std::copy_n(surface::evaluate(_master, f, facet, xi).normal, 3, normal);
-  }
-}
-
-bool NodeTracking::better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best,
-                          std::int32_t best_facet) const
-{
-  const double tolerance = 1e-12 * (best.distance + _size[best_facet]);
-  if (std::abs(a.distance - best.distance) > tolerance)
-    return a.distance < best.distance;
-  const bool a_inside = a.status == ProjectionStatus::converged, b_inside = best.status == ProjectionStatus::converged;
-  return a_inside != b_inside ? a_inside : _master.id[facet] < _master.id[best_facet];
-}
 
 double NodeTracking::least_other(std::size_t i, std::int32_t winner) const
 {
@@ -145,7 +44,8 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
       positions(f, at, facet);
       const FacetProjection p = project(f, facet, x, f == _node[i].held ? _node[i].xi : nullptr);
       distance = p.distance;
-      if (p.distance <= radius && (out.facet < 0 || better(p, f, best, out.facet)))
+      if (p.distance <= radius &&
+          (out.facet < 0 || closer(p, _master.id[f], best, _master.id[out.facet], _size[out.facet])))
       {
         facet_normal(f, facet, p.xi, normal);
         if (dot(normal, slave_normal, _gdim) < 0.0)
@@ -232,7 +132,6 @@ Projection NodeTracking::locate(std::size_t i, const double* u)
   }
   node.count = num;
   node.winner = out.facet;
-  std::copy_n(out.xi, 2, node.last);
   node.others = least_other(i, out.facet);
   node.expire = node.travel + budget;
   return out;
@@ -246,31 +145,6 @@ Projection NodeTracking::locate_before(std::size_t i, const double* u, const dou
   for (int c = 0; c < 3; ++c)
     shift[c] = _shift[c] - _step_shift[c];
   return query(i, {u, du}, std::abs(_travel - _fitted) + _step, shift, near, num, budget);
-}
-
-/// The distance of the box around a facet: never more than that of the facet itself. Zero if not known.
-double NodeTracking::box_distance(std::int32_t f, const double* x) const
-{
-  const auto corner = [&](int j) { return _master_x.data() + std::size_t(corners(f)[j]) * _gdim; };
-  const double* X[4];
-  switch (_kind)
-  {
-  case Kind::interval:
-    for (int j = 0; j < 2; ++j)
-      X[j] = corner(j);
-    return std::sqrt(linear::box_distance<FacetShape::interval>(X, x));
-  case Kind::triangle:
-    for (int j = 0; j < 3; ++j)
-      X[j] = corner(j);
-    return std::sqrt(linear::box_distance<FacetShape::triangle>(X, x));
-  case Kind::quadrilateral:
-    for (int j = 0; j < 4; ++j)
-      X[j] = corner(j);
-    return std::sqrt(linear::box_distance<FacetShape::quadrilateral>(X, x));
-  case Kind::general:
-    break;
-  }
-  return 0.0;
 }
 
 /// The nearest of the node's list. Distances of its facets when they were last looked at tell which need it again.
@@ -356,7 +230,8 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
       }
     look(f, nullptr, p);
     bound[k] = p.distance + node.travel;
-    if ((out.facet < 0 || better(p, f, best, out.facet)) && faces(f, p.xi, normal))
+    if ((out.facet < 0 || closer(p, _master.id[f], best, _master.id[out.facet], _size[out.facet])) &&
+        faces(f, p.xi, normal))
     {
       best = p;
       out.facet = f;
@@ -372,93 +247,7 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
     return {};
   if (warm && out.facet == first)
     return _warm[i].at;
-  std::copy_n(best.xi, 2, node.last);
   finish(x, best_normal, best, at, {list, std::size_t(node.count)}, out);
   return out;
-}
-
-void NodeTracking::finish(const double* x, const double* normal, const FacetProjection& at, Configuration config,
-                          std::span<const std::int32_t> near, Projection& out) const
-{
-  out.status = at.status;
-  out.entity = at.entity;
-  std::copy_n(at.xi, 2, out.xi);
-  std::copy_n(normal, 3, out.normal);
-  double d[3] = {0.0, 0.0, 0.0};
-  for (int c = 0; c < _gdim; ++c)
-    d[c] = x[c] - at.x[c];
-  const double along = dot(d, normal, _gdim);
-  out.gap = out.clearance = along;
-  if (at.status == ProjectionStatus::converged)
-    return;
-  if (at.distance <= 1e-10 * _size[out.facet])
-  {
-    // d has no direction: the node counts as one of the facet.
-    out.status = ProjectionStatus::converged;
-    out.entity = -1;
-    out.rim = Projection::Rim::near;
-    return;
-  }
-  double mean[3];
-  const bool rim = mean_normal(at, out.facet, config, near, mean);
-  // Beside the rim by less than a twentieth of the facet: over the facet. Flush edges stay in contact.
-  const double far = 0.05 * _size[out.facet];
-  const double aside = std::sqrt(std::max(at.distance * at.distance - along * along, 0.0));
-  if (rim && aside < far)
-  {
-    out.rim = Projection::Rim::near;
-    return;
-  }
-  const bool ends = rim && beside(_gdim, d, mean, _size[out.facet]);
-  out.gap = (ends || dot(d, mean, _gdim) >= 0.0 ? 1.0 : -1.0) * at.distance;
-  out.clearance = out.gap;
-  if (rim)
-  {
-    // The gap jumps where a node comes in from the side, also because the facet turns.
-    out.rim = along < 0.0 ? Projection::Rim::below : Projection::Rim::beside;
-    out.clearance = 0.0;
-  }
-  for (int c = 0; c < _gdim; ++c)
-    out.normal[c] = d[c] / out.gap;
-}
-
-/// Mean normal of the facets that meet at an edge or vertex; they are all in the list.
-/// @returns whether the surface ends there
-bool NodeTracking::mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config,
-                               std::span<const std::int32_t> near, double* normal) const
-{
-  const FacetElement& element = _master.geometry;
-  const bool edge = at.status == ProjectionStatus::edge;
-  const int* ends = edge ? edge_corners(element.shape, at.entity) : nullptr;
-  const std::int32_t* own = _master.nodes_of(facet);
-  double t = 0.0; // position along the edge
-  if (edge)
-  {
-    const auto a = element.node(ends[0]), b = element.node(ends[1]);
-    const int c = a[0] != b[0] ? 0 : 1;
-    t = (at.xi[c] - a[c]) / (b[c] - a[c]);
-  }
-  std::fill_n(normal, 3, 0.0);
-  int meeting = 0;
-  Umbrella umbrella;
-  for (std::int32_t f : near)
-  {
-    const int i = corner(_master, f, own[edge ? ends[0] : at.entity]), j = edge ? corner(_master, f, own[ends[1]]) : i;
-    if (i < 0 || j < 0)
-      continue;
-    ++meeting;
-    const auto a = element.node(i), b = element.node(j);
-    const double xi[2] = {(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]};
-    double positions_of[max_values], n[3];
-    positions(f, config, positions_of);
-    facet_normal(f, positions_of, xi, n);
-    for (int c = 0; c < _gdim; ++c)
-      normal[c] += n[c];
-    if (!edge && element.tdim() == 2)
-      for (int e = 0; e < element.num_corners(); ++e)
-        if (const int* k = edge_corners(element.shape, e); k[0] == i || k[1] == i)
-          umbrella.add(_master.nodes_of(f)[k[0] == i ? k[1] : k[0]]);
-  }
-  return edge || element.tdim() == 1 ? meeting < 2 : umbrella.open();
 }
 } // namespace impact::search

@@ -30,8 +30,10 @@ void NodeTracking::look_ahead()
       _block.point[c][l] = node.X[c] + _last[i * D + c];
       _block.slave_normal[c][l] = node.normal[c];
     }
-    _block.xi[0][l] = node.last[0];
-    _block.xi[1][l] = node.last[1];
+    // Nodes that are not held start from the middle: nothing depends on what a checkpoint does not have.
+    const double middle = _kind == Kind::triangle ? 1.0 / 3 : 0.5;
+    _block.xi[0][l] = node.held >= 0 ? node.xi[0] : middle;
+    _block.xi[1][l] = node.held >= 0 ? node.xi[1] : _kind == Kind::interval ? 0.0 : middle;
     _block.orientation[l] = _master.orientation[node.winner];
     if (_block.num == WarmBlock::size)
       take_block(nodes);
@@ -59,7 +61,7 @@ void NodeTracking::take_block(const std::int32_t* nodes)
   {
     if (!(_block.over[l] > 0.0))
       continue;
-    Node& node = _node[nodes[l]];
+    const Node& node = _node[nodes[l]];
     Warm& out = _warm[nodes[l]];
     out.distance = _block.distance[l];
     out.alone = node.others - node.travel - 1e-9 * _largest > out.distance && out.distance <= radius;
@@ -69,7 +71,7 @@ void NodeTracking::take_block(const std::int32_t* nodes)
     out.at.facet = node.winner;
     out.at.gap = out.at.clearance = _block.gap[l];
     for (int a = 0; a < 2; ++a)
-      out.at.xi[a] = node.last[a] = _block.xi[a][l];
+      out.at.xi[a] = _block.xi[a][l];
     for (int c = 0; c < 3; ++c)
       out.at.normal[c] = _block.normal[c][l];
   }

@@ -50,16 +50,6 @@ void SurfaceSearch::update()
   }
 }
 
-bool SurfaceSearch::better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best,
-                           std::int32_t best_facet) const
-{
-  const double tolerance = 1e-12 * (best.distance + _size[best_facet]);
-  if (std::abs(a.distance - best.distance) > tolerance)
-    return a.distance < best.distance;
-  const bool a_inside = a.status == ProjectionStatus::converged, b_inside = best.status == ProjectionStatus::converged;
-  return a_inside != b_inside ? a_inside : _master->id[facet] < _master->id[best_facet];
-}
-
 Projection SurfaceSearch::project(const double* x, const double* slave_normal, double reach,
                                   std::int32_t previous) const
 {
@@ -72,7 +62,9 @@ Projection SurfaceSearch::project(const double* x, const double* slave_normal, d
   {
     const Starts starts = _bend[f].starts(centre_distance(m, f, x));
     const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(f), x, starts);
-    if (at.distance <= reach && (out.facet < 0 || better(at, f, best, out.facet)) && faces(f, at.xi))
+    if (at.distance <= reach &&
+        (out.facet < 0 || closer(at, _master->id[f], best, _master->id[out.facet], _size[out.facet])) &&
+        faces(f, at.xi))
     {
       best = at;
       out.facet = f;

@@ -47,7 +47,6 @@ public:
   Projection project(const double* x, const double* slave_normal, double reach, std::int32_t previous = -1) const;
 
 private:
-  bool better(const FacetProjection& a, std::int32_t facet, const FacetProjection& best, std::int32_t best_facet) const;
   void finish(const double* x, const FacetProjection& at, Projection& out) const;
   bool mean_normal(const FacetProjection& at, std::int32_t facet, double* normal) const;
 

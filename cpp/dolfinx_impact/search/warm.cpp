@@ -26,7 +26,7 @@ struct Lane
 };
 
 template <FacetShape S>
-inline void closest(WarmBlock& b, int l)
+IMPACT_INLINED void closest(WarmBlock& b, int l)
 {
   constexpr int D = linear::dimension<S>;
   Lane<S> lane(b, l);
@@ -67,7 +67,7 @@ IMPACT_CLONES void triangles(WarmBlock& b)
 }
 
 /// A step of Newton's method for a lane that is still going (1, else 0).
-inline void step_quadrilateral(WarmBlock& b, double* __restrict going, int l)
+IMPACT_INLINED void step_quadrilateral(WarmBlock& b, double* __restrict going, int l)
 {
   const Lane<FacetShape::quadrilateral> lane(b, l);
   const linear::Step s = linear::newton_step(lane.X, lane.point, lane.xi);
