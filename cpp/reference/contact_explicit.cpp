@@ -32,8 +32,9 @@ std::map<std::int64_t, double> nodal_areas(const Surface& s)
       const double w = rule.weights(q) * reference_area<double>(s, facet, xi);
       const auto f = facet_functions<double>(s.type, s.degree, xi);
       area += w;
+      // At degree 2 the shares are those of the reference facet, without radius and stretch.
       for (int j = 0; j < s.num_nodes(); ++j)
-        share(j) += w * (s.degree == 1 ? f.N[j] : f.N[j] * f.N[j]);
+        share(j) += s.degree == 1 ? w * f.N[j] : rule.weights(q) * f.N[j] * f.N[j];
     }
     share *= area / share.sum();
     for (int j = 0; j < s.num_nodes(); ++j)
@@ -154,14 +155,15 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
 
 bool Gate::lets(std::size_t i, const Meeting& before, const Meeting& now, bool closed)
 {
-  if (closed or not(now.gap < 0))
-    barred_[i] = false;
-  else
-  {
-    const bool above = before.gap > 0 and std::isfinite(before.gap), deep = -now.gap > now.width / 2;
-    barred_[i] = barred_[i] or before.below or (deep and not above);
-  }
-  return not barred_[i];
+  // Who meets no facet keeps its mark: nothing says on which side it is.
+  const bool met = std::isfinite(now.gap), above = std::isfinite(before.gap) and before.gap > 0;
+  if (now.below)
+    marked_[i] = true;
+  else if (now.beside or (met and now.gap >= 0))
+    marked_[i] = false;
+  else if (met and not closed and not above and -now.gap > now.width / 2)
+    marked_[i] = true;
+  return not marked_[i];
 }
 
 double NodePairs::compliance(std::int64_t node, const Meeting& m) const

@@ -58,18 +58,19 @@ private:
   std::map<std::int64_t, double> areas_, master_areas_;
 };
 
-/// Slave nodes close only through the master's surface: who comes in from below beside its rim, or is found deep below
-/// it, stays open until it has been above.
+/// Slave nodes close only through the master's surface: who is below it beside its rim, or is found deep below it, is
+/// marked and stays open until it has been above.
 class Gate
 {
 public:
-  explicit Gate(std::size_t num_nodes) : barred_(num_nodes, false) {}
+  explicit Gate(std::size_t num_nodes) : marked_(num_nodes, false) {}
   /// Whether slave node i may close now; once per step.
+  /// @param now where marks are set: the present configuration of penalty contact, the predicted one of kinematic
   /// @param closed in the step before
   bool lets(std::size_t i, const Meeting& before, const Meeting& now, bool closed);
 
 private:
-  std::vector<bool> barred_;
+  std::vector<bool> marked_;
 };
 
 /// Areas of the nodes of a surface: int phi dA_0 at degree 1, shares of the facets' area in proportion to int phi^2 at

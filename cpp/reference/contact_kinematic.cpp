@@ -22,12 +22,12 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
   {
     std::int64_t row, node;
     const Meeting& m;
-    double mass, alpha;
-    Vec<double> moved, f, residual; // predicted relative motion, force, residual motion
+    Vec<double> moved, f;          // predicted relative motion, force
+    double normal = 0, across = 0; // responses: 1 / effective mass along and across the normal
     bool cut = false;
   };
   std::vector<Closed> closed;
-  std::map<std::int64_t, double> added; // mass of masters
+  std::map<std::int64_t, double> weights; // of closed nodes on their masters
   for (std::size_t i = 0; i < meetings.size(); ++i)
   {
     const Meeting& m = meetings[i];
@@ -35,17 +35,20 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
     if (not gate_.lets(i, before[i], m, status_before[i] != ContactStatus::open) or not(m.gap < 0))
       continue;
     const std::int64_t node = pairs_.nodes()[i];
-    const double mass = pairs_.mass(node);
-    double apart = 1, shared = 1; // the factors of alpha
     for (std::size_t j = 0; j < m.masters.size(); ++j)
-    {
-      const double master = pairs_.mass(m.masters[j]), phi = std::abs(m.phi[j]);
-      added[m.masters[j]] += phi * mass;
-      apart += phi * phi * mass / master;
-      shared -= phi * phi * mass / (master + phi * mass);
-    }
-    closed.push_back({std::int64_t(i), node, m, mass, apart * shared, pairs_.relative(motion, rigid, node, m), {}, {}});
+      weights[m.masters[j]] += std::abs(m.phi[j]);
+    closed.push_back({std::int64_t(i), node, m, pairs_.relative(motion, rigid, node, m), {}});
   }
+  // Row sums of the bodies' response to the forces, component by component.
+  for (Closed& c : closed)
+    for (int k = 0; k < d; ++k)
+    {
+      double sum = step.inverse(d * c.node + k);
+      for (std::size_t j = 0; j < c.m.masters.size(); ++j)
+        sum += std::abs(c.m.phi[j]) * weights.at(c.m.masters[j]) * step.inverse(d * c.m.masters[j] + k);
+      c.normal += c.m.normal[k] * c.m.normal[k] * sum;
+      c.across = std::max(c.across, sum);
+    }
 
   // Forces act at t_n: there the reaction's moment is taken.
   const auto push = [&](Vector& force, const Closed& c)
@@ -66,27 +69,15 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
   for (int sweep = 0; sweep < sweeps_; ++sweep)
   {
     const Vector moved = brought();
-    std::map<std::int64_t, Vec<double>> delta;
+    const double factor = (sweep % 2 == 0 ? 1.0 : 1.5) / step.h; // sweeps 2, 4, ... over-relaxed
     for (Closed& c : closed)
     {
       const Vec<double>& n = c.m.normal;
       const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m);
-      c.residual = (-c.m.gap - dot(n, so_far)) * n;
-      if (friction_ > 0)
-        c.residual = c.residual - tangential(c.moved + so_far, n);
-      for (std::size_t j = 0; j < c.m.masters.size(); ++j)
-        delta[c.m.masters[j]] = delta[c.m.masters[j]] - (c.m.phi[j] * c.mass) * c.residual;
-    }
-    for (auto& [master, R] : delta)
-      for (int k = 0; k < d; ++k)
-        R[k] = step.inverse(d * master + k) > 0 ? R[k] / (pairs_.mass(master) + added.at(master)) : 0;
-    for (Closed& c : closed)
-    {
-      const Vec<double>& n = c.m.normal;
-      Vec<double> more = c.residual;
-      for (std::size_t j = 0; j < c.m.masters.size(); ++j)
-        more = more + c.m.phi[j] * delta.at(c.m.masters[j]);
-      c.f = c.f + (c.mass / (c.alpha * step.h)) * more;
+      if (c.normal > 0)
+        c.f = c.f + (factor * (-c.m.gap - dot(n, so_far)) / c.normal) * n;
+      if (friction_ > 0 and c.across > 0)
+        c.f = c.f - (factor / c.across) * tangential(c.moved + so_far, n);
       const double normal = std::max(0.0, dot(c.f, n));
       Vec<double> t;
       c.cut = true;
