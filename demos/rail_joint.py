@@ -152,9 +152,12 @@ run.print(f"results in {run.path}, {time.perf_counter() - started:.1f} s in all 
 # ## What must hold
 #
 # Hertz's numbers for this load, computed beforehand: 4.538523 mm, 561.081 MPa. A rail without a joint: the force
-# within 1 % of the static one all the way; before the joint within 2 %. The balance of energy within 1 % of what the
-# impact exchanges, and an impact. Coarse facets make the wheel a polygon: the tests, 2 % and 4 %; in space, where a few
-# nodes carry the load, 6 % on average (tests: 10 %).
+# within 1 % of the static one all the way, as the benchmark has it; before the joint 1 % more for the rail end, which
+# gives way there. Facets of the tests' length $h$ make the wheel a polygon, flatter by $h^2/8R$, which takes another
+# per cent from the force; in space, where they are longer still and shake the wheel, the mean force is asked for:
+# facets raise and lower it by $h^2/8R$ over what Hertz's contact, $F \sim \delta^{3/2}$, and the springs yield for
+# their load, on average by no more than two thirds of it, a parabola's mean. The balance of energy within 1 % of what
+# the impact exchanges, and an impact.
 
 assert abs(hertz.half_width / 4.538523e-3 - 1) < 1e-6 and abs(hertz.peak_pressure / 561.081e6 - 1) < 1e-5
 assert abs(static / load - 1) < 1e-4
@@ -162,5 +165,8 @@ if dim == 2:
     assert uneven < (0.02 if fast else 0.01)
     assert early < (0.04 if fast else 0.02)
 else:
-    assert abs(undisturbed.mean() - 1) < 0.06 and abs(before.mean() - 1) < (0.1 if fast else 0.06)
+    point = di.theory.hertz_elliptic(2 * load, RADIUS, np.inf, np.inf, 0.3, E, NU, E, NU)  # both halves
+    polygon = size["h"] ** 2 / (8 * RADIUS) / (point.approach / 1.5 + 2 / 3 * point.peak_pressure / chi)
+    mean = min(2 / 3 * polygon, 0.06)  # the tests' facets would allow 10 %
+    assert abs(undisturbed.mean() - 1) < mean and abs(before.mean() - 1) < mean + 0.012
 assert drift < 0.01 and drop < 0.9 and peak > 1.2

@@ -2,10 +2,12 @@
 
 Nodal values are stored by the numbers that nodes had when the file was written, with a table of each cell's nodes by
 the cell's number in the mesh's input: that number is the same on any ranks. A file is written under another name and
-renamed when it is complete, so that whatever happens the last checkpoint opens.
+renamed when it is complete, so that whatever happens the last checkpoint opens. HDF5 only lays the file out, in memory:
+a write that fails inside HDF5 leaves it, and with it the process, in no state to go on.
 """
 
 import contextlib
+import io
 import os
 import shutil
 from pathlib import Path
@@ -13,29 +15,8 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-FORMAT = 1
+FORMAT = 2
 SAME = 1e-9  # of masses and their moments: another mesh differs by more, another sum of the same by less
-
-
-class Writer:
-    """Datasets of all ranks one after the other, in the order of the ranks.
-
-    Args:
-        file: h5py File. comm: of the ranks that write together.
-    """
-
-    def __init__(self, file, comm):
-        self.file, self.comm = file, comm
-
-    def rows(self, name, values):
-        """Write this rank's rows; returns where they begin. Collective."""
-        values = np.ascontiguousarray(values)
-        counts = self.comm.allgather(len(values))
-        begin, shape = sum(counts[: self.comm.rank]), (sum(counts), *values.shape[1:])
-        dataset = self.file.create_dataset(name, shape, values.dtype)
-        if len(values):
-            dataset[begin : begin + len(values)] = values
-        return begin
 
 
 def nodes_of(space):
@@ -73,14 +54,93 @@ def signature(problem):
 
 
 def _together(comm, work):
-    """Do the work on all ranks; RuntimeError on all if any failed."""
-    error = ""
+    """Do the work, which must not communicate, on all ranks; what the lowest rank raised, as texts, or None."""
+    error = None
     try:
         work()
-    except (OSError, RuntimeError, ValueError, KeyError) as e:
-        error = f"{type(e).__name__}: {e}"
-    errors = [e for e in comm.allgather(error) if e]
-    return errors[0] if errors else ""
+    except Exception as e:  # whatever it is, the other ranks must hear of it
+        error = (type(e).__name__, str(e))
+    return next((e for e in comm.allgather(error) if e), None)
+
+
+class _Sketch(io.RawIOBase):
+    """A file in memory that has only what was written into it, page by page; the rest is zero."""
+
+    page = 4096
+
+    def __init__(self):
+        super().__init__()
+        self.pages, self.size, self._at = {}, 0, 0
+
+    def seek(self, offset, whence=os.SEEK_SET):
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self.size}[whence]
+        return self._at
+
+    def tell(self):
+        return self._at
+
+    def _parts(self, count):
+        """(place in the buffer, page, place in the page, length) of a range from here on; moves behind it."""
+        done = 0
+        while done < count:
+            number, first = divmod(self._at, self.page)
+            length = min(count - done, self.page - first)
+            yield done, number, first, length
+            done, self._at = done + length, self._at + length
+
+    def write(self, data):
+        data = memoryview(data).cast("B")
+        for place, number, first, length in self._parts(len(data)):
+            page = self.pages.setdefault(number, bytearray(self.page))
+            page[first : first + length] = data[place : place + length]
+        self.size = max(self.size, self._at)
+        return len(data)
+
+    def readinto(self, data):
+        data = memoryview(data).cast("B")
+        for place, number, first, length in self._parts(len(data)):
+            page = self.pages.get(number, bytes(self.page))
+            data[place : place + length] = page[first : first + length]
+        return len(data)
+
+    def truncate(self, size):
+        self.size = size
+
+
+def lay_out(attributes, tables):
+    """An HDF5 file with attributes and room for tables.
+
+    Args:
+        attributes: dict of numbers and texts. tables: dict name -> (shape, dtype).
+
+    Returns:
+        Dict offset -> bytes that are in the file already; its size; dict name -> offset of the table's rows (None where
+        it has none).
+    """
+    import h5py
+
+    sketch, offsets = _Sketch(), {}
+    with h5py.File(sketch, "w") as file:
+        for name, value in attributes.items():
+            file.attrs[name] = value
+        properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+        for name, (shape, dtype) in tables.items():
+            group, _, last = name.rpartition("/")
+            kind, space = h5py.h5t.py_create(dtype), h5py.h5s.create_simple(shape)
+            table = h5py.h5d.create(file.require_group(group).id, last.encode(), kind, space, properties)
+            offsets[name] = table.get_offset() if np.prod(shape) else None
+    pages = {number * sketch.page: bytes(page) for number, page in sketch.pages.items()}
+    return pages, sketch.size, offsets
+
+
+def _write_at(file, data, offset):
+    """All of the data; a file system that is full takes a part first and says so at the next call."""
+    data = memoryview(np.ascontiguousarray(data)).cast("B")
+    while len(data):
+        count = os.pwrite(file, data, offset)
+        data, offset = data[count:], offset + count
 
 
 def write(path, problem, arrays, nodal, ranks, attributes):
@@ -93,56 +153,61 @@ def write(path, problem, arrays, nodal, ranks, attributes):
     Raises:
         RuntimeError: on all ranks: the folder cannot be written, no space is left; an earlier file is as it was.
     """
-    import h5py
-
     comm, path = problem.comm, Path(path)
     part = path.with_name(path.name + ".part")
-    size = sum(np.asarray(a).nbytes for a in arrays.values()) + sum(r.nbytes for _, r in nodal.values())
     begin, cells = nodes_of(problem.space)
-    size = comm.allreduce(size + 2 * cells.nbytes, MPI.SUM)
+    mine = {"cells/input": input_cells(problem.space.mesh), "cells/nodes": cells}
+    mine |= {f"nodes/{name}": rows for name, rows in arrays.items()}
+    for name, (nodes, rows) in nodal.items():
+        mine[f"some/{name}/nodes"] = np.asarray(nodes, dtype=np.int64) + begin
+        mine[f"some/{name}/values"] = rows
+    mine |= {f"ranks/{name}": np.asarray(row)[None] for name, row in ranks.items()}
+    counts = comm.allgather([len(rows) for rows in mine.values()])
+    attributes = {"format": FORMAT, **signature(problem), **attributes}
+    laid_out = None
 
     def prepare():
+        nonlocal laid_out
         if comm.rank == 0:
             path.parent.mkdir(parents=True, exist_ok=True)
-            with open(part, "wb"):
-                pass
+            totals = np.sum(counts, axis=0)
+            tables = {name: ((int(n), *rows.shape[1:]), rows.dtype) for (name, rows), n in zip(mine.items(), totals)}
+            pages, size, offsets = lay_out(attributes, tables)
             free = shutil.disk_usage(path.parent).free
             if free < size:
-                part.unlink()
                 raise OSError(f"no space left: {size / 1e6:.3g} MB are needed, {free / 1e6:.3g} MB free")
+            laid_out = offsets
+            with open(part, "wb") as file:
+                os.posix_fallocate(file.fileno(), 0, size)
+                for offset, data in pages.items():
+                    _write_at(file.fileno(), np.frombuffer(data, dtype=np.uint8)[: size - offset], offset)
 
     def save():
-        parallel = {"driver": "mpio", "comm": comm} if comm.size > 1 else {}
-        if parallel and not h5py.get_config().mpi:
-            raise RuntimeError("h5py is built without MPI: install the parallel one (python3-h5py-mpi)")
-        with h5py.File(part, "w", **parallel) as file:
-            writer = Writer(file, comm)
-            file.attrs["format"] = FORMAT
-            for name, value in {**signature(problem), **attributes}.items():
-                file.attrs[name] = value
-            writer.rows("cells/input", input_cells(problem.space.mesh))
-            writer.rows("cells/nodes", cells)
-            for name, rows in arrays.items():
-                writer.rows(f"nodes/{name}", rows)
-            for name, (nodes, rows) in nodal.items():
-                writer.rows(f"some/{name}/nodes", np.asarray(nodes, dtype=np.int64) + begin)
-                writer.rows(f"some/{name}/values", rows)
-            for name, row in ranks.items():
-                writer.rows(f"ranks/{name}", np.asarray(row)[None])
+        file = os.open(part, os.O_WRONLY)
+        try:
+            for k, (name, rows) in enumerate(mine.items()):
+                if len(rows):
+                    before = sum(count[k] for count in counts[: comm.rank])
+                    _write_at(file, rows, offsets[name] + before * (rows.nbytes // len(rows)))
+            os.fsync(file)
+        finally:
+            os.close(file)
 
     def publish():
         if comm.rank == 0:
-            with open(part, "rb") as f:
-                os.fsync(f.fileno())
             os.replace(part, path)
 
+    offsets = None
     for work in (prepare, save, publish):
         error = _together(comm, work)
         if error:
             if comm.rank == 0:
                 with contextlib.suppress(OSError):
                     part.unlink()
-            raise RuntimeError(f"the checkpoint {path} could not be written ({error}); what was there is untouched")
+            said = ": ".join(error)
+            raise RuntimeError(f"the checkpoint {path} could not be written ({said}); what was there is untouched")
+        if work is prepare:
+            offsets = comm.bcast(laid_out, root=0)
 
 
 class Reader:
@@ -164,19 +229,22 @@ class Reader:
 
             error = _together(self.comm, read)
             if error:
-                raise RuntimeError(f"the checkpoint {self.path} cannot be read ({error})")
+                raise RuntimeError(f"the checkpoint {self.path} cannot be read ({': '.join(error)})")
 
         guarded(lambda file: setattr(self, "attributes", dict(file.attrs)))
-        self._check()
+        here = signature(problem)
+        error = _together(self.comm, lambda: self._check(here))
+        if error:
+            raise ValueError(error[1])
         guarded(self._read_cells)
         self._owned_then = self._owned()
         guarded(self._read_values)
 
-    def _check(self):
+    def _check(self, here):
         found = self.attributes
         if found.get("format") != FORMAT:
             raise ValueError(f"{self.path} has format {found.get('format')}, this version reads {FORMAT}")
-        for name, value in signature(self.problem).items():
+        for name, value in here.items():
             there = found.get(name)
             if name == "moments":
                 same = np.shape(there) == np.shape(value)

@@ -138,9 +138,8 @@ class March:
         """Take steps. Collective."""
         steps = np.arange(self.step, self.step + count + 1)
         times = self._plan.times(steps) if self._plan else np.array([self.time])
-        levels = np.append(times, times[-1] + (self._plan.dt if self._plan else 0.0))
-        table = [a.sample(levels) for a in self._amplitudes]
-        table = np.hstack(table) if table else np.zeros((count + 2, 0))
+        self._beyond = times[-1] + (self._plan.dt if self._plan else 0.0)
+        table = self._table(np.append(times, self._beyond))
         if self.step - (self._good[0] if self._good else -SNAPSHOT) >= SNAPSHOT or count > SNAPSHOT:
             self._good = (self.step, self.time, *self._motion())
         rows = np.zeros((count, self._cpp.row_size))
@@ -150,6 +149,11 @@ class March:
         if done < count:
             self._unstable(times[done])
         self.step, self.time = self.step + count, float(times[-1])
+
+    def _table(self, times):
+        """Values of all amplitudes, a row for each time."""
+        table = [a.sample(times) for a in self._amplitudes]
+        return np.hstack(table) if table else np.zeros((len(times), 0))
 
     def _unstable(self, time):
         """Back to the last good state; raises RuntimeError, on all ranks."""

@@ -41,9 +41,13 @@ class Restart:
             for j, side in enumerate(contact.sides()):
                 nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history(), bs))
                 ranks[f"contact{k}_{j}"] = energies[j]
-        plan = self._plan
+        plan, totals = self._plan, {}
+        for k, contact in enumerate(self.contact):
+            rows, totals[f"contact{k}"] = contact.seen()
+            nodal[f"results{k}"] = (contact.nodes, rows)
         attributes = {
-            "time": self.time, "step": self.step, "safe": self._safe, "nominal": self._nominal,
+            **totals,
+            "time": self.time, "beyond": self._beyond, "step": self.step, "safe": self._safe, "nominal": self._nominal,
             "largest": self._largest, "total_start": self._total_start,
             "plan": np.array([plan.begin, plan.until, plan.first, plan.last] if plan else [], dtype=float),
         }  # fmt: skip
@@ -77,7 +81,10 @@ class Restart:
             np.concatenate(parts) if parts else np.zeros(0),
             np.ascontiguousarray(file.rank("accounts", additive)),
         )
-        self.time, self.step = float(a["time"]), int(a["step"])
+        self.time, self.step, self._beyond = float(a["time"]), int(a["step"]), float(a["beyond"])
+        # Loads and prescribed motion of the present time: acceleration and velocity have them in.
+        table = self._table(np.array([self.time, self._beyond]))
+        self._cpp.run(np.zeros(0), np.ascontiguousarray(table).ravel(), table.shape[1], np.zeros(0))
         self._safe, self._nominal = float(a["safe"]), float(a["nominal"])
         self._largest, self._total_start = float(a["largest"]), float(a["total_start"])
         plan = a["plan"]
@@ -86,6 +93,8 @@ class Restart:
         for recorder in self._recorders:
             recorder.restart()
         self._look()
+        for k, contact in enumerate(self.contact):
+            contact.set_seen(file.at(f"results{k}", contact.nodes)[0], a[f"contact{k}"])
 
 
 def _pack(history, bs):

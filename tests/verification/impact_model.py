@@ -5,6 +5,7 @@ from contact_model import Model
 from dolfinx import fem
 
 import dolfinx_impact as di
+from dolfinx_impact.theory import waves
 
 BOTH = ("Penalty", "Kinematic")
 
@@ -67,14 +68,19 @@ def spin(problem, nodes):
 
 
 class History:
-    """Callback that keeps times and contact forces; forces belong to the time before the last half step."""
+    """Callback that keeps times and contact forces; forces belong to the time before the last half step.
+
+    Attributes:
+        chi: largest stiffness per area that springs have had; zero in kinematic contact [F/L^3].
+    """
 
     def __init__(self, number=0, component=0):
-        self.number, self.component, self._rows = number, component, []
+        self.number, self.component, self._rows, self.chi = number, component, [], 0.0
 
     def __call__(self, problem):
         contact = problem.contact[self.number]
         self._rows.append((problem.time, contact.force[self.component]))
+        self.chi = max(self.chi, float(np.max(contact.stiffness / contact.weight, initial=0.0)))
 
     @property
     def times(self):
@@ -94,3 +100,35 @@ class History:
         low, high = begin + 0.1 * (end - begin), end - 0.1 * (end - begin)
         impulse = np.concatenate([[0.0], np.cumsum(np.diff(self.times) * (self.forces[1:] + self.forces[:-1]) / 2)])
         return (np.interp(high, self.times, impulse) - np.interp(low, self.times, impulse)) / (high - low)
+
+    @property
+    def dt(self):
+        return np.diff(self.times[-2:])[0]
+
+
+def expected_pulse(release_time, lag, echo, dt, courant):
+    """What a contact of bars must show, and how far it may be off: dict of (value, off), times relative to the contact.
+
+    Springs: theory.waves.contact_pulse. Without: the release's front comes early by dispersion, the end of contact by
+    less than its width (200 cells' way: 2 L). Forces begin and end in a step: one off times and impulse at either end.
+
+    Args:
+        release_time: 2 L/c [T]. lag: of the springs, zero without [T]. echo: of contact_pulse. dt: step [T].
+        courant: c dt/h, which makes release_time c/h cells of the way.
+    """
+    step, way = dt / release_time, courant * release_time / dt  # the latter in cells
+    if lag:
+        t = np.linspace(0.0, 1.9 * release_time, 40001)
+        pulse, width = waves.contact_pulse(t, release_time, lag, echo), 0.0
+        over = np.flatnonzero(pulse > 0.5)
+        begin, end, impulse = t[over[0]], t[over[-1]], np.sum(pulse) * t[1]
+        begin, end, impulse = begin / release_time, end / release_time, impulse / release_time
+    else:
+        width = waves.front_width(way, 1.0, courant) / way
+        # With echo 1 the front falls to zero only far behind: half of it is early, half of it late.
+        begin, end, impulse = 0.0, 1.0, 1.0 - (waves.early_release(echo) if echo > 1 else 0.0) * width
+    return {
+        "begin": (begin, 2 * step),
+        "end": (end, 2 * step + width),
+        "impulse": (impulse, step + (width if echo <= 1 else 0.0)),
+    }

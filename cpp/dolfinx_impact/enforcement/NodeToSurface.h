@@ -137,15 +137,15 @@ private:
   // Kinematic contact.
   template <int D>
   void relative(const Touch& touch, const double* values, double* out) const;
-  void number_kinematic(operators::Halo& halo, const double* mass);
+  void number_kinematic(operators::Halo& halo);
   /// Do contact forces need a moment given back?
   bool turns() const { return !_rigid && !_options.axisymmetric; }
   template <int D>
   void predict(const double* u, const double* du, const double* before);
   template <int D>
-  void spread_residual();
+  void add_masses(const double* inverse_mass);
   template <int D>
-  void solve_forces(double h);
+  void solve_forces(double h, double factor);
   template <int D>
   void apply(const double* inverse_mass, double h);
   template <int D>
@@ -173,7 +173,6 @@ private:
   std::vector<double> _mass, _inverse_mass, _per_area; ///< of slave nodes: masses, reciprocals of masses and areas
   std::vector<double> _inverse;                        ///< of NodeTracking's master nodes: 1/m, A/m
   std::vector<double> _master_force;                   ///< on them
-  std::vector<double> _node_mass;                      ///< over the Halo
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;
@@ -183,13 +182,13 @@ private:
   std::array<double, 3> _force{};
   std::int64_t _implausible = 0;
 
-  // Kinematic contact: closed nodes of the step, and values at the Halo's nodes. `_spread` and `_sum` are summed over
-  // ranks: they are zero at all ghosts but those in `_touched`, and never sent forward.
+  // Kinematic contact: closed nodes of the step, and values at the Halo's nodes. `_sum` is summed over ranks: it is
+  // zero at all ghosts but those in `_touched`, and never sent forward.
   std::vector<Touch> _touch;
   std::size_t _num_touch = 0;
-  std::vector<double> _motion, _residual, _nodal_force, _relax;
+  std::vector<double> _motion, _nodal_force, _along, _across;
   std::vector<Couple> _couples;
   std::vector<std::int32_t> _touched;
-  std::vector<double> _spread, _response, _sum, _moved, _before;
+  std::vector<double> _weight, _sum, _moved, _before;
 };
 } // namespace impact::enforcement

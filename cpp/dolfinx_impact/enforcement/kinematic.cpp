@@ -6,16 +6,19 @@
 /// Kinematic contact, docs/explicit.md.
 namespace impact::enforcement
 {
-void NodeToSurface::number_kinematic(operators::Halo& halo, const double* mass)
+namespace
+{
+constexpr double over_relaxed = 1.5; ///< every second sweep: what alternates from node to node needs more
+}
+
+void NodeToSurface::number_kinematic(operators::Halo& halo)
 {
   const std::size_t num = halo.num_nodes();
-  _node_mass.assign(mass, mass + num);
   _touched.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _touched.insert(_touched.end(), _tracking.master().nodes.begin(), _tracking.master().nodes.end());
   std::sort(_touched.begin(), _touched.end());
   _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());
-  _spread.assign(num * (_gdim + 1), 0.0);
-  _response.assign(num * _gdim, 0.0);
+  _weight.assign(num, 0.0);
   _sum.assign(num * _gdim, 0.0);
   _moved.assign(num * _gdim, 0.0);
   _before.assign(num * _gdim, 0.0);
@@ -63,16 +66,6 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
       };
       _couples[_num_touch].set<D>(touch.num, at, touch.phi, x);
     }
-    // The factor by which step 2 overshoots for a slave that stands alone.
-    const double m = _mass[i];
-    double moves = 1.0, stays = 1.0;
-    for (int j = 0; j < touch.num; ++j)
-    {
-      const double ratio = m / _node_mass[touch.masters[j]], phi = touch.phi[j];
-      moves += phi * phi * ratio;
-      stays -= phi * phi * ratio / (1.0 + std::abs(phi) * ratio);
-    }
-    _relax[_num_touch] = 1.0 / (moves * stays);
     double* motion = _motion.data() + _num_touch * D;
     relative<D>(touch, du, motion);
     for (int c = 0; c < D; ++c)
@@ -89,70 +82,60 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
     }
 }
 
-/// Motion that is still to be made up for, and how masters with the mass of their slaves would take it.
+/// How much a force of the sweep moves: the sums of the rows of the bodies' response, along the normal and across it.
 template <int D>
-void NodeToSurface::spread_residual()
+void NodeToSurface::add_masses(const double* inverse_mass)
 {
-  constexpr int width = D + 1;
-  for (std::int32_t node : _touched)
-    std::fill_n(_spread.data() + std::size_t(node) * width, width, 0.0);
-  // Ghosts have what their owners sent in the last sweep, also those that nothing here touches.
-  std::fill(_spread.begin() + (_rigid ? _spread.size() : std::size_t(_halo->num_owned()) * width), _spread.end(), 0.0);
+  if (!_rigid)
+  {
+    // Ghosts have what their owners sent in the last step, also those that nothing here touches.
+    std::fill(_weight.begin(), _weight.end(), 0.0);
+    for (std::size_t q = 0; q < _num_touch; ++q)
+      for (int j = 0; j < _touch[q].num; ++j)
+        _weight[_touch[q].masters[j]] += std::abs(_touch[q].phi[j]);
+    _halo->reverse(_weight.data(), 1);
+    _halo->forward(_weight.data(), 1);
+  }
   for (std::size_t q = 0; q < _num_touch; ++q)
   {
     const Touch& touch = _touch[q];
-    const double *n = touch.at.normal, m = _mass[touch.i];
-    double moved[3], *r = _residual.data() + q * D;
-    relative<D>(touch, _moved.data(), moved);
-    const double left = touch.overlap - dot(n, moved, D);
+    double w[D], along = 0.0, across = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      moved[c] += _motion[q * D + c];
-      r[c] = left * n[c];
+      w[c] = inverse_mass[std::size_t(touch.node) * D + c];
+      for (int j = 0; j < touch.num; ++j)
+        w[c] +=
+            std::abs(touch.phi[j]) * _weight[touch.masters[j]] * inverse_mass[std::size_t(touch.masters[j]) * D + c];
+      along += touch.at.normal[c] * touch.at.normal[c] * w[c];
+      across = std::max(across, w[c]);
     }
-    if (_options.friction > 0.0)
-      for (int c = 0; c < D; ++c)
-        r[c] -= moved[c] - dot(n, moved, D) * n[c];
-    for_nodes(touch.num,
-              [&](int j)
-              {
-                double* sum = _spread.data() + std::size_t(touch.masters[j]) * width;
-                for (int c = 0; c < D; ++c)
-                  sum[c] -= touch.phi[j] * m * r[c];
-                sum[D] += std::abs(touch.phi[j]) * m;
-              });
+    _along[q] = along > 0.0 ? 1.0 / along : 0.0;
+    _across[q] = across > 0.0 ? 1.0 / across : 0.0;
   }
-  if (_rigid)
-    return;
-  _halo->reverse(_spread.data(), width);
-  for (std::int32_t node : _touched)
-    if (node < _halo->num_owned())
-    {
-      const double* sum = _spread.data() + std::size_t(node) * width;
-      const double mass = _node_mass[node] + sum[D];
-      const double per_mass = mass > 0.0 ? 1.0 / mass : 0.0;
-      for (int c = 0; c < D; ++c)
-        _response[std::size_t(node) * D + c] = sum[c] * per_mass;
-    }
-  _halo->forward(_response.data(), D);
 }
 
 /// Forces of the sweep, within what contact can bear.
+/// @param[in] factor of what the masses call for
 template <int D>
-void NodeToSurface::solve_forces(double h)
+void NodeToSurface::solve_forces(double h, double factor)
 {
   for (std::size_t q = 0; q < _num_touch; ++q)
   {
     const Touch& touch = _touch[q];
-    const double *n = touch.at.normal, factor = _relax[q] * _mass[touch.i] / h;
-    double more[3], *f = _nodal_force.data() + q * D;
-    for (int c = 0; c < D; ++c)
+    const double* n = touch.at.normal;
+    double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
+    relative<D>(touch, _moved.data(), moved);
+    const double pushed = factor / h * _along[q] * (touch.overlap - dot(n, moved, D));
+    if (_options.friction > 0.0)
     {
-      more[c] = _residual[q * D + c];
-      for (int j = 0; j < touch.num; ++j)
-        more[c] += touch.phi[j] * _response[std::size_t(touch.masters[j]) * D + c];
-      more[c] *= factor;
+      for (int c = 0; c < D; ++c)
+        moved[c] += _motion[q * D + c];
+      const double away = dot(n, moved, D);
+      for (int c = 0; c < D; ++c)
+        more[c] = factor / h * _across[q] * (away * n[c] - moved[c]);
     }
+    for (int c = 0; c < D; ++c)
+      more[c] += pushed * n[c];
     const double along = dot(n, more, D), before = dot(n, f, D), normal = std::max(0.0, before + along);
     double tangential[3] = {0.0, 0.0, 0.0};
     ContactStatus status = normal > 0.0 ? ContactStatus::slip : ContactStatus::open;
@@ -261,10 +244,10 @@ void NodeToSurface::correct_all(double* u, const double* du, const double* befor
                                 double* f)
 {
   predict<D>(u, du, before);
+  add_masses<D>(inverse_mass);
   for (int sweep = 0; sweep < _options.sweeps; ++sweep)
   {
-    spread_residual<D>();
-    solve_forces<D>(h);
+    solve_forces<D>(h, sweep % 2 ? over_relaxed : 1.0);
     apply<D>(inverse_mass, h);
   }
   for (std::int32_t node : _touched)

@@ -65,10 +65,11 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
   if (options.kinematic)
   {
     _touch.resize(n);
-    for (std::vector<double>* a : {&_motion, &_residual, &_nodal_force})
+    for (std::vector<double>* a : {&_motion, &_nodal_force})
       a->assign(vector, 0.0);
     _couples.resize(n);
-    _relax.assign(n, 1.0);
+    _along.assign(n, 0.0);
+    _across.assign(n, 0.0);
   }
 }
 
@@ -151,7 +152,7 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
     _master_force.assign(_tracking.master_nodes().size() * _gdim, 0.0);
   }
   if (_options.kinematic)
-    number_kinematic(halo, mass);
+    number_kinematic(halo);
   if (_other)
     _other->number(halo, numbers, mass);
 }

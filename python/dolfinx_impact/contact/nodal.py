@@ -1,5 +1,7 @@
 """Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit.md."""
 
+import math
+
 import numpy as np
 import ufl
 from mpi4py import MPI
@@ -9,6 +11,7 @@ from ..amplitude import Amplitude
 from ..forms.materials import weight
 from .output import ContactOutput
 from .pair import ContactPair
+from .springs import searched
 from .start import check_side
 
 
@@ -37,6 +40,9 @@ class Kinematic:
         return NodalResult(self.pair, problem, kinematic=True, sweeps=self.sweeps)
 
 
+RESULTS = ("gap", "normal", "pressure", "traction", "slip", "status", "stiffness")  # by node
+
+
 class NodalResult(ContactOutput):
     """Contact of one pair in an explicit problem. Points are the slave nodes that this rank owns; see ContactOutput.
 
@@ -60,7 +66,7 @@ class NodalResult(ContactOutput):
             self.obstacle.displacement = pair.master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)
         self.penalty, self.options = penalty, dict(options, penalty=penalty)
-        self.make = lambda: _cpp.nodal.NodeToSurface(
+        self.make = lambda **changes: _cpp.nodal.NodeToSurface(
             V._cpp_object,
             slave,
             self.obstacle if pair.rigid else master,
@@ -68,8 +74,10 @@ class NodalResult(ContactOutput):
             penalty=penalty or 0.0,
             search_distance=pair.search_distance or 0.0,
             axisymmetric=problem.axisymmetric,
-            **options,
+            **{**options, **changes},
         )
+        facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
+        self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest, at rest
         self._cpp = self.make()
         self.nodes, self.weight = self._cpp.nodes, self._cpp.areas
         self._X = self._cpp.X.reshape(-1, self.gdim)
@@ -129,21 +137,38 @@ class NodalResult(ContactOutput):
         Raises:
             ValueError: on all ranks.
         """
-        deep = self.comm.allreduce(int(self._cpp.counters()["implausible"]), MPI.SUM)
+        deep = int(self._cpp.counters()["implausible"])  # kinematic contact looks at gaps in steps
+        if self.problem.step == 0 and self.pair.rigid:
+            deep = self._deep_in_obstacle()
+        elif self.problem.step == 0 and self._cpp.kinematic:
+            deep = self._deep_by_springs()
+        deep = self.comm.allreduce(deep, MPI.SUM)
         if deep:
             raise ValueError(
                 f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies overlap "
                 "at the start; move them apart"
             )
 
+    def _deep_by_springs(self):
+        """How many nodes springs in place of the steps' correction would find too deep. Collective."""
+        twin, halo, u = searched(self, self.problem.u.x.array, kinematic=False)
+        zero = np.zeros_like(u)
+        twin.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
+        return int(twin.counters()["implausible"])
+
+    def _deep_in_obstacle(self):
+        moved = (self.motion.sample([self.problem.time])[0] - self.pair.master.displacement)[: self.gdim]
+        x = self._X + self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes] - moved
+        gap = self.obstacle.evaluate(np.ascontiguousarray(x).ravel())[0]
+        return int(np.count_nonzero(gap < -0.5 * self._facet))
+
     def look(self):
         """Copy results of the last step. Collective."""
         results = self._cpp.results()
-        for name in ("gap", "normal", "pressure", "traction", "slip", "status"):
+        for name in RESULTS:
             setattr(self, name, results[name])
         u = self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes]
         self.points = self._X + u
-        self.stiffness = results["stiffness"]
         forces = self.weight[:, None] * self.traction
         if self.gdim == 2:
             moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
@@ -155,6 +180,26 @@ class NodalResult(ContactOutput):
         gdim = self.gdim
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
         self.dissipated = float(sums[-1])
+
+    def seen(self):
+        """What `look` found, for checkpoints: rows by node, and the totals."""
+        rows = [np.asarray(getattr(self, name), dtype=float) for name in RESULTS]
+        rows = [values.reshape(len(values), math.prod(values.shape[1:])) for values in rows]
+        return np.hstack(rows), np.concatenate([self.force, self.moment, [self.area, self.dissipated]])
+
+    def set_seen(self, rows, totals):
+        """Results as `seen` gave them, in place of a `look` at a state whose forces are not there any more."""
+        first = 0
+        for name in RESULTS:
+            now = getattr(self, name)
+            count = math.prod(now.shape[1:])
+            setattr(
+                self, name, np.ascontiguousarray(rows[:, first : first + count].reshape(now.shape).astype(now.dtype))
+            )
+            first += count
+        gdim = self.gdim
+        self.force, self.moment = totals[:gdim], totals[gdim:-2]
+        self.area, self.dissipated = float(totals[-2]), float(totals[-1])
 
     def covered(self):
         """Part of each node's area that is in contact: all of it or nothing, (n)."""

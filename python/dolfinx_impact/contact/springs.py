@@ -7,10 +7,10 @@ from petsc4py import PETSc
 from .. import _cpp
 
 
-def _searched(contact, u):
-    """A contact like this one with the candidates of a configuration, its Halo and u over that; the contact that runs
-    is left alone. Collective."""
-    made, V = contact.make(), contact.V
+def searched(contact, u, **changes):
+    """A contact like this one but for changed options, with the candidates of a configuration; its Halo, u over that.
+    The contact that runs is left alone. Collective."""
+    made, V = contact.make(**changes), contact.V
     if contact.motion is not None:
         made.set_obstacle(contact.motion.sample([contact.problem.time])[0].tolist(), [0.0] * 3)
     own, bs = V.dofmap.index_map, V.dofmap.index_map_bs
@@ -41,7 +41,7 @@ def stiffness(contacts, V, u):
     matrix = PETSc.Mat().createAIJ((size, size), comm=V.mesh.comm)
     matrix.setUp()
     for contact in contacts:
-        made, halo, values = _searched(contact, u)
+        made, halo, values = searched(contact, u)
         for side in [made] + ([made.other] if made.other is not None else []):
             _add(matrix, side.springs(halo, values), bs, contact.pair.friction > 0)
     matrix.assemble()

@@ -34,7 +34,7 @@ SIZES = {
 def blocks(comm, dim, cell=None, seed=None, **more):
     """A small block over the left end of a long one: mesh recipe, space, whether nodes are the small one's."""
     options = {} if seed is None else {"partitioner": scattered(seed)}
-    made = meshes.make("two_blocks", comm, cell=cell, gap=0.003, **{**SIZES[dim], **options, **more})
+    made = meshes.make("two_blocks", comm, cell=cell, **{"gap": 0.003, **SIZES[dim], **options, **more})
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (dim,)))
     return made, V, V.tabulate_dof_coordinates()[:, dim - 1] > 0.5015
 
@@ -196,3 +196,27 @@ def check_free_bodies_keep_their_momentum():
                 # Kinematic: works as in docs/explicit.md. Penalty: a hundredth for each node that closes and opens.
                 drift = abs(problem.energy["drift"])
                 assert drift <= (1e-12 if method is di.Kinematic else 0.02), (method, size, drift)
+
+
+def check_deep_overlap_is_refused_at_set_up():
+    """More than half a facet: an error on all ranks before any step; less is taken. Deformable and rigid masters."""
+    facet = {2: 2.5 / 13, 3: np.hypot(2.5 / 13, 1.0 / 5)}  # of the master; longest distance between corners
+    slave = {2: 0.6 / 4, 3: np.hypot(0.6 / 4, 0.5 / 3)}  # rigid masters have none
+    for dim in (2, 3):
+        up = (0.0,) * (dim - 1) + (1.0,)
+        for method in METHODS:
+            for rigid in (False, True):
+                for part in (0.45, 0.55):
+                    deep = part * (slave if rigid else facet)[dim]
+                    made, V, _ = blocks(COMM, dim, seed=2, gap=-0.003 if rigid else -deep)
+                    tags, low = made.tags, 0.5 - 0.003 + deep  # of the plane: the upper block begins at 0.497
+                    master = di.RigidPlane((0.0,) * (dim - 1) + (low,), up) if rigid else tags["master_surface"]
+                    pair = di.ContactPair(made.facet_tags, tags["slave_surface"], master)
+                    law = di.NeoHookean(1e3, 0.3, 1.0, "3d" if dim == 3 else "plane_strain")
+                    try:
+                        di.ExplicitProblem(fem.Function(V), law, velocity=fem.Function(V), contact=[method(pair)])
+                        said = ""
+                    except ValueError as error:
+                        said = str(error)
+                    assert ("overlap at the start" in said) == (part > 0.5), (dim, method, rigid, part, said)
+                    assert len(set(COMM.allgather(said))) == 1

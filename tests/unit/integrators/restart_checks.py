@@ -60,7 +60,14 @@ def folder():
 
 
 def state(problem):
-    return np.concatenate([f.x.array for f in (problem.u, problem.velocity, problem.acceleration)])
+    """Motion, and what is told of the contact."""
+    parts = [f.x.array for f in (problem.u, problem.velocity, problem.acceleration)]
+    for c in problem.contact:
+        parts += [c.force, c.moment, [c.area, c.dissipated]]
+        parts += [
+            np.ravel(getattr(c, name)) for name in ("gap", "normal", "pressure", "traction", "slip", "status", "points")
+        ]
+    return np.concatenate(parts)
 
 
 VARIANTS = (
@@ -76,12 +83,13 @@ def check_a_restored_run_is_the_uninterrupted_one():
     (writing one looks for contact anew)."""
     with folder() as path:
         for variant in VARIANTS:
-            whole = block_on_block(**variant)
+            whole, kept = block_on_block(**variant), {}
             end = 600 * whole.stable_step()
 
-            def keep(problem):
+            def keep(problem, kept=kept):
                 if problem.step in (100, 333):
                     problem.save(path / f"{problem.step}.h5")
+                    kept.setdefault(problem.step, state(problem))
 
             whole.advance(end, callback=keep, progress=False)
             assert whole.contact[0].area >= 0.0
@@ -90,6 +98,7 @@ def check_a_restored_run_is_the_uninterrupted_one():
                 again = block_on_block(**variant)
                 again.restore(path / f"{step}.h5")
                 assert again.step == step and again.time > 0.0
+                np.testing.assert_array_equal(state(again), kept[step])
                 again.advance(end, callback=keep, progress=False)
                 assert again.step == whole.step and again.time == whole.time
                 np.testing.assert_array_equal(state(again), state(whole))
@@ -132,6 +141,37 @@ def check_errors():
             di.ExplicitProblem(fem.Function(V), steel, velocity=fem.Function(V)).restore(good)
         COMM.barrier()
         assert good.read_bytes() == before and not [f for f in os.listdir(path) if f.endswith(".part")]
+
+
+def check_errors_on_one_rank():
+    """A folder that the last rank has not, a file that it cannot read or that is another there: errors on all ranks."""
+    with folder() as path:
+        problem = block_on_block()
+        problem.advance(20 * problem.stable_step(), progress=False)
+        good = path / "good.h5"
+        problem.save(good)
+        before, step, last = good.read_bytes(), problem.step, COMM.rank == COMM.size - 1
+
+        def raised(kind, work):
+            with pytest.raises(kind) as error:
+                work()
+            return str(error.value)
+
+        for elsewhere in (path / "none" / "good.h5", path / "good.h5" / "good.h5"):
+            # On one rank nothing is wrong with a folder that can be made.
+            if COMM.size > 1 or elsewhere.parent == good:
+                said = raised(RuntimeError, lambda e=elsewhere: problem.save(e if last else good))
+                assert "could not be written" in said and "Error" in said
+            said = raised(RuntimeError, lambda e=elsewhere: problem.restore(e if last else good))
+            assert "cannot be read" in said
+            COMM.barrier()
+            assert good.read_bytes() == before and not [f for f in os.listdir(path) if f.endswith(".part")]
+        stiffer = block_on_block(young=2e3)
+        stiffer.save(path / "stiffer.h5")
+        said = raised(ValueError, lambda: problem.restore(path / "stiffer.h5" if last else good))
+        assert "another problem: material" in said
+        problem.restore(good)
+        assert problem.step == step
 
 
 def check_a_full_disk(monkeypatch=None):

@@ -108,3 +108,54 @@ def test_killed_at_any_moment_the_last_checkpoint_opens(number, tmp_path_factory
     step = problem.step
     problem.advance(problem.time + 3 * problem.stable_step(), progress=False)
     assert problem.step > step
+
+
+HALF_WRITTEN = """
+import os, resource, signal, sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[3])
+from mpi4py import MPI
+from restart_checks import block_on_block, state
+comm, path, case = MPI.COMM_WORLD, Path(sys.argv[1]), sys.argv[2]
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+problem = block_on_block()
+problem.advance(20 * problem.stable_step(), progress=False)
+problem.save(path / "good.h5")
+there, good, step = (path / "good.h5").read_bytes(), state(problem), problem.step
+problem.advance(problem.time + 20 * problem.stable_step(), progress=False)
+soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+if case == "unreserved":  # a file system that cannot reserve: the write itself fails, in the middle
+    os.posix_fallocate = lambda file, offset, size: None
+for part in (0.0, 0.1, 0.5, 0.99):
+    if case != "last rank" or comm.rank == comm.size - 1:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(part * len(there)), hard))
+    try:
+        problem.save(path / "good.h5")
+        said = "nothing"
+    except RuntimeError as error:
+        said = str(error)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    everyone = comm.allgather(said)
+    assert len(set(everyone)) == 1 and "could not be written" in said and "File too large" in said, everyone
+    assert os.listdir(path) == ["good.h5"] and (path / "good.h5").read_bytes() == there
+    comm.barrier()
+again = block_on_block()
+again.restore(path / "good.h5")
+assert again.step == step and (state(again) == good).all()
+problem.save(path / "good.h5")
+again.restore(path / "good.h5")
+assert again.step == problem.step and (state(again) == state(problem)).all()
+print("went on", flush=True)
+"""
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("case", ("all", "last rank", "unreserved"))
+@pytest.mark.parametrize("ranks", (1, 2))
+def test_a_write_that_fails_in_the_middle(ranks, case, mpirun, tmp_path):
+    """Beyond a limit of the file's size: the same error on all ranks, nothing is left behind, the checkpoint that was
+    there opens, and the process goes on and writes the next one."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    output = mpirun(ranks, HALF_WRITTEN, folder, case, HERE)
+    assert output.count("went on") == ranks
