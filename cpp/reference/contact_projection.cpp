@@ -242,12 +242,21 @@ Foot Projector::nearest(const Vec<double>& x, const Vec<double>& normal) const
   std::sort(order.begin(), order.end());
   Foot best;
   best.distance = search_distance_;
+  // Facets that meet at the closest point are at one distance: the point inside a facet first, then the first facet.
+  const auto preferred = [&](const Foot& foot)
+  {
+    const double round_off = 1e-12 * (best.distance + radii_[best.facet]);
+    if (std::abs(foot.distance - best.distance) > round_off)
+      return foot.distance < best.distance;
+    const bool inside = foot.dim == master_.tdim(), other = best.dim == master_.tdim();
+    return inside != other ? inside : foot.facet < best.facet;
+  };
   for (const auto& [bound, f] : order)
   {
-    if (bound > best.distance)
+    if (bound > best.distance * (1 + 1e-9))
       break;
     const Foot foot = closest_on(f, x);
-    if (not(foot.distance < best.distance or (best.facet < 0 and foot.distance <= best.distance)))
+    if (best.facet < 0 ? foot.distance > best.distance : not preferred(foot))
       continue;
     if (dot(spot<double>(master_, master_.facets[f], u_[f], foot.xi).normal(), normal) < 0)
       best = foot;

@@ -83,9 +83,16 @@ class Body:
         return matrix[self.order][:, self.order]
 
     def their_facets(self, tags, tag):
-        """Vertices, by their point numbers (equal to ours), of the facets that carry a tag."""
-        facets = tags.find(tag)
-        self.mesh.topology.create_connectivity(self.gdim - 1, self.gdim)
+        """Vertices, by their point numbers (equal to ours), of the facets that carry a tag, in the order of ours: by the
+        numbers of their cells in the mesh's input, then by their place in the cell."""
+        facets, topology = tags.find(tag), self.mesh.topology
+        topology.create_connectivity(self.gdim - 1, self.gdim)
+        topology.create_connectivity(self.gdim, self.gdim - 1)
+        to_cell = topology.connectivity(self.gdim - 1, self.gdim)
+        to_facet = topology.connectivity(self.gdim, self.gdim - 1)
+        cells = [to_cell.links(f)[0] for f in facets]
+        places = [list(to_facet.links(c)).index(f) for c, f in zip(cells, facets)]
+        facets = facets[np.lexsort((places, topology.original_cell_index[cells]))] if len(facets) else facets
         return mesh.entities_to_geometry(self.mesh, self.gdim - 1, facets).astype(np.int64)
 
 
