@@ -83,8 +83,8 @@ class Body:
         return matrix[self.order][:, self.order]
 
     def their_facets(self, tags, tag):
-        """Vertices, by their point numbers (equal to ours), of the facets that carry a tag, in the order of ours: by the
-        numbers of their cells in the mesh's input, then by their place in the cell."""
+        """Vertices, by their point numbers (equal to ours), of the facets that carry a tag, in the order of ours:
+        by the numbers of their cells in the mesh's input, then by their place in the cell."""
         facets, topology = tags.find(tag), self.mesh.topology
         topology.create_connectivity(self.gdim - 1, self.gdim)
         topology.create_connectivity(self.gdim, self.gdim - 1)
