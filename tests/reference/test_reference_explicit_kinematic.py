@@ -137,8 +137,8 @@ def test_fixed_master_is_a_wall():
                 fixed_dofs=held,
                 contacts=[ir.NodalKinematic(slave, m, friction=friction, sweeps=sweeps)],
             )
-            # Between fixed nodes a sweep leaves 1 - 1 / alpha_i of the gap: round-off after 20.
-            for m, sweeps in ((master, 20), (ir.RigidPlane([0, 0], [0, 1.0]), 3))
+            # Neither gives way: one sweep is enough.
+            for m, sweeps in ((master, 1), (ir.RigidPlane([0, 0], [0, 1.0]), 3))
         ]
         assert np.abs(runs[0].contacts[0].total).max() > 0
         assert np.allclose(runs[0].u, runs[1].u, rtol=0, atol=1e-13)

@@ -101,8 +101,12 @@ def test_forces_on_the_facet(cell, degree, where, kind):
     path = np.tile(place[: d - 1] + [0.0], (3, 1))
     path[:, -1] = [-0.01, -0.02, -0.02]
     path[1:, 0] += [0.01, 0.025]
-    tip = Tip(cell, path, degree, axisymmetric, start=float(axisymmetric))
-    run = tip.run(kind(tip.slave, tip.master, friction=0.3))
+    tip, places = Tip(cell, path, degree, axisymmetric, start=float(axisymmetric), E=1e-18), path
+    contact = kind(tip.slave, tip.master, friction=0.3)
+    if kind is ir.NodalPenalty:
+        run = tip.run(contact)
+    else:
+        run, places = tip.press(contact, [1, 1])
     n = 1  # with the motion of a step
     f, X = run.contacts[0].force[n].reshape(-1, d), tip.model.field_points
     masters = np.flatnonzero((np.abs(X[:, -1]) < 1e-12) & (tip.moves[:, 0] == 0))
@@ -110,7 +114,7 @@ def test_forces_on_the_facet(cell, degree, where, kind):
         masters = masters[np.abs(f[masters]).max(1) > 0]
     foot = np.clip(path[n + (kind is ir.NodalKinematic)], axisymmetric, 1 + axisymmetric)[:-1]
     phi = interpolation(X[masters][:, :-1], foot)
-    force, at = f[tip.node], path[n]
+    force, at = f[tip.node], places[n]
     assert force[-1] > 0 and force[0] < 0  # pushed up, held back by friction
     arm = phi @ X[masters] - at
     turn = [np.array([[-y[1], y[0]]]) if d == 2 else _cross(y) for y in X[masters]]

@@ -30,10 +30,8 @@ def line_areas(x, degree, axisymmetric):
         if degree == 1:
             share = np.array([(2 * s + e) / 6, (s + 2 * e) / 6]) * 2 * np.pi if axisymmetric else np.array([0.5, 0.5])
         else:
-            # int phi^2 R of the three functions on [-1, 1] with R = m + d xi: ends 4/15 m -+ 1/5 d, middle 16/15 m
-            m, d = ((s + e) / 2, (e - s) / 2) if axisymmetric else (1.0, 0.0)
-            share = np.array([4 * m - 3 * d, 16 * m, 4 * m + 3 * d]) / 15
-            share *= (2 * np.pi * m if axisymmetric else 1) / share.sum()
+            # int phi^2 of the three functions over the reference facet [-1, 1]: 4/15, 16/15, 4/15.
+            share = np.array([1, 4, 1]) / 6 * (np.pi * (s + e) if axisymmetric else 1)
         areas[a : a + degree + 1] += (e - s) * share
     return areas
 

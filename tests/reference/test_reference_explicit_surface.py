@@ -7,9 +7,10 @@ from contact_tip import Tip
 from reference_meshes import CELLS, box, facets_where
 
 KINDS = [ir.NodalPenalty, ir.NodalKinematic]
+SOFT = 1e-18  # Young's modulus of bodies that loads alone move
 
 # Places of the tip (along the first and the last axis) over the facet from 0 to 1, and whether it is closed there. Half
-# of a facet is 0.5 or 0.71, a twentieth 0.05 or 0.07. Penalty sees all but the last place, kinematic all but the first.
+# of a facet is 0.5 or 0.71, a twentieth 0.05 or 0.07. Kinematic contact has them as predictions.
 WAYS = {
     "from above": ([(0.5, 0.1), (0.5, -0.1), (0.5, -0.2), (0.5, -0.2)], [0, 1, 1, 1]),
     "overlapping from the start": ([(0.5, -0.1), (0.5, -0.1), (0.5, -0.1)], [1, 1, 1]),
@@ -36,6 +37,9 @@ WAYS = {
         [(0.5, 0.1), (0.9, -0.1), (1.2, -0.1), (0.9, -0.1), (0.9, -0.1)],
         [0, 1, 0, 0, 0],
     ),
+    "closed, and deep after it": ([(0.5, 0.1), (0.5, -0.1), (0.5, -0.9), (0.5, -0.9)], [0, 1, 1, 1]),
+    "beside and below it in the last place only": ([(0.5, 0.1), (0.9, 0.1), (1.2, -0.1)], [0, 0, 0]),
+    "from where there is no master, not deep": ([(2.5, -0.1), (0.5, -0.1), (0.5, -0.1)], [0, 1, 1]),
     "deep from where there is no master": ([(2.5, -0.9), (0.5, -0.9), (0.5, -0.9), (0.5, -0.9)], [0, 0, 0, 0]),
 }
 
@@ -46,20 +50,30 @@ WAYS = {
 def test_nodes_close_through_the_surface(cell, kind, way):
     places, closed = WAYS[way]
     d = 2 if cell in ("triangle", "quadrilateral") else 3
-    tip = Tip(cell, np.array([[x, 0.4, z][: d - 1] + [z] for x, z in places]))
-    run = tip.run(kind(tip.slave, tip.master, friction=0.5, search_distance=1.2))
-    row, seen = tip.row(run), slice(1, None) if kind is ir.NodalKinematic else slice(None, -1)
-    closed = np.array(closed[seen]) > 0
-    assert (run.contacts[0].status[:, row] > 0).tolist() == closed.tolist()
-    force = run.contacts[0].force.reshape(len(closed), -1, d)[:, tip.node]
+    path = np.array([[x, 0.4, z][: d - 1] + [z] for x, z in [places[0], *places, places[-1]]])
+    if kind is ir.NodalPenalty:
+        tip = Tip(cell, path)
+        run, seen = tip.run(kind(tip.slave, tip.master, friction=0.5, search_distance=1.2)), slice(1, None)
+    else:
+        tip, seen = Tip(cell, path, E=SOFT), slice(None, -1)
+        contact = kind(tip.slave, tip.master, friction=0.5, search_distance=1.2)
+        run, ends = tip.press(contact, closed + closed[-1:])
+        z = run.u.reshape(len(run.time), -1, d)[:, tip.node, -1] + path[0, -1]
+        # Sums of a few steps of round-off; the closest point is settled to 1e-11 of a facet along, not across it.
+        assert np.allclose(z, ends[:-1, -1], rtol=0, atol=1e-12)
+    row, closed = tip.row(run), np.array(closed) > 0
+    contact = run.contacts[0]
+    assert (contact.status[seen, row] > 0).tolist() == closed.tolist()
+    force = contact.force.reshape(len(run.time), -1, d)[seen, tip.node]
     assert (force[:, -1] > 0).tolist() == closed.tolist() and (force[~closed] == 0).all()
-    assert (run.contacts[0].traction[~closed, row] == 0).all()
+    assert (contact.traction[seen][~closed, row] == 0).all()
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_rigid_master_takes_who_is_deep(kind):
-    tip = Tip("quadrilateral", np.array([(1.4, -0.9), (0.5, -0.9), (0.5, -0.9)]))
-    run = tip.run(kind(tip.slave, ir.RigidPlane([0, 0], [0, 1.0])))
+    tip = Tip("quadrilateral", np.array([(1.4, -0.9), (0.5, -0.9), (0.5, -0.9)]), E=SOFT)
+    contact = kind(tip.slave, ir.RigidPlane([0, 0], [0, 1.0]))
+    run = tip.run(contact) if kind is ir.NodalPenalty else tip.press(contact, [1, 1])[0]
     assert (run.contacts[0].status[:, tip.row(run)] > 0).all()
 
 
