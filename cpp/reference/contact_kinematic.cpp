@@ -41,6 +41,7 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
   }
   // Row sums of the bodies' response to the forces, component by component.
   for (Closed& c : closed)
+  {
     for (int k = 0; k < d; ++k)
     {
       double sum = step.inverse(d * c.node + k);
@@ -49,6 +50,9 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
       c.normal += c.m.normal[k] * c.m.normal[k] * sum;
       c.across = std::max(c.across, sum);
     }
+    if (not(c.normal > 1e-9 * c.across))
+      c.normal = 0;
+  }
 
   // Forces act at t_n: there the reaction's moment is taken.
   const auto push = [&](Vector& force, const Closed& c)

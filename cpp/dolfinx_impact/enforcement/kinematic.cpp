@@ -8,8 +8,9 @@ namespace impact::enforcement
 {
 namespace
 {
+constexpr double held = 1e-9;        ///< moved by less than this of what it moves elsewhere, a node does not move
 constexpr double over_relaxed = 1.5; ///< every second sweep: what alternates from node to node needs more
-}
+} // namespace
 
 void NodeToSurface::number_kinematic(operators::Halo& halo)
 {
@@ -109,12 +110,13 @@ void NodeToSurface::add_masses(const double* inverse_mass)
                 for (int c = 0; c < D; ++c)
                   w[c] += std::abs(touch.phi[j]) * _weight[node] * inverse_mass[node * D + c];
               });
+    const double* n = touch.at.normal;
     for (int c = 0; c < D; ++c)
     {
-      along += touch.at.normal[c] * touch.at.normal[c] * w[c];
+      along += n[c] * n[c] * w[c];
       across = std::max(across, w[c]);
     }
-    _along[q] = along > 0.0 ? 1.0 / along : 0.0;
+    _along[q] = along > held * across ? 1.0 / along : 0.0;
     _across[q] = across > 0.0 ? 1.0 / across : 0.0;
   }
 }

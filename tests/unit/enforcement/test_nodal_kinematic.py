@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
-from nodal_model import Nodal, moved_obstacle, smooth, two_bodies
+from mpi4py import MPI
+from nodal_model import Nodal, moved_obstacle, pairs, smooth, two_bodies
+
+from dolfinx_impact import _cpp
 
 FLAT = dict(lower=(1.0, 1.0, 0.5), upper=(1.0, 1.0, 0.5), lower_cells=(3, 3, 1), gap=0.0)
 
@@ -145,3 +148,34 @@ def test_sweeps_converge_however_heavy_slaves_that_share_masters(cell, heavier):
     assert 0.004 > left[0] > left[1] > left[2] > left[3] and left[3] < 1e-4 * 0.004
     if heavier == 1.0:
         assert left[1] < 0.01 * 0.004  # the default's three sweeps
+
+
+def against_a_wall(normal, friction, sweeps):
+    """A square whose nodes cannot move along y, 0.01 deep in a plane; forces and gaps."""
+    V, slave, _ = pairs.two_bodies(MPI.COMM_SELF, 2, "quadrilateral")
+    plane = _cpp.gap.Rigid("plane", 2, [0.5, 1.0, 0.0], [*(np.array(normal) / np.linalg.norm(normal)), 0.0], 0.0)
+    model = Nodal(V, slave, plane, kinematic=True, sweeps=sweeps, friction=friction)
+    start = np.zeros_like(model.x)
+    model.renumber(start)
+    model.inverse[1::2] = 0.0
+    u = np.tile([-0.02, -0.01], (len(start), 1))
+    f = model.correct(u, u, search=False)[1]
+    return np.abs(f).max() * model.dt**2, model.contact.results()
+
+
+def test_rollers_oblique_to_a_wall():
+    """Normal and tangential forces move the nodes the same way, as a wedge that slides in: at 45 degrees the gap closes
+    where friction is below one, and sweeps do not drive each other up."""
+    for friction in (0.3, 0.9):
+        size, results = against_a_wall((1.0, 1.0), friction, 300)
+        free, _ = against_a_wall((1.0, 1.0), 0.0, 300)
+        closed = results["status"] > 0
+        assert np.count_nonzero(closed) == 1 and np.abs(results["gap"][closed]).max() < 1e-12
+        assert size == pytest.approx(free * (1 + friction) / (1 - friction), rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", (0.0, 0.5))
+def test_a_wall_that_nodes_cannot_move_along(friction):
+    """The normal is along what is prescribed, but for round-off: no force can close the gap."""
+    size, results = against_a_wall((1e-16, 1.0), friction, 3)
+    assert size < 1e-15 and np.any(results["gap"] < -0.005)
