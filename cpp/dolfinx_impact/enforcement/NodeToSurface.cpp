@@ -1,5 +1,6 @@
 #include "NodeToSurface.h"
 #include "../search/linear_facet.h"
+#include "friction.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -117,47 +118,6 @@ double NodeToSurface::compliance(const Touch& touch, double dt) const
 
 namespace
 {
-/// Coulomb's law over a step, as enforcement/friction.h.
-/// @param[in] k,per_k tangential stiffness and its reciprocal. @param[in] limit of the force
-/// @param[in,out] t tangential force, of the last step and of this one
-/// @param[in,out] s in: motion of the step; out: slip of the step
-/// @returns does it slip?
-template <int D>
-bool coulomb(const double* n, double k, double per_k, double limit, double* t, double* s)
-{
-  double along = 0.0, turn = 0.0, size = 0.0, left = 0.0;
-  for (int c = 0; c < D; ++c)
-  {
-    along += n[c] * s[c];
-    turn += n[c] * t[c];
-    size += t[c] * t[c];
-  }
-  double turned[D];
-  for (int c = 0; c < D; ++c)
-  {
-    s[c] -= along * n[c];
-    turned[c] = t[c] - turn * n[c];
-    left += turned[c] * turned[c];
-  }
-  const double scale = left > 0.0 ? std::sqrt(size / left) : 0.0; // the force keeps its size when the normal turns
-  double squared = 0.0;
-  for (int c = 0; c < D; ++c)
-  {
-    turned[c] *= scale;
-    t[c] = turned[c] - k * s[c];
-    squared += t[c] * t[c];
-  }
-  // A node that slipped in the last step begins this one at its limit: round-off must not make it slip on.
-  const bool slips = squared > limit * limit * (1.0 + 2e-12);
-  const double factor = slips ? limit / std::sqrt(squared) : 1.0;
-  for (int c = 0; c < D; ++c)
-  {
-    t[c] *= factor;
-    s[c] = slips ? s[c] + (t[c] - turned[c]) * per_k : 0.0;
-  }
-  return slips;
-}
-
 /// Mean of max(-g, 0) over gaps from g - |r|/2 to g + |r|/2.
 double mean_overlap(double g, double r)
 {
@@ -209,9 +169,10 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
   {
     double* t = _tangential.data() + i * D;
     const double part = part_below(at.gap, r);
+    double trial[D];
     for (int c = 0; c < D; ++c)
       motion[c] *= part;
-    const bool slips = coulomb<D>(n, k, per_k, _options.friction * normal_force, t, motion);
+    const bool slips = coulomb<D>(n, k, per_k, _options.friction * normal_force, t, motion, trial);
     for (int c = 0; c < D; ++c)
     {
       tangential_squared += t[c] * t[c];

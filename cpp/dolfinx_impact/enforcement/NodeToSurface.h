@@ -170,9 +170,9 @@ private:
   double _share = 1.0; ///< of the stiffness: half when balanced
 
   operators::Halo* _halo = nullptr;
-  std::vector<double> _mass, _inverse_mass, _per_area; ///< of slave nodes: masses, reciprocals of masses and areas
-  std::vector<double> _inverse;                        ///< of NodeTracking's master nodes: 1/m, A/m
-  std::vector<double> _master_force;                   ///< on them
+  std::vector<double> _inverse_mass, _per_area; ///< of slave nodes: reciprocals of masses and areas
+  std::vector<double> _inverse;                 ///< of NodeTracking's master nodes: 1/m, A/m
+  std::vector<double> _master_force;            ///< on them
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;

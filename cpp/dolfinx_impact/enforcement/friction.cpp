@@ -1,5 +1,6 @@
 #include "friction.h"
 #include "../common/vectors.h"
+#include <algorithm>
 #include <cmath>
 
 namespace impact::enforcement
@@ -18,21 +19,11 @@ void project(const double* n, const double* v, int gdim, double* out)
 FrictionResult evaluate(const Friction& p)
 {
   FrictionResult out;
-  double turned[3], s[3];
-  project(p.normal, p.last, p.gdim, turned);
-  project(p.normal, p.increment, p.gdim, s);
-  const double size = std::sqrt(dot(p.last, p.last, p.gdim)), left = std::sqrt(dot(turned, turned, p.gdim));
-  const double scale = left > 0.0 ? size / left : 0.0; // the last traction keeps its size when the normal turns
-  for (int c = 0; c < p.gdim; ++c)
-    out.trial[c] = scale * turned[c] - p.stiffness * s[c];
-  const double trial = std::sqrt(dot(out.trial, out.trial, p.gdim)), limit = p.coefficient * p.pressure;
-  // A point that slipped in the last step begins this one at its limit: round-off must not make it slip on.
-  out.slips = trial > limit * (1.0 + 1e-12);
-  for (int c = 0; c < p.gdim; ++c)
-  {
-    out.traction[c] = out.slips ? limit * out.trial[c] / trial : out.trial[c];
-    out.slip[c] = s[c] + (out.traction[c] - scale * turned[c]) / p.stiffness;
-  }
+  std::copy_n(p.last, p.gdim, out.traction);
+  std::copy_n(p.increment, p.gdim, out.slip);
+  const auto law = p.gdim == 2 ? coulomb<2> : coulomb<3>;
+  out.slips =
+      law(p.normal, p.stiffness, 1.0 / p.stiffness, p.coefficient * p.pressure, out.traction, out.slip, out.trial);
   return out;
 }
 

@@ -130,13 +130,9 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
 {
   _halo = &halo;
   _candidates.number(numbers);
-  _mass.clear();
   _inverse_mass.clear();
   for (std::int32_t node : _candidates.numbers())
-  {
-    _mass.push_back(mass[node]);
     _inverse_mass.push_back(1.0 / mass[node]);
-  }
   if (!_rigid)
   {
     std::vector<double> areas(halo.num_nodes(), 0.0);

@@ -180,38 +180,13 @@ void NodeTracking::finish(const double* x, const double* normal, const FacetProj
 bool NodeTracking::mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config,
                                std::span<const std::int32_t> near, double* normal) const
 {
-  const FacetElement& element = _master.geometry;
-  const bool edge = at.status == ProjectionStatus::edge;
-  const int* ends = edge ? edge_corners(element.shape, at.entity) : nullptr;
-  const std::int32_t* own = _master.nodes_of(facet);
-  double t = 0.0; // position along the edge
-  if (edge)
+  const auto each_near = [&](auto&& visit) { std::for_each(near.begin(), near.end(), visit); };
+  const auto normal_at = [&](std::int32_t f, const double* xi, double* n)
   {
-    const auto a = element.node(ends[0]), b = element.node(ends[1]);
-    const int c = a[0] != b[0] ? 0 : 1;
-    t = (at.xi[c] - a[c]) / (b[c] - a[c]);
-  }
-  std::fill_n(normal, 3, 0.0);
-  int meeting = 0;
-  Umbrella umbrella;
-  for (std::int32_t f : near)
-  {
-    const int i = corner(_master, f, own[edge ? ends[0] : at.entity]), j = edge ? corner(_master, f, own[ends[1]]) : i;
-    if (i < 0 || j < 0)
-      continue;
-    ++meeting;
-    const auto a = element.node(i), b = element.node(j);
-    const double xi[2] = {(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]};
-    double positions_of[max_values], n[3];
+    double positions_of[max_values];
     positions(f, config, positions_of);
     facet_normal(f, positions_of, xi, n);
-    for (int c = 0; c < _gdim; ++c)
-      normal[c] += n[c];
-    if (!edge && element.tdim() == 2)
-      for (int e = 0; e < element.num_corners(); ++e)
-        if (const int* k = edge_corners(element.shape, e); k[0] == i || k[1] == i)
-          umbrella.add(_master.nodes_of(f)[k[0] == i ? k[1] : k[0]]);
-  }
-  return edge || element.tdim() == 1 ? meeting < 2 : umbrella.open();
+  };
+  return search::mean_normal(_master, at, facet, each_near, normal_at, normal);
 }
 } // namespace impact::search

@@ -123,43 +123,14 @@ void SurfaceSearch::finish(const double* x, const FacetProjection& at, Projectio
 bool SurfaceSearch::mean_normal(const FacetProjection& at, std::int32_t facet, double* normal) const
 {
   const surface::Facets& m = *_master;
-  const surface::FacetElement& element = m.geometry;
-  const bool edge = at.status == ProjectionStatus::edge;
-  const int* ends = edge ? edge_corners(element.shape, at.entity) : nullptr;
-  const std::int32_t* own = m.nodes_of(facet);
-  double t = 0.0; // position along the edge
-  if (edge)
-  {
-    const auto a = element.node(ends[0]), b = element.node(ends[1]);
-    const int c = a[0] != b[0] ? 0 : 1;
-    t = (at.xi[c] - a[c]) / (b[c] - a[c]);
-  }
   double box[6];
   for (int c = 0; c < m.gdim; ++c)
   {
     box[c] = at.x[c] - 1e-9 * _size[facet];
     box[m.gdim + c] = at.x[c] + 1e-9 * _size[facet];
   }
-  std::fill_n(normal, 3, 0.0);
-  int meeting = 0;
-  Umbrella umbrella;
-  const auto visit = [&](std::int32_t f)
-  {
-    const int i = corner(m, f, own[edge ? ends[0] : at.entity]), j = edge ? corner(m, f, own[ends[1]]) : i;
-    if (i < 0 || j < 0)
-      return;
-    ++meeting;
-    const auto a = element.node(i), b = element.node(j);
-    const double xi[2] = {(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]};
-    const surface::FacetPoint p = surface::evaluate(m, f, m.x_of(f), xi);
-    for (int c = 0; c < m.gdim; ++c)
-      normal[c] += p.normal[c];
-    if (!edge && element.tdim() == 2)
-      for (int e = 0; e < element.num_corners(); ++e)
-        if (const int* k = edge_corners(element.shape, e); k[0] == i || k[1] == i)
-          umbrella.add(m.nodes_of(f)[k[0] == i ? k[1] : k[0]]);
-  };
-  _tree.overlapping(box, visit);
-  return edge || element.tdim() == 1 ? meeting < 2 : umbrella.open();
+  const auto normal_at = [&](std::int32_t f, const double* xi, double* n)
+  { std::copy_n(surface::evaluate(m, f, m.x_of(f), xi).normal, 3, n); };
+  return search::mean_normal(m, at, facet, [&](auto&& visit) { _tree.overlapping(box, visit); }, normal_at, normal);
 }
 } // namespace impact::search

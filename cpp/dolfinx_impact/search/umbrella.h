@@ -1,6 +1,7 @@
 #pragma once
 #include "../common/vectors.h"
 #include "../surface/Facets.h"
+#include "facet_projection.h"
 #include <algorithm>
 
 namespace impact::search
@@ -49,4 +50,47 @@ struct Umbrella
   }
   bool open() const { return std::find(counts, counts + num, 1) != counts + num; }
 };
+
+/// Mean normal of the facets that meet at an edge or vertex, not of length one.
+/// @param[in] at closest point on `facet`: an edge or a vertex
+/// @param[in] each_near each_near(visit) calls visit(f) for facets, those among them that meet there
+/// @param[in] normal_at normal_at(f, xi, n): normal of facet f
+/// @returns whether the surface ends there
+bool mean_normal(const surface::Facets& m, const FacetProjection& at, std::int32_t facet, auto&& each_near,
+                 auto&& normal_at, double* normal)
+{
+  const surface::FacetElement& element = m.geometry;
+  const bool edge = at.status == ProjectionStatus::edge;
+  const int* ends = edge ? edge_corners(element.shape, at.entity) : nullptr;
+  const std::int32_t* own = m.nodes_of(facet);
+  double t = 0.0; // position along the edge
+  if (edge)
+  {
+    const auto a = element.node(ends[0]), b = element.node(ends[1]);
+    const int c = a[0] != b[0] ? 0 : 1;
+    t = (at.xi[c] - a[c]) / (b[c] - a[c]);
+  }
+  std::fill_n(normal, 3, 0.0);
+  int meeting = 0;
+  Umbrella umbrella;
+  each_near(
+      [&](std::int32_t f)
+      {
+        const int i = corner(m, f, own[edge ? ends[0] : at.entity]), j = edge ? corner(m, f, own[ends[1]]) : i;
+        if (i < 0 || j < 0)
+          return;
+        ++meeting;
+        const auto a = element.node(i), b = element.node(j);
+        const double xi[2] = {(1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]};
+        double n[3];
+        normal_at(f, xi, n);
+        for (int c = 0; c < m.gdim; ++c)
+          normal[c] += n[c];
+        if (!edge && element.tdim() == 2)
+          for (int e = 0; e < element.num_corners(); ++e)
+            if (const int* k = edge_corners(element.shape, e); k[0] == i || k[1] == i)
+              umbrella.add(m.nodes_of(f)[k[0] == i ? k[1] : k[0]]);
+      });
+  return edge || element.tdim() == 1 ? meeting < 2 : umbrella.open();
+}
 } // namespace impact::search

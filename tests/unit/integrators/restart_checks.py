@@ -108,14 +108,19 @@ def check_a_restored_run_is_the_uninterrupted_one():
             assert touched
 
 
+def saved(path):
+    """A problem after some steps, its checkpoint in the folder, and what is in that file."""
+    problem = block_on_block()
+    problem.advance(20 * problem.stable_step(), progress=False)
+    good = path / "good.h5"
+    problem.save(good)
+    return problem, good, good.read_bytes()
+
+
 def check_errors():
     """Unwritable folders, full disks and files of other problems: the same error on all ranks, the old file stays."""
     with folder() as path:
-        problem = block_on_block()
-        problem.advance(20 * problem.stable_step(), progress=False)
-        good = path / "good.h5"
-        problem.save(good)
-        before = good.read_bytes()
+        problem, good, before = saved(path)
         (path / "file").touch()
         COMM.barrier()
         with pytest.raises(RuntimeError, match="could not be written"):
@@ -146,11 +151,8 @@ def check_errors():
 def check_errors_on_one_rank():
     """A folder that the last rank has not, a file that it cannot read or that is another there: errors on all ranks."""
     with folder() as path:
-        problem = block_on_block()
-        problem.advance(20 * problem.stable_step(), progress=False)
-        good = path / "good.h5"
-        problem.save(good)
-        before, step, last = good.read_bytes(), problem.step, COMM.rank == COMM.size - 1
+        problem, good, before = saved(path)
+        step, last = problem.step, COMM.rank == COMM.size - 1
 
         def raised(kind, work):
             with pytest.raises(kind) as error:
