@@ -98,6 +98,7 @@ void impact::bindings::integrators(nb::module_& m)
           nb::arg("u"), nb::arg("v"), nb::arg("r"), nb::arg("parts"), nb::arg("accounts"))
       .def("fastest", &CentralDifference::fastest)
       .def_prop_ro("num_searches", &CentralDifference::num_searches)
+      .def_prop_ro("contact_seconds", &CentralDifference::contact_seconds)
       .def_prop_ro("num_additive", &CentralDifference::num_additive)
       .def_prop_ro("row_size", &CentralDifference::row_size)
       .def_prop_ro("num_saved_parts", &CentralDifference::num_saved_parts);

@@ -42,15 +42,17 @@ search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u) co
 
 void NodeToSurface::open(std::size_t i, const search::Projection& at)
 {
-  _results.status[i] = ContactStatus::open;
   _results.gap[i] = at.gap;
+  if (!_rigid)
+    _tracking.release(i, at.clearance);
+  if (_results.status[i] == ContactStatus::open && _closed[i] == 0)
+    return; // it was before: all is zero
+  _results.status[i] = ContactStatus::open;
   _results.pressure[i] = 0.0;
   _stiffness[i] = 0.0;
   for (int c = 0; c < _gdim; ++c)
     _results.traction[i * _gdim + c] = _results.slip[i * _gdim + c] = _tangential[i * _gdim + c] = 0.0;
   _closed[i] = 0;
-  if (!_rigid)
-    _tracking.release(i, at.clearance);
 }
 
 bool NodeToSurface::barred(const Touch& touch, const double* u, const double* du)
@@ -100,7 +102,7 @@ bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, doub
 }
 
 /// Reciprocal of the contact stiffness.
-double NodeToSurface::compliance(const Touch& touch, double dt) const
+inline double NodeToSurface::compliance(const Touch& touch, double dt)
 {
   const double per_area = _per_area[touch.i];
   if (_options.penalty > 0.0)
@@ -110,8 +112,9 @@ double NodeToSurface::compliance(const Touch& touch, double dt) const
             [&](int j)
             {
               const double weight = std::abs(touch.phi[j]);
-              own += weight * _inverse[2 * touch.corners[j]];
-              masters += weight * _inverse[2 * touch.corners[j] + 1];
+              search::MasterNode& master = _tracking.masters()[touch.corners[j]];
+              own += weight * inverse_mass(master);
+              masters += weight * area_per_mass(master);
             });
   return dt * dt * (own + masters * per_area) / (_share * _options.kappa);
 }
@@ -141,15 +144,16 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
   const std::size_t i = touch.i;
   const search::Projection& at = touch.at;
   const double* n = at.normal;
-  double motion[D], r = 0.0;
+  constexpr int W = search::padded<D>;
+  double motion[W] = {}, r = 0.0;
   for (int c = 0; c < D; ++c)
     motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
-  const double* master_du = _tracking.master_du();
+  const search::MasterNode* masters = _tracking.masters();
   for_nodes(touch.num,
             [&](int j)
             {
-              for (int c = 0; c < D; ++c)
-                motion[c] -= touch.phi[j] * master_du[std::size_t(touch.corners[j]) * D + c];
+              for (int c = 0; c < W; ++c)
+                motion[c] -= touch.phi[j] * masters[touch.corners[j]].du[c];
             });
   for (int c = 0; c < D; ++c)
     r += n[c] * motion[c];
@@ -161,7 +165,7 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
     _tracking.hold(i, at);
 
   const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, normal_force = k * overlap;
-  double force[D], tangential_squared = 0.0;
+  double force[W] = {}, tangential_squared = 0.0;
   for (int c = 0; c < D; ++c)
     force[c] = normal_force * n[c];
   ContactStatus status = ContactStatus::slip;
@@ -198,12 +202,12 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
     _force[c] += force[c];
     _results.traction[i * D + c] = force[c] * per_area;
   }
-  double master_force[FacetElement::max_nodes][D];
+  Sum* sums = _master_force.data();
   for_nodes(touch.num,
             [&](int j)
             {
-              for (int c = 0; c < D; ++c)
-                master_force[j][c] = -touch.phi[j] * force[c];
+              for (int c = 0; c < W; ++c)
+                sums[touch.corners[j]].force[c] -= touch.phi[j] * force[c];
             });
   // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
   const surface::Facets& master = _tracking.master();
@@ -214,18 +218,9 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
     for (int c = 0; c < D; ++c)
       x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
     Couple couple;
-    couple.set<D>(
-        touch.num, [&](int j, int c) { return _tracking.master_x()[std::size_t(touch.corners[j]) * D + c]; }, touch.phi,
-        x);
-    couple.forces<D>(force, [&](int j, int c, double value) { master_force[j][c] += value; });
+    couple.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x);
+    couple.forces<D>(force, [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
   }
-  double* sums = _master_force.data();
-  for_nodes(touch.num,
-            [&](int j)
-            {
-              for (int c = 0; c < D; ++c)
-                sums[std::size_t(touch.corners[j]) * D + c] += master_force[j][c];
-            });
   _closed[i] = 1;
   _stiffness[i] = k;
   _results.status[i] = status;
@@ -247,7 +242,7 @@ void NodeToSurface::add_all(const NodalState& state, double* f)
   const auto masters = _tracking.master_nodes();
   for (std::size_t k = 0; k < masters.size(); ++k)
     for (int c = 0; c < D; ++c)
-      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k * D + c], 0.0);
+      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
 }
 
 void NodeToSurface::add_forces(const NodalState& state, double* f)

@@ -129,7 +129,7 @@ private:
   bool barred(const Touch& touch, const double* u, const double* du);
   search::Projection rigid_point(std::size_t i, const double* u) const;
   void open(std::size_t i, const search::Projection& at);
-  double compliance(const Touch& touch, double dt) const;
+  double compliance(const Touch& touch, double dt);
   template <int D>
   void add_node(Touch& touch, const NodalState& state, double* f);
   template <int D>
@@ -171,8 +171,14 @@ private:
 
   operators::Halo* _halo = nullptr;
   std::vector<double> _inverse_mass, _per_area; ///< of slave nodes: reciprocals of masses and areas
-  std::vector<double> _inverse;                 ///< of NodeTracking's master nodes: 1/m, A/m
-  std::vector<double> _master_force;            ///< on them
+  /// What is kept with NodeTracking's master nodes.
+  static double& inverse_mass(search::MasterNode& master) { return master.du[3]; }
+  static double& area_per_mass(search::MasterNode& master) { return master.x[3]; }
+  struct alignas(32) Sum
+  {
+    double force[4] = {};
+  };
+  std::vector<Sum> _master_force; ///< on them
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;

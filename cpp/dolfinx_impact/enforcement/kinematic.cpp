@@ -62,8 +62,8 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
       }
       const auto at = [&](int j, int c)
       {
-        const std::size_t k = std::size_t(touch.corners[j]) * D + c;
-        return _tracking.master_x()[k] - _tracking.master_du()[k];
+        const search::MasterNode& master = _tracking.masters()[touch.corners[j]];
+        return master.x[c] - master.du[c];
       };
       _couples[_num_touch].set<D>(touch.num, at, touch.phi, x);
     }
@@ -230,7 +230,7 @@ void NodeToSurface::record()
                             [&](int j, int c, double value)
                             {
                               const std::size_t k = std::size_t(touch.masters[j]) * D + c;
-                              const double du = _tracking.master_du()[std::size_t(touch.corners[j]) * D + c];
+                              const double du = _tracking.masters()[touch.corners[j]].du[c];
                               _energy.normal += 0.5 * value * _before[k];
                               _energy.later_normal += 0.5 * value * (du + _moved[k]);
                             });

@@ -142,10 +142,13 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
       node = numbers[node];
     }
     _tracking.reset(std::move(_facets), _candidates.numbers(), _candidates.normals(), _candidates.distance());
-    _inverse.clear();
-    for (std::int32_t node : _tracking.master_nodes())
-      _inverse.insert(_inverse.end(), {1.0 / mass[node], areas[node] / mass[node]});
-    _master_force.assign(_tracking.master_nodes().size() * _gdim, 0.0);
+    const auto masters = _tracking.master_nodes();
+    for (std::size_t k = 0; k < masters.size(); ++k)
+    {
+      inverse_mass(_tracking.masters()[k]) = 1.0 / mass[masters[k]];
+      area_per_mass(_tracking.masters()[k]) = areas[masters[k]] / mass[masters[k]];
+    }
+    _master_force.assign(masters.size(), {});
   }
   if (_options.kinematic)
     number_kinematic(halo);

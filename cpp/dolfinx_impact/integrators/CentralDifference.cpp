@@ -211,6 +211,8 @@ void CentralDifference::advance(double dt, const double* amplitudes)
       motion.r[k] = _r[i];
     }
   if (_kinematic)
+  {
+    const Stopwatch watch(_contact_seconds);
     for (std::size_t k = 0; k < _touched.size(); ++k)
       for (int j = 0; j < _bs; ++j)
       {
@@ -218,6 +220,7 @@ void CentralDifference::advance(double dt, const double* amplitudes)
         _near.before[2 * n] = _v[i];
         _near.before[2 * n + 1] = _r[i];
       }
+  }
   Sums sums = update(_owned, _r.data(), loads(), _inverse.data(), c, _u.data(), _v.data());
   prescribed_motion(dt, 0.5 * (_last_step + dt), amplitudes, sums);
   move_obstacles(amplitudes, false);

@@ -88,6 +88,8 @@ public:
   /// Owned degree of freedom that moves fastest or is not a number, and its speed: where an unstable run broke.
   std::pair<std::int32_t, double> fastest() const;
   std::int64_t num_searches() const { return _num_searches; }
+  /// Wall-clock time that this rank has spent on contact so far: searches, gaps, forces, their energies [s].
+  double contact_seconds() const { return _contact_seconds; }
   std::size_t row_size() const { return Energies::size + 3 * _contacts.size(); }
   /// Arrays in Saved::parts.
   std::size_t num_saved_parts() const { return _parts.size() + 1; }
@@ -132,24 +134,38 @@ private:
   struct Near
   {
     std::unique_ptr<Halo> halo;
-    std::vector<double> u, v, du, du_before, inverse;
+    std::vector<double> u, du, inverse;
+    std::vector<double> v, du_before; ///< for kinematic contact
     std::vector<double> before; ///< velocity and residual before an update
     std::vector<double> force;  ///< kinematic
     std::vector<double> kept;   ///< by owned degree of freedom, until nodes are numbered: forces of springs, kinematic
+  };
+
+  /// Adds its own life to an account.
+  class Stopwatch
+  {
+  public:
+    explicit Stopwatch(double& seconds) : _seconds(seconds) {}
+    ~Stopwatch() { _seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - _begin).count(); }
+
+  private:
+    double& _seconds;
+    std::chrono::steady_clock::time_point _begin = std::chrono::steady_clock::now();
   };
 
   void bind(const Forces& forces);
   void resize(std::shared_ptr<const dolfinx::common::IndexMap> map);
   void search();
   void number_contacts();
-  void gather();
+  double gather(Part* springs);
   std::vector<double> kept_forces();
   void take_forces(const std::vector<double>& forces);
   Part* springs();
   void receive();
   bool evaluate();
   void evaluate_part(Part& part);
-  double product(const Part& part) const;
+  void evaluate_contact(Part& part);
+  double work(const Part& part) const;
   void advance(double dt, const double* amplitudes);
   void apply_loads(const double* amplitudes);
   void move_obstacles(const double* amplitudes, bool first);
@@ -191,6 +207,7 @@ private:
   std::vector<double> _local, _global; ///< Local, then the contacts' forces
   MPI_Request _request = MPI_REQUEST_NULL;
   std::int64_t _num_searches = 0;
+  double _contact_seconds = 0.0;
   double* _row = nullptr; ///< of the history that the pending sums belong to
 };
 } // namespace impact::integrators

@@ -1,5 +1,7 @@
 #include "CentralDifference.h"
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 // Nodes in contact: their numbers, what belongs to them, kinematic contact.
 namespace impact::integrators
@@ -86,9 +88,10 @@ void CentralDifference::number_contacts()
   _near.halo = std::make_unique<Halo>(
       std::make_shared<const dolfinx::common::IndexMap>(map.comm(), std::int32_t(own), ghosts, owners));
   const std::size_t size = _touched.size() * _bs;
-  for (std::vector<double>* values : {&_near.u, &_near.v, &_near.du})
+  for (std::vector<double>* values : {&_near.u, &_near.du})
     values->assign(size, 0.0);
-  _near.du_before.assign(_kinematic ? size : 0, 0.0);
+  for (std::vector<double>* values : {&_near.v, &_near.du_before})
+    values->assign(_kinematic ? size : 0, 0.0);
   _near.before.assign(_kinematic ? 2 * size : 0, 0.0);
   _near.inverse.resize(size);
   for (std::size_t k = 0; k < _touched.size(); ++k)
@@ -142,21 +145,30 @@ void CentralDifference::take_forces(const std::vector<double>& forces)
   take(_near.force, forces.data() + _owned);
 }
 
-/// Displacements, velocities, and increments of the last step.
-void CentralDifference::gather()
+/// Displacements and increments of the last step, velocities for kinematic contact.
+/// @param[in,out] springs the forces of the last time level, or null; on return zero
+/// @returns their work in these increments
+double CentralDifference::gather(Part* springs)
 {
-  const auto sweep = [&]<int D>()
+  const auto sweep = [&]<int D, bool kinematic>()
   {
+    double work[D] = {};
     for (std::size_t k = 0; k < _touched.size(); ++k)
       for (int c = 0; c < D; ++c)
       {
-        const std::size_t i = std::size_t(_touched[k]) * D + c;
-        _near.u[k * D + c] = _u[i];
-        _near.v[k * D + c] = _v[i];
-        _near.du[k * D + c] = _last_step * _v[i];
+        const std::size_t i = std::size_t(_touched[k]) * D + c, n = k * D + c;
+        _near.u[n] = _u[i];
+        _near.du[n] = _last_step * _v[i];
+        if constexpr (kinematic)
+          _near.v[n] = _v[i];
+        if (springs)
+          work[c] += std::exchange(springs->force[n], 0.0) * _near.du[n];
       }
+    return std::accumulate(work, work + D, 0.0);
   };
-  _bs == 2 ? sweep.operator()<2>() : sweep.operator()<3>();
+  if (_kinematic)
+    return _bs == 2 ? sweep.operator()<2, true>() : sweep.operator()<3, true>();
+  return _bs == 2 ? sweep.operator()<2, false>() : sweep.operator()<3, false>();
 }
 
 void CentralDifference::move_obstacles(const double* amplitudes, bool first)
@@ -183,8 +195,9 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
   std::swap(_last_step, dt); // ghosts' velocities are those of the new step
   receive();
   std::swap(_last_step, dt);
+  const Stopwatch watch(_contact_seconds);
   const std::size_t size = _touched.size() * _bs;
-  gather();
+  gather(nullptr);
   for (std::size_t n = 0; n < size; ++n)
   {
     _near.du[n] = dt * _near.v[n];

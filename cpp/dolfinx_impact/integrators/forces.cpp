@@ -1,5 +1,6 @@
 #include "CentralDifference.h"
 #include <algorithm>
+#include <numeric>
 
 // The forces of a time level.
 namespace impact::integrators
@@ -32,37 +33,46 @@ void CentralDifference::receive()
   _pending = false;
 }
 
-/// Sum of a part's forces times velocities.
-double CentralDifference::product(const Part& part) const
+/// Sum of a part's forces times the increments of the last step: what they do in it. Not for contact.
+double CentralDifference::work(const Part& part) const
 {
-  const bool contact = part.account == Account::contact;
-  const double* v = contact ? _near.v.data() : _v.data();
-  const std::size_t size = contact ? part.force.size() : _own_size;
-  return sum_of_products(size, part.force.data(), v);
+  return _last_step * sum_of_products(_own_size, part.force.data(), _v.data());
+}
+
+void CentralDifference::evaluate_contact(Part& part)
+{
+  const Stopwatch watch(_contact_seconds);
+  const enforcement::NodalState state{_near.u.data(), _near.du.data(), _near.inverse.data(), _contact_step};
+  for (Contact& c : _contacts)
+    if (!c.contact->kinematic())
+    {
+      c.contact->add_forces(state, part.force.data());
+      const double* sum = c.contact->force();
+      for (int k = 0; k < _bs; ++k)
+        _obstacle_work += 0.5 * c.moved[k] * sum[k];
+    }
+  const auto sweep = [&]<int D>()
+  {
+    double position[D] = {}, work[D] = {};
+    for (std::size_t k = 0; k < _touched.size(); ++k)
+      for (int c = 0; c < D; ++c)
+      {
+        const double force = part.force[k * D + c];
+        _r[std::size_t(_touched[k]) * D + c] += part.sign * force;
+        position[c] += force * _near.u[k * D + c];
+        work[c] += force * _near.du[k * D + c];
+      }
+    part.position = std::accumulate(position, position + D, 0.0);
+    part.work.before = 0.5 * std::accumulate(work, work + D, 0.0);
+  };
+  _bs == 2 ? sweep.operator()<2>() : sweep.operator()<3>();
 }
 
 void CentralDifference::evaluate_part(Part& part)
 {
-  double* force = part.force.data();
   if (part.account == Account::contact)
-  {
-    std::fill(part.force.begin(), part.force.end(), 0.0);
-    const enforcement::NodalState state{_near.u.data(), _near.du.data(), _near.inverse.data(), _contact_step};
-    for (Contact& c : _contacts)
-      if (!c.contact->kinematic())
-      {
-        c.contact->add_forces(state, force);
-        const double* sum = c.contact->force();
-        for (int k = 0; k < _bs; ++k)
-          _obstacle_work += 0.5 * c.moved[k] * sum[k];
-      }
-    for (std::size_t k = 0; k < _touched.size(); ++k)
-      for (int c = 0; c < _bs; ++c)
-        _r[std::size_t(_touched[k]) * _bs + c] += part.sign * force[k * _bs + c];
-    part.position = sum_of_products(part.force.size(), force, _near.u.data());
-    part.work.before = 0.5 * _last_step * product(part);
-    return;
-  }
+    return evaluate_contact(part);
+  double* force = part.force.data();
   std::fill(force, force + _own_size, 0.0);
   for (const auto& operation : {part.forces.inner, part.forces.outer})
     if (operation)
@@ -70,7 +80,7 @@ void CentralDifference::evaluate_part(Part& part)
   for (std::size_t i = 0; i < _own_size; ++i)
     _r[i] += part.sign * force[i];
   part.position = sum_of_products(_own_size, force, _u.data());
-  part.work.before = 0.5 * _last_step * product(part);
+  part.work.before = 0.5 * work(part);
 }
 
 bool CentralDifference::evaluate()
@@ -79,27 +89,36 @@ bool CentralDifference::evaluate()
     _internal.inner->assemble({_r.data(), _own_size});
   receive();
   const bool stable = reduce_end();
+  double springs_work = 0.0;
   if (!_contacts.empty())
-    gather();
-  for (Part& part : _parts)
-    part.work.done += 0.5 * _last_step * product(part); // the forces of the last time level, the motion since
+  {
+    const Stopwatch watch(_contact_seconds);
+    springs_work = gather(springs());
+  }
+  for (Part& part : _parts) // the forces of the last time level, the motion since
+    part.work.done += 0.5 * (part.account == Account::contact ? springs_work : work(part));
   for (Contact& c : _contacts)
     for (int k = 0; k < _bs; ++k)
       _obstacle_work += 0.5 * c.moved[k] * c.contact->force()[k];
   if (_search_due && !_contacts.empty())
   {
+    const Stopwatch watch(_contact_seconds);
     search();
-    gather();
+    gather(springs());
   }
   if (_internal.outer)
     _internal.outer->assemble({_r.data(), _own_size});
   for (Part& part : _parts)
     evaluate_part(part);
   _used = 0.0;
-  const enforcement::NodalState state{_near.u.data(), _near.du.data(), _near.inverse.data(), _contact_step};
-  for (const Contact& c : _contacts)
-    if (!(c.contact->used(state) < 1.0))
-      _used += 1.0;
+  if (!_contacts.empty())
+  {
+    const Stopwatch watch(_contact_seconds);
+    const enforcement::NodalState state{_near.u.data(), _near.du.data(), _near.inverse.data(), _contact_step};
+    for (const Contact& c : _contacts)
+      if (!(c.contact->used(state) < 1.0))
+        _used += 1.0;
+  }
   _halo->reverse(_r.data(), _bs);
   std::fill(_r.begin() + _owned, _r.end(), 0.0);
   _fresh = true;

@@ -11,36 +11,6 @@ namespace
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double tree_slack = 0.25; ///< of the largest facet: travel after which the tree is fitted again
 
-/// Moves of some nodes since the last step: the largest against `mean`, and their sum.
-/// @param[in] each takes the number of a node and the square of its move
-template <typename Each>
-double moves(int gdim, std::span<const std::int32_t> nodes, const double* u, const double* mean, double* last,
-             double* sum, Each each)
-{
-  double largest = 0.0;
-  const auto sweep = [&]<int D>()
-  {
-    double total[D] = {};
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-    {
-      double squared = 0.0;
-      for (int c = 0; c < D; ++c)
-      {
-        const double now = u[std::size_t(nodes[i]) * D + c], d = now - last[i * D + c];
-        last[i * D + c] = now;
-        total[c] += d;
-        squared += (d - mean[c]) * (d - mean[c]);
-      }
-      largest = std::max(largest, squared);
-      each(i, squared);
-    }
-    for (int c = 0; c < D; ++c)
-      sum[c] += total[c];
-  };
-  gdim == 2 ? sweep.template operator()<2>() : sweep.template operator()<3>();
-  return std::sqrt(largest);
-}
-
 double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* du)
 {
   double largest = 0.0;
@@ -56,18 +26,17 @@ double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* d
 NodeTracking::NodeTracking(int gdim, const std::vector<double>& X) : _gdim(gdim)
 {
   const std::size_t n = X.size() / gdim;
-  _last.assign(n * gdim, 0.0);
   _node.resize(n);
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {0.0, -never, -never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}};
+    node = {-never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}, {}};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
+    std::copy_n(node.X, 3, node.x);
   }
-  _list.assign(n * most, -1);
-  _bound.assign(n * most, 0.0);
+  _travelled.assign(n, {0.0, -never});
+  _lists.resize(n);
   _held.assign(n, -1);
-  _warm.resize(n);
 }
 
 void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> nodes,
@@ -105,8 +74,8 @@ void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> n
   _master_nodes = _master.nodes;
   std::sort(_master_nodes.begin(), _master_nodes.end());
   _master_nodes.erase(std::unique(_master_nodes.begin(), _master_nodes.end()), _master_nodes.end());
-  _last_master.assign(_master_nodes.size() * _gdim, 0.0);
-  _master_X = _master_x = _master_du = _last_master;
+  _master_X.assign(_master_nodes.size() * _gdim, 0.0);
+  _masters.assign(_master_nodes.size(), {});
   _corners.resize(_master.nodes.size());
   for (std::size_t f = 0; f < _master.size(); ++f)
     for (int j = 0; j < n_u; ++j)
@@ -120,20 +89,54 @@ void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> n
   _fresh = true;
 }
 
+/// Moves of all nodes since the last step, and their bounds.
+template <int D>
+void NodeTracking::move(const double* u, const double* du)
+{
+  // Room for rounding: what is added up over many steps must not be too small.
+  constexpr double room = 1 + 1e-12;
+  double sum[D] = {}, master = 0.0, slave = 0.0;
+  const auto square = [&](const double* X, const double* u, double* x)
+  {
+    double squared = 0.0;
+    for (int c = 0; c < D; ++c)
+    {
+      const double now = X[c] + u[c], d = now - x[c];
+      x[c] = now;
+      sum[c] += d;
+      squared += (d - _mean[c]) * (d - _mean[c]);
+    }
+    return squared;
+  };
+  for (std::size_t k = 0; k < _master_nodes.size(); ++k)
+  {
+    const std::size_t node = std::size_t(_master_nodes[k]) * D;
+    master = std::max(master, square(_master_X.data() + k * D, u + node, _masters[k].x));
+    std::copy_n(du + node, D, _masters[k].du);
+  }
+  master = room * std::sqrt(master);
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    const double squared = square(_node[i].X, u + std::size_t(_nodes[i]) * D, _node[i].x);
+    slave = std::max(slave, squared);
+    _travelled[i].now += room * std::sqrt(squared) + master;
+  }
+  const double num = double(std::max<std::size_t>(_nodes.size() + _master_nodes.size(), 1));
+  _step = room * std::sqrt(slave) + master;
+  _travel += master;
+  for (int c = 0; c < D; ++c)
+  {
+    _step_shift[c] = _mean[c];
+    _shift[c] += _mean[c];
+    _mean[c] = sum[c] / num;
+  }
+}
+
 void NodeTracking::advance(const double* u, const double* du)
 {
   ++_counters.steps;
-  double sum[3] = {};
-  // Room for rounding: what is added up over many steps must not be too small.
-  constexpr double room = 1 + 1e-12;
-  const double master =
-      room * moves(_gdim, _master_nodes, u, _mean, _last_master.data(), sum, [](std::size_t, double) {});
-  const double slave = room * moves(_gdim, _nodes, u, _mean, _last.data(), sum, [&](std::size_t i, double squared)
-                                    { _node[i].travel += room * std::sqrt(squared) + master; });
-  for (std::size_t k = 0; k < _master_x.size(); ++k)
-    _master_x[k] = _master_X[k] + _last_master[k];
-  for (std::size_t k = 0; k < _master_nodes.size(); ++k)
-    std::copy_n(du + std::size_t(_master_nodes[k]) * _gdim, _gdim, _master_du.data() + k * _gdim);
+  _ahead = _ahead_end = 0;
+  _gdim == 2 ? move<2>(u, du) : move<3>(u, du);
   if (_fresh) // the last positions of these facets are not known
   {
     _fresh = false;
@@ -142,26 +145,15 @@ void NodeTracking::advance(const double* u, const double* du)
     std::fill_n(_step_shift, 3, 0.0);
     _step = largest_of(_gdim, _nodes, du) + largest_of(_gdim, _master_nodes, du);
     wake_all();
-    for (Node& node : _node)
+    for (std::size_t i = 0; i < size(); ++i)
     {
-      node.expire = -never;
-      node.travel = 0.0;
+      _node[i].expire = -never;
+      _travelled[i].now = 0.0;
     }
-    refit(u);
-    look_ahead();
-    return;
-  }
-  _step = slave + master;
-  _travel += master;
-  for (int c = 0; c < _gdim; ++c)
-  {
-    _step_shift[c] = _mean[c];
-    _shift[c] += _mean[c];
-    _mean[c] = sum[c] / double(std::max<std::size_t>(_nodes.size() + _master_nodes.size(), 1));
+    return refit(u);
   }
   if (_travel - _fitted > tree_slack * _largest)
     refit(u);
-  look_ahead();
 }
 
 void NodeTracking::refit(const double* u)
@@ -177,8 +169,8 @@ void NodeTracking::refit(const double* u)
 
 void NodeTracking::wake_all()
 {
-  for (Node& node : _node)
-    node.wake = -never;
+  for (Travel& travel : _travelled)
+    travel.wake = -never;
 }
 
 void NodeTracking::find_held()
@@ -199,14 +191,14 @@ void NodeTracking::hold(std::size_t i, const Projection& at)
   node.held = at.facet;
   node.xi[0] = at.xi[0];
   node.xi[1] = at.xi[1];
-  node.wake = -never;
+  _travelled[i].wake = -never;
 }
 
 void NodeTracking::release(std::size_t i, double clearance)
 {
   _node[i].held = -1;
   _held[i] = -1;
-  _node[i].wake = clearance > 0.0 ? _node[i].travel + std::min(clearance, _reach) : -never;
+  _travelled[i].wake = clearance > 0.0 ? _travelled[i].now + std::min(clearance, _reach) : -never;
 }
 
 std::vector<double> NodeTracking::held_xi() const

@@ -1,11 +1,22 @@
 #pragma once
 #include "project.h"
 #include "warm.h"
+#include <array>
 #include <span>
 #include <vector>
 
 namespace impact::search
 {
+/// A node of the master: what is done with it step by step finds all of it in one line of the cache.
+struct alignas(64) MasterNode
+{
+  double x[4] = {};  ///< position [L]; x[3] is its user's
+  double du[4] = {}; ///< increment of the last step [L]; du[3] is its user's
+};
+/// How many numbers of a MasterNode's vectors, or those like them, to reckon with: whole registers.
+template <int D>
+constexpr int padded = D == 2 ? 2 : 4;
+
 /// Closest points of a surface to nodes, step after step: the same as those of SurfaceSearch::project, for much less.
 ///
 /// `travel` of a node adds up, step by step, how far it has moved and the farthest that any facet has, common
@@ -37,8 +48,8 @@ public:
   /// The master's nodes, ascending, without repetition: what is stored for them by their position in this list stays in
   /// the cache while nodes are looked at. Filled by `advance`: their positions and increments.
   std::span<const std::int32_t> master_nodes() const { return _master_nodes; }
-  const double* master_x() const { return _master_x.data(); }
-  const double* master_du() const { return _master_du.data(); }
+  const MasterNode* masters() const { return _masters.data(); }
+  MasterNode* masters() { return _masters.data(); }
   /// Displacement nodes of a facet, by their position in master_nodes.
   const std::int32_t* corners(std::int32_t facet) const
   {
@@ -52,7 +63,7 @@ public:
   /// @param[in] du their increments since the last step; used in the first step after `reset` [L]
   void advance(const double* u, const double* du);
   /// No closer to the surface than half a step's motion.
-  bool asleep(std::size_t i) const { return _node[i].travel + 0.5 * _step < _node[i].wake; }
+  bool asleep(std::size_t i) const { return _travelled[i].now + 0.5 * _step < _travelled[i].wake; }
   /// Bounds the motion of nodes and surface against each other in the last step [L].
   double step() const { return _step; }
   /// Closest point of node i.
@@ -84,6 +95,13 @@ private:
     std::int32_t facet;
     double distance; ///< no more than that of the facet
   };
+  /// What look_ahead found for a node.
+  struct Warm
+  {
+    Projection at;         ///< of its last facet, inside; without facet: nothing
+    double distance = 0.0; ///< [L]
+    bool alone = false;    ///< no other facet can be nearer yet
+  };
   enum class Kind : int
   {
     interval,
@@ -104,9 +122,14 @@ private:
                    double& budget) const;
   template <Kind kind>
   Projection from_list(std::size_t i, const double* u);
-  /// Closest points on the facets where nodes were in the last step, many at a time.
-  void look_ahead();
+  template <int D>
+  void move(const double* u, const double* du);
+  /// Closest points on the facets where some nodes were in the last step, many at a time, for node i and the next ones.
+  void look_ahead(std::size_t i);
+  template <surface::FacetShape S>
+  void project_ahead();
   void take_block(const std::int32_t* nodes);
+  Warm& warm(std::size_t i) { return _warm[i - _ahead]; }
   void fetch(std::size_t i) const;
   double least_other(std::size_t i, std::int32_t winner) const;
   double box_distance(std::int32_t f, const double* x) const;
@@ -127,30 +150,39 @@ private:
   double _shift[3] = {}, _step_shift[3] = {};       ///< translation left out, since the tree was fitted; of the step
   double _mean[3] = {};                             ///< mean motion of the last step
   std::vector<std::int32_t> _master_nodes, _corners;
-  std::vector<double> _last, _last_master; ///< displacements of the last step
-  std::vector<double> _master_X, _master_x, _master_du;
-  /// What look_ahead found for a node.
-  struct Warm
+  std::vector<double> _master_X;
+  std::vector<MasterNode> _masters;
+  struct Travel
   {
-    Projection at;         ///< of its last facet, inside; without facet: nothing
-    double distance = 0.0; ///< [L]
-    bool alone = false;    ///< no other facet can be nearer yet
+    double now;  ///< a node's own and the surface's since `reset`
+    double wake; ///< at which it wakes
   };
+  std::vector<Travel> _travelled;
   struct Node
   {
-    double travel;       ///< its own and the surface's since `reset`
-    double wake, expire; ///< travel at which it wakes, its list ends
-    double others;       ///< the least sum of travel and distance at which another than `winner` was seen
+    double expire; ///< travel at which its list ends
+    double others; ///< the least sum of travel and distance at which another than `winner` was seen
     std::int32_t number, count, held, winner;
-    double xi[2], X[3], normal[3]; ///< xi: where it is held
+    double xi[2];         ///< where it is held
+    double X[3], x[3];    ///< reference and present position
+    double normal[3];
   };
   std::vector<Node> _node;
-  // Lists, `most` entries for each node: facets, ascending; their distances when they were last looked at, plus travel
-  // then: no distance is less than that less travel now.
-  std::vector<std::int32_t> _list;
-  std::vector<double> _bound;
+  /// Of a node's list: a facet, its distance when it was last looked at plus travel then, or a little less. No distance
+  /// is less than that less travel now.
+  struct Entry
+  {
+    std::int32_t facet = -1;
+    float bound = 0.0;
+  };
+  struct alignas(64) List
+  {
+    Entry entries[most]; ///< facets, ascending
+  };
+  std::vector<List> _lists;
   WarmBlock _block;
-  std::vector<Warm> _warm;
+  std::array<Warm, WarmBlock::size> _warm; ///< of nodes from `_ahead` on, up to `_ahead_end`
+  std::size_t _ahead = 0, _ahead_end = 0;
   std::vector<std::int64_t> _held;
   mutable Counters _counters;
 };

@@ -10,16 +10,23 @@ namespace
 {
 using surface::FacetElement;
 using surface::FacetShape;
-constexpr double list_budget = 0.2; ///< of the nearest facet's diameter: travel for which a list is good
+constexpr double list_budget = 0.5; ///< of the nearest facet's diameter: travel for which a list is good
 constexpr int max_values = 3 * FacetElement::max_nodes;
+
+/// A number no greater than x.
+float below(double x)
+{
+  const float near = float(x);
+  return near > x ? std::nextafter(near, -std::numeric_limits<float>::infinity()) : near;
+}
 } // namespace
 
 double NodeTracking::least_other(std::size_t i, std::int32_t winner) const
 {
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = i * most; k < i * most + _node[i].count; ++k)
-    if (_list[k] != winner)
-      least = std::min(least, _bound[k]);
+  for (const Entry& entry : std::span(_lists[i].entries, _node[i].count))
+    if (entry.facet != winner)
+      least = std::min(least, double(entry.bound));
   return least;
 }
 
@@ -97,10 +104,13 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
 Projection NodeTracking::locate(std::size_t i, const double* u)
 {
   ++_counters.nodes;
-  if (_warm[i].alone && _warm[i].at.facet >= 0)
-    return _warm[i].at;
+  if (i < _ahead || i >= _ahead_end)
+    look_ahead(i);
+  if (warm(i).alone && warm(i).at.facet >= 0)
+    return warm(i).at;
   Node& node = _node[i];
-  if (node.travel < node.expire)
+  const double travel = _travelled[i].now;
+  if (travel < node.expire)
     switch (_kind)
     {
     case Kind::interval:
@@ -126,14 +136,11 @@ Projection NodeTracking::locate(std::size_t i, const double* u)
   }
   std::sort(near, near + num, [](const Found& a, const Found& b) { return a.facet < b.facet; });
   for (int k = 0; k < num; ++k)
-  {
-    _list[i * most + k] = near[k].facet;
-    _bound[i * most + k] = near[k].distance + node.travel;
-  }
+    _lists[i].entries[k] = {near[k].facet, below(near[k].distance + travel)};
   node.count = num;
   node.winner = out.facet;
   node.others = least_other(i, out.facet);
-  node.expire = node.travel + budget;
+  node.expire = travel + budget;
   return out;
 }
 
@@ -156,16 +163,14 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   constexpr FacetShape S = general ? FacetShape::quadrilateral : FacetShape(int(kind));
   const int D = general ? _gdim : linear::dimension<S>;
   const Configuration at{u, nullptr};
-  double x[3], facet[max_values], normal[3], best_normal[3];
-  const double* X[4];
-  for (int c = 0; c < D; ++c)
-    x[c] = node.X[c] + _last[i * D + c];
+  double facet[max_values], normal[3], best_normal[3];
+  const double *x = node.x, *X[4];
   const auto corners_of = [&](std::int32_t f)
   {
     constexpr int N = linear::num_nodes<S>;
     const std::int32_t* nodes = _corners.data() + std::size_t(f) * N;
     for (int j = 0; j < N; ++j)
-      X[j] = _master_x.data() + std::size_t(nodes[j]) * linear::dimension<S>;
+      X[j] = _masters[nodes[j]].x;
   };
   const auto look = [&](std::int32_t f, const double* start, FacetProjection& p)
   {
@@ -189,18 +194,18 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
       linear::normal<S>(X, xi, _master.orientation[f], n);
     return dot(n, node.normal, D) < 0.0;
   };
-  const double moved = node.travel + 1e-9 * _largest;
-  const std::int32_t* list = _list.data() + i * most;
-  double* bound = _bound.data() + i * most;
+  const double travel = _travelled[i].now, moved = travel + 1e-9 * _largest;
+  Entry* list = _lists[i].entries;
   Projection out;
   FacetProjection best, p;
   // Most likely the nearest: saves looking at the others.
   const std::int32_t first = node.held >= 0 ? node.held : node.winner;
-  const bool warm = _warm[i].at.facet >= 0;
+  const Warm& ahead = warm(i);
+  const bool warm = ahead.at.facet >= 0;
   if (warm)
   {
     best.status = ProjectionStatus::converged;
-    best.distance = _warm[i].distance;
+    best.distance = ahead.distance;
     out.facet = first;
   }
   else if (first >= 0)
@@ -213,8 +218,8 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   const bool alone = out.facet >= 0 && node.winner == first && node.others - moved > best.distance;
   for (int k = 0; k < node.count && !alone; ++k)
   {
-    const std::int32_t f = list[k];
-    if (f == first || (out.facet >= 0 && bound[k] - moved > best.distance))
+    const std::int32_t f = list[k].facet;
+    if (f == first || (out.facet >= 0 && list[k].bound - moved > best.distance))
       continue;
     if constexpr (!general)
       if (out.facet >= 0)
@@ -224,12 +229,12 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
         const double squared = linear::box_distance<S>(X, x), room = best.distance + 1e-9 * _largest;
         if (squared > room * room)
         {
-          bound[k] = std::sqrt(squared) + node.travel;
+          list[k].bound = below(std::sqrt(squared) + travel);
           continue;
         }
       }
     look(f, nullptr, p);
-    bound[k] = p.distance + node.travel;
+    list[k].bound = below(p.distance + travel);
     if ((out.facet < 0 || closer(p, _master.id[f], best, _master.id[out.facet], _size[out.facet])) &&
         faces(f, p.xi, normal))
     {
@@ -246,8 +251,10 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   if (out.facet < 0 || best.distance > std::max(_reach, 2 * _step))
     return {};
   if (warm && out.facet == first)
-    return _warm[i].at;
-  finish(x, best_normal, best, at, {list, std::size_t(node.count)}, out);
+    return ahead.at;
+  std::int32_t facets[most];
+  std::transform(list, list + node.count, facets, [](const Entry& e) { return e.facet; });
+  finish(x, best_normal, best, at, {facets, std::size_t(node.count)}, out);
   return out;
 }
 } // namespace impact::search

@@ -1,4 +1,5 @@
 #include "NodeTracking.h"
+#include "linear_facet.h"
 #include <algorithm>
 
 // Nodes that stay over their facets, many at a time.
@@ -6,65 +7,91 @@ namespace impact::search
 {
 using surface::FacetShape;
 
-void NodeTracking::look_ahead()
+void NodeTracking::look_ahead(std::size_t first)
 {
-  if (_kind == Kind::general)
-    return;
-  const int D = _gdim, N = _master.displacement.num_nodes();
-  std::int32_t nodes[WarmBlock::size];
-  _block.num = 0;
-  for (std::size_t i = 0; i < size(); ++i)
+  _ahead = first;
+  _ahead_end = std::min(first + WarmBlock::size, size());
+  for (std::size_t i = _ahead; i < _ahead_end; ++i)
+    warm(i).at.facet = -1;
+  switch (_kind)
+  {
+  case Kind::interval:
+    return project_ahead<FacetShape::interval>();
+  case Kind::triangle:
+    return project_ahead<FacetShape::triangle>();
+  case Kind::quadrilateral:
+    return project_ahead<FacetShape::quadrilateral>();
+  case Kind::general:
+    break;
+  }
+}
+
+template <FacetShape S>
+void NodeTracking::project_ahead()
+{
+  constexpr int D = linear::dimension<S>, N = linear::num_nodes<S>;
+  // Nodes that are not held start from the middle: nothing depends on what a checkpoint does not have.
+  constexpr double middle[2] = {S == FacetShape::triangle ? 1.0 / 3 : 0.5, S == FacetShape::interval  ? 0.0
+                                                                           : S == FacetShape::triangle ? 1.0 / 3
+                                                                                                       : 0.5};
+  // Facets first, then all that they ask of the memory at once.
+  std::int32_t nodes[WarmBlock::size], facets[WarmBlock::size][N];
+  int num = 0;
+  for (std::size_t i = _ahead; i < _ahead_end; ++i)
   {
     const Node& node = _node[i];
-    _warm[i].at.facet = -1;
-    if (node.winner < 0 || (node.held >= 0 && node.winner != node.held) || !(node.travel < node.expire) || asleep(i))
+    if (node.winner < 0 || (node.held >= 0 && node.winner != node.held) || !(_travelled[i].now < node.expire) ||
+        asleep(i))
       continue;
-    const int l = _block.num++;
-    nodes[l] = std::int32_t(i);
-    const std::int32_t* facet = corners(node.winner);
+    std::copy_n(_corners.data() + std::size_t(node.winner) * N, N, facets[num]);
+    nodes[num++] = std::int32_t(i);
+  }
+  for (int l = 0; l < num; ++l)
+  {
+    const Node& node = _node[nodes[l]];
     for (int j = 0; j < N; ++j)
       for (int c = 0; c < D; ++c)
-        _block.X[j][c][l] = _master_x[std::size_t(facet[j]) * D + c];
+        _block.X[j][c][l] = _masters[facets[l][j]].x[c];
     for (int c = 0; c < D; ++c)
     {
-      _block.point[c][l] = node.X[c] + _last[i * D + c];
+      _block.point[c][l] = node.x[c];
       _block.slave_normal[c][l] = node.normal[c];
     }
-    // Nodes that are not held start from the middle: nothing depends on what a checkpoint does not have.
-    const double middle = _kind == Kind::triangle ? 1.0 / 3 : 0.5;
-    _block.xi[0][l] = node.held >= 0 ? node.xi[0] : middle;
-    _block.xi[1][l] = node.held >= 0 ? node.xi[1] : _kind == Kind::interval ? 0.0 : middle;
+    for (int a = 0; a < 2; ++a)
+      _block.xi[a][l] = node.held >= 0 ? node.xi[a] : middle[a];
     _block.orientation[l] = _master.orientation[node.winner];
-    if (_block.num == WarmBlock::size)
-      take_block(nodes);
   }
+  _block.num = num;
+  warm_closest_points(S, _block);
   take_block(nodes);
 }
 
-/// Asks the memory for the beginning of a node's list.
+/// Asks the memory for a node's list.
 void NodeTracking::fetch(std::size_t i) const
 {
 #if defined(__GNUC__)
-  __builtin_prefetch(_list.data() + i * most);
-  __builtin_prefetch(_bound.data() + i * most);
-  __builtin_prefetch(_bound.data() + i * most + 8);
+  constexpr int line = 64 / sizeof(Entry);
+  for (int k = 0; k < _node[i].count; k += line)
+    __builtin_prefetch(_lists[i].entries + k);
 #endif
 }
 
 /// Keeps the closest points that are inside their facets.
 void NodeTracking::take_block(const std::int32_t* nodes)
 {
-  warm_closest_points(FacetShape(int(_kind)), _block);
   _counters.projections += _block.num;
   const double radius = std::max(_reach, 2 * _step);
   for (int l = 0; l < _block.num; ++l)
   {
     if (!(_block.over[l] > 0.0))
+    {
+      fetch(nodes[l]);
       continue;
+    }
     const Node& node = _node[nodes[l]];
-    Warm& out = _warm[nodes[l]];
+    Warm& out = warm(nodes[l]);
     out.distance = _block.distance[l];
-    out.alone = node.others - node.travel - 1e-9 * _largest > out.distance && out.distance <= radius;
+    out.alone = node.others - _travelled[nodes[l]].now - 1e-9 * _largest > out.distance && out.distance <= radius;
     if (!out.alone) // its list will be read soon
       fetch(nodes[l]);
     out.at.status = ProjectionStatus::converged;
@@ -75,6 +102,5 @@ void NodeTracking::take_block(const std::int32_t* nodes)
     for (int c = 0; c < 3; ++c)
       out.at.normal[c] = _block.normal[c][l];
   }
-  _block.num = 0;
 }
 } // namespace impact::search

@@ -108,7 +108,7 @@ void NodeTracking::facet_normal(std::int32_t f, const double* facet, const doubl
 /// The distance of the box around a facet: never more than that of the facet itself. Zero if not known.
 double NodeTracking::box_distance(std::int32_t f, const double* x) const
 {
-  const auto corner = [&](int j) { return _master_x.data() + std::size_t(corners(f)[j]) * _gdim; };
+  const auto corner = [&](int j) { return _masters[corners(f)[j]].x; };
   const double* X[4];
   switch (_kind)
   {

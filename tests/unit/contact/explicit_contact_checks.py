@@ -31,11 +31,11 @@ SIZES = {
 }  # fmt: skip
 
 
-def blocks(comm, dim, cell=None, seed=None, **more):
+def blocks(comm, dim, cell=None, seed=None, degree=1, **more):
     """A small block over the left end of a long one: mesh recipe, space, whether nodes are the small one's."""
     options = {} if seed is None else {"partitioner": scattered(seed)}
     made = meshes.make("two_blocks", comm, cell=cell, **{"gap": 0.003, **SIZES[dim], **options, **more})
-    V = fem.functionspace(made.mesh, ("Lagrange", 1, (dim,)))
+    V = fem.functionspace(made.mesh, ("Lagrange", degree, (dim,)))
     return made, V, V.tabulate_dof_coordinates()[:, dim - 1] > 0.5015
 
 
@@ -196,6 +196,20 @@ def check_free_bodies_keep_their_momentum():
                 # Kinematic: works as in docs/explicit.md. Penalty: a hundredth for each node that closes and opens.
                 drift = abs(problem.energy["drift"])
                 assert drift <= (1e-12 if method is di.Kinematic else 0.02), (method, size, drift)
+
+
+def check_quadratic_bodies_keep_their_momentum():
+    """Likewise with displacements of degree 2 on cells of degree 1."""
+    for dim, steps in ((2, STEPS), (3, 300)):
+        speed = (0.7,) + (0.2,) * (dim - 2) + (-1.0,)
+        for method in METHODS:
+            size = {"degree": 2}
+            start = momenta(thrown(COMM, dim, method, speed, steps=0, seed=5, size=size)[0])
+            problem, *_ = thrown(COMM, dim, method, speed, seed=5, size=size, steps=steps)
+            end = momenta(problem)
+            assert problem.contact[0].dissipated > 0.01 * problem.energy_history[0, 1], (dim, method)
+            assert np.abs(end[0] - start[0]).max() <= 1e-12 * start[2]
+            assert np.abs(end[1] - start[1]).max() <= 1e-12 * start[3], (dim, method)
 
 
 def check_deep_overlap_is_refused_at_set_up():
