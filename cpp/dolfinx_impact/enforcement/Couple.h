@@ -20,17 +20,16 @@ inline void for_nodes(int num, Each&& each)
 /// (docs/explicit.md, Moment).
 struct Couple
 {
-  int num = 0;
-  double e[3], r[surface::FacetElement::max_nodes][3], inverse[6];
+  double e[3], inverse[6];
 
-  /// @param[in] count nodes of the facet
+  /// @param[in] num nodes of the facet
   /// @param[in] at at(j, c): position of node j
   /// @param[in] phi shape functions at the master's point
   /// @param[in] x position of the slave's node
+  /// @param[out] r x_j - mean, [j*D + c]
   template <int D>
-  void set(int count, auto&& at, const double* phi, const double* x)
+  void set(int num, auto&& at, const double* phi, const double* x, double* r)
   {
-    num = count;
     double mean[D] = {}, squares[D][D] = {};
     const double part = 1.0 / num;
     for (int c = 0; c < D; ++c)
@@ -40,19 +39,19 @@ struct Couple
               {
                 for (int c = 0; c < D; ++c)
                 {
-                  r[j][c] = at(j, c);
-                  mean[c] += part * r[j][c];
-                  e[c] += phi[j] * r[j][c];
+                  r[j * D + c] = at(j, c);
+                  mean[c] += part * r[j * D + c];
+                  e[c] += phi[j] * r[j * D + c];
                 }
               });
     for_nodes(num,
               [&](int j)
               {
                 for (int c = 0; c < D; ++c)
-                  r[j][c] -= mean[c];
+                  r[j * D + c] -= mean[c];
                 for (int c = 0; c < D; ++c)
                   for (int d = 0; d <= c; ++d)
-                    squares[c][d] += r[j][c] * r[j][d];
+                    squares[c][d] += r[j * D + c] * r[j * D + d];
               });
     if constexpr (D == 2)
       inverse[0] = 1.0 / (squares[0][0] + squares[1][1]);
@@ -73,10 +72,11 @@ struct Couple
     }
   }
 
+  /// @param[in] num,r as in `set`
   /// @param[in] f force on the slave's node
   /// @param[in,out] add add(j, c, value): value is component c of node j's force
   template <int D>
-  void forces(const double* f, auto&& add) const
+  void forces(int num, const double* r, const double* f, auto&& add) const
   {
     if constexpr (D == 2)
     {
@@ -84,8 +84,8 @@ struct Couple
       for_nodes(num,
                 [&](int j)
                 {
-                  add(j, 0, -omega * r[j][1]);
-                  add(j, 1, omega * r[j][0]);
+                  add(j, 0, -omega * r[j * D + 1]);
+                  add(j, 1, omega * r[j * D]);
                 });
     }
     else
@@ -97,9 +97,10 @@ struct Couple
       for_nodes(num,
                 [&](int j)
                 {
-                  add(j, 0, w[1] * r[j][2] - w[2] * r[j][1]);
-                  add(j, 1, w[2] * r[j][0] - w[0] * r[j][2]);
-                  add(j, 2, w[0] * r[j][1] - w[1] * r[j][0]);
+                  const double* a = r + j * D;
+                  add(j, 0, w[1] * a[2] - w[2] * a[1]);
+                  add(j, 1, w[2] * a[0] - w[0] * a[2]);
+                  add(j, 2, w[0] * a[1] - w[1] * a[0]);
                 });
     }
   }

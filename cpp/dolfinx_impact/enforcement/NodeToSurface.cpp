@@ -214,12 +214,12 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
   if (turns() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
                   master.geometry.degree != master.displacement.degree))
   {
-    double x[D];
+    double x[D], r[FacetElement::max_nodes * D];
     for (int c = 0; c < D; ++c)
       x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
     Couple couple;
-    couple.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x);
-    couple.forces<D>(force, [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
+    couple.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x, r);
+    couple.forces<D>(touch.num, r, force, [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
   }
   _closed[i] = 1;
   _stiffness[i] = k;

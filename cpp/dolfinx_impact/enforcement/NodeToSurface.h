@@ -118,7 +118,14 @@ private:
     const std::int32_t* corners = nullptr; ///< positions in NodeTracking's list of them
     double phi[surface::FacetElement::max_nodes];
     search::Projection at;
-    double overlap; ///< penetration, by penalty its mean over a step [L]
+  };
+  /// A node that kinematic contact holds in this step; shape functions are in `_phi`.
+  struct alignas(64) Closed
+  {
+    const std::int32_t *masters, *corners; ///< as of Touch
+    double normal[3], overlap;             ///< [L]
+    std::uint32_t i;
+    std::int32_t node;
   };
 
   NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
@@ -136,7 +143,7 @@ private:
   void add_all(const NodalState& state, double* f);
   // Kinematic contact.
   template <int D>
-  void relative(const Touch& touch, const double* values, double* out) const;
+  void relative(std::size_t q, const double* values, double* out) const;
   void number_kinematic(operators::Halo& halo);
   /// Do contact forces need a moment given back?
   bool turns() const { return !_rigid && !_options.axisymmetric; }
@@ -190,10 +197,12 @@ private:
 
   // Kinematic contact: closed nodes of the step, and values at the Halo's nodes. `_sum` is summed over ranks: it is
   // zero at all ghosts but those in `_touched`, and never sent forward.
-  std::vector<Touch> _touch;
-  std::size_t _num_touch = 0;
-  std::vector<double> _motion, _nodal_force, _along, _across;
+  std::vector<Closed> _closed_now;
+  std::size_t _num_closed = 0;
+  int _num_masters = 0; ///< nodes of a master's facet; 0: rigid
+  std::vector<double> _phi, _motion, _nodal_force, _along, _across;
   std::vector<Couple> _couples;
+  std::vector<double> _arms; ///< of couples
   std::vector<std::int32_t> _touched;
   std::vector<double> _weight, _sum, _moved, _before;
 };

@@ -25,17 +25,19 @@ void NodeToSurface::number_kinematic(operators::Halo& halo)
   _before.assign(num * _gdim, 0.0);
 }
 
-/// Values at the node less those at its master point.
+/// Values at closed node q less those at its master point.
 template <int D>
-void NodeToSurface::relative(const Touch& touch, const double* values, double* out) const
+void NodeToSurface::relative(std::size_t q, const double* values, double* out) const
 {
+  const Closed& closed = _closed_now[q];
+  const double* phi = _phi.data() + q * _num_masters;
   for (int c = 0; c < D; ++c)
-    out[c] = values[std::size_t(touch.node) * D + c];
-  for_nodes(touch.num,
+    out[c] = values[std::size_t(closed.node) * D + c];
+  for_nodes(_num_masters,
             [&](int j)
             {
               for (int c = 0; c < D; ++c)
-                out[c] -= touch.phi[j] * values[std::size_t(touch.masters[j]) * D + c];
+                out[c] -= phi[j] * values[std::size_t(closed.masters[j]) * D + c];
             });
 }
 
@@ -43,13 +45,17 @@ void NodeToSurface::relative(const Touch& touch, const double* values, double* o
 template <int D>
 void NodeToSurface::predict(const double* u, const double* du, const double* before)
 {
-  _num_touch = 0;
+  _num_closed = 0;
+  Touch touch;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
-    Touch& touch = _touch[_num_touch];
     if ((!_rigid && _tracking.asleep(i)) || !meets(i, u, du, 0.0, touch))
       continue;
-    touch.overlap = -touch.at.gap;
+    const std::size_t q = _num_closed++;
+    Closed& closed = _closed_now[q];
+    closed = {touch.masters, touch.corners, {}, -touch.at.gap, std::uint32_t(i), touch.node};
+    std::copy_n(touch.at.normal, 3, closed.normal);
+    for_nodes(_num_masters, [&](int j) { _phi[q * _num_masters + j] = touch.phi[j]; });
     if (!_rigid)
       _tracking.hold(i, touch.at);
     if (turns())
@@ -65,15 +71,14 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
         const search::MasterNode& master = _tracking.masters()[touch.corners[j]];
         return master.x[c] - master.du[c];
       };
-      _couples[_num_touch].set<D>(touch.num, at, touch.phi, x);
+      _couples[q].set<D>(_num_masters, at, touch.phi, x, _arms.data() + q * _num_masters * D);
     }
-    double* motion = _motion.data() + _num_touch * D;
-    relative<D>(touch, du, motion);
+    double* motion = _motion.data() + q * D;
+    relative<D>(q, du, motion);
     for (int c = 0; c < D; ++c)
       motion[c] -= _rigid ? _obstacle_increment[c] : 0.0;
-    ++_num_touch;
   }
-  std::fill_n(_nodal_force.data(), _num_touch * D, 0.0);
+  std::fill_n(_nodal_force.data(), _num_closed * D, 0.0);
   for (std::int32_t node : _touched)
     for (int c = 0; c < D; ++c)
     {
@@ -91,26 +96,27 @@ void NodeToSurface::add_masses(const double* inverse_mass)
   {
     // Ghosts have what their owners sent in the last step, also those that nothing here touches.
     std::fill(_weight.begin(), _weight.end(), 0.0);
-    for (std::size_t q = 0; q < _num_touch; ++q)
-      for (int j = 0; j < _touch[q].num; ++j)
-        _weight[_touch[q].masters[j]] += std::abs(_touch[q].phi[j]);
+    for (std::size_t q = 0; q < _num_closed; ++q)
+      for (int j = 0; j < _num_masters; ++j)
+        _weight[_closed_now[q].masters[j]] += std::abs(_phi[q * _num_masters + j]);
     _halo->reverse(_weight.data(), 1);
     _halo->forward(_weight.data(), 1);
   }
-  for (std::size_t q = 0; q < _num_touch; ++q)
+  for (std::size_t q = 0; q < _num_closed; ++q)
   {
-    const Touch& touch = _touch[q];
+    const Closed& closed = _closed_now[q];
+    const double* phi = _phi.data() + q * _num_masters;
     double w[D], along = 0.0, across = 0.0;
     for (int c = 0; c < D; ++c)
-      w[c] = inverse_mass[std::size_t(touch.node) * D + c];
-    for_nodes(touch.num,
+      w[c] = inverse_mass[std::size_t(closed.node) * D + c];
+    for_nodes(_num_masters,
               [&](int j)
               {
-                const std::size_t node = touch.masters[j];
+                const std::size_t node = closed.masters[j];
                 for (int c = 0; c < D; ++c)
-                  w[c] += std::abs(touch.phi[j]) * _weight[node] * inverse_mass[node * D + c];
+                  w[c] += std::abs(phi[j]) * _weight[node] * inverse_mass[node * D + c];
               });
-    const double* n = touch.at.normal;
+    const double* n = closed.normal;
     for (int c = 0; c < D; ++c)
     {
       along += n[c] * n[c] * w[c];
@@ -126,13 +132,13 @@ void NodeToSurface::add_masses(const double* inverse_mass)
 template <int D>
 void NodeToSurface::solve_forces(double h, double factor)
 {
-  for (std::size_t q = 0; q < _num_touch; ++q)
+  for (std::size_t q = 0; q < _num_closed; ++q)
   {
-    const Touch& touch = _touch[q];
-    const double* n = touch.at.normal;
+    const Closed& closed = _closed_now[q];
+    const double* n = closed.normal;
     double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
-    relative<D>(touch, _moved.data(), moved);
-    const double pushed = factor / h * _along[q] * (touch.overlap - dot(n, moved, D));
+    relative<D>(q, _moved.data(), moved);
+    const double pushed = factor / h * _along[q] * (closed.overlap - dot(n, moved, D));
     if (_options.friction > 0.0)
     {
       for (int c = 0; c < D; ++c)
@@ -157,7 +163,7 @@ void NodeToSurface::solve_forces(double h, double factor)
       else if (normal > 0.0)
         status = ContactStatus::stick;
     }
-    _results.status[touch.i] = status;
+    _results.status[closed.i] = status;
     for (int c = 0; c < D; ++c)
       f[c] = normal * n[c] + tangential[c];
   }
@@ -169,18 +175,21 @@ void NodeToSurface::apply(const double* inverse_mass, double h)
 {
   for (std::int32_t node : _touched)
     std::fill_n(_sum.data() + std::size_t(node) * D, D, 0.0);
-  for (std::size_t q = 0; q < _num_touch; ++q)
+  for (std::size_t q = 0; q < _num_closed; ++q)
   {
-    const Touch& touch = _touch[q];
-    const double* f = _nodal_force.data() + q * D;
+    const Closed& closed = _closed_now[q];
+    const double *f = _nodal_force.data() + q * D, *phi = _phi.data() + q * _num_masters;
     for (int c = 0; c < D; ++c)
-      _sum[std::size_t(touch.node) * D + c] += f[c];
-    for (int j = 0; j < touch.num; ++j)
-      for (int c = 0; c < D; ++c)
-        _sum[std::size_t(touch.masters[j]) * D + c] -= touch.phi[j] * f[c];
+      _sum[std::size_t(closed.node) * D + c] += f[c];
+    for_nodes(_num_masters,
+              [&](int j)
+              {
+                for (int c = 0; c < D; ++c)
+                  _sum[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
+              });
     if (turns())
-      _couples[q].forces<D>(f,
-                            [&](int j, int c, double value) { _sum[std::size_t(touch.masters[j]) * D + c] += value; });
+      _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f, [&](int j, int c, double value)
+                            { _sum[std::size_t(closed.masters[j]) * D + c] += value; });
   }
   if (!_rigid)
     _halo->reverse(_sum.data(), D);
@@ -203,15 +212,15 @@ void NodeToSurface::record()
   _energy.normal += _energy.later_normal;
   _energy.friction += _energy.later_friction;
   _energy.later_normal = _energy.later_friction = 0.0;
-  for (std::size_t q = 0; q < _num_touch; ++q)
+  for (std::size_t q = 0; q < _num_closed; ++q)
   {
-    const Touch& touch = _touch[q];
-    const std::size_t i = touch.i;
-    const double *n = touch.at.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
+    const Closed& closed = _closed_now[q];
+    const std::size_t i = closed.i;
+    const double *n = closed.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
     double moved[3], before[3], slip[3];
-    relative<D>(touch, _moved.data(), moved);
-    relative<D>(touch, _before.data(), before);
-    _results.gap[i] = dot(n, moved, D) - touch.overlap;
+    relative<D>(q, _moved.data(), moved);
+    relative<D>(q, _before.data(), before);
+    _results.gap[i] = dot(n, moved, D) - closed.overlap;
     const double normal = dot(n, f, D);
     for (int c = 0; c < D; ++c)
     {
@@ -226,11 +235,11 @@ void NodeToSurface::record()
       slip[c] = moved[c] - dot(n, moved, D) * n[c];
     const double work = 0.5 * normal * dot(n, before, D), later = 0.5 * normal * dot(n, moved, D);
     if (turns())
-      _couples[q].forces<D>(f,
+      _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
                             [&](int j, int c, double value)
                             {
-                              const std::size_t k = std::size_t(touch.masters[j]) * D + c;
-                              const double du = _tracking.masters()[touch.corners[j]].du[c];
+                              const std::size_t k = std::size_t(closed.masters[j]) * D + c;
+                              const double du = _tracking.masters()[closed.corners[j]].du[c];
                               _energy.normal += 0.5 * value * _before[k];
                               _energy.later_normal += 0.5 * value * (du + _moved[k]);
                             });

@@ -64,10 +64,13 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
     _per_area.push_back(1.0 / area);
   if (options.kinematic)
   {
-    _touch.resize(n);
+    _num_masters = master ? master->displacement.num_nodes() : 0;
+    _closed_now.resize(n);
+    _phi.resize(n * _num_masters);
     for (std::vector<double>* a : {&_motion, &_nodal_force})
       a->assign(vector, 0.0);
     _couples.resize(n);
+    _arms.resize(vector * _num_masters);
     _along.assign(n, 0.0);
     _across.assign(n, 0.0);
   }

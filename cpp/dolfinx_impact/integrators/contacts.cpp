@@ -213,21 +213,24 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
         _obstacle_work += 0.5 * c.moved_before[k] * c.contact->force()[k];
     }
   for (std::size_t k = 0; k < _touched.size(); ++k)
-    std::copy_n(_near.u.data() + k * _bs, _bs, _u.data() + std::size_t(_touched[k]) * _bs);
+    for (int c = 0; c < _bs; ++c)
+      _u[std::size_t(_touched[k]) * _bs + c] = _near.u[k * _bs + c];
   for (std::size_t i = _owned; i < _u.size(); ++i) // receive() has seen the prediction only
     _v[i] = (_u[i] - _old_ghosts[i - _owned]) / dt;
-  for (std::size_t n = 0; n < std::size_t(_near.halo->num_owned()) * _bs; ++n)
-  {
-    if (_near.inverse[n] == 0.0)
-      continue;
-    const std::size_t i = std::size_t(_touched[n / _bs]) * _bs + n % _bs;
-    const double old = _near.before[2 * n], r = _near.before[2 * n + 1], predicted = _near.v[n], f = _near.force[n];
-    const double v = predicted + h * _near.inverse[n] * f, m = _mass[i], load = load_at(i);
-    _v[i] = v;
-    sums.momentum += m * old * (v - predicted);
-    sums.speed += m * (v * v - predicted * predicted);
-    sums.after += r * (v - predicted);
-    sums.load_after += load * (v - predicted);
-  }
+  const std::size_t owned = _near.halo->num_owned();
+  for (std::size_t k = 0; k < owned; ++k)
+    for (int c = 0; c < _bs; ++c)
+    {
+      const std::size_t n = k * _bs + c, i = std::size_t(_touched[k]) * _bs + c;
+      if (_near.inverse[n] == 0.0)
+        continue;
+      const double old = _near.before[2 * n], r = _near.before[2 * n + 1], predicted = _near.v[n], f = _near.force[n];
+      const double v = predicted + h * _near.inverse[n] * f, m = 1.0 / _near.inverse[n], load = load_at(i);
+      _v[i] = v;
+      sums.momentum += m * old * (v - predicted);
+      sums.speed += m * (v * v - predicted * predicted);
+      sums.after += r * (v - predicted);
+      sums.load_after += load * (v - predicted);
+    }
 }
 } // namespace impact::integrators

@@ -38,8 +38,18 @@ def test_rows_of_contact():
     assert len(rows) == 4 * len(bench_explicit.CONTACTS)
     shares = [r for r in rows if "share of a step" in r["name"]]
     assert len(shares) == 4 and all(r["cell"] == "49 of 490 nodes" for r in shares)
+    assert all(0.0 < r["ratio"] < 1.0 for r in shares)
     touching = [r["value"] for r in rows if "nodes that touch" in r["name"]]
     assert len(touching) == 4 and min(touching) > 0  # pressed together: contact works in every one
+
+
+def test_contact_has_a_clock_of_its_own():
+    """It runs when there is contact only, and tells what contact adds to a step, by a factor of two."""
+    free, touching = bench_explicit.Blocks(12, 1), bench_explicit.Blocks(12, 1, bench_explicit.Kinematic)
+    times = [[bench_explicit.contact_seconds(m.problem, 100) for m in (free, touching)] for _ in range(7)]
+    (none, alone), (contact, whole) = np.median(times, axis=0)
+    assert none == 0.0
+    assert 0.5 < contact / (whole - alone) < 2.0
 
 
 def test_slaves_are_as_many_of_the_nodes_as_the_goal_says():
