@@ -97,6 +97,7 @@ void impact::bindings::integrators(nb::module_& m)
           },
           nb::arg("u"), nb::arg("v"), nb::arg("r"), nb::arg("parts"), nb::arg("accounts"))
       .def("fastest", &CentralDifference::fastest)
+      .def("look", &CentralDifference::look)
       .def_prop_ro("num_searches", &CentralDifference::num_searches)
       .def_prop_ro("contact_seconds", &CentralDifference::contact_seconds)
       .def_prop_ro("num_additive", &CentralDifference::num_additive)

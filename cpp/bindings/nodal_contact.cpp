@@ -214,10 +214,13 @@ void impact::bindings::nodal(nb::module_& m)
           nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"), nb::arg("dt"),
           nb::arg("f"),
           "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
+      .def(
+          "look", [](NodeToSurface& self, const Halo& halo, Values u)
+          { self.look(over(halo, u, self.candidates().gdim(), "u")); }, nb::arg("halo"), nb::arg("u"),
+          "Bring the gaps of open nodes up to date")
       .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
            "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
       .def("set_obstacle", &NodeToSurface::set_obstacle, nb::arg("displacement"), nb::arg("increment"))
-      .def("wake_all", &NodeToSurface::wake_all)
       .def_prop_ro("kinematic", &NodeToSurface::kinematic)
       .def_prop_ro(
           "nodes",

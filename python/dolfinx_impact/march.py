@@ -241,8 +241,8 @@ class March:
 
         Args:
             path: folder; None as for RunFolder. fields: some of displacement, velocity, acceleration. every: steps
-                between frames, at which histories are written to the file as well. points: (n, gdim) places whose
-                nearest nodes' motion is kept every `points_every` steps [L].
+                between frames. points: (n, gdim) places whose nearest nodes' motion is kept every `points_every` steps
+                [L].
 
         Returns:
             Recorder; `close()` it at the end.

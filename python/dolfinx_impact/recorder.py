@@ -1,5 +1,7 @@
 """What an explicit run writes while it runs: fields for ParaView, histories in HDF5."""
 
+import time
+
 import numpy as np
 from dolfinx import io
 from mpi4py import MPI
@@ -8,6 +10,7 @@ from .results import RunFolder
 
 UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
 FIELDS = ("displacement", "velocity", "acceleration")
+INTERVAL = 1.0  # s of wall-clock time: opening the file takes milliseconds, as long as several steps of a small model
 
 
 class Recorder:
@@ -15,7 +18,8 @@ class Recorder:
 
     Files: fields.bp (ParaView 5.12 or newer), history.h5: `time`, energies and contact forces `force_0`, ... of every
     step; `points/time` and `points/displacement`, `points/velocity`, shape (frames, points, gdim). Datasets have units
-    as attributes: T, L, F stand for the units of time, length and force of the problem's numbers.
+    as attributes: T, L, F stand for the units of time, length and force of the problem's numbers. Histories are written
+    with frames, once a second at most, with checkpoints, and by `close`.
     """
 
     def __init__(self, problem, path, fields, every, points, points_every):
@@ -39,6 +43,7 @@ class Recorder:
             self._writer = io.VTXWriter(problem.comm, path, self._fields, "BP4", policy)
         self._samples, self._seen, self._frame = [], len(problem._rows), -1
         self._open()
+        self._flushed = time.monotonic()
         self.after()
 
     def _nearest(self, points):
@@ -101,7 +106,8 @@ class Recorder:
             if frame:
                 if self._writer is not None:
                     self._writer.write(p.time)
-                self.flush()
+                if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
+                    self.flush()
 
     def _sample(self):
         p, values = self.problem, []
@@ -120,7 +126,7 @@ class Recorder:
 
         p, samples = self.problem, self._samples
         rows = [r for r in p._rows[self._seen :] if len(r)]
-        self._seen, self._samples = len(p._rows), []
+        self._seen, self._samples, self._flushed = len(p._rows), [], time.monotonic()
 
         def work():
             with h5py.File(self.folder.file("history.h5"), "a") as file:
@@ -145,8 +151,10 @@ class Recorder:
         self._seen = 0
 
     def close(self):
-        """Write what is left and close the files. Collective."""
+        """Write what is left and close the files; nothing more is recorded. Collective."""
         self.flush()
+        if self in self.problem._recorders:
+            self.problem._recorders.remove(self)
         if self._writer is not None:
             self._writer.close()
             self._writer = None

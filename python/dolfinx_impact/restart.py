@@ -52,6 +52,8 @@ class Restart:
             "plan": np.array([plan.begin, plan.until, plan.first, plan.last] if plan else [], dtype=float),
         }  # fmt: skip
         checkpoint.write(path, self, arrays, nodal, ranks, attributes)
+        for recorder in self._recorders:
+            recorder.flush()
 
     def restore(self, path):
         """Go on from a checkpoint of the same problem, written on any number of ranks. Collective.

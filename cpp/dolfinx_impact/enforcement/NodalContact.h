@@ -71,6 +71,10 @@ public:
   /// Does it act by add_forces (false) or by correct (true)?
   virtual bool kinematic() const = 0;
 
+  /// Bring the gaps of open nodes, which are looked at as seldom as can be, up to date in the results.
+  /// @param[in] u displacements of the Halo's nodes [L]
+  virtual void look(const double* u) = 0;
+
   virtual ContactEnergy energy() const = 0;
   /// Sum of the forces on this rank's slave nodes in the last step [F].
   virtual const double* force() const = 0;

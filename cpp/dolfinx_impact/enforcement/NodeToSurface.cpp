@@ -219,7 +219,8 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
       x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
     Couple couple;
     couple.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x, r);
-    couple.forces<D>(touch.num, r, force, [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
+    couple.forces<D>(touch.num, r, force,
+                     [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
   }
   _closed[i] = 1;
   _stiffness[i] = k;
@@ -243,6 +244,20 @@ void NodeToSurface::add_all(const NodalState& state, double* f)
   for (std::size_t k = 0; k < masters.size(); ++k)
     for (int c = 0; c < D; ++c)
       f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
+}
+
+void NodeToSurface::look(const double* u)
+{
+  if (_rigid || !_halo)
+    return;
+  const double moved = _tracking.moved(u);
+  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
+    if (_closed[i] != 1)
+    {
+      const search::Projection at = _tracking.look(i, u, moved);
+      _results.gap[i] = at.gap;
+      std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
+    }
 }
 
 void NodeToSurface::add_forces(const NodalState& state, double* f)

@@ -27,7 +27,7 @@ struct NodeToSurfaceOptions
 struct NodalResults
 {
   std::vector<ContactStatus> status;
-  std::vector<double> gap;      ///< of nodes that sleep: when they were last looked at; infinite without master [L]
+  std::vector<double> gap;      ///< of open nodes: when they were last looked at; infinite without master [L]
   std::vector<double> normal;   ///< out of the master
   std::vector<double> pressure; ///< normal force per area of the node [F/L^2]
   std::vector<double> traction; ///< force on the slave per area [F/L^2]
@@ -79,14 +79,12 @@ public:
   void correct(double* u, const double* du, const double* before, const double* inverse_mass, double h, double dt,
                double* f) override;
   bool kinematic() const override { return _options.kinematic; }
+  void look(const double* u) override;
   ContactEnergy energy() const override;
   const double* force() const override { return _force.data(); }
 
   /// Where a rigid master is now, and how far it has moved since the last step [L].
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
-  /// Look at all nodes in the next step: gaps of all of them are wanted.
-  void wake_all() { _tracking.wake_all(); }
-
   const NodeToSurfaceOptions& options() const { return _options; }
   const NodeCandidates& candidates() const { return _candidates; }
   const NodalResults& results() const { return _results; }

@@ -188,8 +188,8 @@ void NodeToSurface::apply(const double* inverse_mass, double h)
                   _sum[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
               });
     if (turns())
-      _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f, [&](int j, int c, double value)
-                            { _sum[std::size_t(closed.masters[j]) * D + c] += value; });
+      _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
+                            [&](int j, int c, double value) { _sum[std::size_t(closed.masters[j]) * D + c] += value; });
   }
   if (!_rigid)
     _halo->reverse(_sum.data(), D);

@@ -72,6 +72,8 @@ public:
   /// Velocity (3.75) and acceleration at the present time level, owned entries; with the forces of kinematic contact of
   /// the last step. Collective.
   void motion(std::span<double> v, std::span<double> a);
+  /// Bring the gaps of all contacts' nodes up to date.
+  void look();
   /// Owned displacements [L].
   std::span<const double> displacement() const { return {_u.data(), _owned}; }
 
@@ -136,9 +138,9 @@ private:
     std::unique_ptr<Halo> halo;
     std::vector<double> u, du, inverse;
     std::vector<double> v, du_before; ///< for kinematic contact
-    std::vector<double> before; ///< velocity and residual before an update
-    std::vector<double> force;  ///< kinematic
-    std::vector<double> kept;   ///< by owned degree of freedom, until nodes are numbered: forces of springs, kinematic
+    std::vector<double> before;       ///< velocity and residual before an update
+    std::vector<double> force;        ///< kinematic
+    std::vector<double> kept; ///< by owned degree of freedom, until nodes are numbered: forces of springs, kinematic
   };
 
   /// Adds its own life to an account.

@@ -171,6 +171,12 @@ double CentralDifference::gather(Part* springs)
   return _bs == 2 ? sweep.operator()<2, false>() : sweep.operator()<3, false>();
 }
 
+void CentralDifference::look()
+{
+  for (Contact& c : _contacts)
+    c.contact->look(_near.u.data());
+}
+
 void CentralDifference::move_obstacles(const double* amplitudes, bool first)
 {
   for (Contact& c : _contacts)

@@ -70,6 +70,10 @@ public:
   Projection locate(std::size_t i, const double* u);
   /// Closest point in the configuration u - du, of the step before.
   Projection locate_before(std::size_t i, const double* u, const double* du) const;
+  /// How far nodes have been moved since `advance`, at most [L].
+  double moved(const double* u) const;
+  /// Closest point after they have been moved so far, without any effect on later ones.
+  Projection look(std::size_t i, const double* u, double moved) const;
   /// The node is in contact: its next closest point is looked for from this one.
   void hold(std::size_t i, const Projection& at);
   /// The node is not in contact. It sleeps as long as its clearance lasts.
@@ -88,7 +92,8 @@ private:
   struct Configuration
   {
     const double* u;
-    const double* du; ///< null: the present one; else u - du is meant
+    const double* du;    ///< null: the present one; else u - du is meant
+    bool stored = false; ///< that of `advance`: positions are at hand
   };
   struct Found
   {
@@ -163,8 +168,8 @@ private:
     double expire; ///< travel at which its list ends
     double others; ///< the least sum of travel and distance at which another than `winner` was seen
     std::int32_t number, count, held, winner;
-    double xi[2];         ///< where it is held
-    double X[3], x[3];    ///< reference and present position
+    double xi[2];      ///< where it is held
+    double X[3], x[3]; ///< reference and present position
     double normal[3];
   };
   std::vector<Node> _node;

@@ -45,7 +45,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
   const auto visit = [&](std::int32_t f)
   {
     // Its box tells of most facets that they are no nearer; the list takes that distance, too.
-    double distance = out.facet >= 0 && !at.du ? box_distance(f, x) : 0.0;
+    double distance = out.facet >= 0 && at.stored ? box_distance(f, x) : 0.0;
     if (out.facet < 0 || distance <= best.distance + 1e-9 * _largest)
     {
       positions(f, at, facet);
@@ -126,7 +126,7 @@ Projection NodeTracking::locate(std::size_t i, const double* u)
   Found near[4 * most];
   int num = 0;
   double budget = 0.0;
-  const Projection out = query(i, {u, nullptr}, _travel - _fitted, _shift, near, num, budget);
+  const Projection out = query(i, {u, nullptr, true}, _travel - _fitted, _shift, near, num, budget);
   // The list: the nearest `most`, in the order of the facets.
   if (num > most)
   {
@@ -152,6 +152,26 @@ Projection NodeTracking::locate_before(std::size_t i, const double* u, const dou
   for (int c = 0; c < 3; ++c)
     shift[c] = _shift[c] - _step_shift[c];
   return query(i, {u, du}, std::abs(_travel - _fitted) + _step, shift, near, num, budget);
+}
+
+double NodeTracking::moved(const double* u) const
+{
+  double largest = 0.0;
+  for (std::size_t k = 0; k < _master_nodes.size(); ++k)
+    for (int c = 0; c < _gdim; ++c)
+    {
+      const double x = _master_X[k * _gdim + c] + u[std::size_t(_master_nodes[k]) * _gdim + c];
+      largest = std::max(largest, std::abs(x - _masters[k].x[c]));
+    }
+  return std::sqrt(double(_gdim)) * largest;
+}
+
+Projection NodeTracking::look(std::size_t i, const double* u, double moved) const
+{
+  Found near[4 * most];
+  int num = 0;
+  double budget = 0.0;
+  return query(i, {u, nullptr}, _travel - _fitted + moved, _shift, near, num, budget);
 }
 
 /// The nearest of the node's list. Distances of its facets when they were last looked at tell which need it again.

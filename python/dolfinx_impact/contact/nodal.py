@@ -40,13 +40,15 @@ class Kinematic:
         return NodalResult(self.pair, problem, kinematic=True, sweeps=self.sweeps)
 
 
-RESULTS = ("gap", "normal", "pressure", "traction", "slip", "status", "stiffness")  # by node
+GAPS = ("gap", "normal")
+RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # by node
 
 
 class NodalResult(ContactOutput):
     """Contact of one pair in an explicit problem. Points are the slave nodes that this rank owns; see ContactOutput.
 
-    Gaps of nodes far from the master are those of when they were last looked at.
+    Gaps are as they are now; they are found when they are asked for, as the steps look at nodes only when these could
+    touch. Without a master within the search distance a gap is infinite, its normal zero.
     """
 
     initial = None
@@ -162,11 +164,28 @@ class NodalResult(ContactOutput):
         gap = self.obstacle.evaluate(np.ascontiguousarray(x).ravel())[0]
         return int(np.count_nonzero(gap < -0.5 * self._facet))
 
+    @property
+    def gap(self):
+        return self._gaps()["gap"]
+
+    @property
+    def normal(self):
+        return self._gaps()["normal"]
+
+    def _gaps(self):
+        """Gaps and normals, of open nodes as they are now."""
+        if self._known is None:
+            self.problem._cpp.look()
+            results = self._cpp.results()
+            self._known = {name: results[name] for name in GAPS}
+        return self._known
+
     def look(self):
         """Copy results of the last step. Collective."""
         results = self._cpp.results()
-        for name in RESULTS:
+        for name in RESULTS[len(GAPS) :]:
             setattr(self, name, results[name])
+        self._known = None
         u = self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes]
         self.points = self._X + u
         forces = self.weight[:, None] * self.traction
@@ -193,9 +212,11 @@ class NodalResult(ContactOutput):
         for name in RESULTS:
             now = getattr(self, name)
             count = math.prod(now.shape[1:])
-            setattr(
-                self, name, np.ascontiguousarray(rows[:, first : first + count].reshape(now.shape).astype(now.dtype))
-            )
+            values = np.ascontiguousarray(rows[:, first : first + count].reshape(now.shape).astype(now.dtype))
+            if name in GAPS:
+                self._known[name] = values
+            else:
+                setattr(self, name, values)
             first += count
         gdim = self.gdim
         self.force, self.moment = totals[:gdim], totals[gdim:-2]

@@ -181,6 +181,20 @@ def test_flush_edges(method):
 
 
 @METHODS
+def test_gaps_on_the_way(method):
+    """A block flies at a table: gaps of all nodes at any time, in closed form."""
+    b = Bodies(((0, 0), (2, 0.5), (11, 3), (0, 0)), ((0.5, 0.6), (1.0, 0.9), (5, 3), (0.3, -0.4)))
+    problem = b.problem(method(b.pair((1, "bottom"), (0, "top"))))
+    contact = problem.contact[0]
+    assert np.all(np.isfinite(contact.gap))
+    for t in (0.02, 0.1, 0.17, 0.23):
+        problem.advance(t, progress=False)
+        assert np.all(contact.status == 0)
+        np.testing.assert_allclose(contact.gap, 0.1 - 0.4 * t, rtol=0, atol=1e-12)  # round-off of 2,000 steps
+        np.testing.assert_allclose(contact.normal, [[0, 1]] * 6, rtol=0, atol=1e-12)
+
+
+@METHODS
 def test_velocity_of_a_node_in_contact_has_its_force_in_it(method):
     """A bar on the floor: its lower end is at rest while it is in contact, also as `velocity` tells."""
     b = Bodies(((0, 1e-4), (0.1, 3.0001), (1, 30), (0, -0.3)))

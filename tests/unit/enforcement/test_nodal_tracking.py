@@ -87,14 +87,31 @@ def test_bodies_that_fly_together_are_not_searched():
     assert counters["nodes"] <= 2 * searches * len(model.contact.nodes)
 
 
-def test_results_of_sleeping_nodes_on_request():
-    model = two_bodies("hexahedron", gap=0.05)
+@pytest.mark.parametrize("cell", ("quadrilateral", "hexahedron", "tetrahedron"))
+def test_gaps_of_sleeping_nodes_on_request(cell):
+    """Where nobody looked in the steps: as if all had been looked at there, and without effect on later steps."""
+    model, other = (two_bodies(cell, gap=0.05) for _ in range(2))
     u = np.zeros_like(model.x)
-    model.forces(u)
+    for m in (model, other):
+        m.forces(u)
     first = model.contact.results()["gap"]
-    u[model.slave_body, 2] -= 0.01
-    model.forces(u, search=False)
+    u[model.slave_body, -1] -= 0.01
+    u[model.slave_body, 0] += 0.003 * model.x[model.slave_body, 0]
+    for m in (model, other):
+        m.forces(u, search=False)
     assert np.array_equal(model.contact.results()["gap"], first)  # nobody looked
-    model.contact.wake_all()
-    model.forces(u, search=False)
+    for moved in (u, u + 1e-3 * np.sin(3 * model.x)):  # the second: nodes moved since, as kinematic contact does
+        fresh = two_bodies(cell, gap=0.05)
+        fresh.forces(moved)
+        model.contact.look(model.halo, model.spread(moved).reshape(-1))
+        for name in ("gap", "normal"):
+            expected, found = fresh.contact.results()[name], model.contact.results()[name]
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)  # round-off of places of size one
     assert np.all(model.contact.results()["gap"] < first)
+    u[model.slave_body, -1] -= model.contact.results()["gap"].max()
+    counters = []
+    for m in (model, other):
+        f = m.forces(u, search=False)
+        assert np.abs(f).max() > 0.0
+        counters.append((m.contact.counters()["nodes"], f))
+    assert counters[0][0] == counters[1][0] and np.array_equal(counters[0][1], counters[1][1])
