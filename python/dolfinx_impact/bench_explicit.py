@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -237,10 +238,19 @@ def memory_rows(n=48):
 
 
 def rank_rows(ranks, n=48):
-    """Whole steps per core on several ranks against one, with as many cells a rank."""
+    """Whole steps per core on several ranks against one, with as many cells a rank; the same beside separate runs on
+    the other cores, which share the memory with it and send nothing; what a rank sends."""
     one, several = child("rate", 1, n), child("rate", ranks, int(round(n * ranks ** (1 / 3))))
-    unit = CELLS_PER_S + "/core"
-    return [bench.row("linear_elastic whole step, per core", "hexahedron P1", ranks, several, unit, one)]
+    with ThreadPoolExecutor(ranks) as pool:
+        separate = np.mean([found["rate"] for found in pool.map(lambda _: child("rate", 1, n), range(ranks))])
+    unit, cell = CELLS_PER_S + "/core", "hexahedron P1"
+    return [
+        bench.row("linear_elastic whole step, per core", cell, ranks, several["rate"], unit, one["rate"]),
+        bench.row("  beside as many separate runs", cell, ranks, several["rate"], unit, separate),
+        bench.row("  messages per step and rank", cell, ranks, several["messages"], "", 2.0 * (ranks - 1)),
+        bench.row("  sent per step and rank, 8 B a value", cell, ranks, several["values"] * 8e-3, "kB",
+                  several["cells"] * 8e-3),
+    ]  # fmt: skip
 
 
 def _memory(n):
@@ -254,16 +264,19 @@ def _memory(n):
 
 
 def _rate(n, steps=60, rounds=3):
+    """Million cells per second and rank, cells per rank; messages and values that a rank sends in a step, at most."""
     comm, rates = MPI.COMM_WORLD, []
     setup, problem = explicit_problem(comm, n)
+    cells = comm.allreduce(setup.num_cells, MPI.SUM) / comm.size
     for _ in range(rounds + 1):
         comm.Barrier()
-        begin, first = time.perf_counter(), problem.step
+        begin, first, sent = time.perf_counter(), problem.step, np.array(problem._cpp.traffic)
         problem.advance(problem.time + steps * 0.9 * problem._safe, progress=False)
         comm.Barrier()
-        cells = comm.allreduce(setup.num_cells, MPI.SUM) / comm.size
         rates.append(cells * (problem.step - first) / (time.perf_counter() - begin) * 1e-6)
-    return float(np.median(rates[1:]))
+        sent = (np.array(problem._cpp.traffic) - sent) / (problem.step - first)
+    messages, values = comm.allreduce(sent[0], MPI.MAX), comm.allreduce(sent[1], MPI.MAX)
+    return {"rate": float(np.median(rates[1:])), "cells": cells, "messages": messages, "values": values}
 
 
 def rows(large=False, ranks=0):

@@ -103,6 +103,8 @@ void CentralDifference::bind(const Forces& forces)
 
 void CentralDifference::resize(std::shared_ptr<const dolfinx::common::IndexMap> map)
 {
+  if (_halo)
+    _traffic += _halo->traffic();
   _halo = std::make_unique<Halo>(map);
   const std::size_t size = std::size_t(_halo->num_nodes()) * _bs;
   for (std::vector<double>* values : {&_u, &_v, &_r, &_mass, &_inverse})

@@ -92,6 +92,9 @@ public:
   std::int64_t num_searches() const { return _num_searches; }
   /// Wall-clock time that this rank has spent on contact so far: searches, gaps, forces, their energies [s].
   double contact_seconds() const { return _contact_seconds; }
+  /// Nodal values that this rank has sent to its neighbours so far. Not: the one sum over all ranks of every step, what
+  /// candidates for contact are searched with.
+  Halo::Traffic traffic() const;
   std::size_t row_size() const { return Energies::size + 3 * _contacts.size(); }
   /// Arrays in Saved::parts.
   std::size_t num_saved_parts() const { return _parts.size() + 1; }
@@ -210,6 +213,7 @@ private:
   MPI_Request _request = MPI_REQUEST_NULL;
   std::int64_t _num_searches = 0;
   double _contact_seconds = 0.0;
+  Halo::Traffic _traffic; ///< of Halos that are no more
   double* _row = nullptr; ///< of the history that the pending sums belong to
 };
 } // namespace impact::integrators

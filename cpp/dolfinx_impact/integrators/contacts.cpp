@@ -85,6 +85,8 @@ void CentralDifference::number_contacts()
     ghosts.push_back(std::int64_t(global[_touched[k]]));
     owners.push_back(map.owners()[_touched[k] - owned]);
   }
+  if (_near.halo)
+    _traffic += _near.halo->traffic();
   _near.halo = std::make_unique<Halo>(
       std::make_shared<const dolfinx::common::IndexMap>(map.comm(), std::int32_t(own), ghosts, owners));
   const std::size_t size = _touched.size() * _bs;
@@ -169,6 +171,15 @@ double CentralDifference::gather(Part* springs)
   if (_kinematic)
     return _bs == 2 ? sweep.operator()<2, true>() : sweep.operator()<3, true>();
   return _bs == 2 ? sweep.operator()<2, false>() : sweep.operator()<3, false>();
+}
+
+Halo::Traffic CentralDifference::traffic() const
+{
+  Halo::Traffic out = _traffic;
+  out += _halo->traffic();
+  if (_near.halo)
+    out += _near.halo->traffic();
+  return out;
 }
 
 void CentralDifference::look()

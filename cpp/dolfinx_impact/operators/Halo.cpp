@@ -97,6 +97,9 @@ Halo::~Halo()
 void Halo::start(int direction, int bs)
 {
   auto& requests = _requests[direction][bs];
+  const bool forward = direction == 0;
+  _traffic += {std::int64_t(forward ? _map->dest().size() : _map->src().size()),
+               std::int64_t(forward ? _owned.size() : _ghosts.size()) * bs};
   if (!requests.empty()) // no null pointers: MPI implementations differ on them
     check(_comm.comm(), MPI_Startall(int(requests.size()), requests.data()));
 }

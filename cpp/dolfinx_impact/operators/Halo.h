@@ -47,6 +47,19 @@ public:
     reverse_end(values, bs);
   }
 
+  /// What this rank has sent so far.
+  struct Traffic
+  {
+    std::int64_t messages = 0, values = 0; ///< a value is a double
+    Traffic& operator+=(const Traffic& other)
+    {
+      messages += other.messages;
+      values += other.values;
+      return *this;
+    }
+  };
+  const Traffic& traffic() const { return _traffic; }
+
 private:
   void start(int direction, int bs);
   void wait(int direction, int bs);
@@ -57,5 +70,6 @@ private:
   std::vector<double> _owned_buffer, _ghost_buffer;
   /// [direction][bs]: 0 forward, 1 reverse
   std::array<std::array<std::vector<MPI_Request>, max_bs + 1>, 2> _requests;
+  Traffic _traffic;
 };
 } // namespace impact::operators

@@ -62,5 +62,9 @@ def test_rows_of_output_memory_and_ranks():
     assert output["baseline"] > 0 and output["ratio"] < 1.0
     (memory,) = bench_explicit.memory_rows(16)
     assert 0.1 < memory["value"] < 20.0 and "4096 cells" in memory["cell"]
-    (ranks,) = bench_explicit.rank_rows(2, 6)
-    assert ranks["ranks"] == 2 and ranks["value"] > 0 and ranks["baseline"] > 0
+    per_core, beside, messages, sent = bench_explicit.rank_rows(2, 6)
+    assert per_core["ranks"] == 2 and per_core["value"] > 0 and per_core["baseline"] > 0
+    assert beside["value"] == per_core["value"] and beside["baseline"] > 0
+    # One exchange forward and one reverse, with the one neighbour: 9 x 9 nodes between the two, as many behind them.
+    assert messages["value"] == pytest.approx(2.0, abs=0.2)
+    assert 0 < sent["value"] <= 4 * 81 * 3 * 8e-3
