@@ -20,6 +20,9 @@ class Recorder:
     step; `points/time` and `points/displacement`, `points/velocity`, shape (frames, points, gdim). Datasets have units
     as attributes: T, L, F stand for the units of time, length and force of the problem's numbers. Histories are written
     with frames, once a second at most, with checkpoints, and by `close`.
+
+    Attributes:
+        seconds: wall-clock time that frames, samples and histories have taken while the problem ran.
     """
 
     def __init__(self, problem, path, fields, every, points, points_every):
@@ -44,6 +47,7 @@ class Recorder:
         self._samples, self._seen, self._frame = [], len(problem._rows), -1
         self._open()
         self._flushed = time.monotonic()
+        self.seconds = 0.0
         self.after()
 
     def _nearest(self, points):
@@ -96,7 +100,7 @@ class Recorder:
 
     def after(self):
         """Write what is due after a step. Collective."""
-        p = self.problem
+        p, begin = self.problem, time.perf_counter()
         frame, sample = p.step % self.every == 0, bool(self._nodes) and p.step % self.points_every == 0
         if (frame or sample) and p.step != self._frame:
             p._copy_motion()
@@ -108,6 +112,7 @@ class Recorder:
                     self._writer.write(p.time)
                 if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
                     self.flush()
+            self.seconds += time.perf_counter() - begin
 
     def _sample(self):
         p, values = self.problem, []
