@@ -55,6 +55,7 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
                                 (k.rank ? " needs a test space" : " takes no test space"));
   _width = kernels::width(k, width);
   _tabulate = kernels::tabulate(k, _width);
+  _clear = clear(_width);
   set_constants(integral.constants);
 
   _x.num_nodes = _mesh->geometry().dofmap().extent(1);
@@ -183,7 +184,7 @@ double Batches::run(double* b) const
       a.gather(a.values ? a.values : a.function->x()->array().data(),
                (a.as_test ? _test.dofs : a.dofs).data() + batch * a.num_nodes * _width, a.num_nodes,
                w + std::size_t(a.offset) * _width);
-    std::fill_n(A, size_A, 0.0);
+    _clear(A, size_A);
     _tabulate(A, w, _constants.data(), x, _facet[batch]);
     if (k.rank == 1)
       _scatter(A, _test.dofs.data() + batch * _test.num_nodes * _width, _test.num_nodes, _used[batch], b);

@@ -81,6 +81,7 @@ private:
   std::vector<int> _used, _facet; // per batch
   Array _x, _test;
   scatter_function _scatter = nullptr;
+  clear_function _clear = nullptr;
   std::vector<Array> _coefficients;
   std::vector<double> _constants;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand

@@ -1,5 +1,6 @@
 #include "gather.h"
 #include "gather_x86.h"
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -72,7 +73,15 @@ scatter_function scatter_x86(int lanes, int bs)
     return bs == 3 ? scatter_x86<8, 3> : bs == 2 ? scatter_x86<8, 2> : nullptr;
   return nullptr;
 }
+clear_function clear_x86(int lanes)
+{
+  return lanes == 8 ? x86::clear8 : lanes == 4 ? x86::clear4 : nullptr;
+}
 #else
+clear_function clear_x86(int)
+{
+  return nullptr;
+}
 gather_function gather_x86(int, int)
 {
   return nullptr;
@@ -131,6 +140,12 @@ gather_function gather(int lanes, int bs, int stride)
   if (gather_function fast = gather_x86(lanes, bs); fast && bs == stride)
     return fast;
   return lanes == 8 ? pick_gather<8>(bs, stride) : lanes == 4 ? pick_gather<4>(bs, stride) : pick_gather<1>(bs, stride);
+}
+
+clear_function clear(int lanes)
+{
+  const clear_function fast = clear_x86(lanes);
+  return fast ? fast : [](double* A, std::size_t size) { std::fill_n(A, size, 0.0); };
 }
 
 scatter_function scatter(int lanes, int bs)

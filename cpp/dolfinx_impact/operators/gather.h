@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
 /// Moves values between nodes (arrays as DOLFINx keeps them) and the lanes of a batch of cells.
@@ -10,10 +11,16 @@ typedef void (*gather_function)(const double* u, const std::int32_t* dofs, int n
 /// b[bs*dofs[node*lanes + lane] + component] += A[(node*bs + component)*lanes + lane] for lanes below `used`
 typedef void (*scatter_function)(const double* A, const std::int32_t* dofs, int num_nodes, int used, double* b);
 
+/// A[k] = 0 for a batch; the size is a multiple of the lanes, A aligned to them. The registers are as wide as the
+/// kernel's, which adds to it at once.
+typedef void (*clear_function)(double* A, std::size_t size);
+
 /// @param[in] lanes 1, 4 or 8
 /// @param[in] bs components per node: 1, 2 or 3 have their own code, others a loop
 /// @param[in] stride entries per node in u; bs, or 3 for coordinates
 gather_function gather(int lanes, int bs, int stride);
 
 scatter_function scatter(int lanes, int bs);
+
+clear_function clear(int lanes);
 } // namespace impact::operators

@@ -105,6 +105,18 @@ IMPACT_AVX2 void add_lanes(double* b, const std::int32_t* dofs, __m256d x, __m25
   add_node<BS>(b + BS * std::int64_t(dofs[3]), _mm256_extractf128_pd(odd, 1), _mm_unpackhi_pd(z23, z23));
 }
 
+IMPACT_AVX2 void clear4(double* A, std::size_t size)
+{
+  for (std::size_t i = 0; i < size; i += 4)
+    _mm256_store_pd(A + i, _mm256_setzero_pd());
+}
+
+IMPACT_AVX512 void clear8(double* A, std::size_t size)
+{
+  for (std::size_t i = 0; i < size; i += 8)
+    _mm512_store_pd(A + i, _mm512_setzero_pd());
+}
+
 template <int BS, int W>
 IMPACT_AVX2 void scatter_whole(const double* __restrict A, const std::int32_t* __restrict dofs, int num_nodes,
                                double* __restrict b)
