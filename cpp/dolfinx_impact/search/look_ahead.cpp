@@ -31,9 +31,8 @@ void NodeTracking::project_ahead()
 {
   constexpr int D = linear::dimension<S>, N = linear::num_nodes<S>;
   // Nodes that are not held start from the middle: nothing depends on what a checkpoint does not have.
-  constexpr double middle[2] = {S == FacetShape::triangle ? 1.0 / 3 : 0.5, S == FacetShape::interval   ? 0.0
-                                                                           : S == FacetShape::triangle ? 1.0 / 3
-                                                                                                       : 0.5};
+  constexpr double half = S == FacetShape::triangle ? 1.0 / 3 : 0.5;
+  constexpr double middle[2] = {half, S == FacetShape::interval ? 0.0 : half};
   // Facets first, then all that they ask of the memory at once.
   std::int32_t nodes[WarmBlock::size], facets[WarmBlock::size][N];
   int num = 0;

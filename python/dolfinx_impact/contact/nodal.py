@@ -52,6 +52,7 @@ class NodalResult(ContactOutput):
     """
 
     initial = None
+    _known = None  # gaps, when they were asked for since `look`
 
     def __init__(self, pair, problem, penalty=None, **options):
         self.pair, self.problem, self.V = pair, problem, problem.space
