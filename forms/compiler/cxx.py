@@ -55,7 +55,7 @@ class CxxFormatter:
         if a.values is None:
             return f"{kind} {name}{sizes};\n"
         if not a.const:  # our generator only zeroes arrays
-            return f"{kind} {name}{sizes} = {{}};\n"
+            return f"{kind} {name}{sizes};\nclear<{kind}>({name});\n"
         return f"static constexpr {kind} {name}{sizes}\n  = {self._values(np.asarray(a.values))};\n"
 
     def _VariableDecl(self, v):

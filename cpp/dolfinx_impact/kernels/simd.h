@@ -34,6 +34,21 @@ inline T splat(T x)
   return x;
 }
 
+/// Zeroes an array of T, of any rank. Compilers make a call of memset out of a loop of zeros, with narrow stores that
+/// what follows waits for; so they are not told that it is zero.
+template <typename T, typename Array>
+inline void clear(Array& array)
+{
+  T zero{};
+#if defined(__x86_64__) && defined(__GNUC__)
+  __asm__("" : "+x"(zero));
+#endif
+  T* entries = reinterpret_cast<T*>(&array);
+#pragma GCC unroll 16
+  for (unsigned i = 0; i < sizeof(Array) / sizeof(T); ++i)
+    entries[i] = zero;
+}
+
 template <typename T>
 inline double select(bool condition, double a, double b)
   requires(std::is_same_v<T, double>)
