@@ -23,7 +23,8 @@ class Restart:
     def save(self, path):
         """Write a checkpoint, HDF5: all that a run needs to go on as if it had not stopped. Collective.
 
-        It is written as PATH.part and then renamed: if anything goes wrong an earlier file at `path` is as it was.
+        It is written as PATH.part and then renamed: if anything goes wrong with it an earlier file at `path` is as it
+        was. Recorders write their histories up to now after it.
 
         Raises:
             RuntimeError: the folder cannot be written, no space is left; on all ranks.

@@ -102,7 +102,7 @@ bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, doub
 }
 
 /// Reciprocal of the contact stiffness.
-inline double NodeToSurface::compliance(const Touch& touch, double dt)
+inline double NodeToSurface::compliance(const Touch& touch, double dt) const
 {
   const double per_area = _per_area[touch.i];
   if (_options.penalty > 0.0)
@@ -112,7 +112,7 @@ inline double NodeToSurface::compliance(const Touch& touch, double dt)
             [&](int j)
             {
               const double weight = std::abs(touch.phi[j]);
-              search::MasterNode& master = _tracking.masters()[touch.corners[j]];
+              const search::MasterNode& master = _tracking.masters()[touch.corners[j]];
               own += weight * inverse_mass(master);
               masters += weight * area_per_mass(master);
             });

@@ -134,7 +134,7 @@ private:
   bool barred(const Touch& touch, const double* u, const double* du);
   search::Projection rigid_point(std::size_t i, const double* u) const;
   void open(std::size_t i, const search::Projection& at);
-  double compliance(const Touch& touch, double dt);
+  double compliance(const Touch& touch, double dt) const;
   template <int D>
   void add_node(Touch& touch, const NodalState& state, double* f);
   template <int D>
@@ -177,8 +177,13 @@ private:
   operators::Halo* _halo = nullptr;
   std::vector<double> _inverse_mass, _per_area; ///< of slave nodes: reciprocals of masses and areas
   /// What is kept with NodeTracking's master nodes.
-  static double& inverse_mass(search::MasterNode& master) { return master.du[3]; }
-  static double& area_per_mass(search::MasterNode& master) { return master.x[3]; }
+  static double inverse_mass(const search::MasterNode& master) { return master.du[3]; }
+  static double area_per_mass(const search::MasterNode& master) { return master.x[3]; }
+  static void keep(search::MasterNode& master, double mass, double area)
+  {
+    master.du[3] = 1.0 / mass;
+    master.x[3] = area / mass;
+  }
   struct alignas(32) Sum
   {
     double force[4] = {};

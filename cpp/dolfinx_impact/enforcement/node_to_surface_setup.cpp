@@ -147,10 +147,7 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
     _tracking.reset(std::move(_facets), _candidates.numbers(), _candidates.normals(), _candidates.distance());
     const auto masters = _tracking.master_nodes();
     for (std::size_t k = 0; k < masters.size(); ++k)
-    {
-      inverse_mass(_tracking.masters()[k]) = 1.0 / mass[masters[k]];
-      area_per_mass(_tracking.masters()[k]) = areas[masters[k]] / mass[masters[k]];
-    }
+      keep(_tracking.masters()[k], mass[masters[k]], areas[masters[k]]);
     _master_force.assign(masters.size(), {});
   }
   if (_options.kinematic)

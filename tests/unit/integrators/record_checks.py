@@ -6,6 +6,7 @@ from mpi4py import MPI
 from restart_checks import COMM, block_on_block, folder
 
 import dolfinx_impact as di
+from dolfinx_impact import recorder as recorder_module
 
 
 def check_histories_and_frames():
@@ -38,6 +39,41 @@ def check_histories_and_frames():
             np.testing.assert_allclose(file["points/displacement"][:, 0, 1], moved, rtol=0, atol=1e-15)
             assert file["points/velocity"].attrs["units"] == "L/T"
         assert (path / "run" / "fields.bp").exists()
+
+
+def check_when_histories_are_written():
+    """Not before their time is up, all of them with a checkpoint and by close, nothing after that."""
+    import h5py
+
+    with folder() as path:
+        problem = block_on_block()
+
+        def rows():
+            COMM.barrier()
+            with h5py.File(path / "run" / "history.h5", "r") as file:
+                found = len(file["time"])
+            COMM.barrier()  # nobody reads any more when it is written again
+            return found
+
+        def go_on():
+            problem.advance(problem.time + 110 * problem.stable_step(), progress=False)
+            return rows()
+
+        recorder = problem.record(path / "run", every=100)
+        begin, wanted = rows(), recorder_module.INTERVAL
+        try:
+            recorder_module.INTERVAL = 1e9  # s
+            assert go_on() == begin
+            problem.save(path / "checkpoint.h5")
+            assert rows() == problem.step
+            recorder_module.INTERVAL = 0.0
+            between = problem.step
+            assert go_on() > between and recorder.seconds > 0.0
+            recorder.close()
+            end = problem.step
+            assert rows() == end and go_on() == end < problem.step
+        finally:
+            recorder_module.INTERVAL = wanted
 
 
 def check_forces_of_every_step_are_the_contact_s():

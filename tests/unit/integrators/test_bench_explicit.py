@@ -47,8 +47,8 @@ def test_contact_has_a_clock_of_its_own():
     """It runs when there is contact only, and tells what contact adds to a step, by a factor of two."""
     free, touching = bench_explicit.Blocks(12, 1), bench_explicit.Blocks(12, 1, bench_explicit.Kinematic)
     times = [[bench_explicit.contact_seconds(m.problem, 100) for m in (free, touching)] for _ in range(7)]
-    (none, alone), (contact, whole) = np.median(times, axis=0)
-    assert none == 0.0
+    (none, alone), (contact, whole) = np.min(times, axis=0)  # others on the machine only add to it
+    assert np.max(times, axis=0)[0, 0] == none == 0.0
     assert 0.5 < contact / (whole - alone) < 2.0
 
 
