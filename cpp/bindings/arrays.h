@@ -9,6 +9,7 @@ namespace impact::bindings
 namespace nb = nanobind;
 typedef nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Indices;
 typedef nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> Values;
+/// An array that is written to. Its argument needs noconvert(): results would go into a copy of another type.
 typedef nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> MutableValues;
 
 /// NumPy array that owns a moved vector.

@@ -114,8 +114,8 @@ void impact::bindings::kernels(nb::module_& m)
                   throw std::invalid_argument("arrays of several lanes must be aligned to their vectors");
             tabulate(*s.k, lanes)(A.data(), w.data(), c.data(), x.data(), entity);
           },
-          nb::arg("A"), nb::arg("w"), nb::arg("c"), nb::arg("x"), nb::arg("entity") = 0, nb::arg("lanes") = 1,
-          "Element tensor of `lanes` cells, added to A; layout in kernels/Kernel.h")
+          nb::arg("A").noconvert(), nb::arg("w"), nb::arg("c"), nb::arg("x"), nb::arg("entity") = 0,
+          nb::arg("lanes") = 1, "Element tensor of `lanes` cells, added to A; layout in kernels/Kernel.h")
       .def(
           "check_mesh", [](const Kernel& s, const dolfinx::mesh::Mesh<double>& mesh) { check_mesh(*s.k, mesh); },
           nb::arg("mesh"), "Raise RuntimeError unless the kernel was compiled for this kind of mesh")

@@ -125,7 +125,8 @@ void impact::bindings::mortar(nb::module_& m)
         check_nodal(slave, normals.size(), slave.gdim);
         add_normals(slave, {normals.data(), normals.size()});
       },
-      nb::arg("slave"), nb::arg("normals"), "Add this rank's facet normals at nodes, turned round (a view is changed)");
+      nb::arg("slave"), nb::arg("normals").noconvert(),
+      "Add this rank's facet normals at nodes, turned round (a view is changed)");
   m.def(
       "sliding_tangent",
       [](const Facets& slave, const Facets& master, const Segments& segments, const Mortar& mortar, Values z)

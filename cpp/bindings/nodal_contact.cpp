@@ -199,8 +199,9 @@ void impact::bindings::nodal(nb::module_& m)
             for (int i = 0; i < times; ++i)
               self.add_forces(now, forces);
           },
-          nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"), nb::arg("f"),
-          nb::arg("times") = 1, "Add the forces to f (a view is changed); several times for timing")
+          nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"),
+          nb::arg("f").noconvert(), nb::arg("times") = 1,
+          "Add the forces to f (a view is changed); several times for timing")
       .def(
           "correct",
           [](NodeToSurface& self, const Halo& halo, MutableValues u, Values du, Values inverse_mass, double h,
@@ -211,8 +212,8 @@ void impact::bindings::nodal(nb::module_& m)
             self.correct(over(halo, u, gdim, "u"), over(halo, du, gdim, "du"), rest.data(),
                          over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, over(halo, f, gdim, "f"));
           },
-          nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"), nb::arg("dt"),
-          nb::arg("f"),
+          nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),
+          nb::arg("dt"), nb::arg("f").noconvert(),
           "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
       .def(
           "look", [](NodeToSurface& self, const Halo& halo, Values u)

@@ -40,10 +40,11 @@ void bind_halo(nb::module_& m)
       .def_prop_ro("num_nodes", &Halo::num_nodes)
       .def(
           "forward", [](Halo& self, Vector values, int bs) { self.forward(nodal(self, values, bs), bs); },
-          nb::arg("values"), nb::arg("bs"), "Owned values to their ghosts (a view is changed). Collective")
+          nb::arg("values").noconvert(), nb::arg("bs"), "Owned values to their ghosts (a view is changed). Collective")
       .def(
           "reverse", [](Halo& self, Vector values, int bs) { self.reverse(nodal(self, values, bs), bs); },
-          nb::arg("values"), nb::arg("bs"), "Ghost values added to their owners' (a view is changed). Collective");
+          nb::arg("values").noconvert(), nb::arg("bs"),
+          "Ghost values added to their owners' (a view is changed). Collective");
 }
 } // namespace
 
@@ -69,8 +70,8 @@ void impact::bindings::operators(nb::module_& m)
           },
           nb::arg("mesh"), nb::arg("test").none(), nb::arg("integrals"), nb::arg("coefficients"), nb::arg("width") = 0)
       .def(
-          "assemble", [](const InternalForce& self, Vector b) { self.assemble({b.data(), b.size()}); }, nb::arg("b"),
-          "Add this rank's contributions to b (a view is changed)")
+          "assemble", [](const InternalForce& self, Vector b) { self.assemble({b.data(), b.size()}); },
+          nb::arg("b").noconvert(), "Add this rank's contributions to b (a view is changed)")
       .def(
           "apply", [](const InternalForce& self, dolfinx::la::Vector<double>& b) { self.apply(b); }, nb::arg("b"),
           "b = f, ghosts exchanged")
@@ -85,12 +86,12 @@ void impact::bindings::operators(nb::module_& m)
             for (int i = 0; i < times; ++i)
               self.assemble({b.data(), b.size()});
           },
-          nb::arg("b"), nb::arg("times"), "Assemble several times in a row (for timing)")
+          nb::arg("b").noconvert(), nb::arg("times"), "Assemble several times in a row (for timing)")
       .def_prop_ro("flops", &InternalForce::flops);
   m.def(
-      "lump_hrz",
-      [](const Integral& mass, const FunctionSpace& V, Vector d) { lump_hrz(mass, V, {d.data(), d.size()}); },
-      nb::arg("mass"), nb::arg("V"), nb::arg("diagonal"), "Add the HRZ-lumped mass to diagonal (a view is changed)");
+      "lump_hrz", [](const Integral& mass, const FunctionSpace& V, Vector d)
+      { lump_hrz(mass, V, {d.data(), d.size()}); }, nb::arg("mass"), nb::arg("V"), nb::arg("diagonal").noconvert(),
+      "Add the HRZ-lumped mass to diagonal (a view is changed)");
   m.def(
       "cell_masses_hrz",
       [](const Integral& mass, const FunctionSpace& V) { return bindings::take(cell_masses_hrz(mass, V)); },
@@ -109,5 +110,5 @@ void impact::bindings::operators(nb::module_& m)
   m.def(
       "lump_nodal", [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, Vector d)
       { lump_nodal(nodal, row_sum, V, {d.data(), d.size()}); }, nb::arg("nodal"), nb::arg("row_sum"), nb::arg("V"),
-      nb::arg("diagonal"), "Add the nodal (GLL) lumped mass to diagonal (a view is changed)");
+      nb::arg("diagonal").noconvert(), "Add the nodal (GLL) lumped mass to diagonal (a view is changed)");
 }

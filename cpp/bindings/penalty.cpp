@@ -195,7 +195,8 @@ void impact::bindings::penalty(nb::module_& m)
               throw std::invalid_argument("the force has fewer entries than the surfaces' nodes need");
             add_force(self.view(), state, {force.data(), force.size()});
           },
-          nb::arg("state"), nb::arg("force"), "Add the contact force at the nodes that the facets number (changed)")
+          nb::arg("state"), nb::arg("force").noconvert(),
+          "Add the contact force at the nodes that the facets number (changed)")
       .def(
           "tangent",
           [](const Pair& self, const PenaltyState& state, Globals global_nodes)

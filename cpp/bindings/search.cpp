@@ -124,7 +124,7 @@ void impact::bindings::search(nb::module_& m)
           nb::arg("u"), "Values at the map's nodes from a vector of V. Collective")
       .def(
           "reverse", [](const Exchange& self, Values values, MutableValues b)
-          { self.reverse(view(values), {b.data(), b.size()}); }, nb::arg("values"), nb::arg("b"),
+          { self.reverse(view(values), {b.data(), b.size()}); }, nb::arg("values"), nb::arg("b").noconvert(),
           "Add values at the map's nodes to a vector of V (changed). Collective")
       .def(
           "move", [](Exchange& self, Values u) { self.move(view(u)); }, nb::arg("u"),

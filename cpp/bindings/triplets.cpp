@@ -20,4 +20,14 @@ void impact::bindings::triplets(nb::module_& m)
       },
       nb::arg("A"), nb::arg("rows"), nb::arg("cols"), nb::arg("values"),
       "Fill an empty matrix with entries of any rows, of any rank; entries at the same place add up. Collective");
+  m.def(
+      "option_used",
+      [](const std::string& name)
+      {
+        PetscBool used = PETSC_FALSE;
+        if (PetscOptionsUsed(nullptr, name.c_str(), &used))
+          throw std::runtime_error("PETSc cannot tell whether the option " + name + " was used");
+        return used == PETSC_TRUE;
+      },
+      nb::arg("name"), "Has anything read this option of PETSc's database? Its name has prefix and no dash");
 }

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .collective import comm_of, guard
 from .materials import _number
 
 
@@ -58,6 +59,7 @@ class PrescribedMotion:
     """
 
     def __init__(self, bc, amplitude):
-        if not hasattr(bc, "dof_indices"):
-            raise TypeError(f"PrescribedMotion takes a DirichletBC, found {type(bc).__name__}")
-        self.bc, self.amplitude = bc, Amplitude(amplitude, "amplitude of a prescribed motion")
+        with guard(comm_of(bc), "PrescribedMotion", amplitude=amplitude):
+            if not hasattr(bc, "dof_indices"):
+                raise TypeError(f"PrescribedMotion takes a DirichletBC, found {type(bc).__name__}")
+            self.bc, self.amplitude = bc, Amplitude(amplitude, "amplitude of a prescribed motion")

@@ -18,12 +18,14 @@ package.
 import hashlib
 import os
 import pickle
+import time
 
 import numpy as np
 from mpi4py import MPI
 
 SHOWN = 200  # characters of a value in an error
 FEW = 16  # entries of an array that is shown, not hashed
+PATIENCE = 20.0  # s that a rank waits for the others where it does not know whether they are in the call
 
 _world = None  # a duplicate of COMM_WORLD, so that no message of others meets ours
 
@@ -45,12 +47,9 @@ def channel(comm):
 
 def comm_of(*things):
     """Communicator of the first of some objects that has one: functions, spaces, meshes, tags, boundary conditions,
-    forms, loads, contacts, lists of them. COMM_WORLD if none has: then all ranks must be in the call."""
-    for thing in things:
-        comm = _comm(thing)
-        if comm is not None:
-            return comm
-    return MPI.COMM_WORLD
+    forms, loads, contacts, lists of them. None if none has: then a guard takes COMM_WORLD, but waits for the other
+    ranks for some seconds only, as this rank may be alone in the call."""
+    return next((c for c in map(_comm, things) if c is not None), None)
 
 
 def _comm(thing, depth=6):
@@ -78,7 +77,7 @@ class guard:
     """Checks of a public call, made on all ranks together; see the module's text.
 
     Args:
-        comm: communicator of the call.
+        comm: communicator of the call; what `comm_of` found.
         call: name of the call, for messages.
         values: arguments that must be the same on all ranks; see `describe`. More may be given by `same`.
 
@@ -98,10 +97,9 @@ class guard:
         return self
 
     def __exit__(self, kind, error, trace):
-        if isinstance(error, GeneratorExit):
-            return False
-        if self.comm.size > 1:
-            _exchange(channel(self.comm), self.call, error, self._values)
+        comm = MPI.COMM_WORLD if self.comm is None else self.comm
+        if comm.size > 1:
+            _exchange(channel(comm), self.call, error, self._values, alone=self.comm is None)
         return False  # on one rank the error goes on
 
 
@@ -135,8 +133,8 @@ def describe(value):
     """A text that is the same on two ranks if a value is: no addresses, no numbers of objects.
 
     Numbers count by value (1 is 1.0), arrays by shape and entries, lists, tuples and dicts by their parts, UFL forms by
-    their signature, functions by being there. Objects may have a method `same_on_all_ranks` that returns a value that
-    stands for them; others count by their type.
+    their signature, functions by being there, objects of this package by their public attributes. Objects may have a
+    method `same_on_all_ranks` that returns a value that stands for them; others count by their type.
     """
     if hasattr(value, "same_on_all_ranks") and not isinstance(value, type):
         return f"{type(value).__name__} {describe(value.same_on_all_ranks())}"
@@ -163,13 +161,19 @@ def describe(value):
         return f"form {value.signature()[:16]}"
     if isinstance(value, type):
         return f"class {value.__name__}"
+    if type(value).__module__.split(".")[0] == __package__:
+        return f"{type(value).__name__} {describe({k: v for k, v in vars(value).items() if k[0] != '_'})}"
     if callable(value):
         return "a function"
     return f"a {type(value).__name__}"
 
 
-def _exchange(comm, call, error, values):
-    """Raise on all ranks if one has an error, or if calls or values differ. Collective."""
+def _exchange(comm, call, error, values, alone=False):
+    """Raise on all ranks if one has an error, or if calls or values differ. Collective.
+
+    Args:
+        alone: this rank may be alone in the call. If the others do not come it raises its own error.
+    """
     texts = {}
     if error is None:
         texts, trouble = attempt(lambda: {name: describe(value) for name, value in values.items()})
@@ -177,7 +181,10 @@ def _exchange(comm, call, error, values):
     digest = hashlib.sha256(repr((call, texts)).encode()).digest()
     number = int.from_bytes(digest[:7], "big")
     state = np.array([error is not None, number, -number], dtype=np.int64)
-    comm.Allreduce(MPI.IN_PLACE, state, MPI.MAX)
+    request = comm.Iallreduce(MPI.IN_PLACE, state, MPI.MAX)
+    if alone and error is not None and not _arrives(request):
+        raise error
+    request.Wait()
     if state[0] == 0 and state[1] == -state[2]:
         return
     reports = comm.allgather((call, None if error is None else _packed(error), texts))
@@ -189,6 +196,16 @@ def _exchange(comm, call, error, values):
     rank, (kind, text) = failed[0]
     others = f" (and {len(failed) - 1} more ranks failed)" if len(failed) > 1 else ""
     raise _error(kind, f"rank {rank} of {comm.size}: {text}{others}") from error
+
+
+def _arrives(request):
+    """Does a request complete before patience ends?"""
+    end = time.monotonic() + PATIENCE
+    while not request.Test():
+        if time.monotonic() > end:
+            return False
+        time.sleep(1e-4)
+    return True
 
 
 def _packed(error):

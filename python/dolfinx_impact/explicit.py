@@ -7,18 +7,21 @@ import ufl
 from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
 
-from . import _cpp, operators
+from . import _cpp, arguments, operators
 from . import mass as lumps
 from .amplitude import Amplitude, PrescribedMotion
+from .collective import comm_of, guard, same
 from .contact.springs import stiffness
 from .march import March
 from .forms import elasticity, viscosity
 from .materials import Rayleigh, _number
+from .mesh_check import check_cells
 from .restart import Restart
 from .stable_step import METHODS, Frequencies, cell_sizes, damped
+from .unique import Unique, claim
 
 
-class ExplicitProblem(March, Restart):
+class ExplicitProblem(Unique, March, Restart):
     """Motion of bodies under lumped mass by central differences; docs/explicit.md has the equations.
 
     Args:
@@ -42,8 +45,13 @@ class ExplicitProblem(March, Restart):
         per degree of freedom [M]. added_mass: by mass scaling, in all [M].
 
     Raises:
-        TypeError, ValueError: what does not fit; on all ranks.
+        TypeError, ValueError: what does not fit, or differs between ranks; on all ranks.
+
+    Warns:
+        UserWarning: another ExplicitProblem that is alive has the same u.
     """
+
+    _instead = "use save and restore, or make another one on a displacement function of its own"
 
     def __init__(
         self,
@@ -62,21 +70,25 @@ class ExplicitProblem(March, Restart):
         mass_scaling=None,
         hypothesis=None,
     ):
-        if (material is None) == (residual is None):
-            raise ValueError("give either a material or a residual of your own")
-        if residual is not None and (loads or density is None):
-            what = "write the loads into your own residual" if loads else "a residual of your own needs a density"
-            raise ValueError(what)
+        with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "ExplicitProblem") as ranks:
+            if residual is not None and (loads or density is None):
+                what = "write the loads into your own residual" if loads else "a residual of your own needs a density"
+                raise ValueError(what)
+            axisymmetric = hypothesis == "axisymmetric"
+            given = arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
+            self._check_velocity(velocity, u)
+            if damping is not None and not isinstance(damping, Rayleigh):
+                raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
+            if scheme not in ("half_step", "classical"):
+                raise ValueError(f"scheme {scheme!r} is unknown: use 'half_step' or 'classical'")
+            ranks.same(**given, density=density, damping=damping, bulk_viscosity=bulk_viscosity, scheme=scheme,
+                       lumping=lumping, mass_scaling=mass_scaling, hypothesis=hypothesis)  # fmt: skip
         self.u, self.space, self.material = u, u.function_space, material
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
-        self._check_velocity(velocity)
-        if damping is not None and not isinstance(damping, Rayleigh):
-            raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
-        self.damping = damping or Rayleigh()
-        if scheme not in ("half_step", "classical"):
-            raise ValueError(f"scheme {scheme!r} is unknown: use 'half_step' or 'classical'")
-        self.scheme = scheme
+        self.damping, self.scheme = damping or Rayleigh(), scheme
+        check_cells(mesh)
+        claim(u, self, explicit=True)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         if residual is None:
             hypothesis = material.hypothesis_on(mesh)
@@ -117,15 +129,15 @@ class ExplicitProblem(March, Restart):
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 
-    def _check_velocity(self, velocity):
+    @staticmethod
+    def _check_velocity(velocity, u):
         if velocity is None:
             raise ValueError("give the velocity at the start: a Function on u's space (zero: fem.Function(V))")
-        if not isinstance(velocity, fem.Function):
-            raise TypeError(f"velocity must be a Function on u's space, found {type(velocity).__name__}")
-        if velocity.function_space.element != self.space.element or velocity.function_space.mesh != self.space.mesh:
+        arguments.function("velocity", velocity)
+        V, W = u.function_space, velocity.function_space
+        if W.element != V.element or W.mesh != V.mesh:
             raise ValueError("the velocity is on another space than the displacement")
-        finite = all(np.all(np.isfinite(f.x.array)) for f in (self.u, velocity))
-        if not self.comm.allreduce(finite, MPI.LAND):
+        if not all(np.all(np.isfinite(f.x.array)) for f in (u, velocity)):
             raise ValueError("displacement or velocity at the start is not a number")
 
     def _density(self, density, mesh):
@@ -247,6 +259,7 @@ class ExplicitProblem(March, Restart):
         Raises:
             ValueError: unknown method; "length" for a residual of your own.
         """
+        same(self.comm, "stable_step", method=method)
         if method not in METHODS:
             raise ValueError(f"method {method!r} is unknown: use one of {', '.join(METHODS)}")
         if method == "length":

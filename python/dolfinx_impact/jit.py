@@ -20,6 +20,7 @@ import ufl
 from mpi4py import MPI
 
 from . import _cpp
+from .collective import guard
 from .forms.compiler import emit, frontend
 
 INCLUDE = Path(__file__).parent / "include"
@@ -71,11 +72,13 @@ def compile_form(form, names=None, comm=None):
         ValueError: two coefficients of one name, an integral or operator that kernels do not support.
         RuntimeError: no compiler, compilation failed, or the cache cannot be written; the same on all ranks.
     """
-    if not isinstance(form, ufl.Form):
-        raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
-    names = _names(form, names)
-    frontend.check_names(list(form.coefficients()) + list(form.constants()), names)
-    key = emit.signature(frontend.form_signature(form))
+    with guard(comm or _comm(form), "compile_form") as ranks:
+        if not isinstance(form, ufl.Form):
+            raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
+        names = _names(form, names)
+        frontend.check_names(list(form.coefficients()) + list(form.constants()), names)
+        key = emit.signature(frontend.form_signature(form))
+        ranks.same(form=key)
     built_in = _cpp.kernels.find_signature(key)
     objects = list(form.coefficients()), list(form.constants())
     if built_in:
@@ -99,15 +102,21 @@ def compile_expression(expression, points, names=None, comm=None):
     Returns:
         Compiled with one kernel of rank 0 and shape (points, components).
     """
-    key = emit.signature(frontend.expression_signature(expression, points))
-    coefficients = ufl.algorithms.extract_coefficients(expression)
-    constants = ufl.algorithms.analysis.extract_constants(expression)
-    given = _names_of(list(coefficients) + list(constants), names)
+    domain = ufl.domain.extract_unique_domain(expression) if isinstance(expression, ufl.core.expr.Expr) else None
+    comm = comm or _comm(domain)
+    with guard(comm, "compile_expression") as ranks:
+        if not isinstance(expression, ufl.core.expr.Expr):
+            raise TypeError(f"expected a UFL expression, found {type(expression).__name__}: {expression!r:.80}")
+        key = emit.signature(frontend.expression_signature(expression, points))
+        coefficients = ufl.algorithms.extract_coefficients(expression)
+        constants = ufl.algorithms.analysis.extract_constants(expression)
+        given = _names_of(list(coefficients) + list(constants), names)
+        ranks.same(expression=key)
 
     def integrals():
         return [frontend.expression_integral(expression, points, "expression", given)]
 
-    kernels, path = _from_cache(key, integrals, comm or _comm(ufl.domain.extract_unique_domain(expression)))
+    kernels, path = _from_cache(key, integrals, comm)
     return Compiled(kernels, coefficients, constants, str(path))
 
 
@@ -125,7 +134,15 @@ def _names(form, names):
 
 
 def _comm(form_or_domain):
-    domain = form_or_domain.ufl_domain() if isinstance(form_or_domain, ufl.Form) else form_or_domain
+    """Communicator of a form's mesh; COMM_SELF without a mesh, None for what is no form."""
+    domain = form_or_domain
+    if isinstance(form_or_domain, ufl.Form):
+        domains = form_or_domain.ufl_domains()
+        domain = domains[0] if domains else None
+        if domain is None:
+            return MPI.COMM_SELF
+    if not hasattr(domain, "ufl_cargo"):
+        return None
     mesh = domain.ufl_cargo()
     return mesh.comm if mesh is not None else MPI.COMM_SELF
 

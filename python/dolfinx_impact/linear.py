@@ -1,10 +1,13 @@
 """PETSc linear solvers for the problems: chosen by size, factors kept while they serve, every solution checked."""
 
 import itertools
+import warnings
 import weakref
 
 import numpy as np
 from petsc4py import PETSc
+
+from . import _cpp
 
 # LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
 # pivots. One iteration with factors of its own matrix, some more with those of an earlier one.
@@ -89,7 +92,12 @@ class LinearSolver:
         weakref.finalize(self, _forget, [own + key for key in chosen])
         self.ksp = PETSc.KSP().create(V.mesh.comm)
         self.ksp.setOptionsPrefix(own)
-        self.ksp.setFromOptions()
+        try:
+            self.ksp.setFromOptions()
+        except PETSc.Error as error:
+            said = " ".join(str(error).split("[0]")[-1].split())
+            raise ValueError(f"PETSc does not take the options {chosen}: {said}") from error
+        self._asked = {key: own + key for key in {**(options or {}), **given}}
         if indefinite and not self.direct:
             raise ValueError(
                 f"pc_type is {named!r}: multipliers with another basis than 'dual' stay in a saddle point, which needs "
@@ -106,6 +114,17 @@ class LinearSolver:
         self._operator, self._system, self._own = None, None, None
         self._matrix, self._pace, self._worth, self._spent = None, 1.0, 0, 0
         self.num_set_ups, self.num_iterations = 0, 0
+
+    def warn_of_unused(self):
+        """After a solution: warn, once and on rank 0, of options that were asked for and that nobody has read."""
+        unused = sorted(key for key, name in self._asked.items() if not _cpp.linear.option_used(name))
+        self._asked = {}
+        if unused and self.ksp.getComm().rank == 0:
+            warnings.warn(
+                f"nobody has read the PETSc options {unused}: check how they are written, and whether the solver in use "
+                f"(ksp_type {self.ksp.getType()}, pc_type {self.ksp.getPC().getType()}) knows them",
+                stacklevel=3,
+            )
 
     @property
     def direct(self):

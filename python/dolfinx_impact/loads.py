@@ -5,6 +5,7 @@ import ufl
 from dolfinx import default_scalar_type, fem
 from dolfinx.mesh import exterior_facet_indices
 
+from .collective import comm_of, guard
 from .forms import loads, quadrature
 from .materials import _number
 
@@ -44,9 +45,16 @@ def check_tag(tags, tag, mesh, what):
 
 
 def _tag(tag):
-    if isinstance(tag, (bool, str, bytes)) or int(tag) != tag:
-        raise TypeError(f"a tag must be an integer, found {tag!r}")
+    if isinstance(tag, bool) or not isinstance(tag, (int, float, np.integer, np.floating)) or tag != tag // 1:
+        raise TypeError(f"a tag must be an integer, found {tag!r:.60}")
     return int(tag)
+
+
+def facet_tags_of(what, facet_tags):
+    """Tags that a load or a pair was given, of the right kind."""
+    if not hasattr(facet_tags, "find"):
+        raise TypeError(f"{what}: facet_tags must be MeshTags of facets, found {type(facet_tags).__name__}")
+    return facet_tags
 
 
 class _Load:
@@ -120,7 +128,9 @@ class Traction(_FacetLoad):
     """
 
     def __init__(self, facet_tags, tag, vector, amplitude=None):
-        self.facet_tags, self.tag, self.vector, self.amplitude = facet_tags, _tag(tag), vector, amplitude
+        with guard(comm_of(facet_tags), "Traction", tag=tag, vector=vector, amplitude=amplitude):
+            self.facet_tags, self.tag = facet_tags_of("Traction", facet_tags), _tag(tag)
+        self.vector, self.amplitude = vector, amplitude
 
     def form(self, u, v, material):
         """External virtual work."""
@@ -141,8 +151,9 @@ class FollowerPressure(_FacetLoad):
     """
 
     def __init__(self, facet_tags, tag, pressure):
-        self.facet_tags, self.tag = facet_tags, _tag(tag)
-        self.pressure = _number("pressure", pressure, unit=" [F/L^2]")
+        with guard(comm_of(facet_tags), "FollowerPressure", tag=tag, pressure=pressure):
+            self.facet_tags, self.tag = facet_tags_of("FollowerPressure", facet_tags), _tag(tag)
+            self.pressure = _number("pressure", pressure, unit=" [F/L^2]")
 
     def form(self, u, v, material):
         """External virtual work; depends on u."""

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
+from .collective import agree, attempt, guard
 from .materials import _number
 
 SAFETY = 0.9  # of the stable step that dt="auto" takes; contact stiffness needs the rest
 CHUNK = 1000  # steps between which nothing but C++ runs
 RECHECK = 500  # steps after which the stable step of a body that deforms is looked at again
 SNAPSHOT = 100  # steps between states that a run that goes unstable falls back on
+MOST_STEPS = 10**9  # of one call: the energies of as many steps take a hundred gigabytes
 ENERGIES = ("kinetic", "internal", "contact", "friction", "damping", "viscosity", "external")
 
 
@@ -67,17 +69,42 @@ class March:
             unsafe: take a dt beyond the stable step all the same, with a warning.
 
         Raises:
-            ValueError: a time that has passed, dt not positive or beyond the stable step. RuntimeError: the run went
-            unstable; the message says when and where, displacement and velocity are back at the last good state, from
+            TypeError, ValueError: a time that has passed, dt not positive, beyond the stable step, or so small that the
+            time cannot be reached; arguments that differ between ranks. RuntimeError: called from a callback of
+            `advance`; or the run went unstable; the message says when and where, displacement and velocity are back at the last good state, from
             which works count anew and friction has no history.
+
+        What the callback raises on one rank is raised on all.
         """
+        with guard(self.comm, "advance", callback=callback, unsafe=bool(unsafe)) as ranks:
+            until = self._check_advance(until, callback)
+            ranks.same(until=until, dt=dt)
+        if until == self.time:
+            return
+        self._advancing = True
+        try:
+            self._advance(until, dt, callback, progress, unsafe)
+        finally:
+            self._advancing = False
+
+    _advancing = False
+
+    def _check_advance(self, until, callback):
+        """Arguments of advance, on this rank; the time to reach."""
+        if self._advancing:
+            raise RuntimeError(
+                "advance was called while it runs, by a callback: let the callback return, and call advance again after"
+            )
         until = _number("until", until, unit=" [T]")
         if until < self.time:
             raise ValueError(f"until is {until:g}, but the time is {self.time:g} already")
-        if until == self.time:
-            return
-        if self.comm.allreduce(int(self._fingerprint() != self._mesh_then), MPI.MAX):
+        if callback is not None and not callable(callback):
+            raise TypeError(f"callback must be a function of the problem, found {type(callback).__name__}")
+        if self._fingerprint() != self._mesh_then:
             raise ValueError("the mesh was changed after the problem was set up: make a new problem")
+        return until
+
+    def _advance(self, until, dt, callback, progress, unsafe):
         self._choose(until, dt, unsafe)
         self._refresh()
         with Bar(self, progress) as bar:
@@ -91,7 +118,7 @@ class March:
                     recorder.after()
                 if callback:
                     self._look()
-                    callback(self)
+                    agree(self.comm, attempt(callback, self)[1], "advance")
                 bar.show()
                 if self._nonlinear and self.step % RECHECK == 0 and self.step < self._plan.last:
                     self._recheck(until, dt, unsafe)
@@ -121,7 +148,14 @@ class March:
             return  # a restored run goes on with the very steps it had
         if not math.isfinite(nominal):
             raise ValueError("nothing limits the step: give dt")
-        count = max(1, math.ceil((until - self.time) / nominal * (1 - 1e-12)))
+        number = (until - self.time) / nominal * (1 - 1e-12)
+        if number > MOST_STEPS or nominal < np.spacing(until):
+            why = ": the stable step is that small; check the mesh for tiny cells and the contacts for a large penalty"
+            raise ValueError(
+                f"a step of {nominal:g} takes {number:.3g} steps to the time {until:g}, more than {MOST_STEPS:g}"
+                f"{why if isinstance(dt, str) else '; take a larger dt'}"
+            )
+        count = max(1, math.ceil(number))
         self._nominal = nominal
         self._plan = Plan(self.time, until, self.step, self.step + count)
         self._cpp.set_contact_step(nominal)
@@ -139,7 +173,8 @@ class March:
         steps = np.arange(self.step, self.step + count + 1)
         times = self._plan.times(steps) if self._plan else np.array([self.time])
         self._beyond = times[-1] + (self._plan.dt if self._plan else 0.0)
-        table = self._table(np.append(times, self._beyond))
+        table, error = attempt(self._table, np.append(times, self._beyond))
+        agree(self.comm, error, "functions of time")
         if self.step - (self._good[0] if self._good else -SNAPSHOT) >= SNAPSHOT or count > SNAPSHOT:
             self._good = (self.step, self.time, *self._motion())
         rows = np.zeros((count, self._cpp.row_size))
@@ -251,8 +286,11 @@ class March:
             ValueError: unknown fields, intervals that are no positive integers. RuntimeError: the folder cannot be
             written; on all ranks.
         """
-        from .recorder import Recorder
+        from .recorder import Recorder, check_arguments
 
+        with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
+            fields, points = check_arguments(self, path, fields, every, points, points_every)
+            ranks.same(points=points)
         recorder = Recorder(self, path, fields, every, points, points_every)
         self._recorders.append(recorder)
         return recorder

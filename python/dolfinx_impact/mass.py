@@ -7,7 +7,8 @@ import ufl
 from dolfinx import la
 from mpi4py import MPI
 
-from . import _cpp, operators
+from . import _cpp, arguments, operators
+from .collective import comm_of, guard
 from .forms import inertia, quadrature
 from .jit import compile_form
 
@@ -37,6 +38,11 @@ def lumped_mass(V, material, scheme="auto"):
     Raises:
         ValueError: unknown scheme, a scheme that has no positive entries there, a material without density.
     """
+    with guard(comm_of(V, material), "lumped_mass", material=material, scheme=scheme):
+        arguments.function_space("V", V)
+        arguments.material(material)
+        if material.cell_tags is not None:
+            arguments.tags("MaterialMap", material.cell_tags, V.mesh, V.mesh.topology.dim)
     mesh = V.mesh
     scheme = _lumping_scheme(V, material.hypothesis_on(mesh), scheme)
     if scheme == "row_sum":

@@ -6,6 +6,7 @@ import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
 
+from .collective import comm_of, guard
 from .forms import materials as laws
 
 
@@ -150,21 +151,11 @@ class MaterialMap:
     """
 
     def __init__(self, cell_tags, materials):
-        if not materials:
-            raise ValueError("MaterialMap needs at least one material")
-        for tag, m in materials.items():
-            if not isinstance(m, _Material):
-                raise TypeError(f"tag {tag}: expected a material, found {type(m).__name__} {m!r:.60}")
-        hypotheses = {m.hypothesis for m in materials.values()}
-        if len(hypotheses) > 1:
-            raise ValueError(f"materials of one body share one hypothesis, found {sorted(map(str, hypotheses))}")
+        with guard(comm_of(cell_tags), "MaterialMap", materials=materials):
+            _check_map(cell_tags, materials)
         self.cell_tags = cell_tags
         self.materials = {int(t): m for t, m in materials.items()}
         topology = cell_tags.topology
-        if cell_tags.dim != topology.dim:
-            raise ValueError(
-                f"materials need tags of cells (dimension {topology.dim}), found tags of dimension {cell_tags.dim}"
-            )
         comm, num_owned = topology.comm, topology.index_map(topology.dim).size_local
         owned = cell_tags.indices < num_owned
         here = np.unique(cell_tags.values[owned])
@@ -192,6 +183,27 @@ class MaterialMap:
     def wave_speed(self):
         """Largest of the materials' wave speeds [L/T]."""
         return max(m.wave_speed for m in self.materials.values())
+
+
+def _check_map(cell_tags, materials):
+    """Arguments of a MaterialMap, on this rank."""
+    if not hasattr(cell_tags, "topology") or not hasattr(cell_tags, "indices"):
+        raise TypeError(f"cell_tags must be dolfinx MeshTags of cells, found {type(cell_tags).__name__}")
+    if not isinstance(materials, dict):
+        raise TypeError(f"materials must be a dict, tag -> material, found {type(materials).__name__}")
+    if not materials:
+        raise ValueError("MaterialMap needs at least one material")
+    for tag, m in materials.items():
+        if isinstance(tag, bool) or not isinstance(tag, (int, np.integer)):
+            raise TypeError(f"a tag must be an integer, found {tag!r}")
+        if not isinstance(m, _Material):
+            raise TypeError(f"tag {tag}: expected a material, found {type(m).__name__} {m!r:.60}")
+    hypotheses = {m.hypothesis for m in materials.values()}
+    if len(hypotheses) > 1:
+        raise ValueError(f"materials of one body share one hypothesis, found {sorted(map(str, hypotheses))}")
+    tdim = cell_tags.topology.dim
+    if cell_tags.dim != tdim:
+        raise ValueError(f"materials need tags of cells (dimension {tdim}), found tags of dimension {cell_tags.dim}")
 
 
 class Rayleigh:

@@ -1,5 +1,6 @@
 """Checking a mesh: folded and flat cells, missing tags. Collective, with the same error on every rank."""
 
+import zlib
 from collections import Counter
 from dataclasses import dataclass
 
@@ -8,7 +9,10 @@ from mpi4py import MPI
 import basix
 import numpy as np
 
+from .collective import comm_of, guard
+
 SHOWN = 5  # cells or nodes named in an error
+CHUNK = 50_000  # cells whose Jacobians are in memory at a time
 
 
 @dataclass
@@ -31,17 +35,23 @@ def check_mesh(
     The sign of det J may differ from cell to cell (DOLFINx renumbers simplices) but not inside one, and det J may not
     vanish. `where` begins the error messages; `numbers` (rank 0 only) are the cells' numbers in the file.
     """
+    with guard(comm_of(mesh, cell_tags, facet_tags), "check_mesh") as ranks:
+        if not hasattr(mesh, "geometry") or not hasattr(mesh, "topology"):
+            raise TypeError(f"mesh must be a dolfinx mesh, found {type(mesh).__name__}")
+        ranks.same(required_cell_tags=list(required_cell_tags), required_facet_tags=list(required_facet_tags))
     comm, cell_names, facet_names = mesh.comm, cell_names or {}, facet_names or {}
     lowest, highest, extent, centroid = _jacobians(mesh)
     size = extent**mesh.topology.dim
     flat = np.minimum(np.abs(lowest), np.abs(highest)) <= 1e-12 * size
-    bad = np.flatnonzero(flat | (lowest * highest <= 0) | ~np.isfinite(size))
+    over = _folded_over(mesh)[: len(flat)]
+    bad = np.flatnonzero(flat | (lowest * highest <= 0) | ~np.isfinite(size) | over)
     tag_of = dict(zip(cell_tags.indices, cell_tags.values)) if cell_tags is not None else {}
     cell_map = mesh.topology.index_map(mesh.topology.dim)
     mine = [
         (
             int(cell_map.local_range[0] + c), int(mesh.topology.original_cell_index[c]), centroid[c],
-            label(tag_of.get(c), cell_names), "zero volume" if flat[c] else "folded or inverted",
+            label(tag_of.get(c), cell_names), "zero volume" if flat[c] else "folded or inverted" if not over[c] else
+            "lies over a neighbour (inverted)",
         )
         for c in bad[:SHOWN]
     ]  # fmt: skip
@@ -56,7 +66,10 @@ def check_mesh(
                 for number, original, x0, tag, what in every[:SHOWN]
             ]  # fmt: skip
             more = f"\n  and {total_bad - SHOWN} more" if total_bad > SHOWN else ""
-            problem = f"{where}: {total_bad} cells of {cell_map.size_global} have det J zero or of both signs:\n"
+            problem = (
+                f"{where}: {total_bad} cells of {cell_map.size_global} have det J zero or of both signs, or lie over "
+            )
+            problem += "a neighbour:\n"
             problem += (
                 "\n".join(lines) + more + "\nMove their nodes apart, or remesh there (order of the nodes, distortion)."
             )
@@ -75,7 +88,7 @@ def check_mesh(
 
 
 def _jacobians(mesh):
-    """Per owned cell: smallest and largest det J over test points, extent, centroid."""
+    """Per owned cell: smallest and largest det J over test points, extent, centroid; some cells at a time."""
     tdim, gdim, cmap = mesh.topology.dim, mesh.geometry.dim, mesh.geometry.cmap
     cell = getattr(basix.CellType, mesh.topology.cell_name())
     element = basix.create_element(basix.ElementFamily.P, cell, cmap.degree, basix.LagrangeVariant(cmap.variant))
@@ -83,18 +96,76 @@ def _jacobians(mesh):
     if cmap.degree > 1:
         points = np.vstack([points, element.points, basix.make_quadrature(cell, 2 * cmap.degree)[0]])
     shape = element.tabulate(1, points)[1:, :, :, 0]  # (tdim, points, nodes)
-    cells = mesh.geometry.dofmap[: mesh.topology.index_map(tdim).size_local]
-    x = mesh.geometry.x[cells][:, :, :gdim]
-    jacobian = np.einsum("dqn,cng->cqgd", shape, x)
-    if gdim == tdim:
-        det = np.linalg.det(jacobian)
-    else:  # a surface in space: signed by the mean normal
-        normal = np.cross(jacobian[..., 0], jacobian[..., 1])
+    num_cells = mesh.topology.index_map(tdim).size_local
+    parts = [_jacobians_of(mesh, shape, first, min(first + CHUNK, num_cells)) for first in range(0, num_cells, CHUNK)]
+    parts = parts or [_jacobians_of(mesh, shape, 0, 0)]
+    return tuple(np.concatenate(values) for values in zip(*parts))
+
+
+def _jacobians_of(mesh, shape, first, last):
+    """_jacobians of a range of cells. Args: shape: derivatives of the shape functions, (tdim, points, nodes)."""
+    gdim = mesh.geometry.dim
+    x = mesh.geometry.x[mesh.geometry.dofmap[first:last]][:, :, :gdim]
+    tdim, points, nodes = shape.shape
+    jacobian = np.swapaxes(x, 1, 2) @ shape.reshape(tdim * points, nodes).T  # (cells, gdim, tdim * points)
+    jacobian = jacobian.reshape(len(x), gdim, tdim, points)
+    columns = [np.moveaxis(jacobian[:, :, d], 1, 2) for d in range(tdim)]  # (cells, points, gdim) each
+    if gdim == 2 and tdim == 2:
+        det = columns[0][..., 0] * columns[1][..., 1] - columns[0][..., 1] * columns[1][..., 0]
+    elif tdim == 3:
+        det = np.einsum("cqg,cqg->cq", np.cross(columns[0], columns[1]), columns[2])
+    elif tdim == 2:  # a surface in space: signed by the mean normal
+        normal = np.cross(*columns)
         mean = normal.mean(axis=1)
         length = np.linalg.norm(mean, axis=1)
         det = np.einsum("cqg,cg->cq", normal, mean / np.where(length > 0, length, 1)[:, None])
+    else:  # a line: signed by its mean direction
+        mean = columns[0].mean(axis=1)
+        length = np.linalg.norm(mean, axis=1)
+        det = np.einsum("cqg,cg->cq", columns[0], mean / np.where(length > 0, length, 1)[:, None])
     extent = np.ptp(x, axis=1).max(axis=1, initial=0)
     return det.min(axis=1, initial=np.inf), det.max(axis=1, initial=-np.inf), extent, x.mean(axis=1)
+
+
+def _folded_over(mesh):
+    """Mask of this rank's cells, ghosts too: does the cell lie on the same side of a facet as its neighbour there?
+
+    The sign of det J says nothing about a triangle or tetrahedron that was turned inside out, as DOLFINx numbers its
+    corners anew; its neighbours do. Other cells show it by det J itself.
+    """
+    tdim, gdim = mesh.topology.dim, mesh.geometry.dim
+    num_cells = len(mesh.geometry.dofmap)
+    over = np.zeros(num_cells, dtype=bool)
+    if mesh.topology.cell_name() not in ("triangle", "tetrahedron") or tdim != gdim or num_cells == 0:
+        return over
+    corners = mesh.geometry.dofmap[:, : tdim + 1]
+    # Facet k is opposite to corner k: its corners, sorted, name it.
+    facets = [np.sort(np.delete(corners, k, axis=1), axis=1) for k in range(tdim + 1)]
+    facets, opposite = np.concatenate(facets), np.concatenate(list(corners.T))
+    cells = np.tile(np.arange(num_cells), tdim + 1)
+    order = np.lexsort(facets.T)
+    facets, opposite, cells = facets[order], opposite[order], cells[order]
+    pairs = np.flatnonzero(np.all(facets[1:] == facets[:-1], axis=1))
+    x = mesh.geometry.x[:, :gdim]
+    origin = x[facets[pairs, 0]]
+    edges = [x[facets[pairs, k]] - origin for k in range(1, tdim)]
+    normal = np.column_stack([-edges[0][:, 1], edges[0][:, 0]]) if tdim == 2 else np.cross(*edges)
+    sides = [np.einsum("pg,pg->p", normal, x[opposite[pairs + k]] - origin) for k in (0, 1)]
+    wrong = pairs[sides[0] * sides[1] > 0.0]
+    over[cells[wrong]] = over[cells[wrong + 1]] = True
+    return over
+
+
+def check_cells(mesh):
+    """Raise ValueError on all ranks if cells are flat, folded or inverted; once for each mesh and its coordinates.
+    Collective."""
+    now = zlib.crc32(np.ascontiguousarray(mesh.geometry.x))
+    known = getattr(mesh, "_impact_checked", None) == now
+    if mesh.comm.allreduce(int(known), MPI.MIN):
+        return
+    if mesh.topology.cell_name() in ("triangle", "quadrilateral", "tetrahedron", "hexahedron"):
+        check_mesh(mesh, where="the mesh of u")
+    mesh._impact_checked = now
 
 
 def _counts(mesh, tags):

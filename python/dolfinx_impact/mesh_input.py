@@ -4,6 +4,7 @@
 error is the same on every rank. A bad file raises ValueError, a missing one FileNotFoundError.
 """
 
+import os
 import re
 import warnings
 import xml.etree.ElementTree as ElementTree
@@ -17,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 from dolfinx import io
 
+from .collective import guard
 from .mesh_check import SHOWN, MeshReport, check_mesh, label
 
 __all__ = ["MeshInput", "MeshReport", "check_mesh", "read_mesh"]
@@ -27,6 +29,7 @@ _GMSH = {
     9: ("triangle", 2), 10: ("quadrilateral", 2), 11: ("tetrahedron", 2), 12: ("hexahedron", 2),
 }  # fmt: skip
 _FACET = {2: 1, 3: 1, 4: 2, 5: 3, 9: 8, 10: 8, 11: 9, 12: 10}  # type of a cell -> type of its facets
+_ROWS = 1_000_000  # rows of a table that are in memory at a time
 _XDMF_DIMENSION = {
     "polyvertex": 0,
     "polyline": 1,
@@ -60,14 +63,20 @@ def read_mesh(path, comm=MPI.COMM_WORLD, gdim=None, required_cell_tags=(), requi
     mesh of triangles or quadrilaterals, else 3; `required_cell_tags`, `required_facet_tags`: numbers (or, in a .msh
     file, names) that must be there and not be empty.
     """
-    path = Path(path)
-    kind = {".msh": "msh", ".xdmf": "xdmf", ".xmf": "xdmf"}.get(path.suffix.lower())
-    if gdim not in (None, 2, 3):
-        raise ValueError(f"gdim = {gdim!r}: 2 or 3")
-    if kind is None:
-        raise ValueError(
-            f"{path}: a mesh is read from a .msh (gmsh) or an .xdmf (DOLFINx) file; convert it, e.g. with gmsh"
-        )
+    if not isinstance(comm, MPI.Comm):
+        raise TypeError(f"comm must be a communicator of mpi4py, found {type(comm).__name__}")
+    with guard(comm, "read_mesh", path=path, gdim=gdim) as ranks:
+        if not isinstance(path, (str, os.PathLike)):
+            raise TypeError(f"path must be the name of a file, found {type(path).__name__}")
+        path = Path(path)
+        kind = {".msh": "msh", ".xdmf": "xdmf", ".xmf": "xdmf"}.get(path.suffix.lower())
+        if gdim not in (None, 2, 3):
+            raise ValueError(f"gdim = {gdim!r}: 2 or 3")
+        if kind is None:
+            raise ValueError(
+                f"{path}: a mesh is read from a .msh (gmsh) or an .xdmf (DOLFINx) file; convert it, e.g. with gmsh"
+            )
+        ranks.same(required_cell_tags=list(required_cell_tags), required_facet_tags=list(required_facet_tags))
     found = _read_msh(path, comm, gdim) if kind == "msh" else _read_xdmf(path, comm, gdim)
     result, tags_in_file, numbers = found
     result.report = check_mesh(
@@ -325,7 +334,8 @@ def _check_xdmf_text(path):
         kind = (topology.get("TopologyType") or topology.get("Type") or "").lower().split("_")[0]
         if kind == "mixed":
             raise ValueError(f"{path}: mixed cells in grid {grid.get('Name')!r}; one kind is needed")
-        grids.append((grid.get("Name"), _XDMF_DIMENSION.get(kind, -1), grid.find("Geometry"), grid.find("Attribute")))
+        parts = grid.find("Geometry"), grid.find("Attribute"), topology
+        grids.append((grid.get("Name"), _XDMF_DIMENSION.get(kind, -1), *parts))
     meshes = [g for g in grids if g[2] is not None and g[3] is None] or [g for g in grids if g[2] is not None]
     if not meshes or meshes[0][1] < 2:
         raise ValueError(f"{path}: no grid with cells and coordinates; write it with XDMFFile.write_mesh")
@@ -333,7 +343,32 @@ def _check_xdmf_text(path):
         text = (item.text or "").strip()
         if item.get("Format") == "HDF" and ":" in text:
             _check_dataset(path, *text.split(":", 1))
+    for name, _, _, _, topology in grids:
+        _check_numbers(path, name, topology, meshes[0][2])
     return meshes[0][0], meshes[0][1], [(g[0], g[1]) for g in grids if g is not meshes[0]]
+
+
+def _check_numbers(path, name, topology, geometry):
+    """The nodes that the cells of a grid name are there: DOLFINx does not look, and the process would end."""
+    places = [(part.findtext("DataItem") or "").strip() for part in (topology, geometry)]
+    if not all(":" in place for place in places):
+        return
+    try:
+        import h5py
+    except ImportError:
+        return
+    (file, cells), (other, points) = (place.split(":", 1) for place in places)
+    with h5py.File(path.parent / file, "r") as data, h5py.File(path.parent / other, "r") as there:
+        count, dataset = len(there[points]), data[cells]
+        for first in range(0, len(dataset), _ROWS):
+            rows = dataset[first : first + _ROWS]
+            wrong = (rows < 0) | (rows >= count)
+            if np.any(wrong):
+                row = int(np.argmax(np.any(wrong.reshape(len(rows), -1), axis=1)))
+                raise ValueError(
+                    f"{path}: row {first + row} of grid {name!r} names the node {rows[wrong].flat[0]}, but there are "
+                    f"{count} nodes, numbered from 0; the file is damaged, write it again"
+                )
 
 
 def _check_dataset(path, name, dataset):

@@ -5,7 +5,8 @@ import ufl
 from dolfinx import cpp, fem, la
 from mpi4py import MPI
 
-from . import _cpp
+from . import _cpp, arguments
+from .collective import comm_of, guard, same
 from .forms import elasticity, quadrature
 from .jit import compile_expression, compile_form
 
@@ -15,6 +16,10 @@ def _domain(form):
     if not isinstance(form, ufl.Form):
         raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
     return _cargo(form.ufl_domain())
+
+
+def _is_expression(thing):
+    return isinstance(thing, ufl.core.expr.Expr)
 
 
 def _cargo(domain):
@@ -70,11 +75,16 @@ class _Operator:
     """Kernels of a form with their entities, coefficients and constants on the C++ side."""
 
     def __init__(self, form, rank, width, part=None):
+        name = type(self).__name__
+        with guard(comm_of(form), name, form=form, width=width, part=part):
+            self.mesh = _domain(form)
+            found = len(form.arguments())
+            if found != rank:
+                raise ValueError(f"{name} takes a form of rank {rank}, this one has {found} arguments")
+            arguments.double_precision("the mesh of the form", self.mesh.geometry.x)
+            for f in form.coefficients():
+                arguments.function("a coefficient of the form", f)
         self.form = form
-        self.mesh = _domain(form)
-        found = len(form.arguments())
-        if found != rank:
-            raise ValueError(f"{type(self).__name__} takes a form of rank {rank}, this one has {found} arguments")
         self.compiled = compile_form(form)
         spaces = [a.ufl_function_space() for a in form.arguments()]
         self.test = spaces[0] if spaces else None
@@ -152,15 +162,39 @@ class InternalForce(_Operator):
         Args:
             b: dolfinx.la.Vector to overwrite; None: a new one.
         """
+        with guard(self.mesh.comm, "InternalForce.apply"):
+            if b is not None and not isinstance(b, la.Vector):
+                raise TypeError(f"b must be a dolfinx.la.Vector, found {type(b).__name__}; arrays go to assemble")
+            if b is not None:
+                self._check_size(b.array)
         b = self.vector() if b is None else b
         self._update()
         self._cpp_object.apply(b._cpp_object)
         return b
 
     def assemble(self, array):
-        """Add this rank's contributions to `array` (owned and ghost entries), as fem.assemble_vector does."""
+        """Add this rank's contributions to `array` (owned and ghost entries, float64), as fem.assemble_vector does.
+        Collective.
+
+        Raises:
+            TypeError: not an array of float64. ValueError: another size, or entries that do not follow each other; on
+            all ranks.
+        """
+        with guard(self.mesh.comm, "InternalForce.assemble"):
+            if not isinstance(array, np.ndarray):
+                raise TypeError(f"array must be a NumPy array, found {type(array).__name__}")
+            self._check_size(array)
+            if array.ndim != 1 or not array.flags.c_contiguous or not array.flags.writeable:
+                raise ValueError("array must have one dimension, no gaps, and be writeable: forces are added to it")
         self._update()
         self._cpp_object.assemble(array)
+
+    def _check_size(self, array):
+        arguments.double_precision("the vector", array)
+        dofmap = self.test.dofmap
+        needed = (dofmap.index_map.size_local + dofmap.index_map.num_ghosts) * dofmap.index_map_bs
+        if array.size != needed:
+            raise ValueError(f"the vector has {array.size} entries on this rank, the test space has {needed}")
 
 
 class SplitForce:
@@ -194,6 +228,7 @@ class Energy(_Operator):
 
     def value(self):
         """Sum over all ranks. Collective."""
+        same(self.mesh.comm, "Energy.value")
         self._update()
         return self.mesh.comm.allreduce(self._cpp_object.value(), MPI.SUM)
 
@@ -208,8 +243,14 @@ class Tangent:
     def __init__(self, form, bcs=()):
         import dolfinx.fem.petsc as petsc
 
-        if not isinstance(form, ufl.Form) or len(form.arguments()) != 2:
-            raise ValueError("Tangent takes a UFL form of rank 2")
+        with guard(comm_of(form, bcs), "Tangent") as ranks:
+            if not isinstance(form, ufl.Form):
+                raise TypeError(f"Tangent takes a UFL form of rank 2, found {type(form).__name__}")
+            if len(form.arguments()) != 2:
+                raise ValueError(f"Tangent takes a UFL form of rank 2, this one has {len(form.arguments())} arguments")
+            for bc in arguments.sequence("bcs", bcs, "DirichletBC"):
+                arguments.boundary_values("bcs", bc, form.arguments()[0].ufl_function_space())
+            ranks.same(form=form, bcs=[arguments.value_of(bc) for bc in bcs])
         self._petsc = petsc
         self.form = fem.form(form)
         self.bcs = list(bcs)
@@ -217,6 +258,7 @@ class Tangent:
 
     def assemble(self):
         """Assemble at the present coefficients; returns the PETSc matrix. Collective."""
+        same(self.form.mesh.comm, "Tangent.assemble")
         self.matrix.zeroEntries()
         self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)
         self.matrix.assemble()
@@ -227,17 +269,29 @@ class PointValues:
     """A UFL expression at given reference points of every owned cell, for example stresses.
 
     Args:
-        expression: UFL expression of DOLFINx functions. points: shape (num_points, tdim), reference coordinates.
+        expression: UFL expression of DOLFINx functions.
+        points: in the reference cell, shape (num_points, tdim) [1].
+
+    Raises:
+        TypeError: not an expression. ValueError: points of another shape or outside the reference cell. On all ranks.
     """
 
     def __init__(self, expression, points):
-        self.mesh = _cargo(ufl.domain.extract_unique_domain(expression))
+        comm = comm_of(*ufl.algorithms.extract_coefficients(expression)) if _is_expression(expression) else None
+        with guard(comm, "PointValues") as ranks:
+            if not _is_expression(expression):
+                raise TypeError(f"PointValues takes a UFL expression, found {type(expression).__name__}")
+            domain = ufl.domain.extract_unique_domain(expression)
+            self.mesh = _cargo(domain)
+            points = arguments.reference_points(points, self.mesh.topology.dim, domain.ufl_cell().cellname())
+            ranks.same(shape=expression.ufl_shape, points=points)
         self.compiled = compile_expression(expression, points)
         self.kernel = self.compiled.kernels[0]
         self.kernel.check_mesh(self.mesh)
 
     def values(self):
-        """Array of shape (owned cells, points, components)."""
+        """Array of shape (owned cells, points, components). Collective."""
+        same(self.mesh.comm, "PointValues.values")
         num_cells = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
         points, components = self.kernel.shape
         out = np.zeros((num_cells, points, components))

@@ -6,15 +6,18 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from . import operators
+from . import arguments, operators
+from .collective import comm_of, guard
 from .linear import LinearSolver
+from .mesh_check import check_cells
 from .snes import Solver
 from .steps import Report, run_steps
+from .unique import Unique, claim
 
 __all__ = ["Report", "StaticProblem"]
 
 
-class StaticProblem:
+class StaticProblem(Unique):
     """Equilibrium of bodies, in contact or not: internal virtual work and that of contact equal external virtual work.
 
     Args:
@@ -34,7 +37,11 @@ class StaticProblem:
         contact: the contacts with their results (points, gap, pressure, force, ...), in the order given.
 
     Raises:
-        ValueError: neither or both of material and residual, loads or contacts that do not fit; on all ranks.
+        TypeError: arguments of another kind. ValueError: neither or both of material and residual; mesh, space, loads,
+        supports or contacts that do not fit; arguments that differ between ranks. On all ranks.
+
+    Warns:
+        UserWarning: an ExplicitProblem that is alive has the same u. After the first solve: options that nobody read.
     """
 
     def __init__(
@@ -49,13 +56,17 @@ class StaticProblem:
         prefix="impact_static_",
         axisymmetric=False,
     ):
-        if (material is None) == (residual is None):
-            raise ValueError("give either a material or a residual of your own")
-        if residual is not None and loads:
-            raise ValueError("write the loads into your own residual: they need the hypothesis of a material")
+        with guard(comm_of(u, residual, bcs, material, loads, contact), "StaticProblem") as ranks:
+            if residual is not None and loads:
+                raise ValueError("write the loads into your own residual: they need the hypothesis of a material")
+            given = arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric)
+            arguments.options(options)
+            ranks.same(**given, options=options, prefix=prefix)
         self.u, self.material, self.bcs, self.loads = u, material, list(bcs), list(loads)
         V = u.function_space
         self.space = V
+        check_cells(V.mesh)
+        claim(u, self)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         if residual is None:
             axisymmetric = material.hypothesis_on(V.mesh) == "axisymmetric"
@@ -139,16 +150,33 @@ class StaticProblem:
             Report.
 
         Raises:
-            ValueError: steps is not a positive integer; multipliers with another SNES than the package's own.
+            TypeError, ValueError: steps or max_iterations is not a positive integer, a tolerance is not a number from 0
+            to 1; arguments, loads or supports that differ between ranks; multipliers with another SNES than the
+            package's own.
             RuntimeError: no convergence, a residual that is not a number, or a singular matrix; u keeps the last
             converged state.
         """
-        if isinstance(steps, bool) or int(steps) != steps or steps < 1:
-            raise ValueError(f"steps is {steps!r}: give a positive integer")
+        with guard(self.space.mesh.comm, "StaticProblem.solve", cut_backs=cut_backs) as ranks:
+            steps = arguments.integer("steps", steps, 1)
+            max_iterations = arguments.integer("max_iterations", max_iterations, 1)
+            rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
+            ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
+        for contact in self.contact:
+            contact.check()
         if cut_backs is None:
             cut_backs = 8 if self.contact or steps > 1 else 0
         solver = Solver(self, rtol, atol, max_iterations)
         try:
-            return run_steps(self, solver, int(steps), cut_backs, verbose)
+            report = run_steps(self, solver, steps, cut_backs, verbose)
         finally:
             solver.free()
+        self._solver.warn_of_unused()
+        return report
+
+    def _targets(self):
+        """What a solve goes to, as far as it is numbers: to be the same on all ranks."""
+        return {
+            "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],
+            "bcs": [arguments.value_of(bc) for bc in self.bcs],
+            "displacement of the masters": [c.pair.master.displacement for c in self.contact if c.pair.rigid],
+        }

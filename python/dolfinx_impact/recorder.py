@@ -6,11 +6,37 @@ import numpy as np
 from dolfinx import io
 from mpi4py import MPI
 
+from . import arguments
 from .results import RunFolder
 
 UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
 FIELDS = ("displacement", "velocity", "acceleration")
 INTERVAL = 1.0  # s of wall-clock time: opening the file takes milliseconds, as long as several steps of a small model
+
+
+def check_arguments(problem, path, fields, every, points, points_every):
+    """Arguments of a Recorder, on this rank; fields as a tuple and points as an array (n, gdim), or None."""
+    if path is not None:
+        arguments.path("path", path)
+    if isinstance(fields, str):
+        raise TypeError(f"fields must be a list of names, found the text {fields!r}: put it into a list")
+    unknown = [f for f in fields if f not in FIELDS]
+    if unknown:
+        raise ValueError(f"fields {unknown} are unknown: use some of {', '.join(FIELDS)}")
+    for name, number in (("every", every), ("points_every", points_every)):
+        arguments.integer(name, number, 1, unit=" of steps")
+    if points is None:
+        return tuple(fields), None
+    gdim = problem.space.mesh.geometry.dim
+    try:
+        points = np.atleast_2d(np.asarray(points, dtype=float))
+    except (TypeError, ValueError):
+        raise TypeError(f"points must be numbers of shape (n, {gdim}), found {points!r:.60}") from None
+    if points.ndim != 2 or points.shape[1] < gdim:
+        raise ValueError(f"points have {points.shape[-1]} coordinates: {gdim} are needed")
+    if not np.all(np.isfinite(points)):
+        raise ValueError("points have coordinates that are not finite: give places in the body")
+    return tuple(fields), points
 
 
 class Recorder:
@@ -26,14 +52,8 @@ class Recorder:
     """
 
     def __init__(self, problem, path, fields, every, points, points_every):
-        unknown = [f for f in fields if f not in FIELDS]
-        if unknown:
-            raise ValueError(f"fields {unknown} are unknown: use some of {', '.join(FIELDS)}")
-        for name, number in (("every", every), ("points_every", points_every)):
-            if isinstance(number, bool) or int(number) != number or number < 1:
-                raise ValueError(f"{name} is {number!r}: give a positive number of steps")
         self.problem, self.every, self.points_every = problem, int(every), int(points_every)
-        self._nodes = [] if points is None else self._nearest(np.atleast_2d(np.asarray(points, dtype=float)))
+        self._nodes = [] if points is None else self._nearest(points)
         self.folder = RunFolder(path, comm=problem.comm, name="explicit")
         functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
         self._fields = [functions[f] for f in fields]
@@ -54,8 +74,6 @@ class Recorder:
         """For each point the node nearest to it: (rank, number there). Collective."""
         V, comm = self.problem.space, self.problem.comm
         x = V.tabulate_dof_coordinates()[: V.dofmap.index_map.size_local, : V.mesh.geometry.dim]
-        if points.shape[1] < x.shape[1]:
-            raise ValueError(f"points have {points.shape[1]} coordinates: {x.shape[1]} are needed")
         out = []
         for p in points[:, : x.shape[1]]:
             distance = np.linalg.norm(x - p, axis=1)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from . import checkpoint
+from . import arguments, checkpoint
+from .collective import guard
 from .march import Plan
 
 # Per contact: energies, then where a rigid master is and how far it has moved; the latter are the same on all ranks.
@@ -29,6 +30,8 @@ class Restart:
         Raises:
             RuntimeError: the folder cannot be written, no space is left; on all ranks.
         """
+        with guard(self.comm, "save", path=path):
+            arguments.path("path", path)
         state = self._cpp.save()
         bs = self.space.dofmap.index_map_bs
         arrays = {name: state[name].reshape(-1, bs) for name in ("u", "v", "r")}
@@ -66,6 +69,8 @@ class Restart:
         Raises:
             RuntimeError: the file cannot be read. ValueError: it is of another mesh, material, ...; on all ranks.
         """
+        with guard(self.comm, "restore", path=path):
+            arguments.path("path", path)
         file = checkpoint.Reader(path, self)
         count, a = self._cpp.num_saved_parts, file.attributes
         parts = [file.arrays[f"part{k}"].ravel() for k in range(count)]

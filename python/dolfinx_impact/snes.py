@@ -40,7 +40,12 @@ class Solver:
             vector.setUp()
         self.snes.setFunction(self._function, self._F)
         self._J = None
-        self.snes.setFromOptions()
+        try:
+            self.snes.setFromOptions()
+        except PETSc.Error as error:
+            self.free()
+            said = " ".join(str(error).split("[0]")[-1].split())
+            raise ValueError(f"PETSc does not take the options of SNES: {said}") from error
         rtol, self._atol, self._stol, max_iterations = self.snes.getTolerances()
         self._rtol, self._max_it = rtol, max_iterations
         self._newton = Newton(problem, rtol, self._atol, max_iterations, self._tell)

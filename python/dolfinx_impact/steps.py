@@ -146,6 +146,10 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
             contact.begin(problem.u.x.array, next(displacements) if contact.pair.rigid else None)
         increment = solver.run(path.values(fraction), log)
         if not increment.fault:
+            overlaps = [text for text in [c.overlap() for c in problem.contact] if text]
+            if overlaps:
+                increment.failed("; ".join(overlaps), hopeless=True)
+        if not increment.fault:
             for contact in problem.contact:
                 contact.accept()
             report.add(increment, fraction)

@@ -7,12 +7,32 @@ from .. import _cpp
 from .matrices import NodalSum
 
 
-def automatic_penalty(contact, factor):
-    """Stiffness per area of the softer surface's nodes where its facets are smallest, times a factor [F/L^3]; printed
-    on rank 0. Collective.
+# A given penalty beyond this many times the automatic one leaves no digits of the bodies' stiffness in the matrix: of
+# sixteen ten, and four to judge a residual by.
+LARGEST = 1e10
+
+
+def check_penalty(contact, factor):
+    """Refuse a given penalty that is out of all proportion to the bodies. Collective.
+
+    Raises:
+        ValueError: on all ranks.
+    """
+    automatic = automatic_penalty(contact, factor, tell=False)
+    if contact.penalty > LARGEST * automatic:
+        raise ValueError(
+            f"{contact.pair.name}: penalty is {contact.penalty:g}, {contact.penalty / automatic:.1g} times what material and "
+            f"mesh ask for ({automatic:.3e}): nothing would be left of the bodies' stiffness; use penalty='auto' or some "
+            "thousand times that, or multipliers (Lagrange)"
+        )
+
+
+def automatic_penalty(contact, factor, tell=True):
+    """Stiffness per area of the softer surface's nodes where its facets are smallest, times a factor [F/L^3].
+    Collective.
 
     Args:
-        contact: PenaltyContact. factor: [1].
+        contact: PenaltyContact. factor: [1]. tell: print it on rank 0.
     """
     index_map, gdim = contact.V.dofmap.index_map, contact.gdim
     total = NodalSum(index_map, 1)
@@ -26,7 +46,7 @@ def automatic_penalty(contact, factor):
         points = _cpp.penalty.Points(contact.master, *contact._rule, contact.problem.axisymmetric)
         surfaces.append((contact.master, points))
     penalty = factor * min(_per_area(total, stiffness, *s, contact.comm) for s in surfaces)
-    if contact.comm.rank == 0:
+    if tell and contact.comm.rank == 0:
         print(f"{contact.pair.name}: penalty {penalty:.3e} from material and mesh", flush=True)
     return penalty
 

@@ -5,11 +5,13 @@ import copy
 import numpy as np
 from mpi4py import MPI
 
+from ..collective import comm_of, guard
 from . import condense
 from .friction import Coulomb
 from .geometry import RigidGeometry
 from .mortar import MortarGeometry
-from .pair import ContactPair, ContactStatus
+from .overlap import prescribed_overlap
+from .pair import ContactStatus, check_pair, check_quadrature_degree
 from .output import ContactOutput
 
 BASES = ("dual", "standard", "linear")
@@ -30,12 +32,13 @@ class Lagrange:
     """
 
     def __init__(self, pair, quadrature_degree=None, basis="dual"):
-        if not isinstance(pair, ContactPair):
-            raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
-        if basis not in BASES:
-            raise ValueError(f"basis is {basis!r}: give one of {', '.join(BASES)}")
-        if pair.rigid and basis != "dual":
-            raise ValueError(f"basis is {basis!r}: against a rigid obstacle multipliers are nodal, give 'dual'")
+        with guard(comm_of(pair), "Lagrange", pair=pair, quadrature_degree=quadrature_degree, basis=basis):
+            check_pair(pair)
+            if basis not in BASES:
+                raise ValueError(f"basis is {basis!r}: give one of {', '.join(BASES)}")
+            if pair.rigid and basis != "dual":
+                raise ValueError(f"basis is {basis!r}: against a rigid obstacle multipliers are nodal, give 'dual'")
+            quadrature_degree = check_quadrature_degree(quadrature_degree)
         self.pair, self.quadrature_degree, self.basis = pair, quadrature_degree, basis
 
     def _bind_explicit(self, problem):
@@ -227,6 +230,13 @@ class LagrangeContact(Coulomb, ContactOutput):
             slip = np.einsum("nad,na->nd", self.frames[stuck], self._slip[stuck])
             largest = max(largest, float(np.max(np.abs(slip[~self.fixed[stuck]]), initial=0.0)))
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
+
+    def overlap(self):
+        """Slave nodes whose displacement along the normal is prescribed and that lie in the master, or an empty text:
+        there is nothing that a multiplier could move. Collective."""
+        return prescribed_overlap(
+            self.pair.name, self.comm, self.geometry, self.geometry.participates & (self.place < 0)
+        )
 
     def refine(self):
         """Multipliers need no further rounds."""

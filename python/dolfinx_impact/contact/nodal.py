@@ -8,9 +8,11 @@ from mpi4py import MPI
 
 from .. import _cpp, operators
 from ..amplitude import Amplitude
+from ..arguments import integer
+from ..collective import comm_of, guard
 from ..forms.materials import weight
 from .output import ContactOutput
-from .pair import ContactPair
+from .pair import check_pair
 from .springs import searched
 from .start import check_side
 
@@ -27,11 +29,9 @@ class Kinematic:
     """
 
     def __init__(self, pair, sweeps=3):
-        if not isinstance(pair, ContactPair):
-            raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
-        if isinstance(sweeps, bool) or int(sweeps) != sweeps or sweeps < 1:
-            raise ValueError(f"sweeps is {sweeps!r}: give a positive integer")
-        self.pair, self.sweeps = pair, int(sweeps)
+        with guard(comm_of(pair), "Kinematic", pair=pair, sweeps=sweeps):
+            check_pair(pair)
+            self.pair, self.sweeps = pair, integer("sweeps", sweeps, 1)
 
     def _bind(self, problem):
         raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")

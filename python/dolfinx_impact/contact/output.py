@@ -4,6 +4,8 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+from ..collective import guard
+
 
 class ContactOutput:
     """Results of a contact; arrays are over this rank's contact points, totals over all ranks and the same on all.
@@ -27,6 +29,13 @@ class ContactOutput:
     area = 0.0  #: area in contact (2D: length), see covered() [L^2]
     dissipated = 0.0  #: work of friction so far: in each increment, tractions at its end times its slip [F L]
     _slip_before = 0.0
+
+    def check(self):
+        """Refuse, before a solution, what cannot be solved for. Collective."""
+
+    def overlap(self):
+        """What is wrong with a converged state that the method cannot see, or an empty text. Collective."""
+        return ""
 
     def touch_nearest(self):
         """Take the nearest points as touching, if they nearly do; returns whether there are any. Collective."""
@@ -61,6 +70,11 @@ class ContactOutput:
         Args:
             problem: StaticProblem. values: one of the arrays, (n) or (n, gdim). name: of the function.
         """
+        with guard(self.comm, "field", name=name):
+            if len(np.atleast_1d(values)) != len(self.points):
+                raise ValueError(
+                    f"the array has {len(np.atleast_1d(values))} rows, the contact {len(self.points)} points"
+                )
         V = problem.space
         mesh, degree = V.mesh, V.element.basix_element.degree
         nodes, values = self.at_nodes(values)

@@ -7,10 +7,16 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 
 from .. import _cpp
-from ..loads import _tag, check_tag
+from ..arguments import integer
+from ..collective import comm_of, guard
+from ..loads import _tag, check_tag, facet_tags_of
 from ..materials import _number
 from .matrices import NodalSum
 from .rigid import _Rigid
+
+
+# Rules of higher degree have thousands of points on every facet.
+LARGEST_DEGREE = 60
 
 
 class ContactStatus(enum.IntEnum):
@@ -42,9 +48,18 @@ class ContactPair:
     def __init__(
         self, facet_tags, slave, master, friction=0.0, search_distance=None, remove_penetration=False, name=None
     ):
-        if not hasattr(facet_tags, "find"):
-            raise TypeError(f"facet_tags must be MeshTags of facets, found {type(facet_tags).__name__}")
-        self.facet_tags, self.slave = facet_tags, _tag(slave)
+        with guard(comm_of(facet_tags), "ContactPair", slave=slave, master=master, friction=friction,
+                   search_distance=search_distance, remove_penetration=bool(remove_penetration), name=name):  # fmt: skip
+            self._check(facet_tags, slave, master, friction, search_distance)
+        self.remove_penetration = bool(remove_penetration)
+        self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
+
+    def _check(self, facet_tags, slave, master, friction, search_distance):
+        """Arguments of a pair, on this rank."""
+        self.facet_tags, self.slave = facet_tags_of("ContactPair", facet_tags), _tag(slave)
+        if not isinstance(master, (_Rigid, int, float, np.integer, np.floating)):
+            hint = " (make an object of it)" if isinstance(master, type) else ""
+            raise TypeError(f"master must be a tag or a rigid obstacle, found {master!r:.60}{hint}")
         self.master = master if isinstance(master, _Rigid) else _tag(master)
         self.rigid = isinstance(master, _Rigid)
         if not self.rigid and self.slave == self.master:
@@ -57,8 +72,6 @@ class ContactPair:
         self.search_distance = None
         if search_distance is not None:
             self.search_distance = _number("search_distance", search_distance, 0.0, " [L]")
-        self.remove_penetration = bool(remove_penetration)
-        self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
 
     def surfaces(self, V):
         """This rank's slave and master facets on the displacement space V (the master is None if rigid). Collective.
@@ -128,3 +141,14 @@ def _guarded(comm, function):
     if errors:
         raise ValueError(errors[0])
     return result
+
+
+def check_pair(pair):
+    """What an enforcement of contact was given, on this rank."""
+    if not isinstance(pair, ContactPair):
+        raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
+
+
+def check_quadrature_degree(degree):
+    """None, or a degree that quadrature rules exist for."""
+    return None if degree is None else integer("quadrature_degree", degree, 1, LARGEST_DEGREE)

@@ -5,14 +5,15 @@ import numpy as np
 from mpi4py import MPI
 
 from .. import _cpp
+from ..collective import comm_of, guard
 from ..held import against_master
 from ..materials import _number
-from .automatic import automatic_penalty
+from .automatic import automatic_penalty, check_penalty
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
 from .nodal import NodalResult
 from .output import ContactOutput
-from .pair import ContactPair, ContactStatus
+from .pair import ContactStatus, check_pair, check_quadrature_degree
 from .size import body_size
 from .start import InitialGap, check_side, nearly_touching
 
@@ -48,12 +49,15 @@ class Penalty:
 
     def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None,
                  balanced=False):  # fmt: skip
-        if not isinstance(pair, ContactPair):
-            raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
-        self.pair, self.augmented, self.quadrature_degree = pair, bool(augmented), quadrature_degree
-        self.penalty = None if penalty == "auto" else _number("penalty", penalty, 0.0, " [F/L^3]")
-        self.tangential = None if tangential is None else _number("tangential penalty", tangential, 0.0, " [F/L^3]")
-        self.tolerance, self.balanced = _number("tolerance", tolerance, 0.0), bool(balanced)
+        with guard(comm_of(pair), "Penalty", pair=pair, penalty=penalty, tangential=tangential, augmented=bool(augmented),
+                   tolerance=tolerance, quadrature_degree=quadrature_degree, balanced=bool(balanced)):  # fmt: skip
+            check_pair(pair)
+            self.quadrature_degree = check_quadrature_degree(quadrature_degree)
+            auto = isinstance(penalty, str) and penalty == "auto"
+            self.penalty = None if auto else _number("penalty", penalty, 0.0, " [F/L^3]")
+            self.tangential = None if tangential is None else _number("tangential penalty", tangential, 0.0, " [F/L^3]")
+            self.tolerance = _number("tolerance", tolerance, 0.0)
+        self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
     def _bind_explicit(self, problem):
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
@@ -105,6 +109,11 @@ class PenaltyContact(ContactOutput):
         self._locate(self.start)
         self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
         self.history.offset = self.initial.offset
+
+    def check(self):
+        """Refuse a given penalty that is out of all proportion. Collective."""
+        if self.spec.penalty is not None:
+            check_penalty(self, FACTOR)
 
     # --- state of an increment -------------------------------------------------------------------------------------
 

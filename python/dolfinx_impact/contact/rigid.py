@@ -39,6 +39,10 @@ class _Rigid:
         self._displacement = np.zeros(3)
         self.motion = None
 
+    def same_on_all_ranks(self):
+        """What collective.describe compares."""
+        return [self._kind, self._point, self._direction, self._radius, self._displacement, self.motion]
+
     @property
     def displacement(self):
         """Displacement from where it was made (3 components) [L]."""

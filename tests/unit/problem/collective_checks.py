@@ -141,7 +141,14 @@ def check_communicator_is_found():
     for thing in (u, V, domain, bc, [bc], tags, form, {"a": tags}):
         found = comm_of(None, "text", 3.0, thing)
         assert found != MPI.COMM_WORLD and found.size == COMM.size, thing
-    assert comm_of(None, [], int) == MPI.COMM_WORLD
+    assert comm_of(None, [], int) is None
+
+
+def check_rank_without_communicator_meets_the_others():
+    with pytest.raises(TypeError, match="u is None"):
+        with guard(comm_of(None) if COMM.rank == LAST else COMM, "call"):
+            if COMM.rank == LAST:
+                raise TypeError("u is None")
 
 
 def check_descriptions():
