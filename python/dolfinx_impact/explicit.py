@@ -76,7 +76,8 @@ class ExplicitProblem(March, Restart):
         self.damping = damping or Rayleigh()
         if scheme not in ("half_step", "classical"):
             raise ValueError(f"scheme {scheme!r} is unknown: use 'half_step' or 'classical'")
-        self.scheme = scheme
+        self.scheme, self.lumping, self.mass_scaling = scheme, lumping, mass_scaling
+        self.loads, self._residual_form, self._given_density = list(loads), residual, density
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         if residual is None:
             hypothesis = material.hypothesis_on(mesh)
@@ -106,7 +107,7 @@ class ExplicitProblem(March, Restart):
         self.acceleration = fem.Function(V, name="acceleration")
         self._add_damping(v)
         self._amplitudes = []
-        self._set_loads(loads, v)
+        self._set_loads(self.loads, v)
         self._set_motion(bcs)
         self.contact = [c._bind_explicit(self) for c in contact]
         for c in self.contact:
@@ -205,7 +206,7 @@ class ExplicitProblem(March, Restart):
             self._loads.append((force, dofs, value, load))
 
     def _set_motion(self, bcs):
-        taken = np.zeros(len(self.u.x.array), dtype=bool)
+        taken, self._supports = np.zeros(len(self.u.x.array), dtype=bool), []
         for bc in bcs:
             amplitude = bc.amplitude if isinstance(bc, PrescribedMotion) else None
             bc = bc.bc if amplitude else bc
@@ -224,6 +225,7 @@ class ExplicitProblem(March, Restart):
                     "an amplitude that begins where u is"
                 )
             self._cpp.prescribe(dofs.astype(np.int32), values[dofs], column)
+            self._supports.append((dofs, values[dofs], column))
         self.prescribed = taken
 
     def _columns(self, amplitude):

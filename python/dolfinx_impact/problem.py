@@ -7,6 +7,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from . import operators
+from .interrupts import Interrupts
 from .linear import LinearSolver
 from .snes import Solver
 from .steps import Report, run_steps
@@ -140,15 +141,21 @@ class StaticProblem:
 
         Raises:
             ValueError: steps is not a positive integer; multipliers with another SNES than the package's own.
-            RuntimeError: no convergence, a residual that is not a number, or a singular matrix; u keeps the last
-            converged state.
+            RuntimeError: no convergence, a residual that is not a number, or a singular matrix.
+            KeyboardInterrupt: Ctrl-C, on all ranks between two iterations.
+
+        After an exception u, contacts, loads and obstacles are those of the last converged increment, from which the
+        next solve goes on.
         """
         if isinstance(steps, bool) or int(steps) != steps or steps < 1:
             raise ValueError(f"steps is {steps!r}: give a positive integer")
         if cut_backs is None:
             cut_backs = 8 if self.contact or steps > 1 else 0
-        solver = Solver(self, rtol, atol, max_iterations)
-        try:
-            return run_steps(self, solver, int(steps), cut_backs, verbose)
-        finally:
-            solver.free()
+        with Interrupts(self.space.mesh.comm) as interrupts:
+            solver = Solver(self, rtol, atol, max_iterations, interrupts)
+            try:
+                report = run_steps(self, solver, int(steps), cut_backs, verbose)
+            finally:
+                solver.free()
+            interrupts.check()
+        return report
