@@ -26,6 +26,20 @@ Forces forces(nb::object inner, nb::object outer, std::string displacement, std:
   return f;
 }
 
+/// Runs the handlers of signals that have arrived: Python does so between its own instructions only. What one raises is
+/// not thrown through a step, but handed to the caller.
+bool interrupted(const nb::object& asked)
+{
+  nb::gil_scoped_acquire lock;
+  nb::object error = nb::none();
+  if (PyErr_CheckSignals() != 0)
+  {
+    nb::python_error raised;
+    error = nb::borrow(raised.value());
+  }
+  return nb::cast<bool>(asked(error));
+}
+
 nb::object row(const Energies& e)
 {
   return nb::cast(impact::bindings::take(std::vector<double>(e.values.begin(), e.values.end())));
@@ -63,9 +77,24 @@ void impact::bindings::integrators(nb::module_& m)
       .def("set_contact_step", &CentralDifference::set_contact_step)
       .def("start", [](CentralDifference& self, Values u, Values v) { self.start(span(u), span(v)); })
       .def(
-          "run", [](CentralDifference& self, Values steps, Values table, int columns, MutableValues history)
-          { return self.run(span(steps), span(table), columns, span(history)); }, nb::arg("steps"), nb::arg("table"),
-          nb::arg("columns"), nb::arg("history"), nb::call_guard<nb::gil_scoped_release>())
+          "run",
+          [](CentralDifference& self, Values steps, Values table, int columns, MutableValues history, nb::object asked)
+          {
+            std::function<bool()> ask;
+            if (!asked.is_none())
+              ask = [&asked] { return interrupted(asked); };
+            int done = 0;
+            {
+              nb::gil_scoped_release release;
+              done = self.run(span(steps), span(table), columns, span(history), ask);
+            }
+            if (ask) // a signal since: its handler runs here, not where the caller has not noted the steps yet
+              ask();
+            return done;
+          },
+          nb::arg("steps"), nb::arg("table"), nb::arg("columns"), nb::arg("history"), nb::arg("asked") = nb::none(),
+          "Steps done. asked: callable that tells whether to stop; it is given what a signal's handler raised, or None")
+      .def_prop_ro("stopped", &CentralDifference::stopped)
       .def("energies", [](CentralDifference& self) { return row(self.energies()); })
       .def("motion", [](CentralDifference& self, MutableValues v, MutableValues a) { self.motion(span(v), span(a)); })
       .def(

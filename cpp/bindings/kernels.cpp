@@ -130,5 +130,9 @@ void impact::bindings::kernels(nb::module_& m)
   m.def(
       "load", [](const std::string& path, const std::vector<std::string>& symbols)
       { return wrap(load(path, symbols)); }, nb::arg("path"), nb::arg("symbols"));
+  m.def(
+      "load", [](const nb::bytes& path, const std::vector<std::string>& symbols)
+      { return wrap(load({path.c_str(), path.size()}, symbols)); }, nb::arg("path"), nb::arg("symbols"),
+      "Kernels of a shared library; path: bytes as the file system has them, which need be no text");
   m.def("processor_width", &processor_width, "Widest vector of doubles of this processor that is used: 1, 4 or 8");
 }

@@ -98,9 +98,8 @@ nb::dict counters(const NodeToSurface& self)
   return out;
 }
 
-nb::dict energies(const NodeToSurface& self)
+nb::dict energies(const ContactEnergy& e)
 {
-  const ContactEnergy e = self.energy();
   nb::dict out;
   out["stored"] = e.stored;
   out["friction"] = e.friction;
@@ -248,7 +247,10 @@ void impact::bindings::nodal(nb::module_& m)
       .def_prop_ro(
           "other", [](NodeToSurface& self) { return self.other(); }, nb::rv_policy::reference_internal)
       .def("results", &results)
-      .def("energy", &energies)
+      .def("energy", [](const NodeToSurface& self) { return energies(self.energy()); })
+      .def(
+          "own_energy", [](const NodeToSurface& self) { return energies(self.own_energy()); },
+          "Without that of the other direction of balanced contact, which `energy` has")
       .def(
           "set_energy",
           [](NodeToSurface& self, double stored, double friction, double normal, double later_friction,

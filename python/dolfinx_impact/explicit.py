@@ -87,6 +87,8 @@ class ExplicitProblem(Unique, March, Restart):
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.damping, self.scheme = damping or Rayleigh(), scheme
+        self.lumping, self.mass_scaling = lumping, mass_scaling
+        self.loads, self._residual_form, self._given_density = list(loads), residual, density
         check_cells(mesh)
         claim(u, self, explicit=True)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
@@ -118,7 +120,7 @@ class ExplicitProblem(Unique, March, Restart):
         self.acceleration = fem.Function(V, name="acceleration")
         self._add_damping(v)
         self._amplitudes = []
-        self._set_loads(loads, v)
+        self._set_loads(self.loads, v)
         self._set_motion(bcs)
         self.contact = [c._bind_explicit(self) for c in contact]
         for c in self.contact:
@@ -217,7 +219,7 @@ class ExplicitProblem(Unique, March, Restart):
             self._loads.append((force, dofs, value, load))
 
     def _set_motion(self, bcs):
-        taken = np.zeros(len(self.u.x.array), dtype=bool)
+        taken, self._supports = np.zeros(len(self.u.x.array), dtype=bool), []
         for bc in bcs:
             amplitude = bc.amplitude if isinstance(bc, PrescribedMotion) else None
             bc = bc.bc if amplitude else bc
@@ -236,6 +238,7 @@ class ExplicitProblem(Unique, March, Restart):
                     "an amplitude that begins where u is"
                 )
             self._cpp.prescribe(dofs.astype(np.int32), values[dofs], column)
+            self._supports.append((dofs, values[dofs], column))
         self.prescribed = taken
 
     def _columns(self, amplitude):

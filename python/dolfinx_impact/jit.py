@@ -2,7 +2,8 @@
 
 The cache is a folder of shared libraries, safe under concurrent ranks and processes: a library is compiled under a name
 of its own and renamed into place. Beside it stands a list of its kernels with the library's checksum: a file that was
-cut short or spoilt is compiled again.
+cut short or spoilt is compiled again. What is loaded is code: folder and files must belong to the user and be writable
+by nobody else.
 """
 
 import functools
@@ -22,6 +23,7 @@ from mpi4py import MPI
 from . import _cpp
 from .collective import guard
 from .forms.compiler import emit, frontend
+from .private_folder import check_file, check_private, make_private
 
 INCLUDE = Path(__file__).parent / "include"
 FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
@@ -70,7 +72,8 @@ def compile_form(form, names=None, comm=None):
     Raises:
         TypeError: `form` is not a UFL form.
         ValueError: two coefficients of one name, an integral or operator that kernels do not support.
-        RuntimeError: no compiler, compilation failed, or the cache cannot be written; the same on all ranks.
+        RuntimeError: no compiler, compilation failed, the cache cannot be written, or others can write in it; the same
+            on all ranks.
     """
     with guard(comm or _comm(form), "compile_form") as ranks:
         if not isinstance(form, ufl.Form):
@@ -158,7 +161,7 @@ def _compiler():
             f"no C++ compiler was found ({what}): kernels of your own forms are compiled at run time. Install one "
             "(Debian: g++) or set CXX; forms of the catalogue's table work without"
         )
-    version = subprocess.run([*command, "--version"], capture_output=True, text=True).stdout
+    version = _run([*command, "--version"]).stdout
     processor = platform.machine()
     try:
         processor += next(line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("flags"))
@@ -171,7 +174,19 @@ def _compiler():
     return command, digest.hexdigest()[:12]
 
 
+def _run(command):
+    """Run a compiler. What it says may be in another encoding than the locale's: names of folders, quotation marks."""
+    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", errors="replace")
+
+
 _LOADED = {}
+
+
+def _load(path, names):
+    """Kernels of a library in the cache, checked on every rank: folders of several machines may differ."""
+    check_private(path.parent)
+    check_file(path)
+    return _cpp.kernels.load(os.fsencode(path), names)
 
 
 def _from_cache(key, integrals, comm):
@@ -188,8 +203,8 @@ def _from_cache(key, integrals, comm):
     path, names = comm.bcast((path, names), root=0)
     try:
         if path not in _LOADED:
-            _LOADED[path] = _cpp.kernels.load(str(path), names)
-    except RuntimeError as e:
+            _LOADED[path] = _load(path, names)
+    except (OSError, RuntimeError) as e:
         error = f"rank {comm.rank} of {comm.size}: {e}"
     errors = [e for e in comm.allgather(error) if e is not None]
     if errors:
@@ -198,9 +213,15 @@ def _from_cache(key, integrals, comm):
 
 
 def _cached(path, listing):
-    """Names of the kernels in a cached library, or None unless it is whole."""
+    """Names of the kernels in a cached library, or None unless it is whole.
+
+    Raises:
+        RuntimeError: somebody else may have written it.
+    """
+    for file in (path, listing):
+        check_file(file)
     try:
-        checksum, *names = listing.read_text().split()
+        checksum, *names = listing.read_text(encoding="utf-8").split()
         return names if hashlib.sha256(path.read_bytes()).hexdigest() == checksum else None
     except (OSError, ValueError):
         return None
@@ -211,26 +232,31 @@ def _library(key, integrals):
     folder = cache_folder()
     path = folder / f"{key}-{fingerprint}.so"
     listing = path.with_suffix(".txt")
+    try:
+        make_private(folder)
+    except OSError as e:
+        raise RuntimeError(_cache_message(folder, e)) from e
     names = _cached(path, listing)
     if names:
         return path, names
     text, names = emit.source(integrals(), f"impact_{key}")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         work = Path(tempfile.mkdtemp(prefix="build-", dir=folder))
     except OSError as e:
         raise RuntimeError(_cache_message(folder, e)) from e
     try:
-        (work / "kernel.cpp").write_text(text)
+        (work / "kernel.cpp").write_text(text, encoding="utf-8")
         files = [str(work / "kernel.cpp"), "-o", str(work / "kernel.so")]
         command = [*compiler, *FLAGS, f"-I{INCLUDE}", *files, "-lmvec", "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = _run(command)
         if done.returncode != 0:
             raise RuntimeError(
-                f"the compiler failed on a generated kernel ({' '.join(command)}):\n{done.stderr[-3000:]}"
+                f"the compiler failed on a generated kernel ({shlex.join(command)}):\n{done.stderr[-3000:]}"
             )
         checksum = hashlib.sha256((work / "kernel.so").read_bytes()).hexdigest()
-        (work / "kernel.txt").write_text("\n".join([checksum, *names]) + "\n")
+        (work / "kernel.txt").write_text("\n".join([checksum, *names]) + "\n", encoding="utf-8")
+        for file in work.iterdir():  # whatever the umask is
+            file.chmod(0o600)
         (work / "kernel.cpp").replace(path.with_suffix(".cpp"))
         (work / "kernel.txt").replace(listing)
         (work / "kernel.so").replace(path)

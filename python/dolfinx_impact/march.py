@@ -1,5 +1,6 @@
 """Marching through time: plans of equal steps, energies, what happens when a run goes unstable."""
 
+import contextlib
 import math
 import warnings
 import zlib
@@ -9,6 +10,7 @@ import numpy as np
 from mpi4py import MPI
 
 from .collective import agree, attempt, guard
+from .interrupts import Interrupts
 from .materials import _number
 
 SAFETY = 0.9  # of the stable step that dt="auto" takes; contact stiffness needs the rest
@@ -27,6 +29,7 @@ class Plan:
     until: float  # [T]
     first: int  # number of the step at `begin`
     last: int  # at `until`
+    auto: bool = False  # made with dt="auto"
 
     @property
     def dt(self):
@@ -73,8 +76,11 @@ class March:
             time cannot be reached; arguments that differ between ranks. RuntimeError: called from a callback of
             `advance`; or the run went unstable; the message says when and where, displacement and velocity are back at the last good state, from
             which works count anew and friction has no history.
+            KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
 
-        What the callback raises on one rank is raised on all.
+        What the callback raises on one rank is raised on all. After KeyboardInterrupt, or an exception of the callback,
+        the problem is as after the last step: it may be saved, and `advance` to the same time goes on with the very
+        steps that were left.
         """
         with guard(self.comm, "advance", callback=callback, unsafe=bool(unsafe)) as ranks:
             until = self._check_advance(until, callback)
@@ -83,7 +89,9 @@ class March:
             return
         self._advancing = True
         try:
-            self._advance(until, dt, callback, progress, unsafe)
+            with Interrupts(self.comm) as interrupts:
+                self._advance(until, dt, callback, progress, unsafe, interrupts)
+                interrupts.check()
         finally:
             self._advancing = False
 
@@ -104,26 +112,39 @@ class March:
             raise ValueError("the mesh was changed after the problem was set up: make a new problem")
         return until
 
-    def _advance(self, until, dt, callback, progress, unsafe):
+    def _advance(self, until, dt, callback, progress, unsafe, interrupts):
         self._choose(until, dt, unsafe)
         self._refresh()
         with Bar(self, progress) as bar:
-            while self.step < self._plan.last:
-                first = self.step == 0
-                self._run(1 if callback or first else self._chunk())
-                if first:  # kinematic contact looks at gaps in steps
-                    for contact in self.contact:
-                        contact.check_start()
+            try:
+                while self.step < self._plan.last:
+                    self._piece(until, dt, callback, unsafe, bar, interrupts)
+            except BaseException:  # the same on all ranks
+                self._look()
                 for recorder in self._recorders:
-                    recorder.after()
-                if callback:
-                    self._look()
-                    agree(self.comm, attempt(callback, self)[1], "advance")
-                bar.show()
-                if self._nonlinear and self.step % RECHECK == 0 and self.step < self._plan.last:
-                    self._recheck(until, dt, unsafe)
+                    with contextlib.suppress(RuntimeError):  # rows that could not be written are kept
+                        recorder.flush()
+                raise
         self._plan = None
         self._look()
+
+    def _piece(self, until, dt, callback, unsafe, bar, interrupts):
+        """Steps between which nothing but C++ runs, then what follows them. Exceptions are those of all ranks; the
+        state is that after a step. Collective."""
+        if self._nonlinear and self.step > 0 and self.step % RECHECK == 0:
+            self._recheck(until, dt, unsafe)
+        first = self.step == 0
+        self._run(1 if callback or first else self._chunk(), interrupts)
+        if first:  # kinematic contact looks at gaps in steps
+            for contact in self.contact:
+                contact.check_start()
+        for recorder in self._recorders:
+            recorder.after()
+        error = None
+        if callback:
+            self._look()
+            error = attempt(callback, self)[1]
+        interrupts.check(error or attempt(bar.show)[1])
 
     def _chunk(self):
         rest = self._plan.last - self.step
@@ -136,16 +157,18 @@ class March:
             if dt != "auto":
                 raise ValueError(f"dt is {dt!r}: give a step in units of time, or 'auto'")
             nominal = SAFETY * self._safe
+            known = self._plan is not None and self._plan.auto and not self._nominal > nominal
         else:
             nominal = _number("dt", dt, 0.0, " [T]")
+            known = self._plan is not None and nominal == self._nominal
             if nominal > self._safe * (1 + 1e-12):
                 text = f"dt = {nominal:.6g} is beyond the stable step {self._safe:.6g}"
                 if not unsafe:
                     raise ValueError(f"{text}: take a smaller one, or pass unsafe=True to try it")
                 if self.comm.rank == 0:
                     warnings.warn(f"{text}: the run may go unstable", stacklevel=3)
-        if self._plan is not None and self._plan.until == until and nominal == self._nominal:
-            return  # a restored run goes on with the very steps it had
+        if known and self._plan.until == until:
+            return  # a run that was restored or interrupted goes on with the very steps it had
         if not math.isfinite(nominal):
             raise ValueError("nothing limits the step: give dt")
         number = (until - self.time) / nominal * (1 - 1e-12)
@@ -157,7 +180,7 @@ class March:
             )
         count = max(1, math.ceil(number))
         self._nominal = nominal
-        self._plan = Plan(self.time, until, self.step, self.step + count)
+        self._plan = Plan(self.time, until, self.step, self.step + count, dt == "auto")
         self._cpp.set_contact_step(nominal)
 
     def _recheck(self, until, dt, unsafe):
@@ -168,22 +191,22 @@ class March:
             self._plan = None
             self._choose(until, dt, unsafe)
 
-    def _run(self, count):
-        """Take steps. Collective."""
-        steps = np.arange(self.step, self.step + count + 1)
-        times = self._plan.times(steps) if self._plan else np.array([self.time])
-        self._beyond = times[-1] + (self._plan.dt if self._plan else 0.0)
-        table, error = attempt(self._table, np.append(times, self._beyond))
+    def _run(self, count, interrupts=None):
+        """Take steps, fewer if a rank is interrupted. Collective."""
+        steps = np.arange(self.step, self.step + count + 2)  # and one beyond
+        times = self._plan.times(steps) if self._plan else np.full(2, self.time)
+        table, error = attempt(self._table, times)
         agree(self.comm, error, "functions of time")
         if self.step - (self._good[0] if self._good else -SNAPSHOT) >= SNAPSHOT or count > SNAPSHOT:
             self._good = (self.step, self.time, *self._motion())
         rows = np.zeros((count, self._cpp.row_size))
         lengths = np.full(count, self._plan.dt if count else 1.0)
-        done = self._cpp.run(lengths, np.ascontiguousarray(table).ravel(), table.shape[1], rows.reshape(-1))
+        table, columns = np.ascontiguousarray(table).ravel(), table.shape[1]
+        done = self._cpp.run(lengths, table, columns, rows.reshape(-1), interrupts and interrupts.asked)
         self._rows.append(np.column_stack([times[:done], rows[:done]]))
-        if done < count:
+        if done < count and not self._cpp.stopped:
             self._unstable(times[done])
-        self.step, self.time = self.step + count, float(times[-1])
+        self.step, self.time, self._beyond = self.step + done, float(times[done]), float(times[done + 1])
 
     def _table(self, times):
         """Values of all amplitudes, a row for each time."""
@@ -302,8 +325,8 @@ class March:
         for i, (force, dofs, value, load) in enumerate(self._loads):
             changed = not np.array_equal(value, load.constant.value)
             if self.comm.allreduce(int(changed), MPI.MAX):
-                value[...] = load.constant.value
                 self._cpp.set_load(i, force.apply().array[dofs])
+                value[...] = load.constant.value
 
 
 class Bar:

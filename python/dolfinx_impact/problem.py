@@ -8,6 +8,7 @@ from petsc4py import PETSc
 
 from . import arguments, operators
 from .collective import comm_of, guard
+from .interrupts import Interrupts
 from .linear import LinearSolver
 from .mesh_check import check_cells
 from .snes import Solver
@@ -153,8 +154,11 @@ class StaticProblem(Unique):
             TypeError, ValueError: steps or max_iterations is not a positive integer, a tolerance is not a number from 0
             to 1; arguments, loads or supports that differ between ranks; multipliers with another SNES than the
             package's own.
-            RuntimeError: no convergence, a residual that is not a number, or a singular matrix; u keeps the last
-            converged state.
+            RuntimeError: no convergence, a residual that is not a number, or a singular matrix.
+            KeyboardInterrupt: Ctrl-C, on all ranks between two iterations.
+
+        After an exception u, contacts, loads and obstacles are those of the last converged increment, from which the
+        next solve goes on.
         """
         with guard(self.space.mesh.comm, "StaticProblem.solve", cut_backs=cut_backs) as ranks:
             steps = arguments.integer("steps", steps, 1)
@@ -165,11 +169,13 @@ class StaticProblem(Unique):
             contact.check()
         if cut_backs is None:
             cut_backs = 8 if self.contact or steps > 1 else 0
-        solver = Solver(self, rtol, atol, max_iterations)
-        try:
-            report = run_steps(self, solver, steps, cut_backs, verbose)
-        finally:
-            solver.free()
+        with Interrupts(self.space.mesh.comm) as interrupts:
+            solver = Solver(self, rtol, atol, max_iterations, interrupts)
+            try:
+                report = run_steps(self, solver, steps, cut_backs, verbose)
+            finally:
+                solver.free()
+            interrupts.check()
         self._solver.warn_of_unused()
         return report
 

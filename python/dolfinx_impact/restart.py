@@ -1,37 +1,43 @@
 """Saving and restoring explicit runs."""
 
+import math
+
 import numpy as np
 
 from . import arguments, checkpoint
-from .collective import guard
+from .collective import agree, attempt, guard
+from .interrupts import Interrupts
 from .march import Plan
+from .signature import functions_of_time, supports
 
 # Per contact: energies, then where a rigid master is and how far it has moved; the latter are the same on all ranks.
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
+NUMBERS = ("time", "beyond", "step", "safe", "nominal", "largest", "total_start")
+SAME = 1e-12  # of the values of functions of time: other libraries may round otherwise
+XI_MARGIN = 0.5  # reference coordinates on facets [0, 1]: nodes are held a little beside them
 
 
 class Restart:
     """The part of ExplicitProblem that saves and restores."""
 
-    def describe(self):
-        """Material, damping and viscosity as text: what a checkpoint is compared by."""
-        if self.material is None:
-            material = "a residual of one's own"
-        else:
-            material = ", ".join(f"{tag}: {m!r}" for tag, m in self.material.parts())
-        return f"{material}; {self.damping.alpha:g}, {self.damping.beta:g}; {self._viscosity}"
-
     def save(self, path):
         """Write a checkpoint, HDF5: all that a run needs to go on as if it had not stopped. Collective.
 
         It is written as PATH.part and then renamed: if anything goes wrong with it an earlier file at `path` is as it
-        was. Recorders write their histories up to now after it.
+        was. Recorders write their histories up to now after it. Ctrl-C waits until that is done.
 
         Raises:
             RuntimeError: the folder cannot be written, no space is left; on all ranks.
         """
         with guard(self.comm, "save", path=path):
             arguments.path("path", path)
+        with Interrupts(self.comm) as interrupts:
+            self._save(path)
+            for recorder in self._recorders:
+                recorder.flush()
+            interrupts.check()
+
+    def _save(self, path):
         state = self._cpp.save()
         bs = self.space.dofmap.index_map_bs
         arrays = {name: state[name].reshape(-1, bs) for name in ("u", "v", "r")}
@@ -40,69 +46,153 @@ class Restart:
         arrays.update({f"part{k}": parts[k] for k in range(count)})
         nodal, ranks = {}, {"accounts": state["accounts"]}
         for k, contact in enumerate(self.contact):
-            energies = [np.array([side.energy()[name] for name in ENERGY]) for side in contact.sides()]
-            energies[0] -= sum(energies[1:])  # the first has that of both
             for j, side in enumerate(contact.sides()):
                 nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history(), bs))
-                ranks[f"contact{k}_{j}"] = energies[j]
+                ranks[f"contact{k}_{j}"] = np.array([side.own_energy()[name] for name in ENERGY])
         plan, totals = self._plan, {}
         for k, contact in enumerate(self.contact):
             rows, totals[f"contact{k}"] = contact.seen()
             nodal[f"results{k}"] = (contact.nodes, rows)
+        plan = [plan.begin, plan.until, plan.first, plan.last, plan.auto] if plan else []
+        table, error = attempt(functions_of_time, self, self.time, self._beyond)
+        agree(self.comm, error, "functions of time")
         attributes = {
             **totals,
             "time": self.time, "beyond": self._beyond, "step": self.step, "safe": self._safe, "nominal": self._nominal,
-            "largest": self._largest, "total_start": self._total_start,
-            "plan": np.array([plan.begin, plan.until, plan.first, plan.last] if plan else [], dtype=float),
+            "largest": self._largest, "total_start": self._total_start, "plan": np.array(plan, dtype=float),
+            "functions of time": table,
         }  # fmt: skip
         checkpoint.write(path, self, arrays, nodal, ranks, attributes)
-        for recorder in self._recorders:
-            recorder.flush()
 
     def restore(self, path):
         """Go on from a checkpoint of the same problem, written on any number of ranks. Collective.
+
+        The same are mesh, materials, damping, scheme, supports, loads, contacts, and their functions of time up to the
+        time of the checkpoint, to the last digit. Values of loads (`constant.value`) must be those that they had when
+        it was written; afterwards they may be changed, as between any two calls of `advance`.
 
         On as many ranks as wrote it the run goes on bit for bit (if DOLFINx numbers the mesh as it did then, which it
         does not always on three ranks and more), on others to round-off. `advance` with the time that
         the interrupted call had continues with its very steps.
 
         Raises:
-            RuntimeError: the file cannot be read. ValueError: it is of another mesh, material, ...; on all ranks.
+            RuntimeError: the file cannot be read, or is damaged. ValueError: it is of another mesh, material, ...; on
+            all ranks. The problem is then as it was.
         """
         with guard(self.comm, "restore", path=path):
             arguments.path("path", path)
-        file = checkpoint.Reader(path, self)
-        count, a = self._cpp.num_saved_parts, file.attributes
-        parts = [file.arrays[f"part{k}"].ravel() for k in range(count)]
-        accounts = file.ranks["accounts"]
-        additive = np.ones(accounts.shape[1], dtype=bool)
-        additive[self._cpp.num_additive :] = False
+        with Interrupts(self.comm) as interrupts:
+            self._take(self._read(path))
+            interrupts.check()
+
+    def _read(self, path):
+        """All of a checkpoint, looked at; nothing is changed. Collective."""
+        bs, count = self.space.dofmap.index_map_bs, self._cpp.num_saved_parts
+        sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.contact) for j, s in enumerate(c.sides())]
+        results = {f"results{k}": contact.seen()[0].shape[1] for k, contact in enumerate(self.contact)}
+        accounts = self._cpp.num_additive + 3 + 9 * len(self.contact)
+        file = checkpoint.Reader(
+            path,
+            self,
+            arrays={name: bs for name in ("u", "v", "r", *(f"part{k}" for k in range(count)))},
+            nodal={**{name: 2 * bs + 4 for name, _ in sides}, **results},
+            ranks={"accounts": accounts, **{name: len(ENERGY) for name, _ in sides}},
+            attributes=[*NUMBERS, "plan", "functions of time", *(f"contact{k}" for k in range(len(self.contact)))],
+        )
+        nodes, wanted = supports(self)
+        found = file.all_at("supports", nodes)
+        other = np.flatnonzero(np.any(found != wanted, axis=1))
+        error = None
+        if len(other):
+            place = checkpoint.places(self.space)[nodes[other[0]]].tolist()
+            error = ValueError(f"{path} is of another problem: supports differ, the first at {place}")
+        agree(self.comm, error, "restore")
+        read = {
+            "file": file,
+            "accounts": file.rank("accounts", np.arange(accounts) < self._cpp.num_additive),
+            "histories": [file.all_at(name, side.nodes) for name, side in sides],
+            "energies": [file.rank(name, np.ones(len(ENERGY), dtype=bool)) for name, _ in sides],
+            "results": [file.all_at(f"results{k}", contact.nodes) for k, contact in enumerate(self.contact)],
+            "sides": [side for _, side in sides],
+        }
+        agree(self.comm, attempt(self._check, path, read)[1], "restore")
+        return read
+
+    def _check(self, path, read):
+        """Look at what was read on this rank, and bring it into form."""
+        a, m = read["file"].attributes, self._cpp.num_additive
+
+        def want(right, what):
+            if not right:
+                raise ValueError(f"{path} is of no run: {what}")
+
+        for name in NUMBERS:
+            value = a[name]
+            want(np.ndim(value) == 0 and np.issubdtype(np.asarray(value).dtype, np.number), f"{name} is {value!r}")
+            want(not math.isnan(value), f"{name} is {value!r}")
+        time, beyond, step = float(a["time"]), float(a["beyond"]), int(a["step"])
+        want(0.0 <= time <= beyond < math.inf, f"time is {time}, the next one {beyond}")
+        want(step == a["step"] and 0 <= step < 2**53 and (step > 0) == (time > 0.0), f"step is {a['step']}")
+        want(a["safe"] > 0.0 and a["nominal"] > 0.0, f"steps are {a['safe']} and {a['nominal']}")
+        want(0.0 <= a["largest"] < math.inf and abs(a["total_start"]) < math.inf, "energies are no numbers")
+        read["plan"] = _plan(a["plan"], want, time, step)
+        accounts = read["accounts"]
+        want(np.all(np.isfinite(np.delete(accounts, m + 2))), "the table ranks/accounts has values that are no numbers")
+        want(accounts[m] >= 0.0 and accounts[m + 1] >= 0.0 and accounts[m + 2] > 0.0, "steps of ranks/accounts")
+        facets = 8 * self.space.mesh.topology.index_map(self.space.mesh.topology.dim).size_global
+        read["histories"] = [_unpack(rows, self.space.dofmap.index_map_bs, facets, want) for rows in read["histories"]]
         for k, contact in enumerate(self.contact):
-            for j, side in enumerate(contact.sides()):
-                name = f"contact{k}_{j}"
-                rows, found = file.at(name, side.nodes)
-                rows[~found] = 0.0
-                side.set_history(_unpack(rows, self.space.dofmap.index_map_bs))
-                side.set_energy(*file.rank(name, np.ones(len(ENERGY), dtype=bool)))
+            totals, known = np.asarray(a[f"contact{k}"]), contact.seen()[1]
+            want(totals.shape == known.shape and np.all(np.isfinite(totals)), f"contact{k} is {totals!r}")
+        here, there = functions_of_time(self, time, beyond), np.asarray(a["functions of time"])
+        scale = np.abs(here).max(initial=0.0)
+        if there.shape != here.shape or not np.all(np.abs(here - there) <= SAME * scale):
+            raise ValueError(
+                f"{path} is of another problem: functions of time (of loads, supports, obstacles) have other values up "
+                f"to the time {time:g}"
+            )
+        # Loads and prescribed motion of the present time: acceleration and velocity have them in.
+        read["table"] = self._table(np.array([time, beyond]))
+
+    def _take(self, read):
+        """Become what was read; nothing of this can fail. Collective."""
+        file, table = read["file"], read["table"]
+        a, count = file.attributes, self._cpp.num_saved_parts
+        self._refresh()
+        for side, history, energy in zip(read["sides"], read["histories"], read["energies"]):
+            side.set_history(history)
+            side.set_energy(*energy)
+        parts = [file.arrays[f"part{k}"].ravel() for k in range(count)]
         self._cpp.restore(
             *(np.ascontiguousarray(file.arrays[name]).ravel() for name in ("u", "v", "r")),
             np.concatenate(parts) if parts else np.zeros(0),
-            np.ascontiguousarray(file.rank("accounts", additive)),
+            np.ascontiguousarray(read["accounts"]),
         )
         self.time, self.step, self._beyond = float(a["time"]), int(a["step"]), float(a["beyond"])
-        # Loads and prescribed motion of the present time: acceleration and velocity have them in.
-        table = self._table(np.array([self.time, self._beyond]))
         self._cpp.run(np.zeros(0), np.ascontiguousarray(table).ravel(), table.shape[1], np.zeros(0))
         self._safe, self._nominal = float(a["safe"]), float(a["nominal"])
         self._largest, self._total_start = float(a["largest"]), float(a["total_start"])
-        plan = a["plan"]
-        self._plan = Plan(plan[0], plan[1], int(plan[2]), int(plan[3])) if len(plan) else None
+        self._plan = read["plan"]
         self._rows, self._good, self._known_start = [], None, True
         for recorder in self._recorders:
             recorder.restart()
         self._look()
         for k, contact in enumerate(self.contact):
-            contact.set_seen(file.at(f"results{k}", contact.nodes)[0], a[f"contact{k}"])
+            contact.set_seen(read["results"][k], np.asarray(a[f"contact{k}"]))
+
+
+def _plan(values, want, time, step):
+    """The steps that were still to be taken, or None."""
+    values = np.asarray(values, dtype=float).ravel()
+    want(len(values) in (0, 5) and np.all(np.isfinite(values)), f"plan is {values.tolist()}")
+    if not len(values):
+        return None
+    begin, until, first, last, auto = values.tolist()
+    plan = Plan(begin, until, int(first), int(last), bool(auto))
+    right = 0.0 <= begin < until and 0 <= first < last and auto in (0.0, 1.0) and first % 1 == last % 1 == 0.0
+    right = right and first <= step <= last and abs(plan.times(np.array(step)) - time) <= SAME * until
+    want(right, f"plan is {values.tolist()} at the time {time} and step {step}")
+    return plan
 
 
 def _pack(history, bs):
@@ -113,12 +203,19 @@ def _pack(history, bs):
     return np.hstack(columns)
 
 
-def _unpack(rows, bs):
+def _unpack(rows, bs, facets, want):
+    """Back from `_pack`, looked at. Args: facets: numbers of facets are less than this."""
     whole = np.ascontiguousarray
+    xi, closed, facet = rows[:, 2 * bs : 2 * bs + 2], rows[:, -2], rows[:, -1]
+    want(np.all(np.isin(closed, (-1.0, 0.0, 1.0))), "a contact's nodes have a state that does not exist")
+    want(
+        np.all((facet % 1 == 0) & (facet >= -1) & (facet < facets)), "a contact's nodes are on facets that do not exist"
+    )
+    want(np.all((xi >= -XI_MARGIN) & (xi <= 1.0 + XI_MARGIN)), "a contact's nodes are beside their facets")
     return {
         "tangential": whole(rows[:, :bs]),
         "slip": whole(rows[:, bs : 2 * bs]),
-        "xi": whole(rows[:, 2 * bs : 2 * bs + 2]),
-        "closed": whole(rows[:, -2].astype(np.int8)),
-        "facet": whole(np.rint(rows[:, -1]).astype(np.int64)),
+        "xi": whole(xi),
+        "closed": whole(closed.astype(np.int8)),
+        "facet": whole(facet.astype(np.int64)),
     }

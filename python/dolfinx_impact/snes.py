@@ -7,6 +7,7 @@ or there is none, equations are smooth enough for any other type: -snes_type new
 import numpy as np
 from petsc4py import PETSc
 
+from .collective import attempt
 from .newton import LOOSE_DIGITS, Newton
 from .steps import Increment
 
@@ -19,6 +20,7 @@ class Solver:
     Args:
         problem: StaticProblem; options are read with the prefix of its linear solver. rtol, atol, max_iterations: as in
             StaticProblem.solve, where -snes_rtol, -snes_atol and -snes_max_it do not say otherwise.
+        interrupts: Interrupts, checked in every iteration.
 
     Attributes:
         seconds: as in Newton.
@@ -27,8 +29,8 @@ class Solver:
         ValueError: multipliers and another method than the package's own.
     """
 
-    def __init__(self, problem, rtol, atol, max_iterations):
-        self.problem, space = problem, problem.space
+    def __init__(self, problem, rtol, atol, max_iterations, interrupts):
+        self.problem, self._interrupts, space = problem, interrupts, problem.space
         self.snes = PETSc.SNES().create(space.mesh.comm)
         self.snes.setOptionsPrefix(problem._solver.ksp.getOptionsPrefix())
         self.snes.setType(OWN)
@@ -69,21 +71,29 @@ class Solver:
             return self._run_other(target, log)
         self._target, self._log = target, log
         self._take()
+        self._result = self._fault = None
         self.snes.solve(None, self._x)
+        if self._fault is not None:
+            raise self._fault
         return self._result
 
     # --- the package's own method: PETSc calls this ------------------------------------------------------------------
 
     def solve(self, snes, _, x):
         """SNES's type "python" calls it."""
-        self._result = self._newton.run(self._target, self._log)
+        reasons = PETSc.SNES.ConvergedReason
+        # PETSc makes errors of its own of exceptions that pass through it.
+        self._result, self._fault = attempt(self._newton.run, self._target, self._log)
+        if self._fault is not None:
+            snes.setConvergedReason(reasons.DIVERGED_FUNCTION_DOMAIN)
+            return
         x.array[:] = self.problem.u.x.array[: self.problem._num_owned]
         snes.setIterationNumber(self._result.iterations)
-        reasons = PETSc.SNES.ConvergedReason
         snes.setConvergedReason(reasons.DIVERGED_MAX_IT if self._result.fault else reasons.CONVERGED_FNORM_RELATIVE)
 
     def _tell(self, iteration, norm):
         self.snes.monitor(iteration, norm)
+        self._interrupts.check()
 
     # --- PETSc's methods ----------------------------------------------------------------------------------------------
 
@@ -106,7 +116,29 @@ class Solver:
                 changes += contact.switch(False)
         return residual, changes
 
+    def _solve_by_petsc(self):
+        """As snes.solve, but exceptions of what PETSc calls are raised as they are."""
+        self._fault = None
+        try:
+            self.snes.solve(None, self._x)
+        except PETSc.Error:
+            if self._fault is not None:
+                raise self._fault from None
+            raise
+
+    def _kept(self, work, *args):
+        """Work that PETSc calls; an exception is kept for _solve_by_petsc."""
+        try:
+            return work(*args)
+        except BaseException as error:
+            self._fault = error
+            raise
+
     def _function(self, snes, x, F):
+        self._kept(self._evaluate, x, F)
+
+    def _evaluate(self, x, F):
+        self._interrupts.check()
         self._set(x)
         residual, changes = self._residual()
         residual[self._newton.fixed] = 0.0  # prescribed values are there already
@@ -114,6 +146,9 @@ class Solver:
         self._changes += changes
 
     def _jacobian(self, snes, x, J, P):
+        self._kept(self._linearise, snes, x, J)
+
+    def _linearise(self, snes, x, J):
         """Tangent at x, where PETSc has evaluated the function last, or not."""
         self._set(x)
         self._residual()
@@ -157,7 +192,7 @@ class Solver:
             self.snes.setTolerances(rtol=0.0, atol=tolerance, stol=self._stol, max_it=self._max_it)
             self.snes.setConvergenceHistory(length=1000, reset=True)
             self._take()
-            self.snes.solve(None, self._x)
+            self._solve_by_petsc()
             self._set(self._x)
             self._residual()
             norms = self.snes.getConvergenceHistory()[0]

@@ -130,6 +130,13 @@ class _Path:
             constant.value = end
 
 
+def _back(problem, good, states):
+    """Displacements and contacts as they were when the increment began."""
+    problem.u.x.array[:] = good
+    for contact, state in zip(problem.contact, states):
+        contact.restore(state)
+
+
 def run_steps(problem, solver, steps, cut_backs, verbose):
     """The loop of StaticProblem.solve."""
     report, log, path = Report(), _Log(problem.space.mesh.comm, verbose), _Path(problem)
@@ -144,7 +151,12 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
         displacements = iter(path.apply(fraction))
         for contact in problem.contact:
             contact.begin(problem.u.x.array, next(displacements) if contact.pair.rigid else None)
-        increment = solver.run(path.values(fraction), log)
+        try:
+            increment = solver.run(path.values(fraction), log)
+        except BaseException:  # Ctrl-C, a user's function: what counts is the last converged state
+            _back(problem, good, states)
+            path.finish(done)
+            raise
         if not increment.fault:
             overlaps = [text for text in [c.overlap() for c in problem.contact] if text]
             if overlaps:
@@ -155,9 +167,7 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
             report.add(increment, fraction)
             good, done = problem.u.x.array.copy(), fraction
             continue
-        problem.u.x.array[:] = good
-        for contact, state in zip(problem.contact, states):
-            contact.restore(state)
+        _back(problem, good, states)
         if increment.hopeless:
             path.finish(done)
             raise RuntimeError(increment.fault)

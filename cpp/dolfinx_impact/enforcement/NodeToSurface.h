@@ -100,7 +100,8 @@ public:
   /// @param[in] u displacements of the Halo's nodes [L]
   /// @throws std::invalid_argument without a given penalty
   NodalSprings springs(const double* u);
-  /// Energies so far, for a run that goes on from a checkpoint.
+  /// Energies of this direction alone, for checkpoints.
+  const ContactEnergy& own_energy() const { return _energy; }
   void set_energy(const ContactEnergy& energy) { _energy = energy; }
   /// The other direction of balanced contact, or null.
   NodeToSurface* other() { return _other.get(); }

@@ -238,8 +238,20 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   _fresh = false;
 }
 
+/// Asks ten times a second at most: the answer may take a lock.
+bool CentralDifference::asked_to_stop(const std::function<bool()>& asked)
+{
+  if (!asked)
+    return false;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - _asked < std::chrono::milliseconds(100))
+    return false;
+  _asked = now;
+  return asked();
+}
+
 int CentralDifference::run(std::span<const double> steps, std::span<const double> table, int columns,
-                           std::span<double> history)
+                           std::span<double> history, const std::function<bool()>& asked)
 {
   if (table.size() != (steps.size() + 2) * columns)
     throw std::invalid_argument("the table of amplitudes needs a row for each time level, and one beyond");
@@ -249,6 +261,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
   for (double dt : steps)
     if (!(dt > 0.0))
       throw std::invalid_argument("a step is " + std::to_string(dt) + ": it must be positive");
+  _stop = _stopped = false;
   apply_loads(table.data());
   if (_last_step == 0.0)
     move_obstacles(table.data(), true);
@@ -259,7 +272,16 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
     const double* row = table.data() + k * columns;
     apply_loads(row);
     if (!_fresh && !evaluate())
+    {
+      _stopped = false;
       return int(k);
+    }
+    if (_stopped) // the sums of the last step have told
+    {
+      _beyond.assign(row + columns, row + 2 * columns);
+      return int(k);
+    }
+    _stop = _stop || asked_to_stop(asked);
     advance(steps[k], row + columns);
     _row = history.empty() ? nullptr : history.data() + k * row_size();
     reduce_begin();

@@ -3,6 +3,8 @@
 #include "../operators/InternalForce.h"
 #include "energy.h"
 #include "update.h"
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <mpi.h>
 #include <string>
@@ -64,8 +66,12 @@ public:
   /// @param[in] table amplitudes before and after each step and one step beyond, (steps + 2) rows
   /// @param[in] columns of the table
   /// @param[out] history rows before each step, or empty: Energies, then three entries for each contact's force
-  /// @returns steps done: fewer than asked for if the run went unstable (all ranks alike)
-  int run(std::span<const double> steps, std::span<const double> table, int columns, std::span<double> history);
+  /// @param[in] asked is called now and then: is this rank asked to stop? If any is, all stop after the same step
+  /// @returns steps done: fewer than asked for if the run went unstable or was asked to stop (all ranks alike)
+  int run(std::span<const double> steps, std::span<const double> table, int columns, std::span<double> history,
+          const std::function<bool()>& asked = {});
+  /// Did the last run end because a rank was asked to stop? The same on all ranks.
+  bool stopped() const { return _stopped; }
 
   /// Energies at the present time level, sums over ranks. Collective.
   Energies energies();
@@ -181,6 +187,7 @@ private:
   Coefficients coefficients(double dt) const;
   const double* loads() const { return _load.empty() ? nullptr : _load.data(); }
   double load_at(std::size_t i) const { return _load.empty() ? 0.0 : _load[i]; }
+  bool asked_to_stop(const std::function<bool()>& asked);
   void reduce_begin();
   bool reduce_end();
 
@@ -212,6 +219,8 @@ private:
   std::vector<double> _local, _global; ///< Local, then the contacts' forces
   MPI_Request _request = MPI_REQUEST_NULL;
   std::int64_t _num_searches = 0;
+  bool _stop = false, _stopped = false;         ///< this rank is asked to stop; the ranks have agreed on it
+  std::chrono::steady_clock::time_point _asked; ///< when `asked` was called last
   double _contact_seconds = 0.0;
   Halo::Traffic _traffic; ///< of Halos that are no more
   double* _row = nullptr; ///< of the history that the pending sums belong to

@@ -44,6 +44,7 @@ struct Local
     friction,
     kinematic, ///< work of the normal forces of kinematic contact
     search,    ///< contacts that need a search
+    stop,      ///< ranks that were asked to stop
     size
   };
 };

@@ -49,6 +49,7 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
       e[Local::kinematic] += energy.normal;
   }
   e[Local::search] = _used;
+  e[Local::stop] = _stop ? 1.0 : 0.0;
   if (!commit)
     return;
   _residual_work.commit(0.5 * dt * sums.after);
@@ -72,6 +73,7 @@ bool CentralDifference::reduce_end()
   MPI_Wait(&_request, MPI_STATUS_IGNORE);
   if (_global[Local::search] > 0.0)
     _search_due = true;
+  _stopped = _global[Local::stop] > 0.0;
   const Energies now = energies_of(_global, _linear);
   if (_row)
     std::copy(_global.begin() + Local::size, _global.end(), std::copy(now.values.begin(), now.values.end(), _row));

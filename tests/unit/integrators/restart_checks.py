@@ -46,6 +46,8 @@ def block_on_block(comm=COMM, kind=di.Penalty, friction=0.3, law=di.LinearElasti
     steel = law(young, 0.3, 1.0, "plane_strain")
     loads = [di.BodyForce((0.0, -9.81), amplitude=lambda t: 1.0 - np.exp(-t))]
     others = {"bcs": bcs, "loads": loads, "damping": di.Rayleigh(0.1, 1e-5)}
+    of_problem = ("bcs", "loads", "damping", "bulk_viscosity", "scheme", "lumping", "mass_scaling")
+    others |= {name: options.pop(name) for name in of_problem if name in options}
     return di.ExplicitProblem(u, steel, velocity=v, contact=[kind(pair, **options)], **others)
 
 

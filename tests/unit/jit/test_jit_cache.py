@@ -3,6 +3,7 @@ fit."""
 
 import os
 import re
+import stat
 import subprocess
 import sys
 
@@ -118,6 +119,84 @@ def test_compiler_that_fails(cache):
     assert not list(cache.glob("*"))  # nothing half-made stays behind
 
 
+def test_new_folders_are_private(cache, monkeypatch):
+    """Whatever the umask is; parents that were missing as well."""
+    below = cache / "more" / "kernels"
+    monkeypatch.setenv("IMPACT_JIT_CACHE", str(below))
+    before = os.umask(0)
+    try:
+        jit.compile_form(small_form())
+    finally:
+        os.umask(before)
+    assert [stat.S_IMODE(p.stat().st_mode) for p in (cache, cache / "more", below)] == [0o700] * 3
+    assert {stat.S_IMODE(p.stat().st_mode) for p in below.iterdir()} == {0o600}
+
+
+def _foreign(path):
+    os.chown(path, 12345, -1)
+
+
+def _open_to(mode):
+    return lambda path: path.chmod(mode)
+
+
+@pytest.mark.parametrize(
+    "spoil, words",
+    [
+        (_open_to(0o777), "mode 0777.*chmod -R go-w"),
+        (_open_to(0o770), "mode 0770.*chmod -R go-w"),
+        (_foreign, "belongs to uid 12345, this process runs as root"),
+    ],
+    ids=["world", "group", "foreign"],
+)
+@pytest.mark.parametrize("what", ["folder", "library", "list"])
+def test_what_others_may_have_written_is_not_loaded(cache, spoil, words, what):
+    if spoil is _foreign and os.geteuid() != 0:
+        pytest.skip("only root can give files away")
+    path = jit.Path(jit.compile_form(small_form()).source)
+    spoil({"folder": cache, "library": path, "list": path.with_suffix(".txt")}[what])
+    text = run(cache, "1.0", "refused")
+    assert "IMPACT_JIT_CACHE" in text and str(cache) in text
+    if what == "folder" or spoil is _foreign:
+        assert re.search(words, text), text
+    else:
+        assert "others may write the file" in text and "Delete it" in text
+        path.unlink()
+        path.with_suffix(".txt").unlink()
+        run(cache, "1.0", "computed")
+
+
+def test_parents_that_everybody_may_write_in(tmp_path):
+    """Without the sticky bit everybody may put another folder there; with it, as in /tmp, not."""
+    parent = tmp_path / "open"
+    parent.mkdir()
+    parent.chmod(0o777)
+    text = run(parent / "kernels", "3.0", "refused")
+    assert "everybody may write in" in text and "chmod +t" in text
+    parent.chmod(0o1777)
+    run(parent / "kernels", "3.0", "computed")
+
+
+def test_a_link_counts_as_what_it_leads_to(tmp_path):
+    (tmp_path / "open").mkdir()
+    (tmp_path / "open").chmod(0o777)
+    (tmp_path / "link").symlink_to(tmp_path / "open")
+    assert "others may write in it" in run(tmp_path / "link", "3.0", "refused")
+
+
+@pytest.mark.parametrize(
+    "name", ["a b  c", "K\u00f6rper \u63a5\u89e6", b"latin \xe4"], ids=["blanks", "unicode", "bytes"]
+)
+@pytest.mark.parametrize("locale", ["C.UTF-8", "C"])
+def test_names_of_folders(tmp_path, name, locale):
+    """Compiled and found again, in a locale that knows no letters but ASCII's as well."""
+    folder = os.fsencode(tmp_path) + b"/" + (name if isinstance(name, bytes) else name.encode())
+    plain = {"LC_ALL": locale, "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    for _ in range(2):
+        run(os.fsdecode(folder), "3.0", "computed", plain)
+    assert sorted(os.path.splitext(f)[1] for f in os.listdir(folder)) == [b".cpp", b".so", b".txt"]
+
+
 def test_compiler_with_arguments(cache):
     run(cache, "3.0", "computed", {"CXX": "g++ -O1"})
 
@@ -155,6 +234,17 @@ def test_ranks_compile_together(cache, mpirun, ranks):
     ids=["no compiler", "no cache"],
 )
 def test_ranks_fail_together(cache, mpirun, environment):
+    refused_together(cache, mpirun, environment)
+
+
+@pytest.mark.mpi
+def test_ranks_refuse_together(cache, mpirun):
+    cache.mkdir()
+    cache.chmod(0o777)
+    refused_together(cache, mpirun, {})
+
+
+def refused_together(cache, mpirun, environment):
     output = mpirun(2, SCRIPT, "5.0", env={"IMPACT_JIT_CACHE": str(cache), **environment})
     refusals = [line for line in output.splitlines() if line.startswith("refused")]
     assert len(refusals) == 2 and len(set(refusals)) == 1
