@@ -3,7 +3,6 @@
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 AXES = "xyz"
 
@@ -35,90 +34,96 @@ def bodies(V):
     return np.searchsorted(used, number), len(used)
 
 
-def motions(x, centre, axisymmetric):
-    """Rigid motions at points, shape (modes, points, gdim), and their names. Rotations are about `centre`."""
-    gdim = x.shape[1]
-    fields, names = [], []
-    for a in range(gdim):
-        if axisymmetric and a == 0:
-            continue
-        fields.append(np.broadcast_to(np.eye(gdim)[a], x.shape))
-        names.append(f"move along {AXES[a]}")
-    if not axisymmetric:
-        for a, b in ((0, 1),) if gdim == 2 else ((1, 2), (2, 0), (0, 1)):
-            turn = np.zeros_like(x)
-            turn[:, a], turn[:, b] = -(x[:, b] - centre[b]), x[:, a] - centre[a]
-            fields.append(turn)
-            names.append(f"turn about {AXES[3 - a - b]}")
-    return np.array(fields), names
-
-
-def against_master(rows, x, nodes, directions, master):
-    """Rows of a contact's held_rows: slave nodes along directions, less what they face on a deformable master.
-
-    Near a slave node its master moves like the master's nearest known node: enough for a yes or no.
+class RigidMotions:
+    """Unit rigid motions of all bodies, as fields over positions; turns are scaled by the body's size. Collective.
 
     Args:
-        rows: as free_motions gives it. x: reference positions of all nodes. nodes: (n) of the slave. directions: (n,
-        gdim). master: facets, or None for a rigid obstacle.
+        V: displacement space. u: displacements (array over owned and ghost dofs), about which motions are small [L].
+        axisymmetric: x is the radius.
+
+    Attributes:
+        body: number of the body of each node (owned and ghosts). x: (nodes, gdim) their present positions [L].
+        centres: (bodies, gdim) mean positions [L]. names: of the motions of one body. count: of the bodies.
     """
-    slave = rows(nodes, directions)
-    known = np.empty(0, dtype=int) if master is None else np.unique(master.nodes.ravel())
-    if (
-        len(nodes) == 0 or len(known) == 0
-    ):  # on other ranks only: it counts as held, the linear solver has the last word
-        return slave
-    nearest = known[cKDTree(x[known]).query(x[nodes])[1]]
-    return slave + rows(nearest, directions, -1.0)
+
+    def __init__(self, V, u, axisymmetric):
+        comm, gdim = V.mesh.comm, V.mesh.geometry.dim
+        self.gdim = gdim
+        self.body, self.count = bodies(V)
+        self.num_owned = V.dofmap.index_map.size_local
+        self.x = V.tabulate_dof_coordinates()[:, :gdim] + u.reshape(-1, gdim)
+        x, own = self.x[: self.num_owned], self.body[: self.num_owned]
+        sums = np.zeros((self.count, gdim + 1))
+        for c in range(gdim):
+            sums[:, c] = np.bincount(own, weights=x[:, c], minlength=self.count)
+        sums[:, gdim] = np.bincount(own, minlength=self.count)
+        sums = np.sum(comm.allgather(sums), axis=0)
+        self.centres = sums[:, :gdim] / sums[:, gdim, None]
+        size = np.zeros(self.count)
+        np.maximum.at(size, own, np.linalg.norm(x - self.centres[own], axis=1))
+        self.size = np.max(comm.allgather(size), axis=0)
+        axes = range(1 if axisymmetric else 0, gdim)
+        self._moves = np.array([np.eye(gdim)[a] for a in axes])
+        self._turns = () if axisymmetric else ((0, 1),) if gdim == 2 else ((1, 2), (2, 0), (0, 1))
+        self.names = [f"move along {AXES[a]}" for a in axes]
+        self.names += [f"turn about {AXES[3 - a - b]}" for a, b in self._turns]
+
+    @property
+    def size_of_all(self):
+        """Number of motions of all bodies together."""
+        return self.count * len(self.names)
+
+    def fields(self, body, x):
+        """Motions of the points' own bodies: (points, motions of a body, gdim)."""
+        out = np.zeros((len(x), len(self.names), self.gdim))
+        out[:, : len(self._moves)] = self._moves
+        arm = (x - self.centres[body]) / np.maximum(self.size[body], 1e-300)[:, None]
+        for k, (a, b) in enumerate(self._turns, len(self._moves)):
+            out[:, k, a], out[:, k, b] = -arm[:, b], arm[:, a]
+        return out
+
+    def rows(self, body, x, vectors):
+        """Work of unit forces on all motions: (points, size_of_all).
+
+        Args:
+            body: (n) whose points they are. x: (n, gdim) where they act [L]. vectors: (n, gdim) unit forces.
+        """
+        out = np.zeros((len(x), self.count, len(self.names)))
+        out[np.arange(len(x)), body] = np.einsum("nma,na->nm", self.fields(body, x), vectors)
+        return out.reshape(len(x), self.size_of_all)
+
+    def everywhere(self, number):
+        """One of the motions of all bodies at the owned nodes, (n, gdim)."""
+        b, k = divmod(number, len(self.names))
+        own = self.body[: self.num_owned]
+        values = self.fields(own, self.x[: self.num_owned])[:, k]
+        return np.where((own == b)[:, None], values, 0.0)
 
 
-def free_motions(V, fixed, contacts, axisymmetric=False):
+def free_motions(V, fixed, contacts, u, axisymmetric=False):
     """Sentences about the rigid motions that supports and active contacts leave. Collective.
 
     Bodies that nothing holds but that nearly touch are held by it: their contacts are told to `touch_nearest()`.
 
     Args:
-        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: with `held_rows(rows)` and
-            `touch_nearest()`.
+        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: with `held_rows(motions)`,
+            arrays of what contact prevents, a row per point and direction, a column per motion of RigidMotions, and
+            `touch_nearest()`; both collective. u: present displacements (array over owned and ghost dofs) [L].
 
     Returns:
-        list of str, empty if everything is held; the same on all ranks.
+        list of str, empty if everything is held; the same on all ranks, and the same on any number of them.
     """
     comm, gdim = V.mesh.comm, V.mesh.geometry.dim
-    body, count = bodies(V)
-    num_owned = V.dofmap.index_map.size_local
-    x = V.tabulate_dof_coordinates()[:, :gdim]
-    owned, own = x[:num_owned], body[:num_owned]
-    sums = np.zeros((count, gdim + 2))
-    for c in range(gdim):
-        sums[:, c] = np.bincount(own, weights=owned[:, c], minlength=count)
-    sums[:, gdim] = np.bincount(own, minlength=count)
-    sums = np.sum(comm.allgather(sums), axis=0)
-    centres = sums[:, :gdim] / sums[:, gdim, None]
-    distance = np.linalg.norm(owned - centres[own], axis=1)
-    size = np.array([np.max(distance[own == b], initial=0.0) for b in range(count)])
-    size = np.max(comm.allgather(size), axis=0)
-    _, names = motions(x[:1], centres[0], axisymmetric)
-    modes = len(names)
-
-    def rows(nodes, vectors, sign=1.0):
-        """Work of unit forces along vectors at nodes on every rigid motion of every body, turns scaled by size."""
-        out = np.zeros((len(nodes), count * modes))
-        for b in np.unique(body[nodes]):
-            at = np.flatnonzero(body[nodes] == b)
-            fields, _ = motions(x[nodes[at]], centres[b], axisymmetric)
-            fields[[k for k, n in enumerate(names) if "turn" in n]] /= max(size[b], 1e-300)
-            out[at[:, None], b * modes + np.arange(modes)] = sign * np.einsum("mna,na->nm", fields, vectors[at])
-        return out
-
-    supports = np.zeros((count * modes, count * modes))
-    dofs = np.flatnonzero(fixed[: num_owned * gdim])
+    motions = RigidMotions(V, u, axisymmetric)
+    supports = np.zeros((motions.size_of_all, motions.size_of_all))
+    dofs = np.flatnonzero(fixed[: motions.num_owned * gdim])
     for part in np.array_split(dofs, max(1, len(dofs) // 10000)):
-        r = rows(part // gdim, np.eye(gdim)[part % gdim])
+        nodes = part // gdim
+        r = motions.rows(motions.body[nodes], motions.x[nodes], np.eye(gdim)[part % gdim])
         supports += r.T @ r
 
     def free():
-        gram = supports + sum(r.T @ r for contact in contacts for r in contact.held_rows(rows))
+        gram = supports + sum(r.T @ r for contact in contacts for r in contact.held_rows(motions))
         gram = np.sum(comm.allgather(gram), axis=0)
         values, vectors = np.linalg.eigh(gram)
         return vectors[:, values < 1e-10 * max(values[-1], 1.0)]
@@ -129,11 +134,10 @@ def free_motions(V, fixed, contacts, axisymmetric=False):
     if loose.shape[1] == 0:
         return []
     sentences = []
-    for b in range(count):
-        part = loose[b * modes : (b + 1) * modes]
+    for b, part in enumerate(loose.reshape(motions.count, len(motions.names), -1)):
         strength = np.linalg.norm(part, axis=1)
-        found = [n for n, s in zip(names, strength) if s > 1e-3]
+        found = [n for n, s in zip(motions.names, strength) if s > 1e-3]
         if found:
-            where = ", ".join(f"{v:.4g}" for v in centres[b])
+            where = ", ".join(f"{v:.4g}" for v in motions.centres[b])
             sentences.append(f"the body around ({where}) is free to {', to '.join(found)}")
     return sentences

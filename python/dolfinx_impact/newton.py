@@ -80,8 +80,9 @@ class Newton:
                 changes, pending = self._switch(residual, iteration == 0)
                 if self.saddle:
                     residual -= sum(c.forces() for c in self.multipliers)
+                imposed = [] if self.saddle else [c.imposed_forces() for c in self.multipliers]
                 scale = max(scale, self._norm(residual))
-                norm = self._free_norm(residual)
+                norm = self._free_norm(residual - sum(f for f in imposed if f is not None))
             jump = target[self.fixed] - p.u.x.array[self.fixed]
             moved = self.comm.allreduce(int(np.any(jump))) == 0
             violation = max((c.violation() for c in p.contact), default=0.0)
@@ -185,7 +186,7 @@ class Newton:
         """What is wrong with the supports, or an empty string: bodies that supports and contact leave free.
         Collective."""
         p = self.problem
-        loose = held.free_motions(p.space, p.fixed, p.contact, p.axisymmetric)
+        loose = held.free_motions(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric)
         if not loose:
             return ""
         gaps = [(c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact]

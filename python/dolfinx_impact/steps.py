@@ -149,10 +149,11 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
         log(f"increment {len(report.iterations) + 1}: to {fraction:.4f} of the way")
         states = [c.save() for c in problem.contact]
         displacements = iter(path.apply(fraction))
+        target = path.values(fraction)
         for contact in problem.contact:
-            contact.begin(problem.u.x.array, next(displacements) if contact.pair.rigid else None)
+            contact.begin(problem.u.x.array, next(displacements) if contact.pair.rigid else None, target)
         try:
-            increment = solver.run(path.values(fraction), log)
+            increment = solver.run(target, log)
         except BaseException:  # Ctrl-C, a user's function: what counts is the last converged state
             _back(problem, good, states)
             path.finish(done)

@@ -27,8 +27,8 @@ class Constraints:
         rows: (n) index of the nodes among the contact's. nodes: (n) owned nodes.
         frames: (n, gdim, gdim), columns are the directions. over: (n, gdim, gdim) the same directions as the master's
         displacements see them. constrained: (n, gdim) of these.
-        known: (n, gdim) increments along constrained directions [L]. tilt: (n, gdim) friction per force along direction
-        `normal`, where a node slips, else the zero vector.
+        known: (n, gdim) increments along constrained directions [L]. tilt: (n, gdim) what friction adds to the contact
+        force where a node slips, per force along direction `normal`, else the zero vector.
         normal: (n) index of the normal direction.
         pointers, columns, values: rows of P = D^-1 M (global master nodes); empty rows for rigid masters.
     """

@@ -6,13 +6,14 @@ import basix
 import numpy as np
 
 from .. import _cpp
-from ..held import against_master
 from .matrices import NodalSum, global_dofs, matrix
 from .size import body_size
 from .start import InitialGap, check_side, nearly_touching
 
 # A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
 LEAST = 1e-2
+# Prescribed displacements are the same up to this part of them: fractions of a way are rounded.
+EQUAL = 1e-9
 # Part of a rim node's length that is in contact, by the ratio r of pressures: polynomial, highest power first, and the
 # most it can be, where the next node begins to touch. Measured on Hertz's line contact between elastic bodies, the edge
 # everywhere between the nodes (13 loads; quadrilaterals, and triangles of degree 2); left is 0.04 of a facet at most.
@@ -42,11 +43,13 @@ class SurfaceGeometry:
         numbers: (n) their global numbers. participates: (n) mask of those where one does.
         weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n) integral of the multiplier's
         function over the part of the surface that faces a master [L^2]; gaps and slips are means over it.
-        gap: (n) [L]. normal: (n, gdim).
+        gap: (n) [L]. normal: (n, gdim). fixed: (n, gdim) prescribed components. locked: (n, gdim) those along which the
+        motion against the master is prescribed to be zero in this increment.
         tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment.
     """
 
-    def __init__(self, spec, V, axisymmetric, basis):
+    def __init__(self, spec, V, axisymmetric, fixed, basis):
+        self.prescribed, self.driven = fixed, np.zeros(len(fixed))
         self.pair, self.V, self.axisymmetric = spec.pair, V, axisymmetric
         self.basis = getattr(_cpp.gap.Multipliers, basis)
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
@@ -73,6 +76,7 @@ class SurfaceGeometry:
         self.nodes = np.flatnonzero(owned > LEAST * around[: len(owned)])
         self.numbers = self.index_map.local_to_global(self.nodes.astype(np.int32))
         self.share, self.area = owned[self.nodes], around[self.nodes]
+        self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)
         self.tolerance = 1e-12 * self.size
@@ -84,9 +88,11 @@ class SurfaceGeometry:
         self.initial = InitialGap(self.pair, self.V, self.slave, self.master, self.points, self.gap)
         self.offset = self.initial.offset
 
-    def begin(self, u, displacement):
-        """An increment starts at u; the rigid master is to go to `displacement`."""
+    def begin(self, u, displacement, target=None):
+        """An increment starts at u; the rigid master is to go to `displacement`, prescribed degrees of freedom to
+        `target` (None: they stay)."""
         self.start = np.array(u)
+        self.driven = np.zeros_like(self.start) if target is None else np.where(self.prescribed, target - u, 0.0)
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
@@ -104,6 +110,10 @@ class SurfaceGeometry:
         self.u = u
         self.slave.move(u)
         self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
+
+    def same(self, a, b):
+        """Are prescribed displacements the same but for round-off?"""
+        return np.abs(a - b) <= EQUAL * np.maximum(np.abs(a), np.abs(b)) + 1e-2 * self.tolerance
 
     def spread(self, rows, means):
         """Means over the cover of some nodes, in terms of the diagonal of D."""
@@ -203,23 +213,35 @@ class SurfaceGeometry:
         )
         return np.where(middle, middles, corners)
 
-    def jump_rows(self, rows, held, directions):
-        """Rows of relative displacements of nodes along directions over rigid motions (held.free_motions)."""
-        return against_master(rows, self.rest, self.nodes[held], directions, self.master)
+    def jump_rows(self, motions, held):
+        """Displacements against the master of some nodes in all rigid motions, (gdim, held nodes, motions). Collective.
+
+        Args:
+            motions: held.RigidMotions. held: index of the nodes.
+        """
+        rows = np.zeros((self.gdim, len(held), motions.size_of_all))
+        surfaces = [s for s in (self.slave, self.master) if s is not None]
+        touched = np.zeros(motions.count, dtype=np.int32)
+        touched[np.concatenate([motions.body[s.nodes.ravel()] for s in surfaces])] = 1
+        touched = np.sum(self.comm.allgather(touched), axis=0) > 0
+        for number in np.flatnonzero(np.repeat(touched, len(motions.names))):
+            rows[:, :, number] = self.jump(motions.everywhere(number).ravel())[held].T
+        return rows
 
     def diagonal_stiffness(self, K):
-        """Mean diagonal entry of each slave node's block [F/L]."""
+        """Mean diagonal entries of each slave node's block and of the blocks opposite to it (zero: rigid), (n), (n)
+        [F/L]. Collective."""
         diagonal = K.getDiagonal()
-        values = np.abs(diagonal.array.reshape(-1, self.gdim)[self.nodes]).mean(axis=1)
+        values = np.abs(diagonal.array.reshape(-1, self.gdim)).mean(axis=1)
         diagonal.destroy()
-        return values
+        return values[self.nodes], self._facing(values)
 
 
 class RigidGeometry(SurfaceGeometry):
     """The slave's nodes against an obstacle whose gap is known in closed form."""
 
     def __init__(self, spec, V, axisymmetric, fixed):
-        super().__init__(spec, V, axisymmetric, "dual")
+        super().__init__(spec, V, axisymmetric, fixed, "dual")
         self.obstacle = self.pair.master._obstacle(self.gdim)
         self.weight = self.cover = self.share
         self.participates = np.ones(len(self.nodes), dtype=bool)
@@ -232,6 +254,12 @@ class RigidGeometry(SurfaceGeometry):
         self.obstacle.displacement = self.displacement.tolist()
         self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
         self.gap = self.gap + self.offset
+        moved = self.driven.reshape(-1, self.gdim)[self.nodes]
+        along = (self.displacement - self.start_displacement)[: self.gdim]
+        self.locked = self.fixed & self.same(moved, along)
+
+    def _facing(self, values):
+        return np.zeros(len(self.nodes))
 
     def jump(self, moved):
         """Displacements of the nodes against an obstacle at rest, (n, gdim), of increments over owned dofs."""

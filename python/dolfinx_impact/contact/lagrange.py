@@ -63,15 +63,19 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.direction = np.zeros((n, self.gdim))  # of the friction traction of slipping nodes
         self.multiplier = np.zeros(n)
         self.friction_traction = np.zeros((n, self.gdim))
+        self.traction_n = np.zeros((n, self.gdim))  # friction's, of the last converged state
+        self.imposed = np.zeros((n, self.gdim))  # see Coulomb
         self.total_slip = np.zeros((n, self.gdim))
         self.opening = None  # gap at the start of the increment where a node is open then, else zero [L]
         self.nodal_stiffness = np.ones(n)  # of the bodies at the slave's nodes [F/L]
+        self.facing_stiffness = np.zeros(n)  # of the master opposite to them [F/L]
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
     def save(self):
         """State that an increment starts from, as a dict of copies."""
         names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip", "opening")
+        names += ("traction_n", "imposed")
         return {name: copy.copy(getattr(self, name)) for name in names} | {"geometry": self.geometry.save()}
 
     def restore(self, state):
@@ -82,24 +86,27 @@ class LagrangeContact(Coulomb, ContactOutput):
             else:
                 setattr(self, name, copy.copy(value))
 
-    def begin(self, u, displacement):
-        """An increment starts at u; a rigid master goes to `displacement` in it. Collective."""
+    def begin(self, u, displacement, target=None):
+        """An increment starts at u; a rigid master goes to `displacement` in it, prescribed degrees of freedom to
+        `target` (array over all dofs, prescribed entries count; None: they stay). Collective."""
         if self.opening is None:
             self.geometry.update(u)
             self.opening = self._opened(self.geometry.gap)
-        self.geometry.begin(u, displacement)
+        self.geometry.begin(u, displacement, target)
 
     def _opened(self, gap):
         return np.where(~self.active & (gap > self.geometry.tolerance), gap, 0.0)
 
     def accept(self):
         """The increment has converged: slip adds up, less what a node slides before it closes."""
-        length = np.linalg.norm(self._slip, axis=1)
+        slip = self._slipping(self._slip)
+        length = np.linalg.norm(slip, axis=1)
         free = np.where(np.isfinite(self.opening), self.opening, 0.0) * self.pair.friction
         part = np.where(self.opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
-        self.total_slip += np.where(self.active[:, None], part[:, None] * self._slip, 0.0)
+        self.total_slip += np.where(self.active[:, None], part[:, None] * slip, 0.0)
         self.total_slip[~self.active] = 0.0
         self.opening = self._opened(self._gap)
+        self.traction_n = np.where(self.active[:, None], self.friction_traction, 0.0)
         self.total()
 
     def update(self, u):
@@ -109,13 +116,19 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.usable = self.geometry.participates & (self.place >= 0)
         self._gap, self._slip = self.geometry.gap, self.geometry.slip()
         self._at = self._gap, self._slip
+        self._spring = None  # those of a linear problem
+        if self.pair.friction > 0.0:
+            self._split()
 
     def predict(self, increments):
-        """Gaps and slips after displacement increments (array over owned dofs), linear in them. Collective."""
+        """Gaps and slips after displacement increments (array over owned dofs) of a linear solution, linear in them.
+        Collective."""
         jump = self.geometry.jump(increments)
         gap, slip = self._at
         self._gap = gap + np.einsum("na,na->n", self.geometry.normal, jump)
         self._slip = slip + self.geometry.tangential(jump)
+        if self.pair.friction > 0.0:
+            self._drive_on()
 
     def respond(self, increments, forces):
         """What gaps and multipliers gain by displacement increments and the nodal forces they cause (arrays over owned
@@ -150,12 +163,18 @@ class LagrangeContact(Coulomb, ContactOutput):
     def measure(self, residual):
         """Multipliers from the nodal residual (owned entries, without contact forces): equilibrium of slave nodes."""
         free, along, weight = self._along(residual)
-        self.multiplier = np.where(
-            self.active & self.usable, along / (weight * np.maximum(self.free_length, 1e-3)), 0.0
-        )
-        if self.pair.friction > 0.0:
-            tangential = free - along[:, None] * self._normal_direction()
-            self.friction_traction = np.where((self.active & self.usable)[:, None], tangential / weight[:, None], 0.0)
+        on = self.active & self.usable
+        if self.pair.friction == 0.0:
+            self.multiplier = np.where(on, along / (weight * np.maximum(self.free_length, 1e-3)), 0.0)
+            return
+        tilt = self._tilt() if self._spring is None else self._linear_tilt
+        known, normal = self._explicit(), self._normal_direction()
+        pressed = along / weight - np.einsum("na,na->n", normal, known)
+        self.multiplier = np.where(on, pressed / self._lean(tilt), 0.0)
+        # Along prescribed components forces are unknown: there tractions follow from the law.
+        known = np.einsum("nab,nb->na", self._drive + self._lock, self.multiplier[:, None] * tilt + known)
+        traction = (free - along[:, None] * normal) / weight[:, None] + known
+        self.friction_traction = np.where(on[:, None], traction, 0.0)
 
     def take(self, forces):
         """Multipliers from a saddle point: forces (n, gdim) along the directions of the frames, zero where nothing is
@@ -164,10 +183,9 @@ class LagrangeContact(Coulomb, ContactOutput):
         forces = np.einsum("nad,nd->na", self.frames, forces)
         weight = np.where(self.usable, self.geometry.weight, 1.0)
         along = np.einsum("na,na->n", self._normal_direction(), forces)
-        self.multiplier = np.where(on[:, 0], along / (weight * np.maximum(self.free_length, 1e-3)), 0.0)
+        self.multiplier = np.where(on[:, 0], along / (weight * self._lean(self._linear_tilt)), 0.0)
         tangential = (forces - along[:, None] * self._normal_direction()) / weight[:, None]
-        tangential += (along / weight)[:, None] * self._used_tilt
-        tangential -= np.einsum("nab,nb->na", self._spring, self._free_slip(self._slip) - self._rest)
+        tangential += self.multiplier[:, None] * self._linear_tilt + self._explicit()
         self.friction_traction = np.where(on, tangential, 0.0)
 
     def turn(self):
@@ -187,6 +205,7 @@ class LagrangeContact(Coulomb, ContactOutput):
             last: change no node but the one with this number, of all nodes of all ranks; see `last_change`.
         """
         active, sliding, direction = self._proposal(first)
+        stuck = self._stuck()
         changed = (active != self.active) | (sliding != self.sliding)
         number = self.geometry.numbers
         self.last_change = self.comm.allreduce(int(np.max(number[changed], initial=-1)), MPI.MAX)
@@ -194,6 +213,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.active = np.where(take, active, self.active)
         self.sliding = np.where(take, sliding, self.sliding)
         self.direction = np.where(take[:, None], direction, self.direction)
+        if self.pair.friction > 0.0 and not first:
+            self._impose(stuck)
         return self.comm.allreduce(int(np.count_nonzero(changed)))
 
     def _proposal(self, first):
@@ -226,9 +247,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         held = self.active & self.usable
         largest = float(np.max(np.abs(self.geometry.gap[held]), initial=0.0))
         if self.pair.friction > 0.0:
-            stuck = held & ~self.sliding & (self.opening == 0.0)
-            slip = np.einsum("nad,na->nd", self.frames[stuck], self._slip[stuck])
-            largest = max(largest, float(np.max(np.abs(slip[~self.fixed[stuck]]), initial=0.0)))
+            slip = np.linalg.norm(self._slipping(self._slip)[self._stuck()], axis=1)
+            largest = max(largest, float(np.max(slip, initial=0.0)))
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
 
     def overlap(self):
@@ -273,29 +293,29 @@ class LagrangeContact(Coulomb, ContactOutput):
         gap, slip = (self.geometry.spread(rows, values) for values in self._at)
         known = -np.einsum("nad,na->nd", self.frames[rows], slip)
         known[np.arange(len(rows)), place] = -gap / self.free_length[rows]
-        self._used_tilt = self._tilt() / np.where(self.usable, self.free_length, 1.0)[:, None]
+        tilt = self._linear_tilt = self._tilt()
+        normal = self.geometry.normal[rows]
+        lean = (normal + tilt[rows]) / self._lean(tilt)[rows, None] - normal / self.free_length[rows, None]
         over = self.frames[rows].copy()
         over[np.arange(len(rows)), :, place] = self.geometry.normal[rows] / self.free_length[rows, None]
         return condense.Constraints(
-            rows, self.nodes[rows], self.frames[rows], over, constrained, known, self._used_tilt[rows], place,
+            rows, self.nodes[rows], self.frames[rows], over, constrained, known, lean, place,
             *self.geometry.master_rows(rows),
         )  # fmt: skip
 
     def look_at(self, K):
         """Take from the bodies' stiffness what the changes of state need. Collective."""
-        self.nodal_stiffness = self.geometry.diagonal_stiffness(K)
+        self.nodal_stiffness, self.facing_stiffness = self.geometry.diagonal_stiffness(K)
 
     def stiffness(self):
         """Geometric stiffness of the contact forces: a matrix, or None. Collective."""
         return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
 
-    def held_rows(self, rows):
-        """What active nodes hold, for held.free_motions: one array of rows per kind of constraint."""
+    def held_rows(self, motions):
+        """What active nodes prevent, for held.free_motions: one array of rows per kind of constraint. Collective."""
         held = np.flatnonzero(self.active & self.usable)
-        directions = [self.geometry.normal]
-        if self.pair.friction > 0.0:
-            directions = [np.tile(e, (len(self.nodes), 1)) for e in np.eye(self.gdim)]
-        return [self.geometry.jump_rows(rows, held, d[held]) for d in directions]
+        rows = self.geometry.jump_rows(motions, held)
+        return list(rows) if self.pair.friction > 0.0 else [np.einsum("na,anm->nm", self.normal[held], rows)]
 
     # --- results ---------------------------------------------------------------------------------------------------
 

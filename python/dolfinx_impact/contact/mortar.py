@@ -10,6 +10,8 @@ from .neighbours import Neighbours
 
 # Sine of the largest angle by which facets may tilt a normal at a plane of symmetry: 5 degrees, docs/contact.md.
 SYMMETRY = np.sin(np.deg2rad(5.0))
+# Nodes lie on one plane of symmetry where they are apart across it by less than this part of the bodies' size.
+PLANE = 1e-6
 
 
 class MortarGeometry(SurfaceGeometry):
@@ -20,8 +22,8 @@ class MortarGeometry(SurfaceGeometry):
     """
 
     def __init__(self, spec, V, axisymmetric, fixed, basis="dual"):
-        super().__init__(spec, V, axisymmetric, basis)
-        self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
+        super().__init__(spec, V, axisymmetric, fixed, basis)
+        self._any_fixed = self.comm.allreduce(int(np.any(self.fixed))) > 0
         element, other = self.slave.displacement, self.master.displacement
         degree = spec.quadrature_degree
         if degree is None:
@@ -63,6 +65,7 @@ class MortarGeometry(SurfaceGeometry):
         sums = np.zeros(num_nodes * self.gdim)
         _cpp.gap.add_normals(near.slave, sums)
         self.sums = vectors(sums)
+        self.locked = self._locked()
         self.normal = self._nodal_normals(self.sums[self.nodes])
         self.gap = np.full(len(self.nodes), np.inf)
         on = self.participates
@@ -87,8 +90,34 @@ class MortarGeometry(SurfaceGeometry):
     def _nodal_normals(self, sums):
         """Unit normals; on planes of symmetry, which facets meet nearly at right angles, in them."""
         normals = sums / np.linalg.norm(sums, axis=1)[:, None]
-        normals[self.fixed & (np.abs(normals) < SYMMETRY)] = 0.0
+        normals[self.locked & (np.abs(normals) < SYMMETRY)] = 0.0
         return normals / np.linalg.norm(normals, axis=1)[:, None]
+
+    def _locked(self):
+        """Prescribed components, mask (n, gdim), along which the master is prescribed to move as the slave's node does:
+        at one of the nodes it faces that lies on one plane with it, or at all of them. Collective."""
+        if not self._any_fixed:
+            return self.fixed
+        size = self.map.size_local + self.map.num_ghosts
+        known = np.zeros((size, 3 * self.gdim))
+        num = self.gdim * self.index_map.size_local
+        here = self.rest + self.u.reshape(-1, self.gdim)
+        for k, values in enumerate((self.prescribed, self.driven, here.ravel())):
+            known[: self.index_map.size_local, k * self.gdim : (k + 1) * self.gdim] = values[:num].reshape(-1, self.gdim)
+        fixed, moved, x = np.split(NodalSum(self.map, 3 * self.gdim).forward(known), 3, axis=1)
+        rows, cols, _ = self.mortar.M
+        some = np.any(fixed[rows] > 0.0, axis=1)
+        rows, cols = rows[some], cols[some]
+        equal = (fixed[cols] > 0.0) & self.same(moved[rows], moved[cols])
+        beside = equal & (np.abs(x[rows] - x[cols]) < PLANE * self.size)
+        sums = np.zeros((size, 2 * self.gdim))
+        np.add.at(sums, rows, np.hstack([beside, ~equal]))
+        on_plane, other = np.split(NodalSum(self.map, 2 * self.gdim)(sums)[self.nodes], 2, axis=1)
+        return self.fixed & ((on_plane > 0.0) | (other == 0.0))
+
+    def _facing(self, values):
+        over = self._over_master(values[:, None])[self.nodes, 0]
+        return np.abs(np.where(self.participates, over / np.where(self.participates, self.weight, 1.0), 0.0))
 
     def _over_master(self, values):
         """M times nodal values (owned nodes, gdim)."""

@@ -6,7 +6,6 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..collective import comm_of, guard
-from ..held import against_master
 from ..materials import _number
 from .automatic import automatic_penalty, check_penalty
 from .matrices import NodalSum, matrix
@@ -138,7 +137,7 @@ class PenaltyContact(ContactOutput):
         self._touched = state["touched"].copy()
         self.start_displacement, self.displacement = (d.copy() for d in state["displacements"])
 
-    def begin(self, u, displacement):
+    def begin(self, u, displacement, target=None):
         """An increment starts at u; a rigid master goes to `displacement` in it. Collective."""
         if self.penalty is None:
             self.penalty = automatic_penalty(self, FACTOR)
@@ -309,17 +308,29 @@ class PenaltyContact(ContactOutput):
         None. Collective."""
         return -self._nodal_forces(self._pair.stretched(self._state)) if self._pulls else None
 
-    def held_rows(self, rows):
-        """What touching points hold, for held.free_motions: the slave's nodes stand for the points."""
-        touching = np.unique(np.flatnonzero(self._state.status) // self._points.per_facet)
-        nodes = self.slave.nodes[touching].ravel()
-        normals = self._points.normal.reshape(-1, self._points.per_facet, self.gdim)[touching, 0]
-        normals = np.repeat(normals, self.slave.nodes.shape[1], axis=0)
-        directions = [normals]
-        if self.pair.friction > 0.0:
-            directions = [np.tile(e, (len(nodes), 1)) for e in np.eye(self.gdim)]
-        x = self.V.tabulate_dof_coordinates()
-        return [against_master(rows, x, nodes, d, self.master) for d in directions]
+    def held_rows(self, motions):
+        """What touching points prevent, for held.free_motions: arrays of rows, one for each direction and some
+        thousand points. Collective."""
+        touching = np.flatnonzero(self._state.status)
+        slave, master = self._at[0]
+        body = motions.body
+        if master is not None:  # facets that other ranks know
+            near, body = self.neighbours.map, np.zeros(self.neighbours.map.size_local + self.neighbours.map.num_ghosts)
+            body[: motions.num_owned] = motions.body[: motions.num_owned]
+            body = NodalSum(near, 1).forward(body).ravel().astype(int)
+        feet, facing, parts = self._feet(), self._points.master, []
+        for at in np.array_split(touching, max(1, len(touching) // 10000)):
+            directions = [self.normal[at]]
+            if self.pair.friction > 0.0:
+                directions = [np.tile(e, (len(at), 1)) for e in np.eye(self.gdim)]
+            slaves = body[slave.nodes[at // self._points.per_facet, 0]]
+            for d in directions:
+                rows = motions.rows(slaves, self.points[at], d)
+                if master is not None:
+                    masters = body[master.nodes[facing[at], 0]]
+                    rows -= motions.rows(masters, feet[at], d)
+                parts.append(rows)
+        return parts
 
     # --- results ---------------------------------------------------------------------------------------------------
 

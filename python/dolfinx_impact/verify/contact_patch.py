@@ -122,12 +122,16 @@ def _points(rows, ours, answer, place):
 
 
 def _prescribed(body):
-    """Boundary conditions on the first component of the first slave nodes, as on a plane of symmetry; and the dofs."""
-    from .contact_bodies import SLAVE
+    """Boundary conditions on the first component of the first slave nodes and of the master, as on a plane of symmetry;
+    and the dofs."""
+    from .contact_bodies import MASTER, SLAVE
 
-    nodes = fem.locate_dofs_topological(body.V, body.gdim - 1, body.tags.find(SLAVE))
+    nodes, faced = (
+        fem.locate_dofs_topological(body.V, body.gdim - 1, body.tags.find(tag)).astype(np.int32)
+        for tag in (SLAVE, MASTER)
+    )
     x = body.V.tabulate_dof_coordinates()[nodes, 0]
-    dofs = body.gdim * nodes[x < x.min() + 0.1].astype(np.int32)
+    dofs = body.gdim * np.union1d(nodes[x < x.min() + 0.1], faced)
     return [fem.dirichletbc(0.0, dofs, body.V.sub(0))], dofs
 
 
