@@ -111,6 +111,11 @@ class SurfaceGeometry:
         self.slave.move(u)
         self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
 
+    def ahead(self):
+        """What prescribed components of the slave's nodes have yet to move in this increment, (n, gdim) [L]."""
+        left = (self.driven - np.where(self.prescribed, self.u - self.start, 0.0)).reshape(-1, self.gdim)[self.nodes]
+        return np.where(self.fixed, left, 0.0)
+
     def same(self, a, b):
         """Are prescribed displacements the same but for round-off?"""
         return np.abs(a - b) <= EQUAL * np.maximum(np.abs(a), np.abs(b)) + 1e-2 * self.tolerance

@@ -223,13 +223,15 @@ class LagrangeContact(Coulomb, ContactOutput):
         closing = ~self.active & self.usable & (self._gap < (tolerance if first else -tolerance))
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
         opening = self.active & (~self.usable | (not first) & (self.multiplier < -1e-12 * largest))
-        active = (self.active | closing) & ~opening
         if self.pair.friction == 0.0 or first:
+            active = (self.active | closing) & ~opening
             return active, self.sliding & active, self.direction
-        held = (active & self.active) | closing
         bound = self.pair.friction * self._pressing(closing)
         trial = self._trial(bound, (self.sliding | closing))
         size = np.linalg.norm(trial, axis=1)
+        # A node that sticks is let slip before it is let go: what holds it along the surface may pull it off.
+        active = (self.active | closing) & ~(opening & ~(self._stuck() & (size > 0.0)))
+        held = (active & self.active) | closing
         slips = held & (size > bound * (1 + 1e-10))
         # What slipped and would now slip the other way comes to rest first, or it might go to and fro for ever.
         slips &= ~(self.sliding & (np.einsum("na,na->n", trial, self.direction) < 0.0))
@@ -292,7 +294,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         # Gaps and slips are means over the cover, rows of D^-1 M speak of the node.
         gap, slip = (self.geometry.spread(rows, values) for values in self._at)
         known = -np.einsum("nad,na->nd", self.frames[rows], slip)
-        known[np.arange(len(rows)), place] = -gap / self.free_length[rows]
+        ahead = np.einsum("na,na->n", self.geometry.normal[rows], self.geometry.ahead()[rows])  # prescribed motion
+        known[np.arange(len(rows)), place] = -(gap + ahead) / self.free_length[rows]
         tilt = self._linear_tilt = self._tilt()
         normal = self.geometry.normal[rows]
         lean = (normal + tilt[rows]) / self._lean(tilt)[rows, None] - normal / self.free_length[rows, None]

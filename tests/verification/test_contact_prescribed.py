@@ -1,0 +1,87 @@
+"""Friction at nodes whose displacement is prescribed in part: blocks pushed by a whole side, planes of symmetry."""
+
+import numpy as np
+import pytest
+from contact_model import Model, assert_coulomb
+
+import dolfinx_impact as di
+
+FRICTION, E, LOAD = 0.25, 1e3, 1e-3
+BASES = {
+    "dual": di.Lagrange,
+    "standard": lambda pair: di.Lagrange(pair, basis="standard"),
+    "linear": lambda pair: di.Lagrange(pair, basis="linear"),
+    "penalty": di.Penalty,
+}
+CASES = [
+    ("rigid", "dual", 1, 2),
+    ("rigid", "dual", 2, 2),
+    ("rigid", "dual", 1, 3),
+    ("rigid", "penalty", 1, 2),
+    ("rigid", "penalty", 1, 3),
+    ("block", "dual", 1, 2),
+    ("block", "dual", 2, 2),
+    ("block", "dual", 1, 3),
+    ("block", "standard", 1, 2),
+    ("block", "standard", 1, 3),
+    ("block", "linear", 2, 2),
+    ("block", "penalty", 1, 2),
+    ("block", "penalty", 1, 3),
+]
+cases = pytest.mark.parametrize("on, basis, degree, dim", CASES, ids=["-".join(map(str, c)) for c in CASES])
+
+
+class Pushed:
+    """A block under a dead load, pushed along x by all nodes of its left side, those of the contact as well.
+
+    Args:
+        on: "rigid" or "block", what it lies on. slope: of the interface, dy/dx (in space: dz/dx).
+    """
+
+    def __init__(self, on, basis, degree, dim, slope=0.0):
+        law = di.LinearElastic(E, 0.0, hypothesis="3d" if dim == 3 else "plane_strain")
+        up = np.eye(dim)[-1]
+        if on == "rigid":
+            size, cells = ((1.0, 0.5), (6, 3)) if dim == 2 else ((1.0, 0.8, 0.5), (4, 3, 2))
+            m = Model("block", law, degree, size=size, cells=cells)
+            normal = up - slope * np.eye(dim)[0]
+            pair, left = m.pair("bottom", di.RigidPlane([0] * dim, normal), friction=FRICTION), "left"
+        else:
+            sizes = (((2.0, 0.5), (1.0, 0.5)), ((9, 3), (5, 2))) if dim == 2 else (
+                ((2.0, 1.6, 0.5), (1.0, 0.8, 0.5)), ((6, 5, 2), (4, 3, 2)))  # fmt: skip
+            names = ("lower", "upper", "lower_cells", "upper_cells")
+            m = Model("two_blocks", law, degree, **dict(zip(names, (*sizes[0], *sizes[1]))))
+            m.hold("bottom")
+            pair, left = m.pair(friction=FRICTION), "slave_left"
+        x = m.mesh.geometry.x
+        x[:, dim - 1] += slope * x[:, 0]
+        self.push, self.load = m.hold(left, 0), m.pull("top", -LOAD * up)
+        if dim == 3:
+            m.hold(left, 1)
+        self.model, self.problem = m, m.problem(BASES[basis](pair))
+        self.contact = self.problem.contact[0]
+
+    def go(self, shift, steps=2):
+        self.push.value = shift
+        report = self.problem.solve(steps=steps, rtol=1e-12)
+        assert report.cut_backs == 0 and max(report.iterations) <= 12, report.table()
+        return -self.contact.force[0] / self.contact.force[-1]
+
+
+@pytest.mark.parametrize("slope", (0.0, 0.05, 0.3))
+@cases
+def test_a_pushed_block_has_all_of_its_friction(on, basis, degree, dim, slope):
+    """Horizontal over vertical force is (slope + friction)/(1 - slope friction), every node slips."""
+    block = Pushed(on, basis, degree, dim, slope)
+    # A deformable master's surface tilts by load over stiffness, 1e-6, and more beside the block's edges.
+    limit = 1e-9 if on == "rigid" else 1e-5
+    for shift, friction in ((0.02, FRICTION), (0.03, FRICTION), (0.02, -FRICTION)):
+        before = block.contact.dissipated
+        ratio = block.go(shift)
+        assert ratio == pytest.approx((slope + friction) / (1 - slope * friction), rel=limit)
+        touching = block.contact.status > 0
+        assert np.all(block.contact.status[touching] == di.ContactStatus.slip)
+        assert_coulomb(block.contact)
+    way = 0.01 * np.hypot(1.0, slope)
+    normal = np.linalg.norm(block.contact.force) / np.hypot(1.0, FRICTION)
+    assert block.contact.dissipated - before == pytest.approx(FRICTION * normal * way, rel=0.01)
