@@ -46,8 +46,8 @@ class Newton:
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
         self.multipliers = [c for c in problem.contact if c.constraints]
         self.saddle = problem._saddle
-        # Friction by penalty: its law has kinks that nothing settles beforehand.
-        self.rough = not self.multipliers and any(c.pair.friction > 0.0 for c in problem.contact)
+        # By penalty: closing, slipping and changing facets are kinks that nothing settles beforehand.
+        self.rough = bool(problem.contact) and not self.multipliers
         # How much further than asked for linear solutions go: with factors at hand digits are cheap.
         self.margin = 1e-3 if problem._solver.direct else 0.3
         self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)

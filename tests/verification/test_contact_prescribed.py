@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from contact_model import Model, assert_coulomb
+from contact_model import Model, tangential
 
 import dolfinx_impact as di
 
@@ -73,15 +73,18 @@ class Pushed:
 def test_a_pushed_block_has_all_of_its_friction(on, basis, degree, dim, slope):
     """Horizontal over vertical force is (slope + friction)/(1 - slope friction), every node slips."""
     block = Pushed(on, basis, degree, dim, slope)
-    # A deformable master's surface tilts by load over stiffness, 1e-6, and more beside the block's edges.
-    limit = 1e-9 if on == "rigid" else 1e-5
+    # Round-off, see below; a deformable master's surface tilts by load over stiffness, 1e-6, more at the block's edges.
+    limit = 1e-8 if on == "rigid" else 1e-5
     for shift, friction in ((0.02, FRICTION), (0.03, FRICTION), (0.02, -FRICTION)):
         before = block.contact.dissipated
         ratio = block.go(shift)
         assert ratio == pytest.approx((slope + friction) / (1 - slope * friction), rel=limit)
         touching = block.contact.status > 0
         assert np.all(block.contact.status[touching] == di.ContactStatus.slip)
-        assert_coulomb(block.contact)
+        # Forces of a block that has moved as a whole are round-off of stiffness times displacement: 1e-8 of this load.
+        p = block.contact.pressure
+        size = np.linalg.norm(tangential(block.contact), axis=1)
+        np.testing.assert_allclose(size, FRICTION * p, rtol=0, atol=1e-8 * p.max())
     way = 0.01 * np.hypot(1.0, slope)
     normal = np.linalg.norm(block.contact.force) / np.hypot(1.0, FRICTION)
     assert block.contact.dissipated - before == pytest.approx(FRICTION * normal * way, rel=0.01)

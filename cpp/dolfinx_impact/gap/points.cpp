@@ -39,6 +39,7 @@ Points make_points(const surface::Facets& slave, std::span<const double> points,
   const std::size_t num = out.size();
   out.status.assign(num, search::ProjectionStatus::outside);
   out.entity.assign(num, -1);
+  out.margin.assign(num, search::keep_margin);
   out.master.assign(num, -1);
   out.master_xi.assign(2 * num, 0.0);
   out.gap.assign(num, std::numeric_limits<double>::infinity());
@@ -55,7 +56,7 @@ void update(Points& points, const surface::Facets& slave, const search::SurfaceS
   {
     const std::int32_t f = points.facet[q];
     const surface::FacetPoint s = surface::evaluate(slave, f, slave.x_of(f), points.xi.data() + 2 * q);
-    const search::Projection p = master.project(s.x, s.normal, reach, keep ? points.master[q] : -1);
+    const search::Projection p = master.project(s.x, s.normal, reach, keep ? points.master[q] : -1, points.margin[q]);
     std::copy_n(s.x, gdim, points.x.data() + q * gdim);
     points.status[q] = p.status;
     points.entity[q] = p.entity;

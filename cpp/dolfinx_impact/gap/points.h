@@ -16,6 +16,7 @@ struct Points
   std::vector<std::int32_t> facet; ///< of the slave
   std::vector<double> xi;          ///< xi[2*q + alpha]
   std::vector<double> weight;      ///< weight of the rule times dA_0, axisymmetric times 2 pi R [L; L^2]
+  std::vector<double> margin;      ///< how far beside a facet that they keep, reference coordinates
   // Filled by `update`.
   std::vector<double> x;                        ///< x[q*gdim + c], current position [L]
   std::vector<search::ProjectionStatus> status; ///< `outside`: no master, open

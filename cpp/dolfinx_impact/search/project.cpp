@@ -21,11 +21,6 @@ double centre_distance(const surface::Facets& facets, std::size_t f, const doubl
 }
 } // namespace
 
-/// How far beside its facet a point may be and keep it, in reference coordinates. Where a penetrating point changes
-/// facets at a kink, its coordinate jumps by penetration times angle over length: a Newton iteration that sees the jump
-/// every time does not converge.
-constexpr double keep_margin = 1e-2;
-
 SurfaceSearch::SurfaceSearch(const surface::Facets& master) : _master(&master)
 {
   bounding_boxes(master, _boxes);
@@ -51,7 +46,7 @@ void SurfaceSearch::update()
 }
 
 Projection SurfaceSearch::project(const double* x, const double* slave_normal, double reach,
-                                  std::int32_t previous) const
+                                  std::int32_t previous, double margin) const
 {
   const surface::Facets& m = *_master;
   const auto faces = [&](std::int32_t f, const double* xi)
@@ -77,7 +72,7 @@ Projection SurfaceSearch::project(const double* x, const double* slave_normal, d
     return out;
   if (previous >= 0 && previous < std::int32_t(m.size()) && previous != out.facet)
   {
-    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(previous), x, Starts::all, keep_margin);
+    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(previous), x, Starts::all, margin);
     if (at.status == ProjectionStatus::converged && at.distance <= best.distance + 1e-3 * _size[previous] &&
         at.distance <= reach && faces(previous, at.xi))
     {

@@ -26,6 +26,11 @@ struct Projection
   double clearance = std::numeric_limits<double>::infinity();
 };
 
+/// How far beside its facet a point may be and keep it, in reference coordinates. Where a penetrating point changes
+/// facets at a kink, its coordinate jumps by penetration times angle over length: a Newton iteration that sees the jump
+/// every time does not converge.
+inline constexpr double keep_margin = 1e-2;
+
 /// Closest points of a surface. Among facets at one distance (to 1e-12 of it and of their size) those on which the
 /// point lies inside come first, then the lowest id. A point beside the surface, beyond an edge or vertex at which it
 /// ends, is outside of the master: its gap is positive.
@@ -42,9 +47,11 @@ public:
   /// @param[in] slave_normal normal at x, out of the slave; only facets that face it are considered
   /// @param[in] reach search distance [L]
   /// @param[in] previous facet of the last projection, or -1: kept as long as the point lies over it or beside it by no
-  /// more than 1e-2 in reference coordinates, if no other facet is clearly nearer; so points over a common edge do not
+  /// more than the margin, if no other facet is clearly nearer; so points over a common edge do not
   /// jump to and fro
-  Projection project(const double* x, const double* slave_normal, double reach, std::int32_t previous = -1) const;
+  /// @param[in] margin in reference coordinates
+  Projection project(const double* x, const double* slave_normal, double reach, std::int32_t previous = -1,
+                     double margin = keep_margin) const;
 
 private:
   void finish(const double* x, const FacetProjection& at, Projection& out) const;

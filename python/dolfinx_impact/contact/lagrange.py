@@ -15,6 +15,7 @@ from .pair import ContactStatus, check_pair, check_quadrature_degree
 from .output import ContactOutput
 
 BASES = ("dual", "standard", "linear")
+FAR = 10.0  # friction bounds that a trial traction is beyond where rest is out of the question
 
 
 class Lagrange:
@@ -233,8 +234,9 @@ class LagrangeContact(Coulomb, ContactOutput):
         active = (self.active | closing) & ~(opening & ~(self._stuck() & (size > 0.0)))
         held = (active & self.active) | closing
         slips = held & (size > bound * (1 + 1e-10))
-        # What slipped and would now slip the other way comes to rest first, or it might go to and fro for ever.
-        slips &= ~(self.sliding & (np.einsum("na,na->n", trial, self.direction) < 0.0))
+        # What slipped and would now slip the other way, but not far, comes to rest first, or it might go to and fro.
+        back = np.einsum("na,na->n", trial, self.direction) < 0.0
+        slips &= ~(self.sliding & back & (size < FAR * bound))
         direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
         return active, slips, direction
 

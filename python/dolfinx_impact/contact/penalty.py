@@ -23,6 +23,8 @@ FACTOR = 10.0
 TOUCH = 1e-12
 # Iterations in which points may change facets freely after convergence; at a kink they may do so for ever.
 FREE_ITERATIONS = 10
+# How far beside its facet a point may stay, in reference coordinates, and what that may grow to.
+MARGIN, WIDEST = 0.01, 0.32
 STILL = 1e-12  # of the size: round-off of projections
 
 
@@ -145,6 +147,8 @@ class PenaltyContact(ContactOutput):
         self.start = np.array(u)
         self._touch = TOUCH * self.size * self.penalty
         self._stay, self._free = True, FREE_ITERATIONS
+        self._points.margin = np.full(self._points.size, MARGIN)
+        self._facets = []
         if self.pair.friction > 0.0:  # motion counts from where a point closes
             self._locate(self.start)
             gap = self.gap
@@ -189,9 +193,6 @@ class PenaltyContact(ContactOutput):
     def update(self, u):
         """Search, gaps and tractions at the displacements u. Collective."""
         u = np.ascontiguousarray(u)
-        if not self._stay:
-            self._free -= 1
-            self._stay = self._free == 0
         self._u = u.copy()
         surfaces = self._locate(u)
         self._seen = True
@@ -221,6 +222,27 @@ class PenaltyContact(ContactOutput):
         parts = self._feet()[closed] - before[0][closed], (self.traction - before[1]) / self.penalty
         moved = max(float(np.max(np.abs(p), initial=0.0)) for p in parts)
         return self.comm.allreduce(moved, MPI.MAX) > STILL * self.size
+
+    def _watch_facets(self):
+        """Once an iteration: points that come back to a facet they have left go to and fro over a kink. They stay on it
+        from then on, even a little farther beside it; so do all after some iterations without staying. Collective."""
+        if self.pair.rigid:
+            return
+        if not self.neighbours.kept:  # facets have other numbers
+            self._facets = []
+        here = np.where(self._state.status > 0, self._points.master, -1)
+        back = np.zeros(len(here), dtype=bool)
+        for k, before in enumerate(self._facets[:-1]):
+            left = np.any([f != before for f in self._facets[k + 1 :]], axis=0)
+            back |= (here == before) & left & (here != self._facets[-1]) & (here >= 0)
+        self._facets = [*self._facets[-3:], here]
+        returned = self.comm.allreduce(int(np.count_nonzero(back)))
+        if self._stay:
+            margin = self._points.margin
+            self._points.margin = np.where(back, np.minimum(2.0 * margin, WIDEST), margin)
+        else:
+            self._free -= 1
+            self._stay = self._free == 0 or returned > 0
 
     def _feet(self):
         """Closest points on the master, (n, gdim) [L]; meaningless where there is none."""
@@ -253,6 +275,7 @@ class PenaltyContact(ContactOutput):
 
     def switch(self, first):
         """How many points of all ranks changed their state since the last iteration. Collective."""
+        self._watch_facets()
         changed = np.count_nonzero(self._state.status != self._status)
         self._status = self._state.status
         return self.comm.allreduce(changed)
