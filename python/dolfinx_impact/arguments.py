@@ -13,6 +13,9 @@ from dolfinx import fem
 from .materials import MaterialMap, _Material, _number
 
 ROUND_OFF = 1e-12  # of the mesh's extent: coordinates below it are zero
+LARGEST_DEGREE = 60  # of quadrature: rules of higher degree have thousands of points on every facet, more in cells
+RULES = ("default", "Gauss-Jacobi", "Gauss-Legendre", "GL", "Gauss-Lobatto-Legendre", "GLL", "Xiao-Gimbutas", "vertex",
+         "custom", "gauss_jacobi", "gll", "xiao_gimbutas")  # fmt: skip
 
 
 def integer(name, value, low, high=None, unit=""):
@@ -133,12 +136,18 @@ def problem(u, given_material, residual, bcs, loads, contact, axisymmetric=False
     for load in sequence("loads", loads, "loads"):
         if not hasattr(load, "form"):
             raise TypeError(f"loads must hold Traction, BodyForce, FollowerPressure, found {type(load).__name__}")
+        if not explicit and getattr(load, "amplitude", None) is not None:
+            raise ValueError(
+                f"{type(load).__name__} has an amplitude, a function of time: that is for explicit problems; static "
+                "ones go to the present value of the load in steps"
+            )
         if hasattr(load, "facet_tags"):
             tags(type(load).__name__, load.facet_tags, mesh, tdim - 1)
     for c in contact:
         if hasattr(c, "facet_tags"):
-            ways = "di.Penalty(pair) or di.Kinematic(pair)" if explicit else "di.Lagrange(pair) or di.Penalty(pair)"
-            raise TypeError(f"contact holds a ContactPair: say how it is enforced, contact=[{ways}]")
+            ways = ("Penalty", "Kinematic") if explicit else ("Lagrange", "Penalty")
+            hint = " or ".join(f"contact=[di.{way}(pair)]" for way in ways)
+            raise TypeError(f"contact holds a ContactPair: say how it is enforced, {hint}")
         if not hasattr(c, "_bind") or isinstance(c, type):
             found = c.__name__ if isinstance(c, type) else type(c).__name__
             raise TypeError(f"contact must hold Lagrange, Penalty or Kinematic of pairs, found {found}")
@@ -152,6 +161,17 @@ def problem(u, given_material, residual, bcs, loads, contact, axisymmetric=False
         "contact": contact,
         "axisymmetric": axisymmetric,
     }
+
+
+def measures(form):
+    """Quadrature that a user asked for in the measures of a form."""
+    for integral in form.integrals():
+        degree = integral.metadata().get("quadrature_degree")
+        if degree not in (None, -1, "auto", "default"):
+            integer("quadrature_degree", degree, 0, LARGEST_DEGREE)
+        rule = integral.metadata().get("quadrature_rule")
+        if rule not in (None, *RULES):
+            raise ValueError(f"quadrature_rule is {rule!r}: use one of {', '.join(RULES)}")
 
 
 def own_residual(residual):
@@ -233,8 +253,8 @@ def reference_points(points, tdim, cell):
     outside = np.flatnonzero(~(lowest > -1e-9))  # nan as well
     if len(outside) and cell != "prism":
         raise ValueError(
-            f"the point {points[outside[0]].tolist()} lies outside the reference {cell}, whose coordinates go from 0 to 1: "
-            "points are given in each cell, not in space"
+            f"the point {points[outside[0]].tolist()} lies outside the reference {cell}, whose coordinates go from 0 "
+            "to 1: points are given in each cell, not in space"
         )
     return np.ascontiguousarray(points)
 

@@ -20,7 +20,7 @@ from pathlib import Path
 import ufl
 from mpi4py import MPI
 
-from . import _cpp
+from . import _cpp, arguments
 from .collective import guard
 from .forms.compiler import emit, frontend
 from .private_folder import check_file, check_private, make_private
@@ -78,6 +78,7 @@ def compile_form(form, names=None, comm=None):
     with guard(comm or _comm(form), "compile_form") as ranks:
         if not isinstance(form, ufl.Form):
             raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
+        arguments.measures(form)
         names = _names(form, names)
         frontend.check_names(list(form.coefficients()) + list(form.constants()), names)
         key = emit.signature(frontend.form_signature(form))

@@ -121,8 +121,8 @@ class LinearSolver:
         self._asked = {}
         if unused and self.ksp.getComm().rank == 0:
             warnings.warn(
-                f"nobody has read the PETSc options {unused}: check how they are written, and whether the solver in use "
-                f"(ksp_type {self.ksp.getType()}, pc_type {self.ksp.getPC().getType()}) knows them",
+                f"nobody has read the PETSc options {unused}: check how they are written, and whether the solver in "
+                f"use (ksp_type {self.ksp.getType()}, pc_type {self.ksp.getPC().getType()}) knows them",
                 stacklevel=3,
             )
 

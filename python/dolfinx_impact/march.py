@@ -74,8 +74,8 @@ class March:
         Raises:
             TypeError, ValueError: a time that has passed, dt not positive, beyond the stable step, or so small that the
             time cannot be reached; arguments that differ between ranks. RuntimeError: called from a callback of
-            `advance`; or the run went unstable; the message says when and where, displacement and velocity are back at the last good state, from
-            which works count anew and friction has no history.
+            `advance`; or the run went unstable; the message says when and where, displacement and velocity are back at
+            the last good state, from which works count anew and friction has no history.
             KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
 
         What the callback raises on one rank is raised on all. After KeyboardInterrupt, or an exception of the callback,

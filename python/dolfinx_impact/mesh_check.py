@@ -89,7 +89,7 @@ def check_mesh(
 
 def _jacobians(mesh):
     """Per owned cell: smallest and largest det J over test points, extent, centroid; some cells at a time."""
-    tdim, gdim, cmap = mesh.topology.dim, mesh.geometry.dim, mesh.geometry.cmap
+    tdim, cmap = mesh.topology.dim, mesh.geometry.cmap
     cell = getattr(basix.CellType, mesh.topology.cell_name())
     element = basix.create_element(basix.ElementFamily.P, cell, cmap.degree, basix.LagrangeVariant(cmap.variant))
     points = basix.geometry(cell)

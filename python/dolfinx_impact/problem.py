@@ -164,6 +164,8 @@ class StaticProblem(Unique):
             steps = arguments.integer("steps", steps, 1)
             max_iterations = arguments.integer("max_iterations", max_iterations, 1)
             rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
+            if not np.all(np.isfinite(self.u.x.array)):
+                raise ValueError("u has values that are not finite numbers: give it a start, u.x.array[:] = 0")
             ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
         for contact in self.contact:
             contact.check()

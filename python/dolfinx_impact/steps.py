@@ -175,7 +175,9 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
         if halved == cut_backs:
             path.finish(done)
             where = f" (reached {done:.4f} of the way)" if done > 0 else ""
-            raise RuntimeError(f"{increment.fault}{where}. Apply the load in smaller parts, or pass more iterations")
+            end = "" if increment.fault.endswith("?") and not where else "."
+            hint = "Apply the load in smaller parts, or pass more iterations"
+            raise RuntimeError(f"{increment.fault}{where}{end} {hint}")
         halved, width = halved + 1, width / 2
         report.cut_backs += 1
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")

@@ -4,7 +4,7 @@ import gc
 import warnings
 import weakref
 
-_explicit = weakref.WeakKeyDictionary()  # displacement function -> weak reference to the ExplicitProblem on it
+_explicit = weakref.WeakKeyDictionary()  # displacement function -> ExplicitProblems on it that are alive
 
 
 class Unique:
@@ -32,17 +32,15 @@ def claim(u, problem, explicit=False):
     An explicit problem has its own state and writes it into u after each advance: what others write there is lost.
     Static problems read u, so that several of them, or one before an explicit one, are fine.
     """
-    other = _explicit.get(u, lambda: None)()
-    if other is not None:
-        del other
+    others = _explicit.setdefault(u, weakref.WeakSet())
+    if others:
         gc.collect()  # problems and their contacts refer to each other
-        other = _explicit.get(u, lambda: None)()
-    if other is not None and u.function_space.mesh.comm.rank == 0:
+    if others and u.function_space.mesh.comm.rank == 0:
         warnings.warn(
-            f"this {type(problem).__name__} and a {type(other).__name__} that is still alive have the same displacement "
-            "function u: the explicit one keeps its own state, overwrites u at each advance, and does not see what the "
-            "other writes there; give each problem a function of its own, or delete the other one first",
+            f"this {type(problem).__name__} and an ExplicitProblem that is still alive have the same displacement "
+            "function u: the explicit one keeps its own state, overwrites u at each advance, and does not see what "
+            "others write there; give each problem a function of its own, or delete the other one first",
             stacklevel=3,
         )
     if explicit:
-        _explicit[u] = weakref.ref(problem)
+        others.add(problem)

@@ -20,10 +20,11 @@ def check_penalty(contact, factor):
     """
     automatic = automatic_penalty(contact, factor, tell=False)
     if contact.penalty > LARGEST * automatic:
+        ratio = contact.penalty / automatic
         raise ValueError(
-            f"{contact.pair.name}: penalty is {contact.penalty:g}, {contact.penalty / automatic:.1g} times what material and "
-            f"mesh ask for ({automatic:.3e}): nothing would be left of the bodies' stiffness; use penalty='auto' or some "
-            "thousand times that, or multipliers (Lagrange)"
+            f"{contact.pair.name}: penalty is {contact.penalty:g}, {ratio:.1g} times what material "
+            f"and mesh ask for ({automatic:.3e}): nothing is left of the bodies' stiffness in the sum; use "
+            "penalty='auto' or some thousand times that, or multipliers (Lagrange)"
         )
 
 

@@ -6,7 +6,8 @@ LEAST = 1e-9  # of the bodies' size: overlaps below it are round-off of prescrib
 
 
 def prescribed_overlap(name, comm, geometry, prescribed):
-    """A sentence about nodes that are prescribed along the normal and lie in the master; empty without any. Collective.
+    """A sentence about nodes that are prescribed along the normal and lie in the master, deeper than any point did
+    before anything was loaded (that is told when a problem is made); empty without any. Collective.
 
     Args:
         name: of the pair. geometry: SurfaceGeometry at a converged state. prescribed: mask of its nodes, (n).
@@ -15,7 +16,7 @@ def prescribed_overlap(name, comm, geometry, prescribed):
     deepest = int(np.argmin(gap)) if len(gap) else None
     mine = (0, 0.0, None)
     if deepest is not None:
-        number = int(np.count_nonzero(gap < -LEAST * geometry.size))
+        number = int(np.count_nonzero(gap < -LEAST * geometry.size - geometry.initial.depth))
         mine = number, float(gap[deepest]), geometry.points[deepest].round(9).tolist()
     counts, gaps, places = zip(*comm.allgather(mine))
     if not sum(counts):
@@ -23,6 +24,7 @@ def prescribed_overlap(name, comm, geometry, prescribed):
     worst = int(np.argmin(gaps))
     return (
         f"{name}: {sum(counts)} slave nodes are prescribed along the normal and lie in the master, the deepest by "
-        f"{-gaps[worst]:.3e} at {places[worst]}: contact cannot move them. Where the master is free to give way, exchange "
-        "slave and master; where it is prescribed too, the prescribed displacements of the two bodies overlap, change them"
+        f"{-gaps[worst]:.3e} at {places[worst]}: contact cannot move them. Where the master is free to give way, "
+        "exchange slave and master; where it is prescribed too, the prescribed displacements of the two bodies "
+        "overlap: change them"
     )

@@ -7,16 +7,12 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 
 from .. import _cpp
-from ..arguments import integer
+from ..arguments import LARGEST_DEGREE, integer
 from ..collective import comm_of, guard
 from ..loads import _tag, check_tag, facet_tags_of
 from ..materials import _number
 from .matrices import NodalSum
 from .rigid import _Rigid
-
-
-# Rules of higher degree have thousands of points on every facet.
-LARGEST_DEGREE = 60
 
 
 class ContactStatus(enum.IntEnum):
@@ -48,8 +44,8 @@ class ContactPair:
     def __init__(
         self, facet_tags, slave, master, friction=0.0, search_distance=None, remove_penetration=False, name=None
     ):
-        with guard(comm_of(facet_tags), "ContactPair", slave=slave, master=master, friction=friction,
-                   search_distance=search_distance, remove_penetration=bool(remove_penetration), name=name):  # fmt: skip
+        given = dict(slave=slave, master=master, friction=friction, search_distance=search_distance, name=name)
+        with guard(comm_of(facet_tags), "ContactPair", **given, remove_penetration=bool(remove_penetration)):
             self._check(facet_tags, slave, master, friction, search_distance)
         self.remove_penetration = bool(remove_penetration)
         self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"

@@ -50,8 +50,8 @@ class Penalty:
 
     def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None,
                  balanced=False):  # fmt: skip
-        with guard(comm_of(pair), "Penalty", pair=pair, penalty=penalty, tangential=tangential, augmented=bool(augmented),
-                   tolerance=tolerance, quadrature_degree=quadrature_degree, balanced=bool(balanced)):  # fmt: skip
+        options = [penalty, tangential, bool(augmented), tolerance, quadrature_degree, bool(balanced)]
+        with guard(comm_of(pair), "Penalty", pair=pair, options=options):
             check_pair(pair)
             self.quadrature_degree = check_quadrature_degree(quadrature_degree)
             auto = isinstance(penalty, str) and penalty == "auto"

@@ -109,14 +109,17 @@ def calls_of_problems(s):
         ("solve, atol", lambda a: s.static.solve(atol=a), 0.0, 1.0, ValueError, "atol differs"),
         ("solve, max_iterations", lambda n: s.static.solve(max_iterations=n), 25, 24, ValueError, "max_iterations"),
         ("solve, cut_backs", lambda n: s.static.solve(cut_backs=n), None, 3, ValueError, "cut_backs"),
+        ("solve, u not finite", lambda x: spoilt_start(s, x), 0.0, NAN, ValueError, "not finite"),
         ("solve, load changed", lambda f: changed_load(s, f), 1.0, 2.0, ValueError, "loads differs"),
         ("ExplicitProblem, u", lambda u: s.explicit(u=u), s.u, 3.0, TypeError, "Function"),
         ("ExplicitProblem, velocity", lambda v: s.explicit(velocity=v), s.velocity, None, ValueError, "velocity"),
-        ("ExplicitProblem, nan", lambda v: s.explicit(velocity=v), s.velocity, s.not_finite, ValueError, "not a number"),
+        ("ExplicitProblem, nan", lambda v: s.explicit(velocity=v), s.velocity, s.not_finite, ValueError,
+         "not a number"),
         ("ExplicitProblem, damping", lambda d: s.explicit(damping=d), None, (0.1, 0.0), TypeError, "Rayleigh"),
         ("ExplicitProblem, alpha", lambda a: s.explicit(damping=di.Rayleigh(a, 0.0)), 0.1, 0.2, ValueError, "damping"),
         ("ExplicitProblem, scheme", lambda x: s.explicit(scheme=x), "half_step", "newmark", ValueError, "scheme"),
-        ("ExplicitProblem, bulk", lambda b: s.explicit(bulk_viscosity=b), None, (0.1, 0.1), ValueError, "bulk_viscosity"),
+        ("ExplicitProblem, bulk", lambda b: s.explicit(bulk_viscosity=b), None, (0.1, 0.1), ValueError,
+         "bulk_viscosity"),
         ("ExplicitProblem, lumping", lambda x: s.explicit(lumping=x), "auto", "hrz", ValueError, "lumping"),
         ("ExplicitProblem, mass_scaling", lambda x: s.explicit(mass_scaling=x), None, 1.0, ValueError, "mass_scaling"),
         ("ExplicitProblem, friction", lambda f: s.explicit(contact=[di.Penalty(di.ContactPair(s.tags, 3, s.plane, f))]),
@@ -145,7 +148,8 @@ def calls_of_problems(s):
         ("record, fields", lambda f: s.run.record(s.folder, fields=f), ("displacement",), ("stress",), ValueError,
          "unknown"),
         ("record, every", lambda n: s.run.record(s.folder, every=n), 10, 0, ValueError, "every"),
-        ("record, points", lambda p: s.run.record(s.folder, points=p), [[0.0, 0.0]], [[NAN, 0.0]], ValueError, "finite"),
+        ("record, points", lambda p: s.run.record(s.folder, points=p), [[0.0, 0.0]], [[NAN, 0.0]], ValueError,
+         "finite"),
     ]  # fmt: skip
 
 
@@ -180,7 +184,7 @@ def calls_of_parts(s):
         ("MaterialMap, no tags", lambda t: di.MaterialMap(t, {1: law()}), s.cells, None, TypeError, "MeshTags"),
         ("ContactPair, tags", lambda t: di.ContactPair(t, 3, 4), s.tags, None, TypeError, "MeshTags"),
         ("ContactPair, slave", lambda t: di.ContactPair(s.tags, t, 4), 3, "3", TypeError, "integer"),
-        ("ContactPair, friction", lambda f: di.ContactPair(s.tags, 3, 4, friction=f), 0.0, -1.0, ValueError, "friction"),
+        ("ContactPair, friction", lambda f: di.ContactPair(s.tags, 3, 4, f), 0.0, -1.0, ValueError, "friction"),
         ("ContactPair, plane", lambda y: di.ContactPair(s.tags, 3, di.RigidPlane((0, y), (0, 1))), 0.0, 0.1, ValueError,
          "master differs"),
         ("Lagrange", di.Lagrange, s.pair, None, TypeError, "ContactPair"),
@@ -204,6 +208,14 @@ def calls_of_parts(s):
 def changed_load(s, factor):
     s.loaded.loads[0].constant.value[:] = [0.0, factor]
     s.loaded.solve()
+
+
+def spoilt_start(s, value):
+    s.static.u.x.array[0] = value
+    try:
+        s.static.solve()
+    finally:
+        s.static.u.x.array[:] = 0.0
 
 
 def spoilt_amplitude(s, how):
