@@ -64,6 +64,7 @@ nb::dict history(const NodeToSurface& self)
   nb::dict out;
   out["tangential"] = copy(h.tangential, {n, gdim});
   out["slip"] = copy(h.slip, {n, gdim});
+  out["springs"] = copy(h.springs, {n, 5});
   out["closed"] = copy(h.closed, {n});
   out["facet"] = copy(h.facet, {n});
   out["xi"] = copy(h.xi, {n, 2});
@@ -80,8 +81,8 @@ std::vector<T> entries(const nb::dict& dict, const char* name)
 void set_history(NodeToSurface& self, const nb::dict& dict)
 {
   self.set_history({entries<double>(dict, "tangential"), entries<double>(dict, "slip"),
-                    entries<std::int8_t>(dict, "closed"), entries<std::int64_t>(dict, "facet"),
-                    entries<double>(dict, "xi")});
+                    entries<double>(dict, "springs"), entries<std::int8_t>(dict, "closed"),
+                    entries<std::int64_t>(dict, "facet"), entries<double>(dict, "xi")});
 }
 
 nb::dict counters(const NodeToSurface& self)

@@ -199,6 +199,7 @@ def _pack(history, bs):
     """History of a contact's nodes as one table."""
     n = len(history["closed"])
     columns = [history["tangential"].reshape(n, bs), history["slip"].reshape(n, bs), history["xi"].reshape(n, 2)]
+    columns += [history["springs"].reshape(n, 5)]
     columns += [history["closed"].astype(float)[:, None], history["facet"].astype(float)[:, None]]
     return np.hstack(columns)
 
@@ -206,7 +207,7 @@ def _pack(history, bs):
 def _unpack(rows, bs, facets, want):
     """Back from `_pack`, looked at. Args: facets: numbers of facets are less than this."""
     whole = np.ascontiguousarray
-    xi, closed, facet = rows[:, 2 * bs : 2 * bs + 2], rows[:, -2], rows[:, -1]
+    xi, springs, closed, facet = rows[:, 2 * bs : 2 * bs + 2], rows[:, 2 * bs + 2 : -2], rows[:, -2], rows[:, -1]
     want(np.all(np.isin(closed, (-1.0, 0.0, 1.0))), "a contact's nodes have a state that does not exist")
     want(
         np.all((facet % 1 == 0) & (facet >= -1) & (facet < facets)), "a contact's nodes are on facets that do not exist"
@@ -216,6 +217,7 @@ def _unpack(rows, bs, facets, want):
         "tangential": whole(rows[:, :bs]),
         "slip": whole(rows[:, bs : 2 * bs]),
         "xi": whole(xi),
+        "springs": whole(springs),
         "closed": whole(closed.astype(np.int8)),
         "facet": whole(facet.astype(np.int64)),
     }

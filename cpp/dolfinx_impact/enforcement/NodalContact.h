@@ -22,7 +22,7 @@ struct ContactEnergy
 {
   double stored = 0.0;         ///< in springs, now [F L]
   double friction = 0.0;       ///< dissipated so far [F L]
-  double normal = 0.0;         ///< work of kinematic contact's normal forces in the relative motion so far [F L]
+  double normal = 0.0;         ///< work of the normal forces so far, of springs without what is stored [F L]
   double later_friction = 0.0; ///< what the motion after the last forces adds to `friction` [F L]
   double later_normal = 0.0;   ///< and to `normal` [F L]
 };

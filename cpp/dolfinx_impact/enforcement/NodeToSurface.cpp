@@ -50,8 +50,19 @@ void NodeToSurface::open(std::size_t i, const search::Projection& at)
   _results.status[i] = ContactStatus::open;
   _results.pressure[i] = 0.0;
   _stiffness[i] = 0.0;
+  // What is stored still, in a node that has not left through the surface, is lost.
+  Spring& spring = _springs[i];
+  double squared = 0.0;
   for (int c = 0; c < _gdim; ++c)
+  {
+    squared += _tangential[i * _gdim + c] * _tangential[i * _gdim + c];
     _results.traction[i * _gdim + c] = _results.slip[i * _gdim + c] = _tangential[i * _gdim + c] = 0.0;
+  }
+  if (!_options.kinematic)
+  {
+    _energy.normal -= normal_release(spring, 0.0);
+    _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance);
+  }
   _closed[i] = 0;
 }
 
@@ -79,7 +90,9 @@ bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, doub
   search::Projection& at = touch.at;
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
   const bool below = at.rim == search::Projection::Rim::below;
-  if (!(at.gap < reach) && !below)
+  // One that leaves the surface is looked at once more: its last force has worked on the way.
+  const bool leaves = _closed[i] == 1 && !_options.kinematic && std::isfinite(at.gap);
+  if (!(at.gap < reach) && !below && !leaves)
   {
     open(i, at);
     return false;
@@ -137,6 +150,29 @@ double part_below(double g, double r)
 }
 } // namespace
 
+/// A node leaves the surface: half of its last force's work is done on the way.
+/// @param[in] motion of the node against the master in the step [L]
+template <int D>
+void NodeToSurface::leave(std::size_t i, const double* n, double change, const double* motion)
+{
+  Spring& spring = _springs[i];
+  double* t = _tangential.data() + i * D;
+  _energy.normal -= normal_release(spring, change);
+  double along = 0.0, squared = 0.0, left = 0.0, work = 0.0;
+  for (int c = 0; c < D; ++c)
+    along += n[c] * t[c];
+  for (int c = 0; c < D; ++c)
+  {
+    const double turned = t[c] - along * n[c];
+    squared += t[c] * t[c];
+    left += turned * turned;
+    work += turned * motion[c];
+    t[c] = 0.0;
+  }
+  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keeps its size when the normal turns
+  _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
+}
+
 /// The force of a node that is near the master.
 template <int D>
 void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
@@ -145,7 +181,7 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
   const search::Projection& at = touch.at;
   const double* n = at.normal;
   constexpr int W = search::padded<D>;
-  double motion[W] = {}, r = 0.0;
+  double motion[W] = {}, r = 0.0, way_squared = 0.0;
   for (int c = 0; c < D; ++c)
     motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
   const search::MasterNode* masters = _tracking.masters();
@@ -156,43 +192,58 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
                 motion[c] -= touch.phi[j] * masters[touch.corners[j]].du[c];
             });
   for (int c = 0; c < D; ++c)
+  {
     r += n[c] * motion[c];
+    way_squared += motion[c] * motion[c];
+  }
   // Who passes beside an edge is not pushed.
   const double overlap = at.gap >= 0.0 && at.rim == search::Projection::Rim::beside ? 0.0 : mean_overlap(at.gap, r);
+  Spring& spring = _springs[i];
+  const bool begins = _closed[i] != 1;
+  double change = begins ? r : at.gap - spring.gap;
+  if (change * change > 4.0 * way_squared) // another facet is the nearest now: nothing has moved so far
+    change = std::copysign(2.0 * std::sqrt(way_squared), change);
+  double* t = _tangential.data() + i * D;
   if (!(overlap > 0.0))
+  {
+    if (!begins)
+      leave<D>(i, n, change, motion);
     return open(i, at);
+  }
   if (!_rigid)
     _tracking.hold(i, at);
 
-  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, normal_force = k * overlap;
+  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
+  _energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, change, begins);
+  const double normal_force = spring.force;
   double force[W] = {}, tangential_squared = 0.0;
   for (int c = 0; c < D; ++c)
     force[c] = normal_force * n[c];
   ContactStatus status = ContactStatus::slip;
   if (_options.friction > 0.0)
   {
-    double* t = _tangential.data() + i * D;
-    const double part = part_below(at.gap, r);
-    double trial[D];
-    for (int c = 0; c < D; ++c)
-      motion[c] *= part;
-    const bool slips = coulomb<D>(n, k, per_k, _options.friction * normal_force, t, motion, trial);
+    const double part = part_below(at.gap, r), limit = _options.friction * normal_force;
+    double trial[D], turned[D], slip[D], stored = 0.0;
     for (int c = 0; c < D; ++c)
     {
+      stored += 0.5 * t[c] * t[c] * last_compliance;
+      motion[c] -= r * n[c];
+      slip[c] = part * motion[c];
+    }
+    bool slips = coulomb<D>(n, k, per_k, limit, t, slip, trial), changed = false;
+    for (int c = 0; c < D; ++c)
+      turned[c] = trial[c] + k * part * motion[c];
+    _energy.friction +=
+        tangential_step<D>(spring.tangential_surplus, turned, stored, motion, k, per_k, limit, t, changed);
+    for (int c = 0; c < D; ++c)
+    {
+      if (changed)
+        slip[c] = part * motion[c] + (t[c] - turned[c]) * per_k;
       tangential_squared += t[c] * t[c];
       force[c] += t[c];
+      _results.slip[i * D + c] += slip[c];
     }
-    if (slips)
-    {
-      double squared = 0.0;
-      for (int c = 0; c < D; ++c)
-      {
-        squared += motion[c] * motion[c];
-        _results.slip[i * D + c] += motion[c];
-      }
-      _energy.friction += std::sqrt(tangential_squared * squared);
-    }
-    else
+    if (!slips && !changed)
       status = ContactStatus::stick;
   }
   const double per_area = _per_area[i];
@@ -227,7 +278,7 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
   _results.status[i] = status;
   _results.gap[i] = at.gap;
   _results.pressure[i] = normal_force * per_area;
-  _energy.stored += 0.5 * (k * overlap * overlap + tangential_squared * per_k);
+  _energy.stored += spring.stored() + 0.5 * tangential_squared * per_k;
 }
 
 template <int D>

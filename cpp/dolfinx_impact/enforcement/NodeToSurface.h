@@ -4,6 +4,7 @@
 #include "NodalContact.h"
 #include "NodeCandidates.h"
 #include "Penalty.h"
+#include "spring.h"
 #include <array>
 #include <memory>
 #include <span>
@@ -39,6 +40,7 @@ struct NodalHistory
 {
   std::vector<double> tangential;  ///< forces [i*gdim + c] [F]
   std::vector<double> slip;        ///< [i*gdim + c] [L]
+  std::vector<double> springs;     ///< penalty: force, compliance, gap, surpluses of Spring [5*i + k]
   std::vector<std::int8_t> closed; ///< 1: in contact; -1: below the surface, beside the rim or found there; else 0
   std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
   std::vector<double> xi;          ///< reference coordinates there, [2*i + alpha]
@@ -137,6 +139,8 @@ private:
   void open(std::size_t i, const search::Projection& at);
   double compliance(const Touch& touch, double dt) const;
   template <int D>
+  void leave(std::size_t i, const double* n, double change, const double* motion);
+  template <int D>
   void add_node(Touch& touch, const NodalState& state, double* f);
   template <int D>
   void add_all(const NodalState& state, double* f);
@@ -193,6 +197,7 @@ private:
 
   NodalResults _results;
   std::vector<double> _tangential, _stiffness;
+  std::vector<Spring> _springs;
   static constexpr std::int8_t came_in = -1; ///< of `_closed`: open until its gap is positive
   std::vector<std::int8_t> _closed;
   ContactEnergy _energy;

@@ -59,6 +59,7 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
               std::vector<double>(vector, 0.0)};
   _tangential.assign(vector, 0.0);
   _stiffness.assign(n, 0.0);
+  _springs.assign(n, {});
   _closed.assign(n, 0);
   for (double area : _candidates.areas())
     _per_area.push_back(1.0 / area);
@@ -191,18 +192,27 @@ void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, cons
 
 NodalHistory NodeToSurface::history() const
 {
-  return {_tangential, _results.slip, _closed, {_tracking.held().begin(), _tracking.held().end()}, _tracking.held_xi()};
+  std::vector<double> springs;
+  for (const Spring& s : _springs)
+    springs.insert(springs.end(), {s.force, s.compliance, s.gap, s.surplus, s.tangential_surplus});
+  return {_tangential,        _results.slip, springs, _closed, {_tracking.held().begin(), _tracking.held().end()},
+          _tracking.held_xi()};
 }
 
 void NodeToSurface::set_history(const NodalHistory& history)
 {
   const std::size_t n = _closed.size(), vector = n * _gdim;
   if (history.tangential.size() != vector || history.slip.size() != vector || history.closed.size() != n ||
-      history.facet.size() != n || history.xi.size() != 2 * n)
+      history.springs.size() != 5 * n || history.facet.size() != n || history.xi.size() != 2 * n)
     throw std::invalid_argument("the history belongs to other nodes: this rank has " + std::to_string(n) +
                                 " slave nodes, found " + std::to_string(history.closed.size()));
   _tangential = history.tangential;
   _results.slip = history.slip;
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const double* s = history.springs.data() + 5 * i;
+    _springs[i] = {s[0], s[1], s[2], s[3], s[4]};
+  }
   _closed = history.closed;
   _tracking.set_held(history.facet, history.xi);
 }

@@ -42,7 +42,7 @@ struct Local
     parts_position = part_work + 4,
     stored,
     friction,
-    kinematic, ///< work of the normal forces of kinematic contact
+    kinematic, ///< work of the normal forces of contact, of springs without what they store
     search,    ///< contacts that need a search
     stop,      ///< ranks that were asked to stop
     size

@@ -45,8 +45,7 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
     const enforcement::ContactEnergy energy = c.contact->energy();
     e[Local::stored] += energy.stored;
     e[Local::friction] += energy.friction;
-    if (c.contact->kinematic())
-      e[Local::kinematic] += energy.normal;
+    e[Local::kinematic] += energy.normal;
   }
   e[Local::search] = _used;
   e[Local::stop] = _stop ? 1.0 : 0.0;

@@ -112,7 +112,8 @@ class Oracle:
         self.closed = np.zeros(model.num, dtype=bool)
         self.barred = np.zeros(model.num, dtype=bool)  # below the surface, from beside the rim
         self.reach = reach or model.contact.search_distance
-        self.dissipated = 0.0
+        self.dissipated = self.lost = 0.0
+        self.springs = {i: Spring(self.dim) for i in self.nodes}
 
     def project(self, u):
         self.slave.move(u.reshape(-1)), self.master.move(u.reshape(-1))
@@ -127,7 +128,7 @@ class Oracle:
         f, self.stored, self.k = np.zeros_like(u), 0.0, np.zeros(len(self.nodes))
         for q, i in enumerate(self.nodes):
             g, n = p["gap"][q], p["normal"][q]
-            overlap = 0.0
+            overlap, spring = 0.0, self.springs[i]
             if p["facet"][q] >= 0:
                 masters = self.master.nodes[p["facet"][q]]
                 phi = self.master.displacement.tabulate(*p["xi"][q])[0]
@@ -135,37 +136,117 @@ class Oracle:
                 r = n @ step
                 overlap = mean_overlap(g, r, p["beside"][q])
             self.barred[i] = p["below"][q] or (self.barred[i] and g < 0)
+            begins = not self.closed[i]
             if not overlap > 0 or self.barred[i]:
+                if not begins:  # a node that has not come out through the surface loses what is stored
+                    through = p["facet"][q] >= 0 and not self.barred[i]
+                    n = n if through else np.zeros(self.dim)
+                    change, step = (moved(g, spring.gap, step), step - r * n) if through else (0.0, np.zeros(self.dim))
+                    self.lost += spring.leave(change)
+                    self.dissipated += spring.leave_friction(turn(self.t[i], n), step)
                 self.t[i], self.slip[i], self.closed[i] = 0.0, 0.0, False
                 continue
             compliance = 1 / m[i] + sum(abs(phi) * (1 + self.A_master[masters] / A[i]) / m[masters])
             k = self.kappa / dt**2 / compliance if self.penalty == 0 else self.penalty * A[i]
             self.k[q] = k
-            force = k * overlap * n
+            if begins:
+                spring.begin(k, g, r)
+            self.lost += spring.push(k * overlap, k, g, r if begins else moved(g, spring.gap, step))
+            force = spring.force * n
             if self.friction > 0:
                 P = np.eye(self.dim) - np.outer(n, n)
                 way = np.sort([g - r, g])
                 psi = float(g < 0) if r == 0 else np.diff(np.minimum(way, 0.0))[0] / abs(r)
-                step = psi * P @ step
-                turned = P @ self.t[i]
-                if np.any(turned):
-                    turned *= np.linalg.norm(self.t[i]) / np.linalg.norm(turned)
-                t = turned - k * step
-                limit = self.friction * k * overlap
-                if np.linalg.norm(t) > limit:
-                    t *= limit / np.linalg.norm(t)
-                    slip = step + (t - turned) / k
-                    self.slip[i] += slip
-                    self.dissipated += np.linalg.norm(t) * np.linalg.norm(slip)
+                turned, limit = turn(self.t[i], n), self.friction * spring.force
+                t = trial = turned - k * psi * P @ step
+                t = cut(t, limit)
+                t, taken = spring.rub(t, turned, P @ step, limit)
+                self.dissipated += taken
+                if not np.allclose(t, trial, rtol=1e-11, atol=0.0):
+                    self.slip[i] += psi * P @ step + (t - turned) / k
                 self.t[i] = t
                 force = force + t
-                self.stored += t @ t / k / 2
             self.closed[i] = True
-            self.stored += k * overlap**2 / 2
+            self.stored += spring.stored + spring.tangential_stored
             f[i] += force
             np.add.at(f, masters, -np.outer(phi, force))
             f[masters] += couple((self.model.x + u)[masters], x[q], phi, force)
         return f
+
+
+def turn(t, n):
+    """Into the plane across n, of the same size."""
+    flat = t - n * (n @ t)
+    return flat * np.linalg.norm(t) / np.linalg.norm(flat) if np.any(flat) else flat
+
+
+def cut(t, limit):
+    size = np.linalg.norm(t)
+    return t * (limit / size) if size > limit else t
+
+
+def moved(gap, before, step):
+    """Change of the gap; where it is more than the motion could bring, another facet is the nearest now."""
+    way = 2 * np.linalg.norm(step)
+    return np.clip(gap - before, -way, way)
+
+
+class Spring:
+    """Energies of a node's spring, found by bisection where the code has the solution of a quadratic equation."""
+
+    def __init__(self, dim):
+        self.force = self.stored = self.tangential_stored = self.surplus = self.owed = 0.0
+        self.k, self.gap, self.last = 1.0, 0.0, np.zeros(dim)
+
+    def begin(self, k, g, r):
+        self.force, self.stored, self.tangential_stored = 0.0, k * max(0.0, r - g) ** 2 / 2, 0.0
+
+    def left(self, force, k, change):
+        """Surplus with this force."""
+        return self.surplus + self.stored - force**2 / (2 * k) - (self.force + force) / 2 * change
+
+    def push(self, wanted, k, g, change):
+        """Takes the force of the step; returns what it dissipates."""
+        low, force = 0.0, wanted
+        best = np.clip(-k * change / 2, 0.0, wanted)  # leaves most
+        if self.left(wanted, k, change) < -1e-12 * (self.stored + wanted**2 / k):
+            low, high = best, wanted
+            if self.left(best, k, change) < 0:
+                high = best
+            for _ in range(200):
+                middle = (low + high) / 2
+                low, high = (middle, high) if self.left(middle, k, change) >= 0 else (low, middle)
+            force = high
+        if change > 0 and g + change > 0:  # both halves of its work, if it opens in the next step
+            force = min(force, max(0.0, self.surplus + self.stored - self.force * change / 2) / change)
+        before, self.surplus = self.surplus, self.left(force, k, change)
+        self.force, self.stored, self.k, self.gap = force, force**2 / (2 * k), k, g
+        return self.surplus - before
+
+    def leave(self, change):
+        left = self.left(0.0, 1.0, change)
+        before, self.surplus, self.force, self.stored = self.surplus, min(left, 0.0), 0.0, 0.0
+        return left - before
+
+    def rub(self, t, turned, motion, limit):
+        """The tangential force and what it dissipates."""
+        k = self.k
+
+        def taken(t):
+            return self.tangential_stored - t @ t / (2 * k) - (turned + t) @ motion / 2
+
+        if self.owed + taken(t) < -1e-12 * (self.tangential_stored + t @ t / k):
+            center = -k * motion / 2
+            room = center @ center + 2 * k * (self.owed + self.tangential_stored - turned @ motion / 2)
+            t = cut(center + cut(t - center, np.sqrt(max(room, 0.0))), limit)
+        dissipated, self.tangential_stored = taken(t), t @ t / (2 * k)
+        self.owed = min(0.0, self.owed + dissipated)
+        return t, dissipated
+
+    def leave_friction(self, turned, motion):
+        dissipated, self.tangential_stored = self.tangential_stored - turned @ motion / 2, 0.0
+        self.owed = min(0.0, self.owed + dissipated)
+        return dissipated
 
 
 def couple(masters, x, phi, force):

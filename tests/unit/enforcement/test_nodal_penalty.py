@@ -45,6 +45,7 @@ def test_forces_are_those_of_the_oracle(cell, degree, friction):
         assert np.allclose(results["stiffness"], oracle.k, rtol=1e-9)
         assert np.isclose(energy["stored"], oracle.stored, rtol=1e-9)
         assert np.isclose(energy["friction"], oracle.dissipated, rtol=1e-9)
+        assert np.isclose(-energy["normal"], oracle.lost, rtol=1e-9)
         assert np.isclose(model.contact.force, oracle_force(f, nodes)).all()
         # Equal and opposite, also their moments.
         resultant, moment = moments(model.x + u, f)
