@@ -125,6 +125,9 @@ void impact::bindings::integrators(nb::module_& m)
             self.restore({vector(u), vector(v), vector(r), vector(parts), vector(accounts)});
           },
           nb::arg("u"), nb::arg("v"), nb::arg("r"), nb::arg("parts"), nb::arg("accounts"))
+      .def_prop_ro("gain", [](const CentralDifference& self) { return self.gain().now; })
+      .def_prop_ro("most_gained", [](const CentralDifference& self) { return self.gain().most; })
+      .def_prop_rw("gain_limit", &CentralDifference::gain_limit, &CentralDifference::set_gain_limit)
       .def("fastest", &CentralDifference::fastest)
       .def("look", &CentralDifference::look)
       .def_prop_ro("num_searches", &CentralDifference::num_searches)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
+from . import energy_gain
 from .collective import agree, attempt, guard
 from .interrupts import Interrupts
 from .materials import _number
@@ -52,6 +53,7 @@ class March:
         self.time, self.step = 0.0, 0
         self._plan, self._rows, self._good, self._recorders = None, [], None, []
         self._total_start, self._known_start, self._largest = 0.0, False, 0.0
+        self._warn_at, self._warned = math.inf, False
         self._safe = self.stable_step()
         self._nominal = SAFETY * self._safe
         self._cpp.set_contact_step(self._nominal)
@@ -63,19 +65,23 @@ class March:
 
     # --- the loop --------------------------------------------------------------------------------------------------
 
-    def advance(self, until, dt="auto", callback=None, progress=True, unsafe=False):
+    def advance(self, until, dt="auto", callback=None, progress=True, unsafe=False, energy_limits=energy_gain.LIMITS):
         """Go on to a time. Collective.
 
         Args:
             until: time to reach [T]. dt: step, or "auto": 0.9 of the stable step; steps are equal and at most that [T].
             callback: called as callback(problem) after each step. progress: show a bar on rank 0.
             unsafe: take a dt beyond the stable step all the same, with a warning.
+            energy_limits: two numbers, or None for no limits. The energy that the run has gained without the work of
+                loads and supports, relative to the energies so far (docs/explicit.md, "Energies"): beyond the first it
+                warns, once; beyond the second it stops [1].
 
         Raises:
             TypeError, ValueError: a time that has passed, dt not positive, beyond the stable step, or so small that the
-            time cannot be reached; arguments that differ between ranks. RuntimeError: called from a callback of
-            `advance`; or the run went unstable; the message says when and where, displacement and velocity are back at
-            the last good state, from which works count anew and friction has no history.
+            time cannot be reached; energy limits that are no two positive numbers in order; arguments that differ
+            between ranks. RuntimeError: called from a callback of `advance`; or the run went unstable or gained energy
+            beyond the limit; the message says when and where, displacement and velocity are back at the last good state,
+            from which works count anew and friction has no history.
             KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
 
         What the callback raises on one rank is raised on all. After KeyboardInterrupt, or an exception of the callback,
@@ -83,10 +89,11 @@ class March:
         steps that were left.
         """
         with guard(self.comm, "advance", callback=callback, unsafe=bool(unsafe)) as ranks:
-            until = self._check_advance(until, callback)
-            ranks.same(until=until, dt=dt)
+            until, limits = self._check_advance(until, callback), energy_gain.checked(energy_limits)
+            ranks.same(until=until, dt=dt, energy_limits=limits)
         if until == self.time:
             return
+        self._warn_at, self._cpp.gain_limit = limits
         self._advancing = True
         try:
             with Interrupts(self.comm) as interrupts:
@@ -207,6 +214,11 @@ class March:
         if done < count and not self._cpp.stopped:
             self._unstable(times[done])
         self.step, self.time, self._beyond = self.step + done, float(times[done]), float(times[done + 1])
+        if self._cpp.most_gained > self._warn_at and not self._warned:
+            self._warned = True
+            if self.comm.rank == 0:
+                text = energy_gain.told(self._cpp.most_gained)
+                warnings.warn(f"the run gains energy: by the time {self.time:.6g} {text}", stacklevel=4)
 
     def _table(self, times):
         """Values of all amplitudes, a row for each time."""
@@ -215,7 +227,8 @@ class March:
 
     def _unstable(self, time):
         """Back to the last good state; raises RuntimeError, on all ranks."""
-        dof, speed = self._cpp.fastest()
+        gain, (dof, speed) = self._cpp.gain, self._cpp.fastest()
+        limit = self._cpp.gain_limit
         worst = -1.0 if dof < 0 else math.inf if math.isnan(speed) else speed
         everyone = self.comm.allgather(worst)
         rank, where = int(np.argmax(everyone)), None
@@ -239,10 +252,11 @@ class March:
         self._cpp.start(u, v)
         self._run(0)
         self._look()
+        why = f"{energy_gain.told(gain)} What moves fastest is" if gain > limit else "first"
+        advice = "" if gain > limit else " Take a smaller step, or check loads and contact"
         raise RuntimeError(
-            f"the run went unstable at the time {time:.6g}, step {self._nominal:.6g} (stable: {self._safe:.6g}), first "
-            f"in {where}; the problem is back at the time {self.time:.6g}. Take a smaller step, or check loads and "
-            "contact"
+            f"the run went unstable at the time {time:.6g}, step {self._nominal:.6g} (stable: {self._safe:.6g}), {why} "
+            f"in {where}; the problem is back at the time {self.time:.6g}.{advice}"
         )
 
     # --- what a user sees ------------------------------------------------------------------------------------------

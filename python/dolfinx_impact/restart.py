@@ -90,12 +90,12 @@ class Restart:
         bs, count = self.space.dofmap.index_map_bs, self._cpp.num_saved_parts
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.contact) for j, s in enumerate(c.sides())]
         results = {f"results{k}": contact.seen()[0].shape[1] for k, contact in enumerate(self.contact)}
-        accounts = self._cpp.num_additive + 3 + 9 * len(self.contact)
+        accounts = self._cpp.num_additive + 5 + 9 * len(self.contact)
         file = checkpoint.Reader(
             path,
             self,
             arrays={name: bs for name in ("u", "v", "r", *(f"part{k}" for k in range(count)))},
-            nodal={**{name: 2 * bs + 4 for name, _ in sides}, **results},
+            nodal={**{name: 2 * bs + 9 for name, _ in sides}, **results},
             ranks={"accounts": accounts, **{name: len(ENERGY) for name, _ in sides}},
             attributes=[*NUMBERS, "plan", "functions of time", *(f"contact{k}" for k in range(len(self.contact)))],
         )
@@ -139,6 +139,7 @@ class Restart:
         accounts = read["accounts"]
         want(np.all(np.isfinite(np.delete(accounts, m + 2))), "the table ranks/accounts has values that are no numbers")
         want(accounts[m] >= 0.0 and accounts[m + 1] >= 0.0 and accounts[m + 2] > 0.0, "steps of ranks/accounts")
+        want(accounts[m + 4] >= 0.0, "energies of ranks/accounts")
         facets = 8 * self.space.mesh.topology.index_map(self.space.mesh.topology.dim).size_global
         read["histories"] = [_unpack(rows, self.space.dofmap.index_map_bs, facets, want) for rows in read["histories"]]
         for k, contact in enumerate(self.contact):

@@ -5,6 +5,7 @@
 #include "update.h"
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mpi.h>
 #include <string>
@@ -95,6 +96,10 @@ public:
 
   /// Owned degree of freedom that moves fastest or is not a number, and its speed: where an unstable run broke.
   std::pair<std::int32_t, double> fastest() const;
+  /// Energy gained without work, see EnergyGain; `run` stops where it is more than the limit.
+  const EnergyGain& gain() const { return _gain; }
+  double gain_limit() const { return _gain_limit; }
+  void set_gain_limit(double limit) { _gain_limit = limit; }
   std::int64_t num_searches() const { return _num_searches; }
   /// Wall-clock time that this rank has spent on contact so far: searches, gaps, forces, their energies [s].
   double contact_seconds() const { return _contact_seconds; }
@@ -216,6 +221,8 @@ private:
   double _used = 0.0; ///< contacts whose candidates are used up
   Work _residual_work, _load_work, _support_work, _damped;
   double _obstacle_work = 0.0, _support_before = 0.0, _reference = 0.0;
+  EnergyGain _gain;
+  double _gain_limit = std::numeric_limits<double>::infinity();
   std::vector<double> _local, _global; ///< Local, then the contacts' forces
   MPI_Request _request = MPI_REQUEST_NULL;
   std::int64_t _num_searches = 0;

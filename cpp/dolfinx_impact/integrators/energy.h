@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 namespace impact::integrators
@@ -83,4 +85,33 @@ inline Energies energies_of(std::span<const double> e, bool linear)
   v[Energies::external] = e[Local::load_work] + e[Local::support_work] + work[int(Account::external)];
   return out;
 }
+
+/// What a run has gained without the work of loads and supports: kinetic, internal and stored energy less external
+/// work, above the lowest that this has been so far. All forces but these only take, so it is zero but for
+/// fluctuations.
+struct EnergyGain
+{
+  double lowest = 0.0;
+  double largest = 0.0; ///< sum of the energies so far, what gains are relative to; 0: nothing was seen [F L]
+  double now = 0.0;     ///< relative to it [1]
+  double most = 0.0;    ///< of `now`, since the run began or went on from a checkpoint [1]
+
+  /// @param[in] stored in springs, part of the contact energy [F L]
+  void see(const Energies& energies, double stored)
+  {
+    const auto& v = energies.values;
+    const double value = v[Energies::kinetic] + v[Energies::internal] + stored - v[Energies::external];
+    lowest = largest == 0.0 ? value : std::min(lowest, value);
+    // Negative dissipation is what is gained: it must not hide itself.
+    double size = 0.0;
+    for (int k = 0; k < Energies::size; ++k)
+    {
+      const bool taken = k != Energies::kinetic && k != Energies::internal && k != Energies::external;
+      size += taken ? std::max(0.0, v[k]) : std::abs(v[k]);
+    }
+    largest = std::max(largest, size);
+    now = largest > 0.0 ? (value - lowest) / largest : 0.0;
+    most = std::max(most, now);
+  }
+};
 } // namespace impact::integrators

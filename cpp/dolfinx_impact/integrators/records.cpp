@@ -82,7 +82,8 @@ bool CentralDifference::reduce_end()
   if (_reference == 0.0)
     _reference = speed + std::max(0.0, internal) + now.values[Energies::contact];
   _reference = std::max(_reference, now.values[Energies::external] + std::max(0.0, -internal));
-  return std::isfinite(speed) && !(speed > unstable * _reference);
+  _gain.see(now, _global[Local::stored]);
+  return std::isfinite(speed) && !(speed > unstable * _reference) && !(_gain.now > _gain_limit);
 }
 
 // --- what the run looks like now ----------------------------------------------------------------------------
@@ -172,7 +173,8 @@ CentralDifference::Saved CentralDifference::save()
   saved.parts.insert(saved.parts.end(), contact.begin() + _owned, contact.end());
   for (const Work& work : {_residual_work, _load_work, _support_work, _damped})
     saved.accounts.push_back(work.done);
-  saved.accounts.insert(saved.accounts.end(), {_obstacle_work, _reference, _last_step, _contact_step});
+  saved.accounts.insert(saved.accounts.end(),
+                        {_obstacle_work, _reference, _last_step, _contact_step, _gain.lowest, _gain.largest});
   for (const Contact& c : _contacts)
     for (const auto& values : {c.place, c.moved, c.moved_before})
       saved.accounts.insert(saved.accounts.end(), values.begin(), values.end());
@@ -186,7 +188,7 @@ void CentralDifference::restore(const Saved& saved)
 {
   if (saved.u.size() != _owned || saved.v.size() != _owned || saved.r.size() != _owned ||
       saved.parts.size() != num_saved_parts() * _owned ||
-      saved.accounts.size() != num_additive() + 3 + 9 * _contacts.size())
+      saved.accounts.size() != num_additive() + 5 + 9 * _contacts.size())
     throw std::invalid_argument("the saved state is that of another problem");
   start(saved.u, saved.v);
   std::copy(saved.r.begin(), saved.r.end(), _r.begin());
@@ -206,6 +208,8 @@ void CentralDifference::restore(const Saved& saved)
   _reference = *accounts++;
   _last_step = *accounts++;
   _contact_step = *accounts++;
+  _gain.lowest = *accounts++;
+  _gain.largest = *accounts++;
   for (Contact& c : _contacts)
   {
     for (auto* values : {&c.place, &c.moved, &c.moved_before})

@@ -1,5 +1,7 @@
 """Explicit runs whose bodies are cut by the ranks, against the same run on one rank. See on_ranks.py."""
 
+import warnings
+
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
@@ -77,6 +79,57 @@ def check_a_rank_without_cells_of_a_material():
     problem = di.ExplicitProblem(fem.Function(V), law, velocity=fem.Function(V))
     mass = COMM.allreduce(float(problem.mass.array[: problem.num_owned].sum())) / 3
     assert abs(mass - (2.0 + 9.0 / 27)) < 1e-12  # 54 cells in a volume of 2
+
+
+def fed(rate=-0.5):
+    """A box that shakes, and damping of the wrong sign, which no user can ask for: its energy grows, by exp(-rate t) where
+    it vibrates, twice as fast where it moves along."""
+    V = box(COMM)
+    v = fem.Function(V)
+    v.interpolate(lambda x: 0.1 * x)
+    damping = di.Rayleigh(1.0, 0.0)
+    damping.alpha = rate
+    return di.ExplicitProblem(fem.Function(V), di.LinearElastic(1e3, 0.3, 1.0), velocity=v, damping=damping)
+
+
+def advance_with_warnings(problem, until, **options):
+    """Texts of warnings and of the error, or ''."""
+    text = ""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            problem.advance(until, dt=1e-3, progress=False, **options)
+        except RuntimeError as e:
+            text = str(e)
+    return [str(w.message) for w in caught], text
+
+
+def check_energy_gained_without_work_warns_then_stops():
+    """Limits of 10 and 50 % of what is there then: of 1.11 and 2 times the energy of the start."""
+    problem = fed()
+    told, error = advance_with_warnings(problem, 0.25)
+    assert not error and len(told) == (COMM.rank == 0), (told, error)
+    assert COMM.rank or ("gains energy: by the time 0.25" in told[0] and "smaller step" in told[0])
+    told, error = advance_with_warnings(problem, 0.3)  # once
+    assert not told and not error
+    told, error = advance_with_warnings(problem, 20.0)
+    assert "went unstable" in error and "gained energy" in error and "cell" in error and not told
+    assert len(set(COMM.allgather(error))) == 1
+    stopped = float(error.split("at the time ")[1].split(",")[0])
+    assert np.log(2.0) < stopped < 2 * np.log(2.0) + 0.1 and 0.0 < problem.time <= stopped, (stopped, problem.time)
+    assert np.all(np.isfinite(problem.u.x.array)) and problem.step > 0
+    problem.advance(problem.time + 0.01, dt=1e-3, progress=False)  # goes on from there
+    for limits in (None, (50.0, 100.0)):
+        problem = fed()
+        assert advance_with_warnings(problem, 5.0, energy_limits=limits) == ([], "")
+        assert problem.energy["kinetic"] > 10.0 * problem.energy_history[0, 1]
+    for limits in (0.1, (0.5, 0.1), (0.0, 1.0), ("a", 1.0), (0.1,), (np.nan, 1.0)):
+        try:
+            problem.advance(11.0, energy_limits=limits)
+        except ValueError as e:
+            assert "energy_limits" in str(e)
+        else:
+            raise AssertionError(f"{limits} were taken")
 
 
 def check_errors_are_the_same_on_all_ranks():

@@ -51,7 +51,8 @@ def test_stability_limit_of_one_degree_of_freedom(scheme, xi):
     problem, free = oscillator(2 * xi * omega, scheme)
     limit = 2.0 / omega * (1.0 if scheme == "classical" else math.sqrt(1 + xi**2) - xi)
     assert problem.stable_step("eigenvalue") == pytest.approx(limit, rel=1e-12)
-    problem.advance(2000 * 0.99 * limit, dt=0.99 * limit, progress=False, unsafe=True)
+    # Lagged damping so near the limit lets the energy go up and down by a fifth.
+    problem.advance(2000 * 0.99 * limit, dt=0.99 * limit, progress=False, unsafe=True, energy_limits=None)
     assert abs(problem.u.x.array[free]) < 10.0 / omega
     problem, _ = oscillator(2 * xi * omega, scheme)
     with pytest.raises(RuntimeError, match="went unstable"):
