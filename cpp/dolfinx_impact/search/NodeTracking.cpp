@@ -30,25 +30,25 @@ NodeTracking::NodeTracking(int gdim, const std::vector<double>& X) : _gdim(gdim)
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {-never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}, {}};
+    node = {-never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}, {}, -never, 1.0, -never};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
     std::copy_n(node.X, 3, node.x);
   }
   _travelled.assign(n, {0.0, -never});
+  _turn_wake.assign(n, never);
   _lists.resize(n);
   _held.assign(n, -1);
 }
 
-void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> nodes,
-                         const std::vector<double>& normals, double reach)
+void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> nodes, surface::Facets slave,
+                         double reach)
 {
   _master = std::move(master);
   _nodes.assign(nodes.begin(), nodes.end());
   for (std::size_t i = 0; i < size(); ++i)
-  {
     _node[i].number = nodes[i];
-    std::copy_n(normals.data() + i * _gdim, _gdim, _node[i].normal);
-  }
+  _normals.reset(std::move(slave), nodes);
+  _others_u.assign(_normals.others().size() * _gdim, 0.0);
   _reach = reach;
   const surface::FacetElement& element = _master.geometry;
   const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _master.displacement.num_nodes();
@@ -66,6 +66,7 @@ void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> n
         _size[f] = std::max(_size[f], std::sqrt(squared));
       }
   _largest = _size.empty() ? 0.0 : *std::max_element(_size.begin(), _size.end());
+  _slope = Turning::slope(element);
   _phi.assign(n_x * n_u, 0.0);
   for (int i = 0; i < n_x; ++i)
     _master.displacement.values(element.node(i).data(), _phi.data() + i * n_u);
@@ -95,40 +96,63 @@ void NodeTracking::move(const double* u, const double* du)
 {
   // Room for rounding: what is added up over many steps must not be too small.
   constexpr double room = 1 + 1e-12;
-  double sum[D] = {}, master = 0.0, slave = 0.0;
-  const auto square = [&](const double* X, const double* u, double* x)
+  // Distances change by motion of node and surface against each other, angles by that within each of them.
+  struct Side
   {
-    double squared = 0.0;
+    double sum[D] = {}, farthest = 0.0, bent = 0.0; ///< squares
+  } master, slave;
+  const auto move = [&](Side& side, const double* mean, const double* X, const double* u, double* x)
+  {
+    double squared = 0.0, within = 0.0;
     for (int c = 0; c < D; ++c)
     {
       const double now = X[c] + u[c], d = now - x[c];
       x[c] = now;
-      sum[c] += d;
+      side.sum[c] += d;
       squared += (d - _mean[c]) * (d - _mean[c]);
+      within += (d - mean[c]) * (d - mean[c]);
     }
+    side.farthest = std::max(side.farthest, squared);
+    side.bent = std::max(side.bent, within);
     return squared;
   };
   for (std::size_t k = 0; k < _master_nodes.size(); ++k)
   {
     const std::size_t node = std::size_t(_master_nodes[k]) * D;
-    master = std::max(master, square(_master_X.data() + k * D, u + node, _masters[k].x));
+    move(master, _master_mean, _master_X.data() + k * D, u + node, _masters[k].x);
     std::copy_n(du + node, D, _masters[k].du);
   }
-  master = room * std::sqrt(master);
+  const double surface = room * std::sqrt(master.farthest);
   for (std::size_t i = 0; i < size(); ++i)
   {
-    const double squared = square(_node[i].X, u + std::size_t(_nodes[i]) * D, _node[i].x);
-    slave = std::max(slave, squared);
-    _travelled[i].now += room * std::sqrt(squared) + master;
+    const double squared = move(slave, _slave_mean, _node[i].X, u + std::size_t(_nodes[i]) * D, _node[i].x);
+    _travelled[i].now += room * std::sqrt(squared) + surface;
   }
-  const double num = double(std::max<std::size_t>(_nodes.size() + _master_nodes.size(), 1));
-  _step = room * std::sqrt(slave) + master;
-  _travel += master;
+  const auto others = _normals.others();
+  for (std::size_t k = 0; k < others.size(); ++k)
+  {
+    double squared = 0.0;
+    for (int c = 0; c < D; ++c)
+    {
+      const double now = u[std::size_t(others[k]) * D + c], d = now - _others_u[k * D + c] - _slave_mean[c];
+      _others_u[k * D + c] = now;
+      squared += d * d;
+    }
+    slave.bent = std::max(slave.bent, squared);
+  }
+  _step = room * std::sqrt(slave.farthest) + surface;
+  _travel += surface;
+  _bent += room * std::sqrt(slave.bent);
+  _turn += room * (std::sqrt(slave.bent) + std::sqrt(master.bent));
+  const double num_slaves = double(std::max<std::size_t>(_nodes.size(), 1));
+  const double num_masters = double(std::max<std::size_t>(_master_nodes.size(), 1));
   for (int c = 0; c < D; ++c)
   {
     _step_shift[c] = _mean[c];
     _shift[c] += _mean[c];
-    _mean[c] = sum[c] / num;
+    _mean[c] = (slave.sum[c] + master.sum[c]) / double(std::max<std::size_t>(_nodes.size() + _master_nodes.size(), 1));
+    _slave_mean[c] = slave.sum[c] / num_slaves;
+    _master_mean[c] = master.sum[c] / num_masters;
   }
 }
 
@@ -140,18 +164,22 @@ void NodeTracking::advance(const double* u, const double* du)
   if (_fresh) // the last positions of these facets are not known
   {
     _fresh = false;
-    _travel = 0.0;
+    _travel = _bent = _turn = 0.0;
     std::fill_n(_mean, 3, 0.0);
-    std::fill_n(_step_shift, 3, 0.0);
+    for (double* mean : {_step_shift, _slave_mean, _master_mean})
+      std::fill_n(mean, 3, 0.0);
     _step = largest_of(_gdim, _nodes, du) + largest_of(_gdim, _master_nodes, du);
     wake_all();
     for (std::size_t i = 0; i < size(); ++i)
     {
-      _node[i].expire = -never;
+      _node[i].expire = _node[i].bent = -never; // all is found anew
+      _node[i].rate = 1.0;
       _travelled[i].now = 0.0;
     }
     return refit(u);
   }
+  if (_turn > _least_wake)
+    wake_turned();
   if (_travel - _fitted > tree_slack * _largest)
     refit(u);
 }
@@ -165,12 +193,6 @@ void NodeTracking::refit(const double* u)
   _tree.refit(_boxes);
   _fitted = _travel;
   std::fill_n(_shift, 3, 0.0);
-}
-
-void NodeTracking::wake_all()
-{
-  for (Travel& travel : _travelled)
-    travel.wake = -never;
 }
 
 void NodeTracking::find_held()
@@ -192,13 +214,6 @@ void NodeTracking::hold(std::size_t i, const Projection& at)
   node.xi[0] = at.xi[0];
   node.xi[1] = at.xi[1];
   _travelled[i].wake = -never;
-}
-
-void NodeTracking::release(std::size_t i, double clearance)
-{
-  _node[i].held = -1;
-  _held[i] = -1;
-  _travelled[i].wake = clearance > 0.0 ? _travelled[i].now + std::min(clearance, _reach) : -never;
 }
 
 std::vector<double> NodeTracking::held_xi() const
