@@ -94,6 +94,7 @@ nb::dict counters(const NodeToSurface& self)
   out["projections"] = c.projections;
   out["refits"] = c.refits;
   out["normals"] = c.normals;
+  out["renewals"] = c.renewals;
   out["searches"] = self.candidates().searches();
   out["implausible"] = self.implausible();
   return out;

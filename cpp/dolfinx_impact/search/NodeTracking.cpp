@@ -30,7 +30,7 @@ NodeTracking::NodeTracking(int gdim, const std::vector<double>& X) : _gdim(gdim)
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {-never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}, {}, -never, 1.0, -never};
+    node = {-never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}, {}, never, 1.0, -never};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
     std::copy_n(node.X, 3, node.x);
   }
@@ -48,7 +48,6 @@ void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> n
   for (std::size_t i = 0; i < size(); ++i)
     _node[i].number = nodes[i];
   _normals.reset(std::move(slave), nodes);
-  _others_u.assign(_normals.others().size() * _gdim, 0.0);
   _reach = reach;
   const surface::FacetElement& element = _master.geometry;
   const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _master.displacement.num_nodes();
@@ -77,6 +76,9 @@ void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> n
   _master_nodes.erase(std::unique(_master_nodes.begin(), _master_nodes.end()), _master_nodes.end());
   _master_X.assign(_master_nodes.size() * _gdim, 0.0);
   _masters.assign(_master_nodes.size(), {});
+  _slave_from.assign(size() * _gdim, 0.0);
+  _master_from.assign(_master_nodes.size() * _gdim, 0.0);
+  _others_from.assign(_normals.others().size() * _gdim, 0.0);
   _corners.resize(_master.nodes.size());
   for (std::size_t f = 0; f < _master.size(); ++f)
     for (int j = 0; j < n_u; ++j)
@@ -101,16 +103,24 @@ void NodeTracking::move(const double* u, const double* du)
   {
     double sum[D] = {}, farthest = 0.0, bent = 0.0; ///< squares
   } master, slave;
-  const auto move = [&](Side& side, const double* mean, const double* X, const double* u, double* x)
+  // The translations of this step are about those of the last one.
+  double slave_shift[D], master_shift[D];
+  for (int c = 0; c < D; ++c)
+  {
+    slave_shift[c] = _slave_shift[c] + _slave_mean[c];
+    master_shift[c] = _master_shift[c] + _master_mean[c];
+  }
+  const auto move =
+      [&](Side& side, const double* shift, const double* X, const double* u, const double* from, double* x)
   {
     double squared = 0.0, within = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      const double now = X[c] + u[c], d = now - x[c];
+      const double now = X[c] + u[c], d = now - x[c], far = now - from[c] - shift[c];
       x[c] = now;
       side.sum[c] += d;
       squared += (d - _mean[c]) * (d - _mean[c]);
-      within += (d - mean[c]) * (d - mean[c]);
+      within += far * far;
     }
     side.farthest = std::max(side.farthest, squared);
     side.bent = std::max(side.bent, within);
@@ -119,13 +129,14 @@ void NodeTracking::move(const double* u, const double* du)
   for (std::size_t k = 0; k < _master_nodes.size(); ++k)
   {
     const std::size_t node = std::size_t(_master_nodes[k]) * D;
-    move(master, _master_mean, _master_X.data() + k * D, u + node, _masters[k].x);
+    move(master, master_shift, _master_X.data() + k * D, u + node, _master_from.data() + k * D, _masters[k].x);
     std::copy_n(du + node, D, _masters[k].du);
   }
   const double surface = room * std::sqrt(master.farthest);
   for (std::size_t i = 0; i < size(); ++i)
   {
-    const double squared = move(slave, _slave_mean, _node[i].X, u + std::size_t(_nodes[i]) * D, _node[i].x);
+    const double* now = u + std::size_t(_nodes[i]) * D;
+    const double squared = move(slave, slave_shift, _node[i].X, now, _slave_from.data() + i * D, _node[i].x);
     _travelled[i].now += room * std::sqrt(squared) + surface;
   }
   const auto others = _normals.others();
@@ -134,26 +145,45 @@ void NodeTracking::move(const double* u, const double* du)
     double squared = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      const double now = u[std::size_t(others[k]) * D + c], d = now - _others_u[k * D + c] - _slave_mean[c];
-      _others_u[k * D + c] = now;
+      const double d = u[std::size_t(others[k]) * D + c] - _others_from[k * D + c] - slave_shift[c];
       squared += d * d;
     }
     slave.bent = std::max(slave.bent, squared);
   }
   _step = room * std::sqrt(slave.farthest) + surface;
   _travel += surface;
-  _bent += room * std::sqrt(slave.bent);
-  _turn += room * (std::sqrt(slave.bent) + std::sqrt(master.bent));
-  const double num_slaves = double(std::max<std::size_t>(_nodes.size(), 1));
-  const double num_masters = double(std::max<std::size_t>(_master_nodes.size(), 1));
+  _bent = room * std::sqrt(slave.bent);
+  _master_bent = room * std::sqrt(master.bent);
+  const double num_slaves = double(_nodes.size()), num_masters = double(_master_nodes.size());
   for (int c = 0; c < D; ++c)
   {
     _step_shift[c] = _mean[c];
     _shift[c] += _mean[c];
-    _mean[c] = (slave.sum[c] + master.sum[c]) / double(std::max<std::size_t>(_nodes.size() + _master_nodes.size(), 1));
-    _slave_mean[c] = slave.sum[c] / num_slaves;
-    _master_mean[c] = master.sum[c] / num_masters;
+    _mean[c] = (slave.sum[c] + master.sum[c]) / std::max(num_slaves + num_masters, 1.0);
+    _slave_shift[c] += _slave_mean[c] = slave.sum[c] / std::max(num_slaves, 1.0);
+    _master_shift[c] += _master_mean[c] = master.sum[c] / std::max(num_masters, 1.0);
   }
+}
+
+/// Motions that turn normals count from here.
+void NodeTracking::renew(const double* u)
+{
+  ++_counters.renewals;
+  _renew = false;
+  _bent = _master_bent = 0.0;
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    std::copy_n(_node[i].x, _gdim, _slave_from.data() + i * _gdim);
+    _node[i].bent = never; // to be evaluated anew
+    _node[i].rate = 1.0;
+  }
+  for (std::size_t k = 0; k < _master_nodes.size(); ++k)
+    std::copy_n(_masters[k].x, _gdim, _master_from.data() + k * _gdim);
+  const auto others = _normals.others();
+  for (std::size_t k = 0; k < others.size(); ++k)
+    std::copy_n(u + std::size_t(others[k]) * _gdim, _gdim, _others_from.data() + k * _gdim);
+  for (double* shift : {_slave_shift, _master_shift})
+    std::fill_n(shift, 3, 0.0);
 }
 
 void NodeTracking::advance(const double* u, const double* du)
@@ -164,7 +194,7 @@ void NodeTracking::advance(const double* u, const double* du)
   if (_fresh) // the last positions of these facets are not known
   {
     _fresh = false;
-    _travel = _bent = _turn = 0.0;
+    _travel = 0.0;
     std::fill_n(_mean, 3, 0.0);
     for (double* mean : {_step_shift, _slave_mean, _master_mean})
       std::fill_n(mean, 3, 0.0);
@@ -172,14 +202,16 @@ void NodeTracking::advance(const double* u, const double* du)
     wake_all();
     for (std::size_t i = 0; i < size(); ++i)
     {
-      _node[i].expire = _node[i].bent = -never; // all is found anew
-      _node[i].rate = 1.0;
+      _node[i].expire = -never;
       _travelled[i].now = 0.0;
     }
+    renew(u);
     return refit(u);
   }
-  if (_turn > _least_wake)
+  if (_bent + _master_bent > _least_wake || _renew)
     wake_turned();
+  if (_renew && !_keep_normals)
+    renew(u);
   if (_travel - _fitted > tree_slack * _largest)
     refit(u);
 }

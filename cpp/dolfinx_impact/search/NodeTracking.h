@@ -33,7 +33,7 @@ class NodeTracking
 public:
   struct Counters
   {
-    std::int64_t steps = 0, queries = 0, projections = 0, nodes = 0, refits = 0, normals = 0;
+    std::int64_t steps = 0, queries = 0, projections = 0, nodes = 0, refits = 0, normals = 0, renewals = 0;
   };
 
   NodeTracking() = default;
@@ -97,7 +97,8 @@ public:
   void keep_normals(bool keep) { _keep_normals = keep; }
 
 private:
-  static constexpr int most = 24; ///< facets per list
+  static constexpr int most = 24;            ///< facets per list
+  static constexpr double least_bent = 0.01; ///< of the largest facet
   struct Configuration
   {
     const double* u;
@@ -150,13 +151,17 @@ private:
   bool within(std::size_t i, std::int32_t f, const FacetProjection& at, const double* motion) const;
   // Normals of the slave.
   /// By how much a node's normal can have changed since it was evaluated; more than Turning::most is not known.
-  double turned(std::size_t i) const { return _node[i].rate * (_bent - _node[i].bent); }
+  double turned(std::size_t i) const { return _node[i].rate * (_bent + _node[i].bent); }
   void update_normal(std::size_t i, const double* u);
   bool faces(std::size_t i, const double* normal, const double* u);
   // Nodes that sleep.
   struct Rest;
   void consider(std::size_t i, std::int32_t f, const double* u, Rest& rest) const;
+  double turning_rate(std::int32_t f, const double* facet, const double* xi) const;
   void wake_turned();
+  void renew(const double* u);
+  /// Not for ever smaller motions: there may be facets that turn at the least motion.
+  void ask_renewal() { _renew = _renew || _bent + _master_bent > least_bent * _largest; }
   template <int D>
   void move(const double* u, const double* du);
   /// Closest points on the facets where some nodes were in the last step, many at a time, for node i and the next ones.
@@ -187,13 +192,14 @@ private:
   // Turning of normals.
   NodeNormals _normals;
   bool _keep_normals = false;
-  double _slope = 2.0;                              ///< of the master's facets: Turning
-  double _slave_mean[3] = {}, _master_mean[3] = {}; ///< mean motions of the last step
-  /// Adds up the farthest that any node of the slave facets has moved, their translation left out; the same of both
-  /// sides.
-  double _bent = 0.0, _turn = 0.0;
-  std::vector<double> _others_u;  ///< displacements of nodes of slave facets that are not tracked
-  std::vector<double> _turn_wake; ///< `_turn` at which a node wakes
+  double _slope = 2.0; ///< of the master's facets: Turning
+  /// The farthest that nodes of the slave facets, and of the master, have moved since the positions in `_slave_from`
+  /// and so on; the shifts, common translations, are left out.
+  double _bent = 0.0, _master_bent = 0.0;
+  double _slave_shift[3] = {}, _master_shift[3] = {}, _slave_mean[3] = {}, _master_mean[3] = {}; ///< now, in a step
+  std::vector<double> _slave_from, _master_from, _others_from;
+  bool _renew = false;            ///< these positions are too old
+  std::vector<double> _turn_wake; ///< sum of both motions at which a node wakes
   double _least_wake = 0.0;       ///< of these
   std::vector<std::int32_t> _master_nodes, _corners;
   std::vector<double> _master_X;
@@ -212,7 +218,7 @@ private:
     double xi[2];      ///< where it is held
     double X[3], x[3]; ///< reference and present position
     double normal[3];  ///< out of the slave, when it was evaluated
-    double bent, rate; ///< `_bent` then; how fast it changes at most with that
+    double bent, rate; ///< `_bent` then; how fast it changes at most with the motion since
     double complete;   ///< travel and distance up to which all facets are in its list
   };
   std::vector<Node> _node;

@@ -11,6 +11,7 @@ namespace
 using surface::FacetElement;
 using surface::FacetShape;
 constexpr double list_budget = 0.5; ///< of the nearest facet's diameter: travel for which a list is good
+constexpr double renewal = 0.8;     ///< by how much a normal may be uncertain just after it was evaluated
 constexpr int max_values = 3 * FacetElement::max_nodes;
 
 /// A number no greater than x.
@@ -59,6 +60,8 @@ void NodeTracking::update_normal(std::size_t i, const double* u)
   ++_counters.normals;
   node.rate = _normals.evaluate(i, u, nullptr, node.normal);
   node.bent = _bent;
+  if (2 * _bent * node.rate > renewal)
+    ask_renewal();
   if (_keep_normals)
     node.rate = 0.0;
 }
@@ -69,7 +72,7 @@ bool NodeTracking::faces(std::size_t i, const double* normal, const double* u)
   const double along = dot(normal, _node[i].normal, _gdim), change = turned(i);
   if (change <= Turning::most && std::abs(along) > change)
     return along < 0.0;
-  update_normal(i, u);
+  update_normal(i, u); // exact for now
   return dot(normal, _node[i].normal, _gdim) < 0.0;
 }
 
