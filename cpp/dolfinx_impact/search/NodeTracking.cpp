@@ -11,13 +11,25 @@ namespace
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double tree_slack = 0.25; ///< of the largest facet: travel after which the tree is fitted again
 
-double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* du)
+/// Sum of the motions of nodes.
+void add_up(int gdim, std::span<const std::int32_t> nodes, const double* du, double* sum)
+{
+  std::fill_n(sum, 3, 0.0);
+  for (std::int32_t node : nodes)
+    for (int c = 0; c < gdim; ++c)
+      sum[c] += du[std::size_t(node) * gdim + c];
+}
+
+/// The farthest that any node moves, `mean` left out.
+double farthest(int gdim, std::span<const std::int32_t> nodes, const double* du, const double* mean)
 {
   double largest = 0.0;
   for (std::int32_t node : nodes)
   {
-    const double* d = du + std::size_t(node) * gdim;
-    largest = std::max(largest, std::inner_product(d, d + gdim, d, 0.0));
+    double squared = 0.0;
+    for (int c = 0; c < gdim; ++c)
+      squared += std::pow(du[std::size_t(node) * gdim + c] - mean[c], 2);
+    largest = std::max(largest, squared);
   }
   return std::sqrt(largest);
 }
@@ -195,10 +207,17 @@ void NodeTracking::advance(const double* u, const double* du)
   {
     _fresh = false;
     _travel = 0.0;
-    std::fill_n(_mean, 3, 0.0);
-    for (double* mean : {_step_shift, _slave_mean, _master_mean})
-      std::fill_n(mean, 3, 0.0);
-    _step = largest_of(_gdim, _nodes, du) + largest_of(_gdim, _master_nodes, du);
+    std::fill_n(_step_shift, 3, 0.0);
+    const double num_slaves = double(_nodes.size()), num_masters = double(_master_nodes.size());
+    add_up(_gdim, _nodes, du, _slave_mean);
+    add_up(_gdim, _master_nodes, du, _master_mean);
+    for (int c = 0; c < 3; ++c)
+    {
+      _mean[c] = (_slave_mean[c] + _master_mean[c]) / std::max(num_slaves + num_masters, 1.0);
+      _slave_mean[c] /= std::max(num_slaves, 1.0);
+      _master_mean[c] /= std::max(num_masters, 1.0);
+    }
+    _step = farthest(_gdim, _nodes, du, _mean) + farthest(_gdim, _master_nodes, du, _mean);
     wake_all();
     for (std::size_t i = 0; i < size(); ++i)
     {
