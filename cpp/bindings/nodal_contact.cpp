@@ -94,6 +94,8 @@ nb::dict counters(const NodeToSurface& self)
   out["queries"] = c.queries;
   out["projections"] = c.projections;
   out["refits"] = c.refits;
+  out["normals"] = c.normals;
+  out["renewals"] = c.renewals;
   out["searches"] = self.candidates().searches();
   out["implausible"] = self.implausible();
   return out;
@@ -221,6 +223,8 @@ void impact::bindings::nodal(nb::module_& m)
           "Bring the gaps of open nodes up to date")
       .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
            "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
+      .def("keep_normals", &NodeToSurface::keep_normals, nb::arg("keep"),
+           "For tests of tests: judge facing by the normals of the last search")
       .def("set_obstacle", &NodeToSurface::set_obstacle, nb::arg("displacement"), nb::arg("increment"))
       .def_prop_ro("kinematic", &NodeToSurface::kinematic)
       .def_prop_ro(
@@ -237,9 +241,6 @@ void impact::bindings::nodal(nb::module_& m)
       .def_prop_ro(
           "areas", [](const NodeToSurface& self)
           { return copy(self.candidates().areas(), {self.candidates().nodes().size()}); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "normals", [](const NodeToSurface& self)
-          { return rows(self.candidates().normals(), self.candidates().nodes().size()); }, nb::rv_policy::move)
       .def_prop_ro("search_distance", [](const NodeToSurface& self) { return self.candidates().distance(); })
       .def_prop_ro(
           "force", [](const NodeToSurface& self)

@@ -52,24 +52,32 @@ NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::F
     throw std::invalid_argument("slave and master belong to meshes of another dimension than the displacement space");
   if (axisymmetric && gdim != 2)
     throw std::invalid_argument("axisymmetric surfaces are curves in the plane");
-  if (master)
-    _master = *master;
-  for (const surface::Facets* side : {&_slave, &_master})
-    for (std::int32_t node : side->nodes)
+  for (const surface::Facets* side : {&slave, master})
+    for (std::int32_t node : side ? std::span<const std::int32_t>(side->nodes) : std::span<const std::int32_t>())
       if (node < 0 || node >= _halo.num_nodes())
         throw std::invalid_argument("the facets were made for another displacement space");
-  double sizes[1] = {std::max(largest_diameter(_slave), largest_diameter(_master))};
+  if (master)
+    _mine = globalise(V, *master);
+  double sizes[1] = {std::max(largest_diameter(_slave), largest_diameter(_mine.facets))};
   check_error(_comm, MPI_Allreduce(sizes, &_size, 1, MPI_DOUBLE, MPI_MAX, _comm));
   if (!(_distance > 0.0))
     _distance = _size;
   _u.resize(std::size_t(_halo.num_nodes()) * gdim);
   find_nodes(V, axisymmetric);
+  if (master)
+    _around = search::send_to_owners(_comm, globalise(V, _slave));
+}
+
+/// This rank's facets with their nodes' global numbers and owners.
+search::Travellers NodeCandidates::globalise(const surface::FunctionSpace& V, const surface::Facets& facets) const
+{
   const auto& map = *V.dofmap()->index_map;
-  _global.resize(_master.nodes.size());
-  map.local_to_global(_master.nodes, _global);
+  search::Travellers out{facets, std::vector<std::int64_t>(facets.nodes.size()), {}};
+  map.local_to_global(facets.nodes, out.nodes);
   const int rank = dolfinx::MPI::rank(_comm);
-  for (std::int32_t node : _master.nodes)
-    _owners.push_back(node < map.size_local() ? rank : map.owners()[node - map.size_local()]);
+  for (std::int32_t node : facets.nodes)
+    out.owners.push_back(node < map.size_local() ? rank : map.owners()[node - map.size_local()]);
+  return out;
 }
 
 /// Nodes that are ours, with areas; a rank may own a node without having a facet at it.
@@ -79,10 +87,10 @@ void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetr
   std::vector<double> counts(2 * _halo.num_nodes(), 0.0), slave(_halo.num_nodes(), 0.0), master(slave);
   for (std::int32_t node : _slave.nodes)
     counts[2 * node] = 1.0;
-  for (std::int32_t node : _master.nodes)
+  for (std::int32_t node : _mine.facets.nodes)
     counts[2 * node + 1] = 1.0;
   surface::add_nodal_areas(_slave, axisymmetric, slave);
-  surface::add_nodal_areas(_master, axisymmetric, master);
+  surface::add_nodal_areas(_mine.facets, axisymmetric, master);
   _halo.reverse(counts.data(), 2);
   _halo.reverse(slave.data(), 1);
   _halo.reverse(master.data(), 1);
@@ -104,7 +112,6 @@ void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetr
   _from.assign(_watched.size() * gdim, 0.0);
   master.resize(_halo.num_owned());
   _master_areas = std::move(master);
-  _normals.assign(_X.size(), 0.0);
 }
 
 void NodeCandidates::search(std::span<const double> u)
@@ -117,37 +124,28 @@ void NodeCandidates::search(std::span<const double> u)
   ++_searches;
   std::copy_n(u.begin(), std::size_t(_halo.num_owned()) * gdim, _u.begin());
   _halo.forward(_u.data(), gdim);
-  surface::move(_slave, _u.data());
-  surface::move(_master, _u.data());
-  std::vector<double> sums(_u.size(), 0.0), points(_X);
-  surface::add_nodal_normals(_slave, sums);
-  _halo.reverse(sums.data(), gdim);
+  surface::move(_mine.facets, _u.data());
+  std::vector<double> points(_X);
   for (std::size_t i = 0; i < _nodes.size(); ++i)
-  {
-    const double* n = sums.data() + std::size_t(_nodes[i]) * gdim;
-    const double length = std::sqrt(dot(n, n, gdim));
     for (int c = 0; c < gdim; ++c)
-    {
-      _normals[i * gdim + c] = length > 0.0 ? n[c] / length : 0.0;
       points[i * gdim + c] += _u[std::size_t(_nodes[i]) * gdim + c];
-    }
-  }
   mean_motion();
   // Both sides may move by half of this room; fast bodies need some for several steps.
   double steps[2] = {_step, 0.0};
   check_error(_comm, MPI_Allreduce(steps, steps + 1, 1, MPI_DOUBLE, MPI_MAX, _comm));
   _room = std::max(_size, 8 * steps[1]);
-  const search::Travellers mine{_master, _global, _owners};
-  _found = search::send_to_overlapping(_comm, mine, as_facets(gdim, points), std::max(_distance, 4 * steps[1]) + _room);
+  _found =
+      search::send_to_overlapping(_comm, _mine, as_facets(gdim, points), std::max(_distance, 4 * steps[1]) + _room);
   // Nodes that this rank neither owns nor has as ghosts of the space.
   const auto& map = _halo.map();
   std::vector<std::int64_t> known(map.ghosts().begin(), map.ghosts().end());
   std::sort(known.begin(), known.end());
   std::vector<std::pair<std::int64_t, int>> far;
-  for (std::size_t i = 0; i < _found.nodes.size(); ++i)
-    if (const std::int64_t node = _found.nodes[i]; (node < map.local_range()[0] || node >= map.local_range()[1]) &&
-                                                   !std::binary_search(known.begin(), known.end(), node))
-      far.emplace_back(node, _found.owners[i]);
+  for (const search::Travellers* facets : {&_found, &_around})
+    for (std::size_t i = 0; i < facets->nodes.size(); ++i)
+      if (const std::int64_t node = facets->nodes[i]; (node < map.local_range()[0] || node >= map.local_range()[1]) &&
+                                                      !std::binary_search(known.begin(), known.end(), node))
+        far.emplace_back(node, facets->owners[i]);
   std::sort(far.begin(), far.end());
   far.erase(std::unique(far.begin(), far.end()), far.end());
   _remote_nodes.clear();
@@ -188,10 +186,12 @@ void NodeCandidates::forget()
   _step = 0.0;
 }
 
-surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
+namespace
 {
-  surface::Facets out = _found.facets;
-  out.gdim = _slave.gdim;
+/// Facets with the numbers that a Halo has for their nodes.
+surface::Facets number_facets(const search::Travellers& facets, const operators::Halo& halo)
+{
+  surface::Facets out = facets.facets;
   const auto& map = halo.map();
   const auto range = map.local_range();
   std::vector<std::pair<std::int64_t, std::int32_t>> ghosts;
@@ -199,7 +199,7 @@ surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
     ghosts.emplace_back(map.ghosts()[g], map.size_local() + std::int32_t(g));
   std::sort(ghosts.begin(), ghosts.end());
   out.nodes.clear();
-  for (std::int64_t node : _found.nodes)
+  for (std::int64_t node : facets.nodes)
   {
     if (node >= range[0] && node < range[1])
     {
@@ -211,6 +211,19 @@ surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
       throw std::invalid_argument("the Halo lacks node " + std::to_string(node) + ", which the contact asked for");
     out.nodes.push_back(at->second);
   }
+  return out;
+}
+} // namespace
+
+surface::Facets NodeCandidates::around(const operators::Halo& halo) const
+{
+  return number_facets(_around, halo);
+}
+
+surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
+{
+  surface::Facets out = number_facets(_found, halo);
+  out.gdim = _slave.gdim;
   const int gdim = out.gdim, n_u = out.displacement.num_nodes(), n_x = out.geometry.num_nodes();
   std::vector<double> X(std::size_t(halo.num_nodes()) * gdim, 0.0);
   for (std::size_t i = 0; i < _watched.size(); ++i)

@@ -29,8 +29,6 @@ public:
   const std::vector<double>& areas() const { return _areas; }
   /// Largest facet of slave and master, corner to corner [L].
   double size() const { return _size; }
-  /// Unit normals out of the slave at its nodes in the configuration of the last search.
-  const std::vector<double>& normals() const { return _normals; }
 
   /// See NodalContact::search.
   void search(std::span<const double> u);
@@ -39,6 +37,8 @@ public:
   /// The candidates, numbered as the Halo's nodes. Where facets share a node, their positions of it are made the same,
   /// to the last bit. Collective.
   surface::Facets numbered(operators::Halo& halo) const;
+  /// All slave facets at nodes(), of whatever rank, numbered as the Halo's nodes.
+  surface::Facets around(const operators::Halo& halo) const;
   /// The numbers of nodes() and watched() in the arrays of NodalState, from those in the space.
   void number(std::span<const std::int32_t> numbers);
   std::span<const std::int32_t> numbers() const { return _numbers; }
@@ -64,12 +64,12 @@ private:
   MPI_Comm _comm;
   double _distance, _size = 0.0;
   mutable operators::Halo _halo; ///< of the space
-  surface::Facets _slave, _master;
-  std::vector<std::int64_t> _global; ///< numbers and owners of the master's nodes, facet by facet
-  std::vector<std::int32_t> _owners;
+  surface::Facets _slave;
+  search::Travellers globalise(const surface::FunctionSpace& V, const surface::Facets& facets) const;
+  search::Travellers _mine; ///< this rank's master facets
   std::vector<std::int32_t> _nodes, _watched, _numbers, _watched_numbers;
-  std::vector<double> _watched_X, _X, _areas, _master_areas, _normals;
-  search::Travellers _found;
+  std::vector<double> _watched_X, _X, _areas, _master_areas;
+  search::Travellers _found, _around; ///< candidates; slave facets at nodes()
   std::vector<std::int64_t> _remote_nodes;
   std::vector<int> _remote_owners;
   std::vector<double> _u; ///< displacements over the space's nodes

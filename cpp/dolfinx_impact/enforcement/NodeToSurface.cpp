@@ -40,12 +40,12 @@ search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u) co
   return out;
 }
 
-void NodeToSurface::open(std::size_t i, const search::Projection& at)
+void NodeToSurface::open(std::size_t i, const search::Projection& at, const double* u)
 {
   _results.gap[i] = at.gap;
   if (!_rigid)
-    _tracking.release(i, at.clearance);
-  if (_results.status[i] == ContactStatus::open && _closed[i] == 0)
+    _tracking.release(i, at, u);
+  if (_results.status[i] == ContactStatus::open && _closed[i] != 1)
     return; // it was before: all is zero
   _results.status[i] = ContactStatus::open;
   _results.pressure[i] = 0.0;
@@ -63,44 +63,46 @@ void NodeToSurface::open(std::size_t i, const search::Projection& at)
     _energy.normal -= normal_release(spring, 0.0);
     _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance);
   }
-  _closed[i] = 0;
+  if (_closed[i] == 1)
+    _closed[i] = 0;
 }
 
+/// Is a node marked: below the surface without having come through it, from beside the rim or found deep inside? A node
+/// without master keeps its mark, as nothing tells on which side it is.
 bool NodeToSurface::barred(const Touch& touch, const double* u, const double* du)
 {
-  const double gap = touch.at.gap;
+  const search::Projection& at = touch.at;
   std::int8_t& closed = _closed[touch.i];
-  if (_rigid || closed == 1 || !(gap < 0.0))
-    return false;
-  if (closed == came_in)
-    return true;
-  if (!(-gap > 0.5 * _tracking.diameter(touch.at.facet)))
-    return false;
-  const double before = _tracking.locate_before(touch.i, u, du).gap;
-  const bool deep = !(before > 0.0 && std::isfinite(before));
-  _implausible += deep;
-  return deep;
+  if (_rigid || !std::isfinite(at.gap))
+    return closed == came_in;
+  if (at.rim == search::Projection::Rim::below)
+    closed = came_in;
+  else if (at.rim == search::Projection::Rim::beside || !(at.gap < 0.0))
+    closed = closed == came_in ? 0 : closed;
+  else if (closed == 0 && -at.gap > 0.5 * _tracking.diameter(at.facet))
+  {
+    const search::Projection before = _tracking.locate_before(touch.i, u, du);
+    if (!(before.gap > 0.0 && std::isfinite(before.gap) && before.rim != search::Projection::Rim::below))
+    {
+      closed = came_in;
+      ++_implausible;
+    }
+  }
+  return closed == came_in;
 }
 
 bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch)
 {
   touch.i = i;
   touch.node = _candidates.numbers()[i];
-  touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u);
+  touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u, du);
   search::Projection& at = touch.at;
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
-  const bool below = at.rim == search::Projection::Rim::below;
   // One that leaves the surface is looked at once more: its last force has worked on the way.
   const bool leaves = _closed[i] == 1 && !_options.kinematic && std::isfinite(at.gap);
-  if (!(at.gap < reach) && !below && !leaves)
+  if (barred(touch, u, du) || (!(at.gap < reach) && !leaves))
   {
-    open(i, at);
-    return false;
-  }
-  if (below || barred(touch, u, du))
-  {
-    open(i, at);
-    _closed[i] = came_in;
+    open(i, at, u);
     return false;
   }
   touch.num = 0;
@@ -208,7 +210,7 @@ void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
   {
     if (!begins)
       leave<D>(i, n, change, motion);
-    return open(i, at);
+    return open(i, at, state.u);
   }
   if (!_rigid)
     _tracking.hold(i, at);

@@ -105,6 +105,8 @@ public:
   /// Energies of this direction alone, for checkpoints.
   const ContactEnergy& own_energy() const { return _energy; }
   void set_energy(const ContactEnergy& energy) { _energy = energy; }
+  /// For tests of tests: facing is judged by the normals of the last search.
+  void keep_normals(bool keep);
   /// The other direction of balanced contact, or null.
   NodeToSurface* other() { return _other.get(); }
 
@@ -136,7 +138,7 @@ private:
   /// A node below the surface that did not come through it: from beside the rim, or found deep inside.
   bool barred(const Touch& touch, const double* u, const double* du);
   search::Projection rigid_point(std::size_t i, const double* u) const;
-  void open(std::size_t i, const search::Projection& at);
+  void open(std::size_t i, const search::Projection& at, const double* u);
   double compliance(const Touch& touch, double dt) const;
   template <int D>
   void leave(std::size_t i, const double* n, double change, const double* motion);
@@ -175,7 +177,7 @@ private:
   std::vector<int> _all_owners;
   // By the numbers of the Halo that `needs` was given: nodes, candidates, areas of master nodes.
   std::vector<std::int32_t> _needed;
-  surface::Facets _facets;
+  surface::Facets _facets, _around; ///< candidates; slave facets at the nodes
   std::vector<double> _areas;
   double _share = 1.0; ///< of the stiffness: half when balanced
 

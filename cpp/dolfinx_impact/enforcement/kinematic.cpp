@@ -250,7 +250,9 @@ void NodeToSurface::record()
     if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
       for (int c = 0; c < D; ++c)
         _results.slip[i * D + c] += slip[c];
-    _closed[i] = 1;
+    _closed[i] = _results.status[i] != ContactStatus::open;
+    if (_closed[i] == 0)
+      std::fill_n(_results.slip.data() + i * D, D, 0.0);
   }
   _obstacle_before = _obstacle_increment;
 }

@@ -118,7 +118,9 @@ std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
   {
     _areas = _candidates.master_areas(all);
     _facets = _candidates.numbered(all);
-    _needed.insert(_needed.end(), _facets.nodes.begin(), _facets.nodes.end());
+    _around = _candidates.around(all);
+    for (const surface::Facets* facets : {&_facets, &_around})
+      _needed.insert(_needed.end(), facets->nodes.begin(), facets->nodes.end());
   }
   if (_other)
   {
@@ -145,7 +147,9 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
       areas[numbers[node]] = _areas[node];
       node = numbers[node];
     }
-    _tracking.reset(std::move(_facets), _candidates.numbers(), _candidates.normals(), _candidates.distance());
+    for (std::int32_t& node : _around.nodes)
+      node = numbers[node];
+    _tracking.reset(std::move(_facets), _candidates.numbers(), std::move(_around), _candidates.distance());
     const auto masters = _tracking.master_nodes();
     for (std::size_t k = 0; k < masters.size(); ++k)
       keep(_tracking.masters()[k], mass[masters[k]], areas[masters[k]]);
@@ -182,6 +186,13 @@ ContactEnergy NodeToSurface::energy() const
     out.later_normal += more.later_normal;
   }
   return out;
+}
+
+void NodeToSurface::keep_normals(bool keep)
+{
+  _tracking.keep_normals(keep);
+  if (_other)
+    _other->keep_normals(keep);
 }
 
 void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment)

@@ -11,14 +11,12 @@ NodalSprings NodeToSurface::springs(const double* u)
   const surface::FacetElement& element = _tracking.master().displacement;
   NodalSprings out;
   out.num_masters = _rigid ? 0 : element.num_nodes();
+  const std::vector<double> still(_rigid ? 0 : std::size_t(_halo->num_nodes()) * _gdim, 0.0);
   if (!_rigid)
-  {
-    const std::vector<double> still(std::size_t(_halo->num_nodes()) * _gdim, 0.0);
     _tracking.advance(u, still.data());
-  }
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
-    const search::Projection at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u);
+    const search::Projection at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u, still.data());
     if (!std::isfinite(at.gap))
       continue;
     out.nodes.push_back(_candidates.numbers()[i]);

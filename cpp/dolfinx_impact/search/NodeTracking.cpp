@@ -11,13 +11,25 @@ namespace
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double tree_slack = 0.25; ///< of the largest facet: travel after which the tree is fitted again
 
-double largest_of(int gdim, std::span<const std::int32_t> nodes, const double* du)
+/// Sum of the motions of nodes.
+void add_up(int gdim, std::span<const std::int32_t> nodes, const double* du, double* sum)
+{
+  std::fill_n(sum, 3, 0.0);
+  for (std::int32_t node : nodes)
+    for (int c = 0; c < gdim; ++c)
+      sum[c] += du[std::size_t(node) * gdim + c];
+}
+
+/// The farthest that any node moves, `mean` left out.
+double farthest(int gdim, std::span<const std::int32_t> nodes, const double* du, const double* mean)
 {
   double largest = 0.0;
   for (std::int32_t node : nodes)
   {
-    const double* d = du + std::size_t(node) * gdim;
-    largest = std::max(largest, std::inner_product(d, d + gdim, d, 0.0));
+    double squared = 0.0;
+    for (int c = 0; c < gdim; ++c)
+      squared += std::pow(du[std::size_t(node) * gdim + c] - mean[c], 2);
+    largest = std::max(largest, squared);
   }
   return std::sqrt(largest);
 }
@@ -30,25 +42,24 @@ NodeTracking::NodeTracking(int gdim, const std::vector<double>& X) : _gdim(gdim)
   for (std::size_t i = 0; i < n; ++i)
   {
     Node& node = _node[i];
-    node = {-never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}, {}};
+    node = {-never, 0.0, -1, 0, -1, -1, {0.0, 0.0}, {}, {}, {}, never, 1.0, -never};
     std::copy_n(X.data() + i * gdim, gdim, node.X);
     std::copy_n(node.X, 3, node.x);
   }
   _travelled.assign(n, {0.0, -never});
+  _turn_wake.assign(n, never);
   _lists.resize(n);
   _held.assign(n, -1);
 }
 
-void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> nodes,
-                         const std::vector<double>& normals, double reach)
+void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> nodes, surface::Facets slave,
+                         double reach)
 {
   _master = std::move(master);
   _nodes.assign(nodes.begin(), nodes.end());
   for (std::size_t i = 0; i < size(); ++i)
-  {
     _node[i].number = nodes[i];
-    std::copy_n(normals.data() + i * _gdim, _gdim, _node[i].normal);
-  }
+  _normals.reset(std::move(slave), nodes);
   _reach = reach;
   const surface::FacetElement& element = _master.geometry;
   const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _master.displacement.num_nodes();
@@ -66,6 +77,7 @@ void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> n
         _size[f] = std::max(_size[f], std::sqrt(squared));
       }
   _largest = _size.empty() ? 0.0 : *std::max_element(_size.begin(), _size.end());
+  _slope = Turning::slope(element);
   _phi.assign(n_x * n_u, 0.0);
   for (int i = 0; i < n_x; ++i)
     _master.displacement.values(element.node(i).data(), _phi.data() + i * n_u);
@@ -76,6 +88,9 @@ void NodeTracking::reset(surface::Facets master, std::span<const std::int32_t> n
   _master_nodes.erase(std::unique(_master_nodes.begin(), _master_nodes.end()), _master_nodes.end());
   _master_X.assign(_master_nodes.size() * _gdim, 0.0);
   _masters.assign(_master_nodes.size(), {});
+  _slave_from.assign(size() * _gdim, 0.0);
+  _master_from.assign(_master_nodes.size() * _gdim, 0.0);
+  _others_from.assign(_normals.others().size() * _gdim, 0.0);
   _corners.resize(_master.nodes.size());
   for (std::size_t f = 0; f < _master.size(); ++f)
     for (int j = 0; j < n_u; ++j)
@@ -95,41 +110,92 @@ void NodeTracking::move(const double* u, const double* du)
 {
   // Room for rounding: what is added up over many steps must not be too small.
   constexpr double room = 1 + 1e-12;
-  double sum[D] = {}, master = 0.0, slave = 0.0;
-  const auto square = [&](const double* X, const double* u, double* x)
+  // Distances change by motion of node and surface against each other, angles by that within each of them.
+  struct Side
   {
-    double squared = 0.0;
+    double sum[D] = {}, farthest = 0.0, bent = 0.0; ///< squares
+  } master, slave;
+  // The translations of this step are about those of the last one.
+  double slave_shift[D], master_shift[D];
+  for (int c = 0; c < D; ++c)
+  {
+    slave_shift[c] = _slave_shift[c] + _slave_mean[c];
+    master_shift[c] = _master_shift[c] + _master_mean[c];
+  }
+  const auto move =
+      [&](Side& side, const double* shift, const double* X, const double* u, const double* from, double* x)
+  {
+    double squared = 0.0, within = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      const double now = X[c] + u[c], d = now - x[c];
+      const double now = X[c] + u[c], d = now - x[c], far = now - from[c] - shift[c];
       x[c] = now;
-      sum[c] += d;
+      side.sum[c] += d;
       squared += (d - _mean[c]) * (d - _mean[c]);
+      within += far * far;
     }
+    side.farthest = std::max(side.farthest, squared);
+    side.bent = std::max(side.bent, within);
     return squared;
   };
   for (std::size_t k = 0; k < _master_nodes.size(); ++k)
   {
     const std::size_t node = std::size_t(_master_nodes[k]) * D;
-    master = std::max(master, square(_master_X.data() + k * D, u + node, _masters[k].x));
+    move(master, master_shift, _master_X.data() + k * D, u + node, _master_from.data() + k * D, _masters[k].x);
     std::copy_n(du + node, D, _masters[k].du);
   }
-  master = room * std::sqrt(master);
+  const double surface = room * std::sqrt(master.farthest);
   for (std::size_t i = 0; i < size(); ++i)
   {
-    const double squared = square(_node[i].X, u + std::size_t(_nodes[i]) * D, _node[i].x);
-    slave = std::max(slave, squared);
-    _travelled[i].now += room * std::sqrt(squared) + master;
+    const double* now = u + std::size_t(_nodes[i]) * D;
+    const double squared = move(slave, slave_shift, _node[i].X, now, _slave_from.data() + i * D, _node[i].x);
+    _travelled[i].now += room * std::sqrt(squared) + surface;
   }
-  const double num = double(std::max<std::size_t>(_nodes.size() + _master_nodes.size(), 1));
-  _step = room * std::sqrt(slave) + master;
-  _travel += master;
+  const auto others = _normals.others();
+  for (std::size_t k = 0; k < others.size(); ++k)
+  {
+    double squared = 0.0;
+    for (int c = 0; c < D; ++c)
+    {
+      const double d = u[std::size_t(others[k]) * D + c] - _others_from[k * D + c] - slave_shift[c];
+      squared += d * d;
+    }
+    slave.bent = std::max(slave.bent, squared);
+  }
+  _step = room * std::sqrt(slave.farthest) + surface;
+  _travel += surface;
+  _bent = room * std::sqrt(slave.bent);
+  _master_bent = room * std::sqrt(master.bent);
+  const double num_slaves = double(_nodes.size()), num_masters = double(_master_nodes.size());
   for (int c = 0; c < D; ++c)
   {
     _step_shift[c] = _mean[c];
     _shift[c] += _mean[c];
-    _mean[c] = sum[c] / num;
+    _mean[c] = (slave.sum[c] + master.sum[c]) / std::max(num_slaves + num_masters, 1.0);
+    _slave_shift[c] += _slave_mean[c] = slave.sum[c] / std::max(num_slaves, 1.0);
+    _master_shift[c] += _master_mean[c] = master.sum[c] / std::max(num_masters, 1.0);
   }
+}
+
+/// Motions that turn normals count from here.
+void NodeTracking::renew(const double* u)
+{
+  ++_counters.renewals;
+  _renew = false;
+  _bent = _master_bent = 0.0;
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    std::copy_n(_node[i].x, _gdim, _slave_from.data() + i * _gdim);
+    _node[i].bent = never; // to be evaluated anew
+    _node[i].rate = 1.0;
+  }
+  for (std::size_t k = 0; k < _master_nodes.size(); ++k)
+    std::copy_n(_masters[k].x, _gdim, _master_from.data() + k * _gdim);
+  const auto others = _normals.others();
+  for (std::size_t k = 0; k < others.size(); ++k)
+    std::copy_n(u + std::size_t(others[k]) * _gdim, _gdim, _others_from.data() + k * _gdim);
+  for (double* shift : {_slave_shift, _master_shift})
+    std::fill_n(shift, 3, 0.0);
 }
 
 void NodeTracking::advance(const double* u, const double* du)
@@ -141,17 +207,30 @@ void NodeTracking::advance(const double* u, const double* du)
   {
     _fresh = false;
     _travel = 0.0;
-    std::fill_n(_mean, 3, 0.0);
     std::fill_n(_step_shift, 3, 0.0);
-    _step = largest_of(_gdim, _nodes, du) + largest_of(_gdim, _master_nodes, du);
+    const double num_slaves = double(_nodes.size()), num_masters = double(_master_nodes.size());
+    add_up(_gdim, _nodes, du, _slave_mean);
+    add_up(_gdim, _master_nodes, du, _master_mean);
+    for (int c = 0; c < 3; ++c)
+    {
+      _mean[c] = (_slave_mean[c] + _master_mean[c]) / std::max(num_slaves + num_masters, 1.0);
+      _slave_mean[c] /= std::max(num_slaves, 1.0);
+      _master_mean[c] /= std::max(num_masters, 1.0);
+    }
+    _step = farthest(_gdim, _nodes, du, _mean) + farthest(_gdim, _master_nodes, du, _mean);
     wake_all();
     for (std::size_t i = 0; i < size(); ++i)
     {
       _node[i].expire = -never;
       _travelled[i].now = 0.0;
     }
+    renew(u);
     return refit(u);
   }
+  if (_bent + _master_bent > _least_wake || _renew)
+    wake_turned();
+  if (_renew && !_keep_normals)
+    renew(u);
   if (_travel - _fitted > tree_slack * _largest)
     refit(u);
 }
@@ -165,12 +244,6 @@ void NodeTracking::refit(const double* u)
   _tree.refit(_boxes);
   _fitted = _travel;
   std::fill_n(_shift, 3, 0.0);
-}
-
-void NodeTracking::wake_all()
-{
-  for (Travel& travel : _travelled)
-    travel.wake = -never;
 }
 
 void NodeTracking::find_held()
@@ -192,13 +265,6 @@ void NodeTracking::hold(std::size_t i, const Projection& at)
   node.xi[0] = at.xi[0];
   node.xi[1] = at.xi[1];
   _travelled[i].wake = -never;
-}
-
-void NodeTracking::release(std::size_t i, double clearance)
-{
-  _node[i].held = -1;
-  _held[i] = -1;
-  _travelled[i].wake = clearance > 0.0 ? _travelled[i].now + std::min(clearance, _reach) : -never;
 }
 
 std::vector<double> NodeTracking::held_xi() const

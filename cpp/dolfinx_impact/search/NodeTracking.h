@@ -1,4 +1,5 @@
 #pragma once
+#include "NodeNormals.h"
 #include "project.h"
 #include "warm.h"
 #include <array>
@@ -23,12 +24,16 @@ constexpr int padded = D == 2 ? 2 : 4;
 /// translation left out: no distance between the node and the surface changes faster. So a node that was seen at a
 /// distance sleeps until travel has used it up. For a node close to the surface, the facets are listed that can become
 /// the nearest one within a budget of travel: far from edges this is one. Nothing is allocated after `reset`.
+///
+/// Which facets face a node is judged by the node's normal in the present configuration. That normal is kept as it was
+/// when it was last evaluated, with a bound of how far it can have turned since; it is evaluated again only where the
+/// answer could be another one. Results do not depend on when `reset` is called.
 class NodeTracking
 {
 public:
   struct Counters
   {
-    std::int64_t steps = 0, queries = 0, projections = 0, nodes = 0, refits = 0;
+    std::int64_t steps = 0, queries = 0, projections = 0, nodes = 0, refits = 0, normals = 0, renewals = 0;
   };
 
   NodeTracking() = default;
@@ -39,10 +44,10 @@ public:
   /// @param[in] master candidates, sorted by id, numbered as the displacements; facets that share a node have the same
   /// position of it, to the last bit
   /// @param[in] nodes numbers of the nodes in the arrays of displacements
-  /// @param[in] normals out of the slave at the nodes; only facets that face them are considered
+  /// @param[in] slave all slave facets at the nodes, numbered as the displacements; only master facets that face the
+  /// nodes' normals are considered
   /// @param[in] reach search distance [L]
-  void reset(surface::Facets master, std::span<const std::int32_t> nodes, const std::vector<double>& normals,
-             double reach);
+  void reset(surface::Facets master, std::span<const std::int32_t> nodes, surface::Facets slave, double reach);
   std::size_t size() const { return _node.size(); }
   const surface::Facets& master() const { return _master; }
   /// The master's nodes, ascending, without repetition: what is stored for them by their position in this list stays in
@@ -60,14 +65,15 @@ public:
 
   /// To be called in every step, before the nodes are looked at.
   /// @param[in] u displacements [L]
-  /// @param[in] du their increments since the last step; used in the first step after `reset` [L]
+  /// @param[in] du their increments since the last step [L]
   void advance(const double* u, const double* du);
   /// No closer to the surface than half a step's motion.
   bool asleep(std::size_t i) const { return _travelled[i].now + 0.5 * _step < _travelled[i].wake; }
   /// Bounds the motion of nodes and surface against each other in the last step [L].
   double step() const { return _step; }
-  /// Closest point of node i.
-  Projection locate(std::size_t i, const double* u);
+  /// Closest point of node i. Facets count up to the search distance, or up to twice the motion of the step of the node
+  /// against the closest point, if that is more.
+  Projection locate(std::size_t i, const double* u, const double* du);
   /// Closest point in the configuration u - du, of the step before.
   Projection locate_before(std::size_t i, const double* u, const double* du) const;
   /// How far nodes have been moved since `advance`, at most [L].
@@ -76,8 +82,9 @@ public:
   Projection look(std::size_t i, const double* u, double moved) const;
   /// The node is in contact: its next closest point is looked for from this one.
   void hold(std::size_t i, const Projection& at);
-  /// The node is not in contact. It sleeps as long as its clearance lasts.
-  void release(std::size_t i, double clearance);
+  /// The node is not in contact. It sleeps as long as no negative gap can come.
+  /// @param[in] at what `locate` has found
+  void release(std::size_t i, const Projection& at, const double* u);
   /// Nobody sleeps in this step: gaps of all nodes are wanted.
   void wake_all();
 
@@ -86,9 +93,12 @@ public:
   std::vector<double> held_xi() const;
   void set_held(std::span<const std::int64_t> ids, std::span<const double> xi);
   const Counters& counters() const { return _counters; }
+  /// For tests of tests: nodes keep the normals of the first step after `reset`.
+  void keep_normals(bool keep) { _keep_normals = keep; }
 
 private:
-  static constexpr int most = 24; ///< facets per list
+  static constexpr int most = 24;            ///< facets per list
+  static constexpr double least_bent = 0.01; ///< of the largest facet
   struct Configuration
   {
     const double* u;
@@ -123,16 +133,41 @@ private:
               std::span<const std::int32_t> near, Projection& out) const;
   bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration config,
                    std::span<const std::int32_t> near, double* normal) const;
-  Projection query(std::size_t i, Configuration at, double slack, const double* shift, std::span<Found> near, int& num,
-                   double& budget) const;
+  /// What a query has found: facets near a node, as many as there is room for.
+  struct Near
+  {
+    std::array<Found, 4 * most> facets;
+    int num = 0;
+    double complete = 0.0; ///< all facets up to this distance are among them [L]
+    double budget = 0.0;   ///< travel until when this is enough to know the nearest one
+  };
+  Projection query(std::size_t i, Configuration at, const double* slave_normal, const double* motion, double slack,
+                   const double* shift, Near& near) const;
+  void keep_nearest(Near& near, const Projection& nearest, double distance, double dropped) const;
   template <Kind kind>
-  Projection from_list(std::size_t i, const double* u);
+  bool from_list(std::size_t i, const double* u, const double* du, Projection& out);
+  /// Facets count up to this distance at least, and none beyond.
+  double radius() const { return std::max(_reach, 2 * _step); }
+  bool within(std::size_t i, std::int32_t f, const FacetProjection& at, const double* motion) const;
+  // Normals of the slave.
+  /// By how much a node's normal can have changed since it was evaluated; more than Turning::most is not known.
+  double turned(std::size_t i) const { return _node[i].rate * (_bent + _node[i].bent); }
+  void update_normal(std::size_t i, const double* u);
+  bool faces(std::size_t i, const double* normal, const double* u);
+  // Nodes that sleep.
+  struct Rest;
+  void consider(std::size_t i, std::int32_t f, const double* u, Rest& rest) const;
+  double turning_rate(std::int32_t f, const double* facet, const double* xi) const;
+  void wake_turned();
+  void renew(const double* u);
+  /// Not for ever smaller motions: there may be facets that turn at the least motion.
+  void ask_renewal() { _renew = _renew || _bent + _master_bent > least_bent * _largest; }
   template <int D>
   void move(const double* u, const double* du);
   /// Closest points on the facets where some nodes were in the last step, many at a time, for node i and the next ones.
-  void look_ahead(std::size_t i);
+  void look_ahead(std::size_t i, const double* u);
   template <surface::FacetShape S>
-  void project_ahead();
+  void project_ahead(const double* u);
   void take_block(const std::int32_t* nodes);
   Warm& warm(std::size_t i) { return _warm[i - _ahead]; }
   void fetch(std::size_t i) const;
@@ -154,6 +189,18 @@ private:
   double _travel = 0.0, _fitted = 0.0, _step = 0.0; ///< of the surface, now and when the tree was fitted; bound of both
   double _shift[3] = {}, _step_shift[3] = {};       ///< translation left out, since the tree was fitted; of the step
   double _mean[3] = {};                             ///< mean motion of the last step
+  // Turning of normals.
+  NodeNormals _normals;
+  bool _keep_normals = false;
+  double _slope = 2.0; ///< of the master's facets: Turning
+  /// The farthest that nodes of the slave facets, and of the master, have moved since the positions in `_slave_from`
+  /// and so on; the shifts, common translations, are left out.
+  double _bent = 0.0, _master_bent = 0.0;
+  double _slave_shift[3] = {}, _master_shift[3] = {}, _slave_mean[3] = {}, _master_mean[3] = {}; ///< now, in a step
+  std::vector<double> _slave_from, _master_from, _others_from;
+  bool _renew = false;            ///< these positions are too old
+  std::vector<double> _turn_wake; ///< sum of both motions at which a node wakes
+  double _least_wake = 0.0;       ///< of these
   std::vector<std::int32_t> _master_nodes, _corners;
   std::vector<double> _master_X;
   std::vector<MasterNode> _masters;
@@ -166,11 +213,13 @@ private:
   struct Node
   {
     double expire; ///< travel at which its list ends
-    double others; ///< the least sum of travel and distance at which another than `winner` was seen
+    double others; ///< the least sum of travel and distance at which another than `winner` was seen, or could be
     std::int32_t number, count, held, winner;
     double xi[2];      ///< where it is held
     double X[3], x[3]; ///< reference and present position
-    double normal[3];
+    double normal[3];  ///< out of the slave, when it was evaluated
+    double bent, rate; ///< `_bent` then; how fast it changes at most with the motion since
+    double complete;   ///< travel and distance up to which all facets are in its list
   };
   std::vector<Node> _node;
   /// Of a node's list: a facet, its distance when it was last looked at plus travel then, or a little less. No distance

@@ -11,6 +11,7 @@ namespace
 using surface::FacetElement;
 using surface::FacetShape;
 constexpr double list_budget = 0.5; ///< of the nearest facet's diameter: travel for which a list is good
+constexpr double renewal = 0.8;     ///< by how much a normal may be uncertain just after it was evaluated
 constexpr int max_values = 3 * FacetElement::max_nodes;
 
 /// A number no greater than x.
@@ -21,27 +22,76 @@ float below(double x)
 }
 } // namespace
 
+/// The least sum of travel and distance at which another facet can be the nearest, those that are not listed included.
 double NodeTracking::least_other(std::size_t i, std::int32_t winner) const
 {
-  double least = std::numeric_limits<double>::infinity();
+  double least = _node[i].complete;
   for (const Entry& entry : std::span(_lists[i].entries, _node[i].count))
     if (entry.facet != winner)
       least = std::min(least, double(entry.bound));
   return least;
 }
 
-Projection NodeTracking::query(std::size_t i, Configuration at, double slack, const double* shift,
-                               std::span<Found> near, int& num, double& budget) const
+/// Does a facet count at this distance?
+/// @param[in] motion increments of displacements in the step, or null: none
+bool NodeTracking::within(std::size_t i, std::int32_t f, const FacetProjection& at, const double* motion) const
+{
+  if (at.distance <= _reach)
+    return true;
+  if (!motion || !(at.distance <= radius()))
+    return false;
+  double phi[FacetElement::max_nodes], squared = 0.0;
+  _master.displacement.values(at.xi, phi);
+  for (int c = 0; c < _gdim; ++c)
+  {
+    double d = motion[std::size_t(_node[i].number) * _gdim + c];
+    for (int j = 0; j < _master.displacement.num_nodes(); ++j)
+      d -= phi[j] * motion[std::size_t(_master.nodes_of(f)[j]) * _gdim + c];
+    squared += d * d;
+  }
+  return at.distance * at.distance <= 4 * squared;
+}
+
+void NodeTracking::update_normal(std::size_t i, const double* u)
+{
+  Node& node = _node[i];
+  if (_keep_normals && std::isfinite(node.bent))
+    return;
+  ++_counters.normals;
+  node.rate = _normals.evaluate(i, u, nullptr, node.normal);
+  node.bent = _bent;
+  if (2 * _bent * node.rate > renewal)
+    ask_renewal();
+  if (_keep_normals)
+    node.rate = 0.0;
+}
+
+/// Does a facet with this normal face node i in the present configuration?
+bool NodeTracking::faces(std::size_t i, const double* normal, const double* u)
+{
+  const double along = dot(normal, _node[i].normal, _gdim), change = turned(i);
+  if (change <= Turning::most && std::abs(along) > change)
+    return along < 0.0;
+  update_normal(i, u); // exact for now
+  return dot(normal, _node[i].normal, _gdim) < 0.0;
+}
+
+Projection NodeTracking::query(std::size_t i, Configuration at, const double* slave_normal, const double* motion,
+                               double slack, const double* shift, Near& near) const
 {
   double x[3], there[3], facet[max_values], normal[3], best_normal[3];
   position(i, at, x);
   for (int c = 0; c < _gdim; ++c)
     there[c] = x[c] - shift[c];
-  const double* slave_normal = _node[i].normal;
-  const double radius = std::max(_reach, 2 * _step);
   Projection out;
   FacetProjection best;
   double dropped = std::numeric_limits<double>::infinity();
+  // So far the list has to be complete.
+  const auto farthest = [&]
+  {
+    return out.facet < 0 ? radius() + 2 * list_budget * _largest : best.distance + 2 * list_budget * _size[out.facet];
+  };
+  near.num = 0;
   const auto visit = [&](std::int32_t f)
   {
     // Its box tells of most facets that they are no nearer; the list takes that distance, too.
@@ -51,7 +101,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
       positions(f, at, facet);
       const FacetProjection p = project(f, facet, x, f == _node[i].held ? _node[i].xi : nullptr);
       distance = p.distance;
-      if (p.distance <= radius &&
+      if (within(i, f, p, motion) &&
           (out.facet < 0 || closer(p, _master.id[f], best, _master.id[out.facet], _size[out.facet])))
       {
         facet_normal(f, facet, p.xi, normal);
@@ -63,95 +113,105 @@ Projection NodeTracking::query(std::size_t i, Configuration at, double slack, co
         }
       }
     }
-    if (num < int(near.size()))
-      near[num++] = {f, distance};
+    if (near.num < int(near.facets.size()))
+      near.facets[near.num++] = {f, distance};
     else
     {
       // Full: the farthest makes room.
-      auto far = std::max_element(near.begin(), near.end(),
+      auto far = std::max_element(near.facets.begin(), near.facets.end(),
                                   [](const Found& a, const Found& b) { return a.distance < b.distance; });
       dropped = std::min(dropped, std::max(far->distance, distance));
       if (distance < far->distance)
         *far = {f, distance};
     }
-    const double limit = out.facet < 0 ? radius : best.distance + 2 * list_budget * _size[out.facet];
+    const double limit = farthest();
     return (limit + slack) * (limit + slack);
   };
-  _tree.nearest(there, (radius + slack) * (radius + slack), visit);
+  const double first = farthest() + slack;
+  _tree.nearest(there, first * first, visit);
+  near.complete = farthest();
+  keep_nearest(near, out, best.distance, dropped);
   if (out.facet < 0)
-  {
-    num = 0;
-    budget = 0.0;
     return out;
-  }
-  // What is not in the list cannot become the nearest while slave and master travel `budget`.
-  budget = std::min(list_budget * _size[out.facet], 0.5 * (dropped - best.distance));
-  const double farthest = best.distance + 2 * budget + 1e-9 * _size[out.facet];
-  const auto beyond = [&](const Found& f) { return f.distance > farthest; };
-  num = int(std::remove_if(near.begin(), near.begin() + num, beyond) - near.begin());
-  if (num > most)
-  {
-    std::nth_element(near.begin(), near.begin() + most, near.begin() + num,
-                     [](const Found& a, const Found& b) { return a.distance < b.distance; });
-    budget = std::min(budget, 0.5 * (near[most].distance - best.distance));
-  }
-  std::int32_t facets[4 * most];
-  std::transform(near.begin(), near.begin() + num, facets, [](const Found& f) { return f.facet; });
-  finish(x, best_normal, best, at, {facets, std::size_t(num)}, out);
+  std::array<std::int32_t, 4 * most> facets;
+  std::transform(near.facets.begin(), near.facets.begin() + near.num, facets.begin(),
+                 [](const Found& f) { return f.facet; });
+  finish(x, best_normal, best, at, {facets.data(), std::size_t(near.num)}, out);
   return out;
 }
 
-Projection NodeTracking::locate(std::size_t i, const double* u)
+/// What is not kept cannot become the nearest while slave and master travel `budget`.
+/// @param[in] nearest, distance the nearest facet, if there is one
+/// @param[in] dropped no facet that is not in `near` is nearer, or `complete`
+void NodeTracking::keep_nearest(Near& near, const Projection& nearest, double distance, double dropped) const
+{
+  const auto nearer = [](const Found& a, const Found& b) { return a.distance < b.distance; };
+  const auto begin = near.facets.begin();
+  near.complete = std::min(near.complete, dropped);
+  const double room = 1e-9 * _largest;
+  near.num =
+      int(std::remove_if(begin, begin + near.num, [&](const Found& f) { return f.distance > near.complete + room; }) -
+          begin);
+  if (near.num > most)
+  {
+    std::nth_element(begin, begin + most, begin + near.num, nearer);
+    near.complete = std::min(near.complete, near.facets[most].distance);
+  }
+  near.budget = nearest.facet < 0 ? near.complete - radius() : 0.5 * (near.complete - distance);
+}
+
+Projection NodeTracking::locate(std::size_t i, const double* u, const double* du)
 {
   ++_counters.nodes;
   if (i < _ahead || i >= _ahead_end)
-    look_ahead(i);
+    look_ahead(i, u);
   if (warm(i).alone && warm(i).at.facet >= 0)
     return warm(i).at;
   Node& node = _node[i];
   const double travel = _travelled[i].now;
-  if (travel < node.expire)
+  Projection out;
+  const auto listed = [&]
+  {
     switch (_kind)
     {
     case Kind::interval:
-      return from_list<Kind::interval>(i, u);
+      return from_list<Kind::interval>(i, u, du, out);
     case Kind::triangle:
-      return from_list<Kind::triangle>(i, u);
+      return from_list<Kind::triangle>(i, u, du, out);
     case Kind::quadrilateral:
-      return from_list<Kind::quadrilateral>(i, u);
+      return from_list<Kind::quadrilateral>(i, u, du, out);
     case Kind::general:
-      return from_list<Kind::general>(i, u);
+      break;
     }
+    return from_list<Kind::general>(i, u, du, out);
+  };
+  if (travel < node.expire && listed())
+    return out;
   ++_counters.queries;
-  Found near[4 * most];
-  int num = 0;
-  double budget = 0.0;
-  const Projection out = query(i, {u, nullptr, true}, _travel - _fitted, _shift, near, num, budget);
+  Near near;
+  update_normal(i, u);
+  out = query(i, {u, nullptr, true}, node.normal, du, _travel - _fitted, _shift, near);
   // The list: the nearest `most`, in the order of the facets.
-  if (num > most)
-  {
-    std::nth_element(near, near + most, near + num,
-                     [](const Found& a, const Found& b) { return a.distance < b.distance; });
-    num = most;
-  }
-  std::sort(near, near + num, [](const Found& a, const Found& b) { return a.facet < b.facet; });
-  for (int k = 0; k < num; ++k)
-    _lists[i].entries[k] = {near[k].facet, below(near[k].distance + travel)};
-  node.count = num;
+  node.count = std::min(near.num, int(most));
+  std::sort(near.facets.begin(), near.facets.begin() + node.count,
+            [](const Found& a, const Found& b) { return a.facet < b.facet; });
+  for (int k = 0; k < node.count; ++k)
+    _lists[i].entries[k] = {near.facets[k].facet, below(near.facets[k].distance + travel)};
+  node.complete = near.complete + travel;
   node.winner = out.facet;
   node.others = least_other(i, out.facet);
-  node.expire = travel + budget;
+  node.expire = travel + near.budget;
   return out;
 }
 
 Projection NodeTracking::locate_before(std::size_t i, const double* u, const double* du) const
 {
-  Found near[4 * most];
-  int num = 0;
-  double budget = 0.0, shift[3];
+  Near near;
+  double shift[3], normal[3];
   for (int c = 0; c < 3; ++c)
     shift[c] = _shift[c] - _step_shift[c];
-  return query(i, {u, du}, std::abs(_travel - _fitted) + _step, shift, near, num, budget);
+  _normals.evaluate(i, u, du, normal);
+  return query(i, {u, du}, normal, du, std::abs(_travel - _fitted) + _step, shift, near);
 }
 
 double NodeTracking::moved(const double* u) const
@@ -168,20 +228,20 @@ double NodeTracking::moved(const double* u) const
 
 Projection NodeTracking::look(std::size_t i, const double* u, double moved) const
 {
-  Found near[4 * most];
-  int num = 0;
-  double budget = 0.0;
-  return query(i, {u, nullptr}, _travel - _fitted + moved, _shift, near, num, budget);
+  Near near;
+  double normal[3];
+  _normals.evaluate(i, u, nullptr, normal);
+  return query(i, {u, nullptr}, normal, nullptr, _travel - _fitted + moved, _shift, near);
 }
 
 /// The nearest of the node's list. Distances of its facets when they were last looked at tell which need it again.
+/// @returns false if facets that are not listed could be the nearest
 template <NodeTracking::Kind kind>
-Projection NodeTracking::from_list(std::size_t i, const double* u)
+bool NodeTracking::from_list(std::size_t i, const double* u, const double* du, Projection& out)
 {
   Node& node = _node[i];
   constexpr bool general = kind == Kind::general;
   constexpr FacetShape S = general ? FacetShape::quadrilateral : FacetShape(int(kind));
-  const int D = general ? _gdim : linear::dimension<S>;
   const Configuration at{u, nullptr};
   double facet[max_values], normal[3], best_normal[3];
   const double *x = node.x, *X[4];
@@ -212,12 +272,12 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
       facet_normal(f, facet, xi, n);
     else
       linear::normal<S>(X, xi, _master.orientation[f], n);
-    return dot(n, node.normal, D) < 0.0;
+    return this->faces(i, n, u);
   };
-  const double travel = _travelled[i].now, moved = travel + 1e-9 * _largest;
+  const double travel = _travelled[i].now, moved = travel + 1e-9 * _largest, complete = node.complete - moved;
   Entry* list = _lists[i].entries;
-  Projection out;
   FacetProjection best, p;
+  out = {};
   // Most likely the nearest: saves looking at the others.
   const std::int32_t first = node.held >= 0 ? node.held : node.winner;
   const Warm& ahead = warm(i);
@@ -226,12 +286,14 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   {
     best.status = ProjectionStatus::converged;
     best.distance = ahead.distance;
-    out.facet = first;
+    std::copy_n(ahead.at.xi, 2, best.xi);
+    if (within(i, first, best, du))
+      out.facet = first;
   }
   else if (first >= 0)
   {
     look(first, node.held >= 0 ? node.xi : nullptr, best);
-    if (faces(first, best.xi, best_normal))
+    if (within(i, first, best, du) && faces(first, best.xi, best_normal))
       out.facet = first;
   }
   // None of the others can be nearer yet?
@@ -239,7 +301,7 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   for (int k = 0; k < node.count && !alone; ++k)
   {
     const std::int32_t f = list[k].facet;
-    if (f == first || (out.facet >= 0 && list[k].bound - moved > best.distance))
+    if (f == first || list[k].bound - moved > (out.facet >= 0 ? best.distance : radius()))
       continue;
     if constexpr (!general)
       if (out.facet >= 0)
@@ -255,7 +317,8 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
       }
     look(f, nullptr, p);
     list[k].bound = below(p.distance + travel);
-    if ((out.facet < 0 || closer(p, _master.id[f], best, _master.id[out.facet], _size[out.facet])) &&
+    if (within(i, f, p, du) &&
+        (out.facet < 0 || closer(p, _master.id[f], best, _master.id[out.facet], _size[out.facet])) &&
         faces(f, p.xi, normal))
     {
       best = p;
@@ -265,16 +328,21 @@ Projection NodeTracking::from_list(std::size_t i, const double* u)
   }
   if (!alone)
   {
+    if (!((out.facet < 0 ? radius() : best.distance) <= complete))
+      return false;
     node.winner = out.facet;
     node.others = least_other(i, out.facet);
   }
-  if (out.facet < 0 || best.distance > std::max(_reach, 2 * _step))
-    return {};
+  if (out.facet < 0)
+    return true;
   if (warm && out.facet == first)
-    return ahead.at;
+  {
+    out = ahead.at;
+    return true;
+  }
   std::int32_t facets[most];
   std::transform(list, list + node.count, facets, [](const Entry& e) { return e.facet; });
   finish(x, best_normal, best, at, {facets, std::size_t(node.count)}, out);
-  return out;
+  return true;
 }
 } // namespace impact::search

@@ -7,7 +7,7 @@ namespace impact::search
 {
 using surface::FacetShape;
 
-void NodeTracking::look_ahead(std::size_t first)
+void NodeTracking::look_ahead(std::size_t first, const double* u)
 {
   _ahead = first;
   _ahead_end = std::min(first + WarmBlock::size, size());
@@ -16,18 +16,18 @@ void NodeTracking::look_ahead(std::size_t first)
   switch (_kind)
   {
   case Kind::interval:
-    return project_ahead<FacetShape::interval>();
+    return project_ahead<FacetShape::interval>(u);
   case Kind::triangle:
-    return project_ahead<FacetShape::triangle>();
+    return project_ahead<FacetShape::triangle>(u);
   case Kind::quadrilateral:
-    return project_ahead<FacetShape::quadrilateral>();
+    return project_ahead<FacetShape::quadrilateral>(u);
   case Kind::general:
     break;
   }
 }
 
 template <FacetShape S>
-void NodeTracking::project_ahead()
+void NodeTracking::project_ahead(const double* u)
 {
   constexpr int D = linear::dimension<S>, N = linear::num_nodes<S>;
   // Nodes that are not held start from the middle: nothing depends on what a checkpoint does not have.
@@ -42,6 +42,8 @@ void NodeTracking::project_ahead()
     if (node.winner < 0 || (node.held >= 0 && node.winner != node.held) || !(_travelled[i].now < node.expire) ||
         asleep(i))
       continue;
+    if (!(turned(i) <= Turning::most))
+      update_normal(i, u);
     std::copy_n(_corners.data() + std::size_t(node.winner) * N, N, facets[num]);
     nodes[num++] = std::int32_t(i);
   }
@@ -56,6 +58,7 @@ void NodeTracking::project_ahead()
       _block.point[c][l] = node.x[c];
       _block.slave_normal[c][l] = node.normal[c];
     }
+    _block.turned[l] = turned(nodes[l]);
     for (int a = 0; a < 2; ++a)
       _block.xi[a][l] = node.held >= 0 ? node.xi[a] : middle[a];
     _block.orientation[l] = _master.orientation[node.winner];
@@ -79,7 +82,6 @@ void NodeTracking::fetch(std::size_t i) const
 void NodeTracking::take_block(const std::int32_t* nodes)
 {
   _counters.projections += _block.num;
-  const double radius = std::max(_reach, 2 * _step);
   for (int l = 0; l < _block.num; ++l)
   {
     if (!(_block.over[l] > 0.0))
@@ -90,7 +92,7 @@ void NodeTracking::take_block(const std::int32_t* nodes)
     const Node& node = _node[nodes[l]];
     Warm& out = warm(nodes[l]);
     out.distance = _block.distance[l];
-    out.alone = node.others - _travelled[nodes[l]].now - 1e-9 * _largest > out.distance && out.distance <= radius;
+    out.alone = node.others - _travelled[nodes[l]].now - 1e-9 * _largest > out.distance && out.distance <= _reach;
     if (!out.alone) // its list will be read soon
       fetch(nodes[l]);
     out.at.status = ProjectionStatus::converged;

@@ -110,24 +110,21 @@ std::vector<std::int32_t> choose(const Neighbours& neighbours, int gdim, const s
   }
   return chosen;
 }
-} // namespace
 
-Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surface::Facets& targets, double reach)
+/// Facets to each neighbour, one neighbour's after the other's.
+/// @param[in] chosen which; send_counts of them for each destination
+/// @returns what the sources send, sorted by id
+Travellers send(MPI_Comm neighbours, const Travellers& mine, const std::vector<std::int32_t>& chosen,
+                std::vector<int> send_counts, std::size_t num_sources)
 {
   const surface::Facets& facets = mine.facets;
   const int gdim = facets.gdim, n = facets.displacement.num_nodes(), n_x = facets.geometry.num_nodes() * gdim;
-  std::vector<double> boxes, target_boxes;
-  bounding_boxes(facets, boxes);
-  bounding_boxes(targets, target_boxes);
-  const Neighbours neighbours =
-      find_neighbours(comm, gdim, common_box(facets, boxes, 0.0), common_box(targets, target_boxes, reach));
-  std::vector<int> send_counts, recv_counts(neighbours.sources.size());
-  const std::vector<std::int32_t> chosen = choose(neighbours, gdim, boxes, send_counts);
+  std::vector<int> recv_counts(num_sources);
   // One entry more than there are neighbours: MPI implementations differ on null pointers.
   send_counts.reserve(send_counts.size() + 1);
   recv_counts.reserve(recv_counts.size() + 1);
-  dolfinx::MPI::check_error(comm, MPI_Neighbor_alltoall(send_counts.data(), 1, MPI_INT, recv_counts.data(), 1, MPI_INT,
-                                                        neighbours.comm.comm()));
+  dolfinx::MPI::check_error(
+      neighbours, MPI_Neighbor_alltoall(send_counts.data(), 1, MPI_INT, recv_counts.data(), 1, MPI_INT, neighbours));
 
   // A row of integers per facet: id, orientation, nodes, owners; and one of reals: X, x.
   std::vector<std::int64_t> integers;
@@ -141,8 +138,8 @@ Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surf
     reals.insert(reals.end(), facets.x_of(f), facets.x_of(f) + n_x);
   }
   const int width = 2 + 2 * n;
-  integers = exchange_rows(neighbours.comm.comm(), integers, send_counts, recv_counts, width);
-  reals = exchange_rows(neighbours.comm.comm(), reals, send_counts, recv_counts, 2 * n_x);
+  integers = exchange_rows(neighbours, integers, send_counts, recv_counts, width);
+  reals = exchange_rows(neighbours, reals, send_counts, recv_counts, 2 * n_x);
 
   std::vector<std::size_t> order(integers.size() / width);
   std::iota(order.begin(), order.end(), 0);
@@ -164,5 +161,50 @@ Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surf
     out.facets.x.insert(out.facets.x.end(), positions + n_x, positions + 2 * n_x);
   }
   return out;
+}
+} // namespace
+
+Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surface::Facets& targets, double reach)
+{
+  const int gdim = mine.facets.gdim;
+  std::vector<double> boxes, target_boxes;
+  bounding_boxes(mine.facets, boxes);
+  bounding_boxes(targets, target_boxes);
+  const Neighbours neighbours =
+      find_neighbours(comm, gdim, common_box(mine.facets, boxes, 0.0), common_box(targets, target_boxes, reach));
+  std::vector<int> counts;
+  const std::vector<std::int32_t> chosen = choose(neighbours, gdim, boxes, counts);
+  return send(neighbours.comm.comm(), mine, chosen, counts, neighbours.sources.size());
+}
+
+Travellers send_to_owners(MPI_Comm comm, const Travellers& mine)
+{
+  const int n = mine.facets.displacement.num_nodes();
+  std::vector<std::pair<int, std::int32_t>> to;
+  for (std::size_t k = 0; k < mine.owners.size(); ++k)
+    to.emplace_back(mine.owners[k], std::int32_t(k / n));
+  std::sort(to.begin(), to.end());
+  to.erase(std::unique(to.begin(), to.end()), to.end());
+  std::vector<int> destinations, counts;
+  std::vector<std::int32_t> chosen;
+  for (const auto& [rank, facet] : to)
+  {
+    if (destinations.empty() || destinations.back() != rank)
+    {
+      destinations.push_back(rank);
+      counts.push_back(0);
+    }
+    ++counts.back();
+    chosen.push_back(facet);
+  }
+  std::vector<int> sources = dolfinx::MPI::compute_graph_edges_nbx(comm, destinations);
+  std::sort(sources.begin(), sources.end());
+  MPI_Comm graph;
+  dolfinx::MPI::check_error(comm,
+                            MPI_Dist_graph_create_adjacent(comm, int(sources.size()), sources.data(), MPI_UNWEIGHTED,
+                                                           int(destinations.size()), destinations.data(),
+                                                           MPI_UNWEIGHTED, MPI_INFO_NULL, false, &graph));
+  const dolfinx::MPI::Comm neighbours(graph, false);
+  return send(neighbours.comm(), mine, chosen, counts, sources.size());
 }
 } // namespace impact::search

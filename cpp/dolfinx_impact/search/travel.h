@@ -20,4 +20,8 @@ struct Travellers
 /// @param[in] reach [L]
 /// @returns the facets that overlap this rank's target box, sorted by id
 Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surface::Facets& targets, double reach);
+
+/// Send each of this rank's facets to every rank (this one included) that owns one of its nodes. Collective.
+/// @returns the facets of all ranks that have a node of this one, sorted by id
+Travellers send_to_owners(MPI_Comm comm, const Travellers& mine);
 } // namespace impact::search

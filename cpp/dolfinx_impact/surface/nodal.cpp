@@ -62,16 +62,4 @@ void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double
         areas[facets.nodes_of(f)[i]] += area * (share.empty() ? phi[i] : share[i]);
     }
 }
-
-void add_nodal_normals(const Facets& facets, std::vector<double>& normals)
-{
-  for (std::size_t f = 0; f < facets.size(); ++f)
-    for (int i = 0; i < facets.displacement.num_nodes(); ++i)
-    {
-      const auto xi = facets.displacement.node(i);
-      const FacetPoint p = evaluate(facets, f, facets.x_of(f), xi.data());
-      for (int c = 0; c < facets.gdim; ++c)
-        normals[std::size_t(facets.nodes_of(f)[i]) * facets.gdim + c] += p.normal[c];
-    }
-}
 } // namespace impact::surface

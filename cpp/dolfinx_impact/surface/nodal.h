@@ -10,8 +10,4 @@ namespace impact::surface
 /// @param[in] axisymmetric times 2 pi R
 /// @param[in,out] areas one value per node [L^2; in the plane L]
 void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double>& areas);
-
-/// Unit normals of the facets at the node, in the present configuration, added up.
-/// @param[in,out] normals normals[node*gdim + c]
-void add_nodal_normals(const Facets& facets, std::vector<double>& normals);
 } // namespace impact::surface

@@ -1,6 +1,7 @@
-"""Level history: explicit runs of 500 steps on both sides, docs/explicit.md; every step's state and energies."""
+"""Level history: explicit runs of 500 steps on both sides, docs/explicit.md; every step's state and energies. Every run with
+contact is repeated from other starts, with other steps, so that no lucky number hides a rule that differs."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import impact_reference
 import numpy as np
@@ -16,6 +17,8 @@ from .contact_bodies import BOTTOM, SLAVE, TwoBodies, two_bodies
 STEPS = 500
 TOLERANCE = 1e-9
 REASON = "round-off of 500 steps, which waves and contact carry on"
+OTHER_STARTS = {2: 4, 3: 2}  # by dimension: of every run with contact
+OTHER_STEPS = 120  # of these: until the bodies have met, turned and met again
 
 
 @dataclass
@@ -37,12 +40,80 @@ class Run:
     part: float = 0.8  # of the stable step
 
 
+class Start:
+    """Another start of a run, by chance: the step, the attitude of the upper body, its velocity and spin. The same seed gives
+    the same start.
+
+    Args:
+        seed: number; None: the run as it is written down.
+    """
+
+    def __init__(self, seed=None):
+        self.seed = seed
+        rng = np.random.default_rng(seed)
+        self.part = None if seed is None else rng.uniform(0.7, 0.9)
+        self.angles, self.course, self.spin = rng.uniform(-1, 1, (3, 3)) * [[0.1], [0.5], [0.1]]
+        self.phases = rng.uniform(0, 2 * np.pi, 3)
+
+    def turn(self, domain):
+        """Turn the upper body about its middle; it stays as high above the lower one."""
+        if self.seed is None:
+            return
+        dim = domain.geometry.dim
+        x, upper = domain.geometry.x, _nodes_of_upper(domain)
+        low, middle = x[upper, dim - 1].min(), x[upper].mean(axis=0)
+        x[upper, :dim] = ((x[upper] - middle) @ _rotation(self.angles, dim).T + middle)[:, :dim]
+        x[upper, dim - 1] += low - x[upper, dim - 1].min()
+
+    def of(self, case):
+        """The run with its step, and its velocities turned, with spin and waves."""
+        if self.seed is None:
+            return case
+
+        def velocity(places):
+            dim = places.shape[1]
+            v = case.velocity(places)
+            size = max(np.abs(v).max(), 0.02)
+            moving = np.any(v != 0.0, axis=1)
+            x = np.pad(places, ((0, 0), (0, 3 - dim)))
+            v = (np.pad(v, ((0, 0), (0, 3 - dim))) @ _rotation(self.course, dim).T)[:, :dim]
+            axis = self.spin if dim == 3 else [0.0, 0.0, self.spin[2]]
+            if moving.any():
+                v[moving] += np.cross(axis, x[moving] - x[moving].mean(axis=0))[:, :dim]
+            v += 0.05 * size * np.sin(places @ np.ones((dim, dim)) * 3 + self.phases[:dim])
+            v[list(case.held)] = 0.0
+            return v
+
+        return replace(case, name=f"{case.name}, start {self.seed}", velocity=velocity, part=self.part)
+
+
+def _rotation(angles, dim):
+    """By a vector of angles; in the plane about the third axis only."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_rotvec(angles if dim == 3 else [0.0, 0.0, angles[2]]).as_matrix()
+
+
 def run(report, progress=None):
     """Add the rows of all runs to a report."""
     for cell, degree, make in RUNS:
         if report.wants(cell, degree):
             for case in make(cell, degree):
                 compare(report, case)
+            for case in other_starts(cell, degree, make):
+                compare(report, case, OTHER_STEPS)
+
+
+def other_starts(cell, degree, make, seeds=None):
+    """Runs with contact from other starts.
+
+    Args:
+        seeds: of the starts; None: as many as the level takes.
+    """
+    dim = 2 if cell in ("triangle", "quadrilateral") else 3
+    for seed in range(1, OTHER_STARTS[dim] + 1) if seeds is None else seeds:
+        start = Start(seed)
+        yield from (start.of(case) for case in make(cell, degree, start) if case.contact)
 
 
 # --- bodies ----------------------------------------------------------------------------------------------------------
@@ -55,18 +126,27 @@ def _body(domain, tags, degree, hypothesis, law="linear_elastic", friction=0.0, 
     return TwoBodies(domain, tags, degree, material, friction, rigid, law=law, rule=rules)
 
 
+GAP = 0.002  # the least distance between two bodies before anything moves [L]
+
+
 def _upper(places):
-    """Nodes of the upper body: it lies above 1 before anything moves, and is the slave."""
-    return places[:, -1] > 1.0
+    """Nodes of the upper body, which is the slave. Told apart in the middle of the gap: heights of the lower body's top
+    are 1 to round-off only, which depends on the processor."""
+    return places[:, -1] > 1.0 + 0.5 * GAP
 
 
 def _lift(domain, gap):
     """Open a gap between the bodies, so that round-off does not decide what touches."""
-    x, dim = domain.geometry.x, domain.geometry.dim
+    upper = _nodes_of_upper(domain)
+    domain.geometry.x[upper, domain.geometry.dim - 1] += gap
+    return upper
+
+
+def _nodes_of_upper(domain):
+    """Nodes of the mesh that belong to the upper body, by the centres of the cells: (num_nodes) bool."""
+    x, dofmap = domain.geometry.x, domain.geometry.dofmap
     upper = np.zeros(len(x), dtype=bool)
-    centres = x[domain.geometry.dofmap][:, :, dim - 1].mean(axis=1)
-    upper[np.unique(domain.geometry.dofmap[centres > 1.0])] = True
-    x[upper, dim - 1] += gap
+    upper[np.unique(dofmap[x[dofmap][:, :, domain.geometry.dim - 1].mean(axis=1) > 1.0])] = True
     return upper
 
 
@@ -81,16 +161,17 @@ def falling(down, along=0.0):
     return velocity
 
 
-def bars(cell, degree):
+def bars(cell, degree, start=Start()):
     """Two bars that meet end on: one row of cells, and several with nu = 0.3."""
     for rows, nu, kind in ((1, 0.0, "penalty"), (1, 0.0, "kinematic"), (3, 0.3, "penalty"), (3, 0.3, "kinematic")):
         domain, tags = two_bodies(cell, (rows, 12), (rows, 9), start=(0.04,), length=(0.92,))  # not edge on edge
         _lift(domain, 0.003)
+        start.turn(domain)
         body = _body(domain, tags, degree, "plane_strain", nu=nu)
         yield Run(f"two bars, {rows} rows, {kind}", body, falling(0.02), kind)
 
 
-def disc(cell, degree):
+def disc(cell, degree, start=Start()):
     """A disc that falls on a block at an angle, with friction: it comes to roll."""
     for kind, options in (("penalty", {}), ("penalty", {"balanced": True}), ("kinematic", {})):
         domain, tags = two_bodies(cell, (9, 4), (8, 8), start=(0.2,), length=(0.5,))
@@ -98,44 +179,48 @@ def disc(cell, degree):
         a, b = (x[upper, 0] - 0.45) / 0.25, (x[upper, 1] - 1.25) / 0.25
         x[upper, 0] = 0.45 + 0.25 * a * np.sqrt(1 - b**2 / 2)
         x[upper, 1] = 1.252 + 0.25 * b * np.sqrt(1 - a**2 / 2)
+        start.turn(domain)
         body = _body(domain, tags, degree, "plane_strain", friction=0.3)
         low = np.flatnonzero(np.isclose(body.V.tabulate_dof_coordinates()[:, 1], 0.0))
         name = f"disc on a block, {'balanced ' if options else ''}{kind}"
         yield Run(name, body, falling(0.03, 0.02), kind, options, held=low)
 
 
-def blocks(cell, degree):
+def blocks(cell, degree, start=Start()):
     """A block thrown on another one in space, with friction, neo-Hookean."""
     for kind, law in (("penalty", "neo_hookean"), ("kinematic", "linear_elastic")):
         domain, tags = two_bodies(cell, (4, 3, 2), (3, 2, 2), start=(0.17, 0.13))
-        x, upper = domain.geometry.x, _lift(domain, 0.002)
+        x, upper = domain.geometry.x, _lift(domain, GAP)
         x[upper, 2] += 0.1 * ((x[upper, :2] - 0.5) ** 2).sum(axis=1)  # round below
+        start.turn(domain)
         body = _body(domain, tags, degree, "3d", law, friction=0.2)
         yield Run(f"block on a block, {law.replace('_', '-')}, {kind}", body, falling(0.05, 0.03), kind)
 
 
-def overhang(cell, degree):
+def overhang(cell, degree, start=Start()):
     """A block thrown over the end of another one: nodes over the rim, beside it, and come in below it as it turns."""
     plane = cell in ("triangle", "quadrilateral")
     for kind in ("penalty", "kinematic"):
         domain, tags = two_bodies(cell, (9, 4) if plane else (4, 4, 2), (5, 4) if plane else (3, 3, 2),
                                   start=(0.66,) * (1 if plane else 2), length=(0.6,) * (1 if plane else 2))  # fmt: skip
-        _lift(domain, 0.002)
+        _lift(domain, GAP)
+        start.turn(domain)
         body = _body(domain, tags, degree, "plane_strain" if plane else "3d", "neo_hookean", friction=0.2)
         yield Run(f"block over an end, {kind}", body, falling(0.1, -0.05), kind)
 
 
-def coarse(cell, degree):
+def coarse(cell, degree, start=Start()):
     """A ring on a finer one, with friction: slaves much heavier than the masters they meet."""
     for kind in ("penalty", "kinematic"):
         domain, tags = two_bodies(cell, (14, 10), (3, 2), start=(0.11,), length=(0.75,))
         domain.geometry.x[:, 0] += 0.3
-        _lift(domain, 0.002)
+        _lift(domain, GAP)
+        start.turn(domain)
         body = _body(domain, tags, degree, "axisymmetric", friction=0.2)
         yield Run(f"coarse ring on a fine one, {kind}", body, falling(0.03, 0.01), kind)
 
 
-def rigid(cell, degree):
+def rigid(cell, degree, start=None):
     """A body of revolution thrown on a rigid plane, and a block hit by a rigid cylinder that moves."""
     domain = bodies.block(cell, 5)
     domain.geometry.x[:, 0] += 0.2
@@ -165,7 +250,7 @@ def _face(domain, height):
     return mesh.meshtags(domain, dim - 1, both[order], values[order])
 
 
-def alone(cell, degree):
+def alone(cell, degree, start=None):
     """A body without contact: schemes, damping, viscosity, loads and prescribed motion."""
     plane = cell in ("triangle", "quadrilateral")
     domain = bodies.block(cell, 4 if plane else 2)
