@@ -56,8 +56,9 @@ struct Energies
   {
     kinetic,
     internal,
-    contact,
+    contact, ///< stored in springs
     friction,
+    impact, ///< what normal forces of kinematic contact take out
     damping,
     viscosity,
     external,
@@ -76,8 +77,9 @@ inline Energies energies_of(std::span<const double> e, bool linear)
   auto& v = out.values;
   v[Energies::kinetic] = e[Local::kinetic];
   v[Energies::internal] = linear ? e[Local::position] - e[Local::parts_position] : e[Local::residual_work] - parts;
-  v[Energies::contact] = e[Local::stored] - e[Local::kinematic];
+  v[Energies::contact] = e[Local::stored];
   v[Energies::friction] = e[Local::friction];
+  v[Energies::impact] = -e[Local::kinematic];
   v[Energies::damping] = e[Local::damped] + work[int(Account::damping)];
   v[Energies::viscosity] = work[int(Account::viscosity)];
   v[Energies::external] = e[Local::load_work] + e[Local::support_work] + work[int(Account::external)];
