@@ -42,9 +42,11 @@ struct Local
     parts_position = part_work + 4,
     stored,
     friction,
-    kinematic, ///< work of the normal forces of kinematic contact
-    search,    ///< contacts that need a search
-    stop,      ///< ranks that were asked to stop
+    kinematic,   ///< work of the normal forces of kinematic contact
+    taken,       ///< minus the same with the motion after the last forces
+    recoverable, ///< taken from nodes that are still closed
+    search,      ///< contacts that need a search
+    stop,        ///< ranks that were asked to stop
     size
   };
 };
