@@ -210,7 +210,7 @@ class Impact:
         low, high = 0.1 * T, 0.9 * T
         above = np.flatnonzero(stress > 0.5)
         energy = self.problem.energy_history[:, 1:]
-        total = energy[:, :6].sum(axis=1) - energy[:, 6]
+        total = energy[:, :-1].sum(axis=1) - energy[:, -1]
         return {
             "stress": (np.interp(high, t, impulse) - np.interp(low, t, impulse)) / (high - low),
             "largest": stress.max(),

@@ -141,7 +141,7 @@ run.table(
     },
 )  # fmt: skip
 some = np.unique(np.linspace(0, len(energy) - 1, 1000).astype(int))
-names = ("kinetic", "internal", "contact", "friction", "damping", "viscosity", "external")
+names = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "external")
 columns = {key: (changes[some, i], "J/m" if dim == 2 else "J") for i, key in enumerate(names)}
 run.table("energy", {"time": (energy[some, 0], "s"), **columns})
 run.pictures(figures.force, run, history, reference[1], load, quiet)

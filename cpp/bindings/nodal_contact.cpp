@@ -68,6 +68,8 @@ nb::dict history(const NodeToSurface& self)
   out["closed"] = copy(h.closed, {n});
   out["facet"] = copy(h.facet, {n});
   out["xi"] = copy(h.xi, {n, 2});
+  out["taken"] = copy(h.taken, {n});
+  out["pulse"] = copy(h.pulse, {n});
   return out;
 }
 
@@ -82,7 +84,8 @@ void set_history(NodeToSurface& self, const nb::dict& dict)
 {
   self.set_history({entries<double>(dict, "tangential"), entries<double>(dict, "slip"),
                     entries<double>(dict, "springs"), entries<std::int8_t>(dict, "closed"),
-                    entries<std::int64_t>(dict, "facet"), entries<double>(dict, "xi")});
+                    entries<std::int64_t>(dict, "facet"), entries<double>(dict, "xi"), entries<double>(dict, "taken"),
+                    entries<double>(dict, "pulse")});
 }
 
 nb::dict counters(const NodeToSurface& self)
@@ -109,6 +112,7 @@ nb::dict energies(const ContactEnergy& e)
   out["normal"] = e.normal;
   out["later_friction"] = e.later_friction;
   out["later_normal"] = e.later_normal;
+  out["recoverable"] = e.recoverable;
   return out;
 }
 
@@ -207,15 +211,16 @@ void impact::bindings::nodal(nb::module_& m)
       .def(
           "correct",
           [](NodeToSurface& self, const Halo& halo, MutableValues u, Values du, Values inverse_mass, double h,
-             double dt, MutableValues f)
+             double dt, MutableValues f, double share)
           {
             const int gdim = self.candidates().gdim();
             const std::vector<double> rest(u.size(), 0.0);
             self.correct(over(halo, u, gdim, "u"), over(halo, du, gdim, "du"), rest.data(),
-                         over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, over(halo, f, gdim, "f"));
+                         over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share,
+                         over(halo, f, gdim, "f"));
           },
           nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),
-          nb::arg("dt"), nb::arg("f").noconvert(),
+          nb::arg("dt"), nb::arg("f").noconvert(), nb::arg("share") = 1.0,
           "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
       .def(
           "look", [](NodeToSurface& self, const Halo& halo, Values u)

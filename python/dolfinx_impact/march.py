@@ -19,7 +19,7 @@ CHUNK = 1000  # steps between which nothing but C++ runs
 RECHECK = 500  # steps after which the stable step of a body that deforms is looked at again
 SNAPSHOT = 100  # steps between states that a run that goes unstable falls back on
 MOST_STEPS = 10**9  # of one call: the energies of as many steps take a hundred gigabytes
-ENERGIES = ("kinetic", "internal", "contact", "friction", "damping", "viscosity", "external")
+ENERGIES = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "external")
 
 
 @dataclass
@@ -290,13 +290,14 @@ class March:
 
     @property
     def energy(self):
-        """Energies at the present time: dict of kinetic, internal, contact, friction, damping, viscosity, external,
-        total [F L] and drift [1]; docs/explicit.md."""
+        """Energies at the present time: dict of kinetic, internal, contact, friction, impact, damping, viscosity,
+        external, total [F L] and drift [1]; docs/explicit.md."""
         return dict(self._energy)
 
     @property
     def energy_history(self):
-        """Time and energies before every step, (num_steps, 8): time [T], then those of `energy` in its order [F L]."""
+        """Time and energies before every step, (num_steps, 9): time [T], then those of `energy` in its order, external
+        last [F L]."""
         return self._history()[:, : 1 + len(ENERGIES)]
 
     @property

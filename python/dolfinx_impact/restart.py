@@ -11,6 +11,7 @@ from .march import Plan
 from .signature import functions_of_time, supports
 
 # Per contact: energies, then where a rigid master is and how far it has moved; the latter are the same on all ranks.
+LEDGER = ("taken", "pulse")  # of a node in contact
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
 NUMBERS = ("time", "beyond", "step", "safe", "nominal", "largest", "total_start")
 SAME = 1e-12  # of the values of functions of time: other libraries may round otherwise
@@ -90,12 +91,12 @@ class Restart:
         bs, count = self.space.dofmap.index_map_bs, self._cpp.num_saved_parts
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.contact) for j, s in enumerate(c.sides())]
         results = {f"results{k}": contact.seen()[0].shape[1] for k, contact in enumerate(self.contact)}
-        accounts = self._cpp.num_additive + 5 + 9 * len(self.contact)
+        accounts = self._cpp.num_additive + 6 + 9 * len(self.contact)
         file = checkpoint.Reader(
             path,
             self,
             arrays={name: bs for name in ("u", "v", "r", *(f"part{k}" for k in range(count)))},
-            nodal={**{name: 2 * bs + 9 for name, _ in sides}, **results},
+            nodal={**{name: 2 * bs + 9 + len(LEDGER) for name, _ in sides}, **results},
             ranks={"accounts": accounts, **{name: len(ENERGY) for name, _ in sides}},
             attributes=[*NUMBERS, "plan", "functions of time", *(f"contact{k}" for k in range(len(self.contact)))],
         )
@@ -140,6 +141,7 @@ class Restart:
         want(np.all(np.isfinite(np.delete(accounts, m + 2))), "the table ranks/accounts has values that are no numbers")
         want(accounts[m] >= 0.0 and accounts[m + 1] >= 0.0 and accounts[m + 2] > 0.0, "steps of ranks/accounts")
         want(accounts[m + 4] >= 0.0, "energies of ranks/accounts")
+        want(0.0 <= accounts[m + 5] <= 1.0, "what releases give back is no part")
         facets = 8 * self.space.mesh.topology.index_map(self.space.mesh.topology.dim).size_global
         read["histories"] = [_unpack(rows, self.space.dofmap.index_map_bs, facets, want) for rows in read["histories"]]
         for k, contact in enumerate(self.contact):
@@ -201,6 +203,7 @@ def _pack(history, bs):
     n = len(history["closed"])
     columns = [history["tangential"].reshape(n, bs), history["slip"].reshape(n, bs), history["xi"].reshape(n, 2)]
     columns += [history["springs"].reshape(n, 5)]
+    columns += [history[name][:, None] for name in LEDGER]
     columns += [history["closed"].astype(float)[:, None], history["facet"].astype(float)[:, None]]
     return np.hstack(columns)
 
@@ -208,17 +211,20 @@ def _pack(history, bs):
 def _unpack(rows, bs, facets, want):
     """Back from `_pack`, looked at. Args: facets: numbers of facets are less than this."""
     whole = np.ascontiguousarray
-    xi, springs, closed, facet = rows[:, 2 * bs : 2 * bs + 2], rows[:, 2 * bs + 2 : -2], rows[:, -2], rows[:, -1]
+    xi, springs = rows[:, 2 * bs : 2 * bs + 2], rows[:, 2 * bs + 2 : 2 * bs + 7]
+    closed, facet = rows[:, -2], rows[:, -1]
     want(np.all(np.isin(closed, (-1.0, 0.0, 1.0))), "a contact's nodes have a state that does not exist")
     want(
         np.all((facet % 1 == 0) & (facet >= -1) & (facet < facets)), "a contact's nodes are on facets that do not exist"
     )
     want(np.all((xi >= -XI_MARGIN) & (xi <= 1.0 + XI_MARGIN)), "a contact's nodes are beside their facets")
+    want(np.all(np.isfinite(rows[:, 2 * bs + 2 : -2])), "energies or impulses of a contact's nodes are no numbers")
     return {
         "tangential": whole(rows[:, :bs]),
         "slip": whole(rows[:, bs : 2 * bs]),
         "xi": whole(xi),
         "springs": whole(springs),
+        **{name: whole(rows[:, 2 * bs + 7 + k]) for k, name in enumerate(LEDGER)},
         "closed": whole(closed.astype(np.int8)),
         "facet": whole(facet.astype(np.int64)),
     }

@@ -69,7 +69,7 @@ class Bar(Impact):
         full = self.stress * self.height
         begin, end = history.span(0.5 * full)
         parts = problem.energy_history[:, 1:]
-        total = parts[:, :6].sum(axis=1) - parts[:, 6]
+        total = parts[:, :-1].sum(axis=1) - parts[:, -1]
         return {
             "begin": (begin - self.first) / self.contact_time,
             "end": (end - self.first) / self.contact_time,

@@ -25,6 +25,7 @@ struct ContactEnergy
   double normal = 0.0;         ///< work of the normal forces so far, of springs without what is stored [F L]
   double later_friction = 0.0; ///< what the motion after the last forces adds to `friction` [F L]
   double later_normal = 0.0;   ///< and to `normal` [F L]
+  double recoverable = 0.0;    ///< taken by kinematic contact from nodes that are still closed [F L]
 };
 
 /// A contact as the explicit integrator sees it. Forces are on slave and master nodes, equal and opposite.
@@ -65,9 +66,10 @@ public:
   /// @param[in] before increments of the step before, which work counts half of (over the Halo's nodes)
   /// @param[in] h a force f moves a node by h*f/m in the step [T^2]
   /// @param[in] dt step [T]
+  /// @param[in] share part of the recoverable energy that nodes which leave the master may be given back [1]
   /// @param[in,out] f complete on owned nodes: forces are added [F]
   virtual void correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
-                       double dt, double* f) = 0;
+                       double dt, double share, double* f) = 0;
   /// Does it act by add_forces (false) or by correct (true)?
   virtual bool kinematic() const = 0;
 

@@ -44,6 +44,8 @@ struct NodalHistory
   std::vector<std::int8_t> closed; ///< 1: in contact; -1: below the surface, beside the rim or found there; else 0
   std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
   std::vector<double> xi;          ///< reference coordinates there, [2*i + alpha]
+  std::vector<double> taken;       ///< energy that kinematic contact has taken since the node closed [F L]
+  std::vector<double> pulse;       ///< impulse of its last normal forces, fading [F T]
 };
 
 /// Springs of given stiffness of all slave nodes that have a master, closed or not.
@@ -79,7 +81,7 @@ public:
   void forget() override;
   void add_forces(const NodalState& state, double* f) override;
   void correct(double* u, const double* du, const double* before, const double* inverse_mass, double h, double dt,
-               double* f) override;
+               double share, double* f) override;
   bool kinematic() const override { return _options.kinematic; }
   void look(const double* u) override;
   ContactEnergy energy() const override;
@@ -122,13 +124,14 @@ private:
     double phi[surface::FacetElement::max_nodes];
     search::Projection at;
   };
-  /// A node that kinematic contact holds in this step; shape functions are in `_phi`.
+  /// A node that kinematic contact acts on in this step; shape functions are in `_phi`.
   struct alignas(64) Closed
   {
     const std::int32_t *masters, *corners; ///< as of Touch
     double normal[3], overlap;             ///< [L]
     std::uint32_t i;
     std::int32_t node;
+    bool releases; ///< it leaves the master in this step: its force is known beforehand
   };
 
   NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
@@ -155,15 +158,20 @@ private:
   template <int D>
   void predict(const double* u, const double* du, const double* before);
   template <int D>
+  void reaction(std::size_t q, double* out) const;
+  template <int D>
   void add_masses(const double* inverse_mass);
+  template <int D>
+  void release(const double* du, const double* inverse_mass, double h, double dt, double share);
   template <int D>
   void solve_forces(double h, double factor);
   template <int D>
   void apply(const double* inverse_mass, double h);
   template <int D>
-  void record();
+  void record(double h, double dt);
   template <int D>
-  void correct_all(double* u, const double* du, const double* before, const double* inverse_mass, double h, double* f);
+  void correct_all(double* u, const double* du, const double* before, const double* inverse_mass, double h, double dt,
+                   double share, double* f);
 
   NodeToSurfaceOptions _options;
   int _gdim;
@@ -211,6 +219,7 @@ private:
   std::vector<Closed> _closed_now;
   std::size_t _num_closed = 0;
   int _num_masters = 0; ///< nodes of a master's facet; 0: rigid
+  std::vector<double> _taken, _pulse; ///< as in NodalHistory
   std::vector<double> _phi, _motion, _nodal_force, _along, _across;
   std::vector<Couple> _couples;
   std::vector<double> _arms; ///< of couples

@@ -2,6 +2,7 @@
 #include "NodeToSurface.h"
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 /// Kinematic contact, docs/explicit.md.
 namespace impact::enforcement
@@ -10,6 +11,7 @@ namespace
 {
 constexpr double held = 1e-9;        ///< moved by less than this of what it moves elsewhere, a node does not move
 constexpr double over_relaxed = 1.5; ///< every second sweep: what alternates from node to node needs more
+constexpr double fading = 0.95;      ///< of the impulse that a release may have, from step to step
 } // namespace
 
 void NodeToSurface::number_kinematic(operators::Halo& halo)
@@ -41,7 +43,7 @@ void NodeToSurface::relative(std::size_t q, const double* values, double* out) c
             });
 }
 
-/// Closed nodes of the predicted configuration.
+/// Closed nodes of the predicted configuration, and those that leave the master after having been closed.
 template <int D>
 void NodeToSurface::predict(const double* u, const double* du, const double* before)
 {
@@ -49,11 +51,24 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
   Touch touch;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
-    if ((!_rigid && _tracking.asleep(i)) || !meets(i, u, du, 0.0, touch))
+    if (!_rigid && _tracking.asleep(i))
       continue;
+    const bool may_release = _closed[i] == 1 && _taken[i] > 0.0;
+    if (!meets(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, touch))
+    {
+      _taken[i] = _pulse[i] = 0.0;
+      continue;
+    }
+    const bool releases = !(touch.at.gap < 0.0);
+    if (releases && touch.at.rim == search::Projection::Rim::beside)
+    {
+      open(i, touch.at);
+      _taken[i] = _pulse[i] = 0.0;
+      continue;
+    }
     const std::size_t q = _num_closed++;
     Closed& closed = _closed_now[q];
-    closed = {touch.masters, touch.corners, {}, -touch.at.gap, std::uint32_t(i), touch.node};
+    closed = {touch.masters, touch.corners, {}, -touch.at.gap, std::uint32_t(i), touch.node, releases};
     std::copy_n(touch.at.normal, 3, closed.normal);
     for_nodes(_num_masters, [&](int j) { _phi[q * _num_masters + j] = touch.phi[j]; });
     if (!_rigid)
@@ -88,6 +103,19 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
     }
 }
 
+/// Forces on the masters of closed node q for a unit force on it along the normal, [j*D + c].
+template <int D>
+void NodeToSurface::reaction(std::size_t q, double* out) const
+{
+  const double* n = _closed_now[q].normal;
+  for (int j = 0; j < _num_masters; ++j)
+    for (int c = 0; c < D; ++c)
+      out[j * D + c] = -_phi[q * _num_masters + j] * n[c];
+  if (turns())
+    _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, n,
+                          [&](int j, int c, double value) { out[j * D + c] += value; });
+}
+
 /// How much a force of the sweep moves: the sums of the rows of the bodies' response, along the normal and across it.
 template <int D>
 void NodeToSurface::add_masses(const double* inverse_mass)
@@ -97,8 +125,19 @@ void NodeToSurface::add_masses(const double* inverse_mass)
     // Ghosts have what their owners sent in the last step, also those that nothing here touches.
     std::fill(_weight.begin(), _weight.end(), 0.0);
     for (std::size_t q = 0; q < _num_closed; ++q)
-      for (int j = 0; j < _num_masters; ++j)
-        _weight[_closed_now[q].masters[j]] += std::abs(_phi[q * _num_masters + j]);
+    {
+      const Closed& closed = _closed_now[q];
+      if (closed.releases)
+      {
+        double pushed[surface::FacetElement::max_nodes * D];
+        reaction<D>(q, pushed);
+        for (int j = 0; j < _num_masters; ++j)
+          _weight[closed.masters[j]] += std::sqrt(dot(pushed + j * D, pushed + j * D, D));
+      }
+      else
+        for (int j = 0; j < _num_masters; ++j)
+          _weight[closed.masters[j]] += std::abs(_phi[q * _num_masters + j]);
+    }
     _halo->reverse(_weight.data(), 1);
     _halo->forward(_weight.data(), 1);
   }
@@ -127,6 +166,48 @@ void NodeToSurface::add_masses(const double* inverse_mass)
   }
 }
 
+/// Forces of the nodes that leave the master: each gives back at most the energy taken from it since it closed, by no
+/// more impulse than contact has had in its last steps (docs/explicit.md, Release).
+template <int D>
+void NodeToSurface::release(const double* du, const double* inverse_mass, double h, double dt, double share)
+{
+  for (std::size_t q = 0; q < _num_closed; ++q)
+  {
+    const Closed& closed = _closed_now[q];
+    if (!closed.releases)
+      continue;
+    const double* n = closed.normal;
+    double before[3], pushed[surface::FacetElement::max_nodes * D];
+    relative<D>(q, _before.data(), before);
+    // Work of a unit force with the motion as it is, half of what this force moves per unit of it.
+    double way = 0.0, moves = 0.0;
+    for (int c = 0; c < D; ++c)
+    {
+      way += 0.5 * n[c] * (before[c] - (_rigid ? _obstacle_before[c] : 0.0) + _motion[q * D + c]);
+      moves += n[c] * n[c] * inverse_mass[std::size_t(closed.node) * D + c];
+    }
+    reaction<D>(q, pushed);
+    for (int j = 0; j < _num_masters; ++j)
+    {
+      const std::size_t node = closed.masters[j];
+      const double phi = _phi[q * _num_masters + j], size = std::sqrt(dot(pushed + j * D, pushed + j * D, D));
+      for (int c = 0; c < D; ++c)
+      {
+        const double push = pushed[j * D + c], couple = push + phi * n[c];
+        way += 0.5 * couple * (_before[node * D + c] + du[node * D + c]);
+        if (size > 0.0)
+          moves += push * push / size * _weight[node] * inverse_mass[node * D + c];
+      }
+    }
+    const double taken = share * _taken[closed.i], most = _pulse[closed.i] * dt / h;
+    const double force =
+        taken > 0.0 ? std::min(most, 2.0 * taken / (way + std::sqrt(way * way + 2.0 * h * moves * taken))) : 0.0;
+    for (int c = 0; c < D; ++c)
+      _nodal_force[q * D + c] = force * n[c];
+    _results.status[closed.i] = force > 0.0 ? ContactStatus::slip : ContactStatus::open;
+  }
+}
+
 /// Forces of the sweep, within what contact can bear.
 /// @param[in] factor of what the masses call for
 template <int D>
@@ -135,6 +216,8 @@ void NodeToSurface::solve_forces(double h, double factor)
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
+    if (closed.releases)
+      continue;
     const double* n = closed.normal;
     double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
     relative<D>(q, _moved.data(), moved);
@@ -206,12 +289,12 @@ void NodeToSurface::apply(const double* inverse_mass, double h)
 
 /// Results and work of the step: half with the motion before it, half with that of it.
 template <int D>
-void NodeToSurface::record()
+void NodeToSurface::record(double h, double dt)
 {
   _force.fill(0.0);
   _energy.normal += _energy.later_normal;
   _energy.friction += _energy.later_friction;
-  _energy.later_normal = _energy.later_friction = 0.0;
+  _energy.later_normal = _energy.later_friction = _energy.recoverable = 0.0;
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
@@ -233,21 +316,25 @@ void NodeToSurface::record()
     _results.pressure[i] = normal / area;
     for (int c = 0; c < D; ++c)
       slip[c] = moved[c] - dot(n, moved, D) * n[c];
-    const double work = 0.5 * normal * dot(n, before, D), later = 0.5 * normal * dot(n, moved, D);
+    const double along = 0.5 * normal * dot(n, before, D), along_later = 0.5 * normal * dot(n, moved, D);
+    double work = along, later = along_later;
     if (turns())
       _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
                             [&](int j, int c, double value)
                             {
                               const std::size_t k = std::size_t(closed.masters[j]) * D + c;
                               const double du = _tracking.masters()[closed.corners[j]].du[c];
-                              _energy.normal += 0.5 * value * _before[k];
-                              _energy.later_normal += 0.5 * value * (du + _moved[k]);
+                              work += 0.5 * value * _before[k];
+                              later += 0.5 * value * (du + _moved[k]);
                             });
     _energy.normal += work;
-    _energy.friction -= 0.5 * dot(f, before, D) - work;
+    _energy.friction -= 0.5 * dot(f, before, D) - along;
     _energy.later_normal += later;
-    _energy.later_friction -= 0.5 * dot(f, moved, D) - later;
-    if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
+    _energy.later_friction -= 0.5 * dot(f, moved, D) - along_later;
+    _taken[i] = closed.releases ? 0.0 : _taken[i] - work - later;
+    _energy.recoverable += std::max(0.0, _taken[i]);
+    _pulse[i] = closed.releases ? 0.0 : fading * _pulse[i] + normal * h / dt;
+    if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip && !closed.releases)
       for (int c = 0; c < D; ++c)
         _results.slip[i * D + c] += slip[c];
     _closed[i] = _results.status[i] != ContactStatus::open;
@@ -259,10 +346,11 @@ void NodeToSurface::record()
 
 template <int D>
 void NodeToSurface::correct_all(double* u, const double* du, const double* before, const double* inverse_mass, double h,
-                                double* f)
+                                double dt, double share, double* f)
 {
   predict<D>(u, du, before);
   add_masses<D>(inverse_mass);
+  release<D>(du, inverse_mass, h, dt, share);
   for (int sweep = 0; sweep < _options.sweeps; ++sweep)
   {
     solve_forces<D>(h, sweep % 2 ? over_relaxed : 1.0);
@@ -277,17 +365,18 @@ void NodeToSurface::correct_all(double* u, const double* du, const double* befor
         f[k] += _sum[k];
       }
   _halo->forward(u, D);
-  record<D>();
+  record<D>(h, dt);
 }
 
 void NodeToSurface::correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
-                            double dt, double* f)
+                            double dt, double share, double* f)
 {
   if (!_rigid)
   {
     _candidates.advance(dt);
     _tracking.advance(u, du);
   }
-  _gdim == 2 ? correct_all<2>(u, du, before, inverse_mass, h, f) : correct_all<3>(u, du, before, inverse_mass, h, f);
+  _gdim == 2 ? correct_all<2>(u, du, before, inverse_mass, h, dt, share, f)
+             : correct_all<3>(u, du, before, inverse_mass, h, dt, share, f);
 }
 } // namespace impact::enforcement

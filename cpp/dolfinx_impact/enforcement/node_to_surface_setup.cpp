@@ -61,6 +61,8 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
   _stiffness.assign(n, 0.0);
   _springs.assign(n, {});
   _closed.assign(n, 0);
+  _taken.assign(n, 0.0);
+  _pulse.assign(n, 0.0);
   for (double area : _candidates.areas())
     _per_area.push_back(1.0 / area);
   if (options.kinematic)
@@ -184,6 +186,7 @@ ContactEnergy NodeToSurface::energy() const
     out.normal += more.normal;
     out.later_friction += more.later_friction;
     out.later_normal += more.later_normal;
+    out.recoverable += more.recoverable;
   }
   return out;
 }
@@ -206,15 +209,16 @@ NodalHistory NodeToSurface::history() const
   std::vector<double> springs;
   for (const Spring& s : _springs)
     springs.insert(springs.end(), {s.force, s.compliance, s.gap, s.surplus, s.tangential_surplus});
-  return {_tangential,        _results.slip, springs, _closed, {_tracking.held().begin(), _tracking.held().end()},
-          _tracking.held_xi()};
+  return {_tangential,         _results.slip, springs, _closed, {_tracking.held().begin(), _tracking.held().end()},
+          _tracking.held_xi(), _taken,        _pulse};
 }
 
 void NodeToSurface::set_history(const NodalHistory& history)
 {
   const std::size_t n = _closed.size(), vector = n * _gdim;
   if (history.tangential.size() != vector || history.slip.size() != vector || history.closed.size() != n ||
-      history.springs.size() != 5 * n || history.facet.size() != n || history.xi.size() != 2 * n)
+      history.springs.size() != 5 * n || history.facet.size() != n || history.xi.size() != 2 * n ||
+      history.taken.size() != n || history.pulse.size() != n)
     throw std::invalid_argument("the history belongs to other nodes: this rank has " + std::to_string(n) +
                                 " slave nodes, found " + std::to_string(history.closed.size()));
   _tangential = history.tangential;
@@ -225,6 +229,8 @@ void NodeToSurface::set_history(const NodalHistory& history)
     _springs[i] = {s[0], s[1], s[2], s[3], s[4]};
   }
   _closed = history.closed;
+  _taken = history.taken;
+  _pulse = history.pulse;
   _tracking.set_held(history.facet, history.xi);
 }
 } // namespace impact::enforcement

@@ -136,7 +136,7 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
   }
   for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
     *work = {};
-  _obstacle_work = _reference = _last_step = 0.0;
+  _obstacle_work = _reference = _last_step = _release_share = 0.0;
   _gain = {};
   _fresh = _pending = false;
   _search_due = true;

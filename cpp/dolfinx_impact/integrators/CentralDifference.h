@@ -217,6 +217,7 @@ private:
   std::vector<double> _beyond; ///< amplitudes one step on: velocities of prescribed motion now
   double _last_step = 0.0;     ///< that led here; 0 at the start
   double _contact_step = 0.0;
+  double _release_share = 0.0; ///< of the energy taken from closed nodes: what they may be given back when they leave
   bool _fresh = false, _pending = false, _search_due = true, _kinematic = false, _penalty = false;
   double _used = 0.0; ///< contacts whose candidates are used up
   Work _residual_work, _load_work, _support_work, _damped;

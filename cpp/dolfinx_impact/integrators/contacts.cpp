@@ -225,7 +225,7 @@ void CentralDifference::kinematic_contact(double dt, double h, Sums& sums)
     if (c.contact->kinematic())
     {
       c.contact->correct(_near.u.data(), _near.du.data(), _near.du_before.data(), _near.inverse.data(), h * dt, dt,
-                         _near.force.data());
+                         _release_share, _near.force.data());
       for (int k = 0; k < _bs; ++k)
         _obstacle_work += 0.5 * c.moved_before[k] * c.contact->force()[k];
     }

@@ -44,9 +44,12 @@ struct Local
     parts_position = part_work + 4,
     stored,
     friction,
-    kinematic, ///< work of the normal forces of contact, of springs without what they store
-    search,    ///< contacts that need a search
-    stop,      ///< ranks that were asked to stop
+    normal,      ///< work of the normal forces of contact, of springs without what they store
+    kinematic,   ///< the part of it that kinematic contact does
+    taken,       ///< minus that of kinematic contact, with the motion after the last forces
+    recoverable, ///< taken from nodes that are still closed
+    search,      ///< contacts that need a search
+    stop,        ///< ranks that were asked to stop
     size
   };
 };
@@ -58,8 +61,9 @@ struct Energies
   {
     kinetic,
     internal,
-    contact,
+    contact, ///< stored in springs
     friction,
+    impact, ///< what normal forces of contact take from the bodies and do not store
     damping,
     viscosity,
     external,
@@ -78,16 +82,17 @@ inline Energies energies_of(std::span<const double> e, bool linear)
   auto& v = out.values;
   v[Energies::kinetic] = e[Local::kinetic];
   v[Energies::internal] = linear ? e[Local::position] - e[Local::parts_position] : e[Local::residual_work] - parts;
-  v[Energies::contact] = e[Local::stored] - e[Local::kinematic];
+  v[Energies::contact] = e[Local::stored];
   v[Energies::friction] = e[Local::friction];
+  v[Energies::impact] = -e[Local::normal];
   v[Energies::damping] = e[Local::damped] + work[int(Account::damping)];
   v[Energies::viscosity] = work[int(Account::viscosity)];
   v[Energies::external] = e[Local::load_work] + e[Local::support_work] + work[int(Account::external)];
   return out;
 }
 
-/// What a run has gained without the work of loads and supports: kinetic, internal and stored energy less external
-/// work, above the lowest that this has been so far. All forces but these only take, so it is zero but for
+/// What a run has gained without the work of loads and supports: kinetic, internal and stored energy, with what
+/// kinematic contact has taken, less external work, above the lowest that this has been so far. All forces but these only take, so it is zero but for
 /// fluctuations.
 struct EnergyGain
 {
@@ -96,11 +101,12 @@ struct EnergyGain
   double now = 0.0;     ///< relative to it [1]
   double most = 0.0;    ///< of `now`, since the run began or went on from a checkpoint [1]
 
-  /// @param[in] stored in springs, part of the contact energy [F L]
-  void see(const Energies& energies, double stored)
+  /// @param[in] taken by kinematic contact so far, which may give it back when nodes leave [F L]
+  void see(const Energies& energies, double taken)
   {
     const auto& v = energies.values;
-    const double value = v[Energies::kinetic] + v[Energies::internal] + stored - v[Energies::external];
+    const double value = v[Energies::kinetic] + v[Energies::internal] + v[Energies::contact] + std::max(0.0, taken) -
+                         v[Energies::external];
     lowest = largest == 0.0 ? value : std::min(lowest, value);
     // Negative dissipation is what is gained: it must not hide itself.
     double size = 0.0;

@@ -45,7 +45,13 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
     const enforcement::ContactEnergy energy = c.contact->energy();
     e[Local::stored] += energy.stored;
     e[Local::friction] += energy.friction;
-    e[Local::kinematic] += energy.normal;
+    e[Local::normal] += energy.normal;
+    if (c.contact->kinematic())
+    {
+      e[Local::kinematic] += energy.normal;
+      e[Local::taken] -= energy.normal + energy.later_normal;
+      e[Local::recoverable] += energy.recoverable;
+    }
   }
   e[Local::search] = _used;
   e[Local::stop] = _stop ? 1.0 : 0.0;
@@ -73,6 +79,9 @@ bool CentralDifference::reduce_end()
   if (_global[Local::search] > 0.0)
     _search_due = true;
   _stopped = _global[Local::stop] > 0.0;
+  // So nodes that leave the master never give back more in all than contact has taken.
+  const double taken = _global[Local::taken], recoverable = _global[Local::recoverable];
+  _release_share = recoverable > 0.0 ? std::clamp(taken / recoverable, 0.0, 1.0) : 0.0;
   const Energies now = energies_of(_global, _linear);
   if (_row)
     std::copy(_global.begin() + Local::size, _global.end(), std::copy(now.values.begin(), now.values.end(), _row));
@@ -82,7 +91,7 @@ bool CentralDifference::reduce_end()
   if (_reference == 0.0)
     _reference = speed + std::max(0.0, internal) + now.values[Energies::contact];
   _reference = std::max(_reference, now.values[Energies::external] + std::max(0.0, -internal));
-  _gain.see(now, _global[Local::stored]);
+  _gain.see(now, -_global[Local::kinematic]);
   return std::isfinite(speed) && !(speed > unstable * _reference) && !(_gain.now > _gain_limit);
 }
 
@@ -173,8 +182,8 @@ CentralDifference::Saved CentralDifference::save()
   saved.parts.insert(saved.parts.end(), contact.begin() + _owned, contact.end());
   for (const Work& work : {_residual_work, _load_work, _support_work, _damped})
     saved.accounts.push_back(work.done);
-  saved.accounts.insert(saved.accounts.end(),
-                        {_obstacle_work, _reference, _last_step, _contact_step, _gain.lowest, _gain.largest});
+  saved.accounts.insert(saved.accounts.end(), {_obstacle_work, _reference, _last_step, _contact_step, _gain.lowest,
+                                               _gain.largest, _release_share});
   for (const Contact& c : _contacts)
     for (const auto& values : {c.place, c.moved, c.moved_before})
       saved.accounts.insert(saved.accounts.end(), values.begin(), values.end());
@@ -188,7 +197,7 @@ void CentralDifference::restore(const Saved& saved)
 {
   if (saved.u.size() != _owned || saved.v.size() != _owned || saved.r.size() != _owned ||
       saved.parts.size() != num_saved_parts() * _owned ||
-      saved.accounts.size() != num_additive() + 5 + 9 * _contacts.size())
+      saved.accounts.size() != num_additive() + 6 + 9 * _contacts.size())
     throw std::invalid_argument("the saved state is that of another problem");
   start(saved.u, saved.v);
   std::copy(saved.r.begin(), saved.r.end(), _r.begin());
@@ -210,6 +219,7 @@ void CentralDifference::restore(const Saved& saved)
   _contact_step = *accounts++;
   _gain.lowest = *accounts++;
   _gain.largest = *accounts++;
+  _release_share = *accounts++;
   for (Contact& c : _contacts)
   {
     for (auto* values : {&c.place, &c.moved, &c.moved_before})

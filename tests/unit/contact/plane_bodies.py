@@ -85,5 +85,5 @@ class Bodies:
 def total_energy(problem):
     """Total energy before every step less that at the start, over the largest kinetic energy."""
     rows = problem.energy_history[:, 1:]
-    total = rows[:, :6].sum(axis=1) - rows[:, 6]
+    total = rows[:, :-1].sum(axis=1) - rows[:, -1]
     return (total - total[0]) / rows[:, 0].max()

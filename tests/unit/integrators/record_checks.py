@@ -27,7 +27,7 @@ def check_histories_and_frames():
         COMM.barrier()
         with h5py.File(path / "run" / "history.h5", "r") as file:
             assert file["time"].shape == (steps,) and file["time"].attrs["units"] == "T"
-            for k, name in enumerate(("time", "kinetic", "internal", "contact", "friction"), 0):
+            for k, name in enumerate(("time", "kinetic", "internal", "contact", "friction", "impact"), 0):
                 np.testing.assert_array_equal(file[name][:], problem.energy_history[:, k])
             np.testing.assert_array_equal(file["force_0"][:], problem.force_history[0])
             assert file["force_0"].attrs["units"] == "F" and np.abs(file["force_0"][:]).max() > 0.0

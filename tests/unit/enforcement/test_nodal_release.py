@@ -1,0 +1,85 @@
+"""Nodes that leave kinematic contact: the energy given back is bounded in arbitrary states, momentum is kept."""
+
+import numpy as np
+import pytest
+from nodal_model import moved_obstacle, smooth, two_bodies
+
+CELLS = pytest.mark.parametrize(
+    "cell,degree",
+    [("quadrilateral", 1), ("quadrilateral", 2), ("triangle", 1), ("hexahedron", 1), ("tetrahedron", 1)],
+)
+
+
+def leaving(model, rng, taken=1.0, pulse=1e9, share=1.0):
+    """A step in which nodes that were closed move away at random speeds.
+
+    Args:
+        taken: upper bound of the energies that the nodes lost before. pulse: impulse of their last forces.
+
+    Returns:
+        Displacements at the step's begin, increments, forces, energy the nodes may be given back.
+    """
+    start = smooth(model.x, 0.012, 0.4)
+    if hasattr(model, "obstacle"):
+        start[:, -1] -= 0.1
+    model.correct(start, np.zeros_like(start))
+    history = model.contact.history()
+    closed = model.contact.results()["status"] > 0
+    assert np.count_nonzero(closed) >= 3
+    history["taken"] = np.where(closed, rng.uniform(0.0, taken, len(closed)), 0.0)
+    history["pulse"] = np.where(closed, pulse, 0.0)
+    model.contact.set_history(history)
+    du = rng.normal(0.0, 2e-3, start.shape)
+    du[model.slave_body, -1] += 0.05 if not hasattr(model, "obstacle") else 0.3
+    u, f = model.spread(start + du), np.zeros((model.halo.num_nodes, model.dim))
+    model.contact.correct(
+        model.halo, u.reshape(-1), model.spread(du).reshape(-1), model.inverse, model.dt**2, model.dt, f.reshape(-1),
+        share,
+    )  # fmt: skip
+    return start, u[: model.num] - start, f[: model.num], share * history["taken"].sum()
+
+
+@CELLS
+@pytest.mark.parametrize("share", (1.0, 0.3))
+def test_no_more_is_given_back_than_was_taken(cell, degree, share):
+    """Work of the forces in the step's motion, before (none) and after: no more than the bound, and most of it where
+    nodes share few masters."""
+    rng = np.random.default_rng(5)
+    given = []
+    for _ in range(5):
+        model = two_bodies(cell, degree, kinematic=True)
+        start, du, f, bound = leaving(model, rng, share=share)
+        work = 0.5 * np.sum(f * du)  # nothing moved in the step before
+        assert 0.0 < work <= bound * (1 + 1e-12)
+        given.append(work / bound)
+        total = np.abs(f).sum()
+        assert np.abs(f.sum(axis=0)).max() < 1e-14 * total
+        x, flat = (np.pad(a, ((0, 0), (0, 3 - model.dim))) for a in (model.x + start, f))
+        assert np.abs(np.cross(x, flat).sum(axis=0)).max() < 1e-13 * np.abs(x).max() * total
+    assert max(given) > 0.3
+
+
+def test_the_impulse_bounds_it_too():
+    """A node that has hardly been pressed of late leaves hardly faster, whatever was taken from it long ago."""
+    model = moved_obstacle("quadrilateral", kinematic=True)
+    pulse = 1e-6
+    _, _, f, _ = leaving(model, np.random.default_rng(1), pulse=pulse)
+    pushed = f[f[:, 1] > 0.0, 1]
+    np.testing.assert_allclose(pushed * model.dt, pulse, rtol=1e-12)
+
+
+def test_a_rigid_master_gives_all_back():
+    """One node after the other: the kinetic energy of each rises by what was taken from it."""
+    model = moved_obstacle("quadrilateral", kinematic=True)
+    start, du, f, bound = leaving(model, np.random.default_rng(2))
+    assert np.isclose(0.5 * np.sum(f * du), bound, rtol=1e-12)
+
+
+def test_it_is_given_back_once():
+    model = moved_obstacle("quadrilateral", kinematic=True)
+    start, du, f, _ = leaving(model, np.random.default_rng(3))
+    assert np.abs(f).max() > 0.0
+    history = model.contact.history()
+    assert not history["taken"].any() and not history["pulse"].any()
+    _, f = model.correct(start + 2 * du, du, search=False)
+    assert not f.any() and not model.contact.results()["status"].any()
