@@ -53,7 +53,7 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
   {
     if (!_rigid && _tracking.asleep(i))
       continue;
-    const bool may_release = _closed[i] == 1 && _taken[i] > 0.0;
+    const bool may_release = _taken[i] > 0.0; // so it was among the closed nodes of the step before
     if (!meets(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, touch))
     {
       _taken[i] = _pulse[i] = 0.0;
@@ -62,7 +62,7 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
     const bool releases = !(touch.at.gap < 0.0);
     if (releases && touch.at.rim == search::Projection::Rim::beside)
     {
-      open(i, touch.at);
+      open(i, touch.at, u);
       _taken[i] = _pulse[i] = 0.0;
       continue;
     }
