@@ -60,7 +60,7 @@ def function(name, u):
     """A real function of double precision."""
     if not isinstance(u, fem.Function):
         hint = ": make a function of it, fem.Function(V)" if isinstance(u, fem.FunctionSpace) else ""
-        raise TypeError(f"{name} must be a dolfinx.fem.Function, found {type(u).__name__}{hint}")
+        raise TypeError(f"{name} must be a Function of dolfinx.fem, found {type(u).__name__}{hint}")
     double_precision(name, u.x.array)
 
 

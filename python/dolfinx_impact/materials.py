@@ -104,7 +104,15 @@ class _Material:
         return self._constant(mesh, "density", self.density)
 
     def stress(self, u):
-        """Stress of the displacement u in UFL: Cauchy for small strain, first Piola-Kirchhoff for finite strain."""
+        """Stress of a displacement: Cauchy for small strain, first Piola-Kirchhoff for finite strain [F/L^2].
+
+        Args:
+            u: displacement function, or UFL expression of one.
+
+        Returns:
+            UFL tensor: 3 x 3 in 3D, plane strain (with the stress across the plane at [2, 2]) and axisymmetric bodies
+            (with the hoop stress at [2, 2]); 2 x 2 in plane stress, where the third row is zero.
+        """
         mesh = u.function_space.mesh if isinstance(u, fem.Function) else ufl.domain.extract_unique_domain(u)
         return self.law(mesh).stress(u)
 

@@ -109,20 +109,18 @@ def _jacobians_of(mesh, shape, first, last):
     tdim, points, nodes = shape.shape
     jacobian = np.swapaxes(x, 1, 2) @ shape.reshape(tdim * points, nodes).T  # (cells, gdim, tdim * points)
     jacobian = jacobian.reshape(len(x), gdim, tdim, points)
-    columns = [np.moveaxis(jacobian[:, :, d], 1, 2) for d in range(tdim)]  # (cells, points, gdim) each
-    if gdim == 2 and tdim == 2:
-        det = columns[0][..., 0] * columns[1][..., 1] - columns[0][..., 1] * columns[1][..., 0]
+    J = [[jacobian[:, g, d] for d in range(tdim)] for g in range(gdim)]  # (cells, points) each
+    if tdim == gdim == 2:
+        det = J[0][0] * J[1][1] - J[0][1] * J[1][0]
     elif tdim == 3:
-        det = np.einsum("cqg,cqg->cq", np.cross(columns[0], columns[1]), columns[2])
-    elif tdim == 2:  # a surface in space: signed by the mean normal
-        normal = np.cross(*columns)
-        mean = normal.mean(axis=1)
+        minors = [J[i][1] * J[j][2] - J[i][2] * J[j][1] for i, j in ((1, 2), (2, 0), (0, 1))]
+        det = sum(J[g][0] * minors[g] for g in range(3))
+    else:  # a surface or line in space: signed by its mean normal or direction
+        columns = [np.stack([J[g][d] for g in range(gdim)], axis=-1) for d in range(tdim)]
+        along = np.cross(*columns) if tdim == 2 else columns[0]
+        mean = along.mean(axis=1)
         length = np.linalg.norm(mean, axis=1)
-        det = np.einsum("cqg,cg->cq", normal, mean / np.where(length > 0, length, 1)[:, None])
-    else:  # a line: signed by its mean direction
-        mean = columns[0].mean(axis=1)
-        length = np.linalg.norm(mean, axis=1)
-        det = np.einsum("cqg,cg->cq", columns[0], mean / np.where(length > 0, length, 1)[:, None])
+        det = np.einsum("cqg,cg->cq", along, mean / np.where(length > 0, length, 1)[:, None])
     extent = np.ptp(x, axis=1).max(axis=1, initial=0)
     return det.min(axis=1, initial=np.inf), det.max(axis=1, initial=-np.inf), extent, x.mean(axis=1)
 

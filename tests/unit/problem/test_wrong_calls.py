@@ -182,7 +182,7 @@ def measure(**metadata):
 
 CALLS = {
     # kinds of arguments
-    "u None": (lambda b: di.StaticProblem(None, law()), TypeError, "Function, found NoneType"),
+    "u None": (lambda b: di.StaticProblem(None, law()), TypeError, "Function of dolfinx.fem, found NoneType"),
     "u a space": (lambda b: di.StaticProblem(b.V, law()), TypeError, r"fem.Function\(V\)"),
     "no material": (lambda b: di.StaticProblem(b.u), ValueError, "either a material or a residual"),
     "material a text": (lambda b: b.static("steel"), TypeError, "found 'steel'.*LinearElastic"),
