@@ -21,6 +21,7 @@ from dolfinx import cpp, fem, mesh
 from mpi4py import MPI
 
 from . import _cpp, bench_contact, materials, operators
+from .hdf5 import write_whole
 
 STRICT = ["-O3", "-march=native"]
 FAST = ["-O3", "-march=native", "-ffast-math"]
@@ -247,7 +248,7 @@ def main(argv=None):
     if args.json:
         path = Path(args.json)
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps({"rows": rows, "machine": about}, indent=1) + "\n")
+        write_whole(path, json.dumps({"rows": rows, "machine": about}, indent=1) + "\n")
     return 0
 
 

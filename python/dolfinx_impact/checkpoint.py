@@ -346,8 +346,8 @@ class Reader:
         here, missing = self.comm.allreduce(np.array([len(nodes), np.count_nonzero(~found)]), MPI.SUM)
         if missing or here != len(self.nodal[name][0]):
             raise ValueError(
-                f"{self.path} is of another problem: {name} has {len(self.nodal[name][0])} nodes, here {here}, of which "
-                f"{missing} are others"
+                f"{self.path} is of another problem: {name} has {len(self.nodal[name][0])} nodes, here {here}, of "
+                f"which {missing} are others"
             )
         return values
 

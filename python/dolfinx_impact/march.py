@@ -242,7 +242,8 @@ class March:
         where = self.comm.bcast(where, root=rank)
         self._plan = None
         for recorder in self._recorders:
-            recorder.flush()
+            with contextlib.suppress(RuntimeError):  # a full disk must not keep the problem from going back
+                recorder.flush()
         self.step, self.time, u, v, _ = self._good
         for contact in self.contact:
             contact.forget()

@@ -3,10 +3,10 @@
 import time
 
 import numpy as np
-from dolfinx import io
 from mpi4py import MPI
 
-from . import arguments
+from . import arguments, hdf5
+from .frames import Frames
 from .results import RunFolder
 
 UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
@@ -45,7 +45,9 @@ class Recorder:
     Files: fields.bp (ParaView 5.12 or newer), history.h5: `time`, energies and contact forces `force_0`, ... of every
     step; `points/time` and `points/displacement`, `points/velocity`, shape (frames, points, gdim). Datasets have units
     as attributes: T, L, F stand for the units of time, length and force of the problem's numbers. Histories are written
-    with frames, once a second at most, with checkpoints, and by `close`.
+    with frames, once a second at most, with checkpoints, when `advance` ends by an exception, and by `close`. On a disk
+    that is full `advance` ends with a RuntimeError after a step; what was written before can be read, what was not is
+    kept and written when there is room.
 
     Attributes:
         seconds: wall-clock time that frames, samples and histories have taken while the problem ran.
@@ -61,9 +63,7 @@ class Recorder:
             f.name = name
         self._writer = None
         if self._fields:
-            # The mesh is written once: it would be most of what is written.
-            path, policy = self.folder.file("fields.bp"), io.VTXMeshPolicy.reuse
-            self._writer = io.VTXWriter(problem.comm, path, self._fields, "BP4", policy)
+            self._writer = Frames(self.folder, "fields.bp", self._fields)
         self._samples, self._seen, self._frame = [], len(problem._rows), -1
         self._open()
         self._flushed = time.monotonic()
@@ -84,29 +84,24 @@ class Recorder:
 
     def _open(self):
         """History file with growing datasets, on rank 0."""
-        import h5py
-
         from .march import ENERGIES
 
-        def work():
+        def fill(file):
             gdim, grow = self.problem.space.mesh.geometry.dim, {"chunks": True}
-            with h5py.File(self.folder.file("history.h5"), "w") as file:
-                names = {"time": "T", **{name: "F L" for name in ENERGIES}}
-                for name, unit in names.items():
-                    file.create_dataset(name, (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = unit
-                for k, contact in enumerate(self.problem.contact):
-                    d = file.create_dataset(f"force_{k}", (0, gdim), maxshape=(None, gdim), dtype=float, **grow)
-                    d.attrs["units"], d.attrs["contact"] = "F", contact.pair.name
-                if self._nodes:
-                    shape = (0, len(self._nodes), gdim)
-                    file.create_dataset("points/time", (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = "T"
-                    for name in ("displacement", "velocity"):
-                        d = file.create_dataset(
-                            f"points/{name}", shape, maxshape=(None, *shape[1:]), dtype=float, **grow
-                        )
-                        d.attrs["units"] = UNITS[name]
+            names = {"time": "T", **{name: "F L" for name in ENERGIES}}
+            for name, unit in names.items():
+                file.create_dataset(name, (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = unit
+            for k, contact in enumerate(self.problem.contact):
+                d = file.create_dataset(f"force_{k}", (0, gdim), maxshape=(None, gdim), dtype=float, **grow)
+                d.attrs["units"], d.attrs["contact"] = "F", contact.pair.name
+            if self._nodes:
+                shape = (0, len(self._nodes), gdim)
+                file.create_dataset("points/time", (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = "T"
+                for name in ("displacement", "velocity"):
+                    d = file.create_dataset(f"points/{name}", shape, maxshape=(None, *shape[1:]), dtype=float, **grow)
+                    d.attrs["units"] = UNITS[name]
 
-        self.folder._write("history.h5", work)
+        self.folder._write("history.h5", lambda: hdf5.create(self.folder.file("history.h5"), fill))
 
     def steps_left(self):
         """Steps until something is to be written."""
@@ -142,45 +137,52 @@ class Recorder:
         self._samples.append((p.time, np.array(values)))
 
     def flush(self):
-        """Write histories so far. Collective."""
-        import h5py
+        """Write histories so far. Collective.
 
+        Raises:
+            RuntimeError: no room; on all ranks. What was written before is there, the rest is kept for the next time.
+        """
         from .march import ENERGIES
 
         p, samples = self.problem, self._samples
-        rows = [r for r in p._rows[self._seen :] if len(r)]
-        self._seen, self._samples, self._flushed = len(p._rows), [], time.monotonic()
+        rows, seen = [r for r in p._rows[self._seen :] if len(r)], len(p._rows)
 
-        def work():
-            with h5py.File(self.folder.file("history.h5"), "a") as file:
-                if rows:
-                    table = np.vstack(rows)
-                    gdim = p.space.mesh.geometry.dim
-                    for k, name in enumerate(("time", *ENERGIES)):
-                        _append(file[name], table[:, k])
-                    for k in range(len(p.contact)):
-                        first = 1 + len(ENERGIES) + 3 * k
-                        _append(file[f"force_{k}"], table[:, first : first + gdim])
-                if samples:
-                    values = np.array([v for _, v in samples])
-                    _append(file["points/time"], np.array([t for t, _ in samples]))
-                    for k, name in enumerate(("displacement", "velocity")):
-                        _append(file[f"points/{name}"], values[:, :, k])
+        def work(file):
+            if rows:
+                table = np.vstack(rows)
+                gdim = p.space.mesh.geometry.dim
+                for k, name in enumerate(("time", *ENERGIES)):
+                    _append(file[name], table[:, k])
+                for k in range(len(p.contact)):
+                    first = 1 + len(ENERGIES) + 3 * k
+                    _append(file[f"force_{k}"], table[:, first : first + gdim])
+            if samples:
+                values = np.array([v for _, v in samples])
+                _append(file["points/time"], np.array([t for t, _ in samples]))
+                for k, name in enumerate(("displacement", "velocity")):
+                    _append(file[f"points/{name}"], values[:, :, k])
 
-        self.folder._write("history.h5", work)
+        self.folder._write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
+        self._seen, self._samples, self._flushed = seen, [], time.monotonic()
 
     def restart(self):
         """The problem begins its rows anew."""
         self._seen = 0
 
     def close(self):
-        """Write what is left and close the files; nothing more is recorded. Collective."""
-        self.flush()
-        if self in self.problem._recorders:
-            self.problem._recorders.remove(self)
-        if self._writer is not None:
-            self._writer.close()
-            self._writer = None
+        """Write what is left and close the files; nothing more is recorded. Collective.
+
+        Raises:
+            RuntimeError: no room for what is left; the files are closed all the same.
+        """
+        try:
+            self.flush()
+        finally:
+            if self in self.problem._recorders:
+                self.problem._recorders.remove(self)
+            if self._writer is not None:
+                self._writer.close()
+                self._writer = None
 
 
 def _append(dataset, rows):

@@ -13,14 +13,16 @@ import datetime
 import json
 import os
 import platform
-import shutil
 import tempfile
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 from dolfinx import fem, io, la
 from mpi4py import MPI
 
+from . import hdf5
+from .frames import write_once
 from .gather import together
 
 
@@ -108,7 +110,10 @@ class RunFolder:
                 return work()
             except OSError as error:
                 reason = error.strerror or error
-                raise RuntimeError(f"{what} cannot be written ({reason}): is the disk full?") from error
+                raise RuntimeError(
+                    f"{self.path / what} cannot be written ({reason}): make room there, or name another folder; what "
+                    "was written before is untouched"
+                ) from error
 
         return together(self.comm, guarded)
 
@@ -146,7 +151,7 @@ class RunFolder:
 
         def work():
             text = json.dumps({**record, "versions": versions()}, indent=2, default=_plain)
-            path.write_text(text + "\n")
+            hdf5.write_whole(path, text + "\n")
 
         self._write(path, work)
         return path
@@ -178,9 +183,7 @@ class RunFolder:
             groups.setdefault((id(mesh), element.degree, element.discontinuous), []).append(function)
         for k, ((_, degree, _), group) in enumerate(groups.items()):
             path = self.file(f"{name}.bp" if k == 0 else f"{name}_{degree}.bp")
-            self._write(path, lambda path=path: shutil.rmtree(path, ignore_errors=True))
-            with io.VTXWriter(self.comm, path, group, "BP4") as writer:
-                writer.write(time)
+            write_once(self, path.name, group, time)
             paths.append(path)
         return paths
 
@@ -196,19 +199,21 @@ class RunFolder:
         paths = [self.file(f"{name}.csv"), self.file(f"{name}.h5")]
 
         def work():
-            import h5py
-
             arrays = {key: (np.atleast_1d(values), unit) for key, (values, unit) in columns.items()}
             lengths = {key: len(values) for key, (values, _) in arrays.items()}
             if len(set(lengths.values())) > 1:
                 raise ValueError(f"table {name!r}: the columns have different lengths, {lengths}")
-            with open(paths[0], "w", newline="") as file:
-                writer = csv.writer(file)
-                writer.writerow([f"{key} [{unit}]" for key, (_, unit) in arrays.items()])
-                writer.writerows(zip(*(values.tolist() for values, _ in arrays.values())))
-            with h5py.File(paths[1], "w") as file:
+            text = StringIO(newline="")
+            writer = csv.writer(text)
+            writer.writerow([f"{key} [{unit}]" for key, (_, unit) in arrays.items()])
+            writer.writerows(zip(*(values.tolist() for values, _ in arrays.values())))
+            hdf5.write_whole(paths[0], text.getvalue())
+
+            def fill(file):
                 for key, (values, unit) in arrays.items():
                     file.create_dataset(key, data=values).attrs["units"] = unit
+
+            hdf5.create(paths[1], fill)
 
         self._write(paths[0], work)
         return paths

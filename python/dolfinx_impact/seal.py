@@ -1,7 +1,7 @@
 """Seals of files: a checksum of every byte, in sections that several ranks may write and verify.
 
-Behind the end of a file, where HDF5 does not look, stand a table of its sections, which follow each other without a
-gap, and a footer. A section has its length, a checksum, and whether it is structure, which everybody reads first, or data.
+Behind the end of a file, where HDF5 does not look, stand a table of its sections and a footer. Sections follow each
+other without a gap. Each has its length, a checksum, and whether it is structure, which everybody reads first, or data.
 """
 
 import hashlib

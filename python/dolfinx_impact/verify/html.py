@@ -3,6 +3,7 @@
 from html import escape
 from pathlib import Path
 
+from ..hdf5 import write_whole
 from .report import case
 
 STYLE = """
@@ -70,7 +71,7 @@ def write(report, path):
         rows = [r for r in report.rows if r.level == level]
         table = _table(rows, header, _cells)
         out.append(f"<details><summary>{escape(level)}: {len(rows)} rows</summary>{table}</details>")
-    path.write_text("\n".join(out) + "\n")
+    write_whole(path, "\n".join(out) + "\n")
     return path
 
 

@@ -4,6 +4,8 @@ import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from ..hdf5 import write_whole
+
 LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "ranks", "user")
 
 
@@ -136,7 +138,7 @@ class Report:
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         data = {"rows": [asdict(r) for r in self.rows], "passed": self.passed, "versions": self.versions()}
-        path.write_text(json.dumps(data, indent=1) + "\n")
+        write_whole(path, json.dumps(data, indent=1) + "\n")
 
 
 def case(r):
