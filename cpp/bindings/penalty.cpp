@@ -81,8 +81,8 @@ void bind_points(nb::module_& m)
           { impact::gap::update(self, slave, master); }, nb::arg("slave"), nb::arg("master"))
       .def_prop_ro("size", &Points::size)
       .def_prop_rw(
-          "margin", [](const Points& p) { return copy(p.margin, {p.size()}); }, [](Points& p, Values v)
-          { set(p.margin, v, "margin"); }, nb::rv_policy::move,
+          "margin", [](const Points& p) { return copy(p.margin, {p.size()}); },
+          [](Points& p, Values v) { set(p.margin, v, "margin"); }, nb::rv_policy::move,
           "How far beside a facet that they keep points may be, in reference coordinates")
       .def_prop_ro("gdim", [](const Points& p) { return p.gdim; })
       .def_prop_ro("per_facet", [](const Points& p) { return p.per_facet; })

@@ -17,14 +17,13 @@ from .contact.condense import Transformation
 from .contact.compliance import Compliance
 from .contact.saddle import SaddlePoint
 from .linear import LinearSystem
+from .settling import VIOLATION, Settling, did_not_converge
 from .steps import Increment
 
 LOOSE_DIGITS = 1e-3  # of linear solutions while the active set moves
 MAX_CHANGES = 60  # changes of the active set in one linear problem
-NOBODY = -2  # number of no node
 PLAIN = 6  # iterations without a line search
 PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # of a Newton step that a line search tries
-PATIENCE = 3  # changes of many nodes at once that may fail to bring the active set nearer to its end
 
 
 class Newton:
@@ -91,13 +90,18 @@ class Newton:
             self._tell(iteration, norm)
             settled = iteration > 0 or not p.contact
             small = norm <= max(self.atol, noise, self.rtol * max(scale, inner))
-            if moved and settled and pending == 0 and violation < 1e-11 and small:
-                if not any([c.refine() for c in p.contact]):
+            if moved and settled and pending == 0 and violation < VIOLATION and small:
+                again = any([c.refine() for c in p.contact])
+                faults = [c.fault for c in p.contact if c.fault]
+                if faults:
+                    return result.failed("; ".join(faults), hopeless=True)
+                if not again:
                     return result.converged()
                 round_start = iteration
                 continue
             if iteration - round_start == self.max_iterations:
                 break
+            period = result.cycle() if iteration - round_start > PLAIN else 0
             if iteration == 0 and p.contact:
                 loose = self._loose()
                 if loose:
@@ -112,17 +116,17 @@ class Newton:
                 likely = 0.1 * (norm / before) ** 2 if before else 1e-4
                 digits = min(digits, max(enough, min(likely, LOOSE_DIGITS)))
             before, start = norm if moved else None, p.u.x.array.copy()
-            fault, settling = self._solve(K, residual, jump, digits, log)
+            fault, settling, left = self._solve(K, residual, jump, digits, log)
             result.iterations += 1
+            result.unsettled += left > 0
             p.u.x.array[p.fixed] = target[p.fixed]  # to the last digit
             if fault:
                 return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
-            if self.rough and moved and iteration - round_start >= PLAIN:
+            if period and moved:  # the same states again: half a step leads out of the circle
+                p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
+            elif self.rough and moved and iteration - round_start >= PLAIN:
                 self._backtrack(start, norm)
-        return result.failed(
-            f"Newton's method did not converge in {self.max_iterations} iterations; residual norms: "
-            f"{', '.join(f'{n:.3e}' for n in result.residual_norms)}"
-        )
+        return did_not_converge(result, self, moved, small, pending, violation)
 
     @contextlib.contextmanager
     def _clock(self, part):
@@ -226,8 +230,8 @@ class Newton:
         return Transformation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
 
     def _solve(self, K, residual, jump, rtol, log):
-        """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, and the
-        number of changes. Collective."""
+        """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, the number of
+        changes, and how many nodes were left to change. Collective."""
         p, changes = self.problem, 0
         if self.saddle:
             residual = residual + sum(c.forces() for c in self.multipliers)
@@ -246,7 +250,7 @@ class Newton:
         diagonal.destroy()
         moved = np.zeros(self.num_owned)
         moved[self.fixed] = jump
-        digits, settle, corrected = (LOOSE_DIGITS if self.multipliers else rtol), Settling(), False
+        digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), Settling(), False, 0
         while True:
             fault, moved, forces, found = self._one_solution(
                 K, penalties, geometric, symmetric, residual, moved, mean, digits
@@ -272,13 +276,14 @@ class Newton:
                     corrected = True
             elif settle.count == MAX_CHANGES:
                 log(f"    contact not settled after {settle.count} changes: {found} nodes to and fro")
+                left = found
                 break
             changes += found
         for matrix in penalties + geometric:
             matrix.destroy()
         p.u.x.array[: self.num_owned] += moved
         p.u.x.scatter_forward()
-        return fault, changes
+        return fault, changes, left
 
     def _correct(self, moved):
         """Let contacts look at the state that the linear problem leads to. Collective."""
@@ -370,29 +375,3 @@ class Newton:
             end = start + contact.gdim * len(contact.nodes)
             contact.take(unit * self._forces[start:end].reshape(-1, contact.gdim))
             start = end
-
-
-class Settling:
-    """Keeps the changes of an active set from going round for ever.
-
-    All nodes change at once while that brings the number of wrong ones down; if it fails to several times running, one
-    node changes at a time, that with the largest number, until there are fewer wrong ones than ever before: finite for
-    P-matrices. Judice and Pires (1994), Murty (1974).
-    """
-
-    def __init__(self):
-        self.count, self.best, self.patience = 0, np.inf, PATIENCE
-
-    def change(self, contacts):
-        """Let the contacts change states; returns how many nodes were wrong, on all ranks. Collective."""
-        single = self.patience == 0
-        found = sum([c.switch(False, NOBODY if single else None) for c in contacts])
-        self.count += 1
-        if found < self.best:
-            self.best, self.patience = found, PATIENCE
-        elif not single:
-            self.patience -= 1
-        if single and found:
-            contact = next(c for c in contacts if c.last_change >= 0)
-            contact.switch(False, None if self.patience else contact.last_change)
-        return found

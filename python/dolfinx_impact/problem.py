@@ -151,8 +151,8 @@ class StaticProblem(Unique):
             Report.
 
         Raises:
-            TypeError, ValueError: steps or max_iterations is not a positive integer, a tolerance is not a number from 0
-            to 1; arguments, loads or supports that differ between ranks; multipliers with another SNES than the
+            TypeError, ValueError: steps or max_iterations is not a positive integer, cut_backs not one from zero, a
+            tolerance is not a number from 0 to 1; arguments, loads or supports that differ between ranks; multipliers with another SNES than the
             package's own.
             RuntimeError: no convergence, a residual that is not a number, or a singular matrix.
             KeyboardInterrupt: Ctrl-C, on all ranks between two iterations.
@@ -163,14 +163,15 @@ class StaticProblem(Unique):
         with guard(self.space.mesh.comm, "StaticProblem.solve", cut_backs=cut_backs) as ranks:
             steps = arguments.integer("steps", steps, 1)
             max_iterations = arguments.integer("max_iterations", max_iterations, 1)
+            if cut_backs is None:
+                cut_backs = 8 if self.contact or steps > 1 else 0
+            cut_backs = arguments.integer("cut_backs", cut_backs, 0)
             rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
             if not np.all(np.isfinite(self.u.x.array)):
                 raise ValueError("u has values that are not finite numbers: give it a start, u.x.array[:] = 0")
             ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
         for contact in self.contact:
             contact.check()
-        if cut_backs is None:
-            cut_backs = 8 if self.contact or steps > 1 else 0
         with Interrupts(self.space.mesh.comm) as interrupts:
             solver = Solver(self, rtol, atol, max_iterations, interrupts)
             try:

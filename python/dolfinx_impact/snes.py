@@ -181,7 +181,7 @@ class Solver:
             self._J.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
             self.snes.setJacobian(self._jacobian, self._J)
         scale = max(newton._norm(residual), newton._tangent_force(K))
-        fault, _ = newton._solve(K, residual, target[newton.fixed] - p.u.x.array[newton.fixed], LOOSE_DIGITS, log)
+        fault, *_ = newton._solve(K, residual, target[newton.fixed] - p.u.x.array[newton.fixed], LOOSE_DIGITS, log)
         if fault:
             return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
         p.u.x.array[p.fixed] = target[p.fixed]
@@ -205,6 +205,10 @@ class Solver:
             reason = self.snes.getConvergedReason()
             if reason < 0:
                 return result.failed(f"SNES of type {self.snes.getType()} did not converge: PETSc reason {reason}")
-            if not any([c.refine() for c in p.contact]):
+            again = any([c.refine() for c in p.contact])
+            faults = [c.fault for c in p.contact if c.fault]
+            if faults:
+                return result.failed("; ".join(faults), hopeless=True)
+            if not again:
                 result.iterations += 1  # the linear step to the prescribed values
                 return result.converged()

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 LOG = logging.getLogger("dolfinx_impact")
+SAME = 1e-3  # of a residual, of a state that has come again
 
 
 @dataclass
@@ -14,10 +15,12 @@ class Increment:
 
     fault: str = "not finished"
     hopeless: bool = False  # a smaller increment would not help
+    advice: str = "Apply the load in smaller parts, or pass more iterations"
     residual_norms: list = field(default_factory=list)
     active_set_sizes: list = field(default_factory=list)
     changes: list = field(default_factory=list)
     iterations: int = 0  # linear problems, each with its contact settled
+    unsettled: int = 0  # those whose contact was not settled in the end
 
     def add(self, norm, size, changes):
         self.residual_norms.append(norm)
@@ -28,9 +31,23 @@ class Increment:
         self.fault = ""
         return self
 
-    def failed(self, fault, hopeless=False):
+    def failed(self, fault, hopeless=False, advice=None):
         self.fault, self.hopeless = fault, hopeless
+        if advice is not None:
+            self.advice = advice
         return self
+
+    def cycle(self):
+        """After how many iterations the same state has come again, the last three times; 0: it has not."""
+        for period in (2, 3):
+            norms, sizes = self.residual_norms[-3 * period :], self.active_set_sizes[-3 * period :]
+            if len(norms) < 3 * period:
+                continue
+            norms, sizes = np.reshape(norms, (3, period)), np.reshape(sizes, (3, period))
+            same = np.abs(norms - norms[-1]) <= SAME * norms[-1]
+            if np.all(same) and np.all(sizes == sizes[-1]) and np.ptp(norms[-1]) > SAME * norms[-1].max():
+                return period
+        return 0
 
 
 @dataclass
@@ -43,7 +60,9 @@ class Report:
         active_set_sizes: lists of the number of contact points that touch, by iteration.
         contact_changes: lists of the number of points whose state changed, by iteration.
         fractions: of the whole way, reached at the end of each increment.
-        cut_backs: increments that were halved.
+        cut_backs: increments that were halved. rejected_iterations: what each of them had taken until then.
+        unsettled: by increment, iterations whose contact states went to and fro on the linear problem until the changes
+        were stopped; the iterations after them have settled it.
         seconds: this rank's, dict of "bodies" (residual, stiffness), "contact" (search, integrals, assembly, states),
         "linear" (condensation, preconditioner, solution).
     """
@@ -55,6 +74,8 @@ class Report:
     contact_changes: list = field(default_factory=list)
     fractions: list = field(default_factory=list)
     cut_backs: int = 0
+    rejected_iterations: list = field(default_factory=list)
+    unsettled: list = field(default_factory=list)
     seconds: dict = field(default_factory=dict)
 
     def add(self, increment, fraction):
@@ -62,6 +83,7 @@ class Report:
         self.residual_norms.append(increment.residual_norms)
         self.active_set_sizes.append(increment.active_set_sizes)
         self.contact_changes.append(increment.changes)
+        self.unsettled.append(increment.unsettled)
         self.fractions.append(fraction)
 
     def table(self):
@@ -73,7 +95,9 @@ class Report:
                 f"{i:9d}  {fraction:8.4f}  {iterations:10d}  {sum(changes):7d}  {sizes[-1]:10d}  {norms[-1]:8.1e}"
             )
         if self.cut_backs:
-            lines.append(f"cut back {self.cut_backs} times")
+            lines.append(f"cut back {self.cut_backs} times, after {sum(self.rejected_iterations)} iterations in all")
+        if sum(self.unsettled):
+            lines.append(f"contact not settled on the linear problem in {sum(self.unsettled)} iterations")
         return "\n".join([*lines, ", ".join(f"{part} {s:.2f} s" for part, s in self.seconds.items())])
 
 
@@ -144,6 +168,9 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
     good = problem.u.x.array.copy()
     while done < 1.0 - 1e-12:
         fraction = min(done + width, 1.0)
+        if fraction <= done:
+            path.finish(done)
+            raise RuntimeError(f"increments of {width:.1e} of the way are round-off: ask for fewer cut_backs")
         if fraction > 1.0 - 1e-9:
             fraction = 1.0
         log(f"increment {len(report.iterations) + 1}: to {fraction:.4f} of the way")
@@ -175,11 +202,16 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
         if halved == cut_backs:
             path.finish(done)
             where = f" (reached {done:.4f} of the way)" if done > 0 else ""
+<<<<<<< HEAD
             end = "" if increment.fault.endswith("?") and not where else "."
             hint = "Apply the load in smaller parts, or pass more iterations"
             raise RuntimeError(f"{increment.fault}{where}{end} {hint}")
+=======
+            raise RuntimeError(f"{increment.fault}{where}. {increment.advice}".removesuffix(". "))
+>>>>>>> e421d74018b7f8b7902731fb964924e4e20017a0
         halved, width = halved + 1, width / 2
         report.cut_backs += 1
+        report.rejected_iterations.append(increment.iterations)
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")
     path.finish(1.0)
     report.seconds = solver.seconds

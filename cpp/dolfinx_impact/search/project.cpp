@@ -45,8 +45,8 @@ void SurfaceSearch::update()
   }
 }
 
-Projection SurfaceSearch::project(const double* x, const double* slave_normal, double reach,
-                                  std::int32_t previous, double margin) const
+Projection SurfaceSearch::project(const double* x, const double* slave_normal, double reach, std::int32_t previous,
+                                  double margin) const
 {
   const surface::Facets& m = *_master;
   const auto faces = [&](std::int32_t f, const double* xi)

@@ -54,8 +54,8 @@ class Coulomb:
         """Imposed tractions after changes of state and pressure: driven nodes that come to rest start from the traction
         they had, locked directions keep that of the last converged state as far as the bound leaves room."""
         stuck = self._stuck()
-        driven = np.einsum("nab,nb->na", self._drive, np.where(was_stuck[:, None], self.imposed, self.friction_traction))
-        driven = np.where(stuck[:, None], driven, 0.0)
+        driven = np.where(was_stuck[:, None], self.imposed, self.friction_traction)
+        driven = np.where(stuck[:, None], np.einsum("nab,nb->na", self._drive, driven), 0.0)
         kept = np.einsum("nab,nb->na", self._lock, self.traction_n)
         rest = self.friction_traction - np.einsum("nab,nb->na", self._lock, self.friction_traction)
         bound = self.pair.friction * np.maximum(self.multiplier, 0.0)

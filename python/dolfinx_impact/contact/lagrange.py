@@ -245,15 +245,29 @@ class LagrangeContact(Coulomb, ContactOutput):
         """Active nodes of all ranks. Collective."""
         return self.comm.allreduce(int(np.count_nonzero(self.active)))
 
+    def _violations(self):
+        """Gaps of active nodes and slips of those that stick, (n), (n) [L]."""
+        gap = np.where(self.active & self.usable, np.abs(self.geometry.gap), 0.0)
+        slip = np.zeros(len(gap))
+        if self.pair.friction > 0.0:
+            slip = np.where(self._stuck(), np.linalg.norm(self._slipping(self._slip), axis=1), 0.0)
+        return gap, slip
+
     def violation(self):
         """Largest gap of an active node, or slip of one that sticks, of all ranks, in sizes of the bodies [1].
         Collective."""
-        held = self.active & self.usable
-        largest = float(np.max(np.abs(self.geometry.gap[held]), initial=0.0))
-        if self.pair.friction > 0.0:
-            slip = np.linalg.norm(self._slipping(self._slip)[self._stuck()], axis=1)
-            largest = max(largest, float(np.max(slip, initial=0.0)))
+        largest = float(np.max(self._violations(), initial=0.0))
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
+
+    def violated(self):
+        """The node whose gap or slip is largest. Collective."""
+        mine = []
+        for what, values in zip(("a gap of an active node", "a slip of a node that sticks"), self._violations()):
+            if len(values):
+                at = int(np.argmax(values))
+                mine.append((float(values[at]), what, int(self.geometry.numbers[at]), self.points[at].tolist()))
+        value, what, number, x = max(sum(self.comm.allgather(mine), []))
+        return f"{self.pair.name}: {what}, number {number} at ({', '.join(f'{c:.4g}' for c in x)}), is {value:.3e}"
 
     def overlap(self):
         """Slave nodes whose displacement along the normal is prescribed and that lie in the master, or an empty text:

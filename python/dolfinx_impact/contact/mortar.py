@@ -100,10 +100,9 @@ class MortarGeometry(SurfaceGeometry):
             return self.fixed
         size = self.map.size_local + self.map.num_ghosts
         known = np.zeros((size, 3 * self.gdim))
-        num = self.gdim * self.index_map.size_local
-        here = self.rest + self.u.reshape(-1, self.gdim)
-        for k, values in enumerate((self.prescribed, self.driven, here.ravel())):
-            known[: self.index_map.size_local, k * self.gdim : (k + 1) * self.gdim] = values[:num].reshape(-1, self.gdim)
+        fields = self.prescribed, self.driven, self.rest.ravel() + self.u
+        own = np.hstack([values.reshape(-1, self.gdim) for values in fields])
+        known[: self.index_map.size_local] = own[: self.index_map.size_local]
         fixed, moved, x = np.split(NodalSum(self.map, 3 * self.gdim).forward(known), 3, axis=1)
         rows, cols, _ = self.mortar.M
         some = np.any(fixed[rows] > 0.0, axis=1)

@@ -30,6 +30,12 @@ class ContactOutput:
     dissipated = 0.0  #: work of friction so far: in each increment, tractions at its end times its slip [F L]
     _slip_before = 0.0
 
+    fault = ""  #: why a converged state is none, if it is not
+
+    def violated(self):
+        """A sentence about the condition of contact that is violated most, or an empty text. Collective."""
+        return ""
+
     def check(self):
         """Refuse, before a solution, what cannot be solved for. Collective."""
 

@@ -5,9 +5,11 @@ import numpy as np
 from mpi4py import MPI
 
 from .. import _cpp
+from ..arguments import integer
 from ..collective import comm_of, guard
 from ..materials import _number
 from .automatic import automatic_penalty, check_penalty
+from .facets import FacetKeeper
 from .matrices import NodalSum, matrix
 from .neighbours import Neighbours
 from .nodal import NodalResult
@@ -15,16 +17,13 @@ from .output import ContactOutput
 from .pair import ContactStatus, check_pair, check_quadrature_degree
 from .size import body_size
 from .start import InitialGap, check_side, nearly_touching
+from .uzawa import Uzawa
 
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
 FACTOR = 10.0
 # Where bodies just touch, round-off must not decide: gaps up to this times their size are closed.
 TOUCH = 1e-12
-# Iterations in which points may change facets freely after convergence; at a kink they may do so for ever.
-FREE_ITERATIONS = 10
-# How far beside its facet a point may stay, in reference coordinates, and what that may grow to.
-MARGIN, WIDEST = 0.01, 0.32
 STILL = 1e-12  # of the size: round-off of projections
 
 
@@ -38,6 +37,8 @@ class Penalty:
         tangential: the same along the surface, with friction; None: equal to `penalty` [F/L^3].
         augmented: repeat each increment with multipliers from the penetrations reached (Uzawa), until the penetration,
             averaged around each corner of the slave's facets, is below `tolerance` times the size of the bodies.
+        max_augmentations: of one increment; each takes the part penalty/(penalty + stiffness per area of the bodies) of
+            the penetration away.
         quadrature_degree: on slave facets; None: 2 degree + 2.
         balanced: in explicit problems, once in each direction with half the stiffness.
 
@@ -49,15 +50,23 @@ class Penalty:
     """
 
     def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None,
+<<<<<<< HEAD
                  balanced=False):  # fmt: skip
         options = [penalty, tangential, bool(augmented), tolerance, quadrature_degree, bool(balanced)]
         with guard(comm_of(pair), "Penalty", pair=pair, options=options):
+=======
+                 balanced=False, max_augmentations=50):  # fmt: skip
+        given = dict(penalty=penalty, tangential=tangential, augmented=bool(augmented), tolerance=tolerance,
+                     balanced=bool(balanced), max_augmentations=max_augmentations)  # fmt: skip
+        with guard(comm_of(pair), "Penalty", pair=pair, quadrature_degree=quadrature_degree, **given):
+>>>>>>> e421d74018b7f8b7902731fb964924e4e20017a0
             check_pair(pair)
             self.quadrature_degree = check_quadrature_degree(quadrature_degree)
             auto = isinstance(penalty, str) and penalty == "auto"
             self.penalty = None if auto else _number("penalty", penalty, 0.0, " [F/L^3]")
             self.tangential = None if tangential is None else _number("tangential penalty", tangential, 0.0, " [F/L^3]")
             self.tolerance = _number("tolerance", tolerance, 0.0)
+            self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
     def _bind_explicit(self, problem):
@@ -76,6 +85,7 @@ class PenaltyContact(ContactOutput):
     ContactOutput. `penalty` is the one in use [F/L^3]."""
 
     initial = None
+    constraints = None  # nothing to condense
 
     def __init__(self, spec, problem):
         self.spec, self.pair, self.problem = spec, spec.pair, problem
@@ -92,20 +102,13 @@ class PenaltyContact(ContactOutput):
         self.neighbours = None if self.pair.rigid else Neighbours(self.pair, V, self.slave, self.master)
         self.obstacle = self.pair.master._obstacle(self.gdim) if self.pair.rigid else None
         self.displacement, self.start_displacement = np.zeros(3), np.zeros(3)
-        self.start = np.zeros_like(problem.u.x.array)
-        self.penalty, self.tangential = spec.penalty, spec.tangential
-        corners = _cpp.surface.FacetElement(element.shape, 1)
-        # From the rule: a rank without slave facets has no points, but takes part in the sums.
-        places = np.pad(self._rule[0], ((0, 0), (0, 2 - self._rule[0].shape[1])))
-        self._hats = np.array([corners.tabulate(*xi)[0] for xi in places])
-        self._sum = NodalSum(V.dofmap.index_map, 1)
-        self.multiplier = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
+        self.start, self.penalty, self.tangential = np.zeros_like(problem.u.x.array), spec.penalty, spec.tangential
+        self.uzawa, self.fault = Uzawa(V, self.slave, rule), ""
         self._status = np.zeros(self._points.size, dtype=np.int8)
         self._touched = np.zeros(self._points.size, dtype=bool)  # closed in the last converged state
-        self.constraints = None  # nothing to condense
+        self._keeper = None if self.pair.rigid else FacetKeeper(self.comm, self._points, self.neighbours)
         if self.pair.rigid:
             check_side(self.pair, V, self.slave, self.obstacle)
-        self._stay = True  # points may stay on a facet that they are a little beside
         self._seen = False  # the state before the first increment is nothing to stay on a facet from
         self._locate(self.start)
         self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
@@ -126,7 +129,7 @@ class PenaltyContact(ContactOutput):
             "traction": h.traction,
             "slip": h.slip,
             "touched": self._touched.copy(),
-            "corners": self.multiplier.copy(),
+            "corners": self.uzawa.multiplier.copy(),
             "start": self.start.copy(),
             "displacements": (self.start_displacement.copy(), self.displacement.copy()),
         }
@@ -135,7 +138,7 @@ class PenaltyContact(ContactOutput):
         """Back to a saved state."""
         for name in ("multiplier", "traction", "slip"):
             setattr(self.history, name, state[name])
-        self.start, self.multiplier = state["start"].copy(), state["corners"].copy()
+        self.start, self.uzawa.multiplier = state["start"].copy(), state["corners"].copy()
         self._touched = state["touched"].copy()
         self.start_displacement, self.displacement = (d.copy() for d in state["displacements"])
 
@@ -146,9 +149,10 @@ class PenaltyContact(ContactOutput):
         self.tangential = self.tangential or self.penalty
         self.start = np.array(u)
         self._touch = TOUCH * self.size * self.penalty
-        self._stay, self._free = True, FREE_ITERATIONS
-        self._points.margin = np.full(self._points.size, MARGIN)
-        self._facets = []
+        self.uzawa.begin()
+        self.fault = ""
+        if self._keeper is not None:
+            self._keeper.begin()
         if self.pair.friction > 0.0:  # motion counts from where a point closes
             self._locate(self.start)
             gap = self.gap
@@ -163,40 +167,28 @@ class PenaltyContact(ContactOutput):
         self.total()
 
     def refine(self):
-        """Augment where the surfaces still penetrate; returns whether another round is needed. Collective.
-
-        Multipliers live at the corners of the slave's facets, with piecewise linear functions: one at every quadrature
-        point would be more conditions than the nodes can fulfil. Seed (3.48) with (3.47); Simo and Laursen (1992).
-        """
+        """Augment where the surfaces still penetrate; returns whether another round is needed, or sets `fault`.
+        Collective."""
         if self._leave_facets():
             return True
         if not self.spec.augmented:
             return False
-        p, table, corners = self._points, self._hats, self.slave.nodes[:, : self._hats.shape[1]]
-        gap = self.gap.reshape(-1, p.per_facet)
-        weight = np.where(np.isfinite(gap), p.weight.reshape(gap.shape), 0.0)
-        parts = (weight * np.where(np.isfinite(gap), gap, 0.0), weight)
-        sums = []
-        for values in parts:
-            total = np.zeros(len(self.multiplier))
-            np.add.at(total, corners, values @ table)
-            sums.append(self._sum(total).ravel())
-        mean = np.where(sums[1] > 0.0, sums[0] / np.where(sums[1] > 0.0, sums[1], 1.0), np.inf)
-        new = np.maximum(0.0, self.multiplier - self.penalty * mean)
-        change = float(np.max(np.abs(new - self.multiplier), initial=0.0)) / self.penalty
-        if self.comm.allreduce(change, MPI.MAX) <= self.spec.tolerance * self.size:
+        tolerance = self.spec.tolerance * self.size
+        multiplier = self.uzawa.augment(self.gap, self._points.weight, self.penalty, tolerance)
+        if multiplier is None:
             return False
-        self.multiplier = new
-        self.history.multiplier = (new[corners] @ table.T).ravel()
-        return True
+        self.history.multiplier = multiplier
+        if self.uzawa.rounds <= self.spec.max_augmentations:
+            return True
+        self.fault = f"{self.pair.name}: {self.uzawa.fault(self.penalty, tolerance)}"
+        return False
 
     def update(self, u):
         """Search, gaps and tractions at the displacements u. Collective."""
         u = np.ascontiguousarray(u)
         self._u = u.copy()
-        surfaces = self._locate(u)
+        surfaces, increment = self._locate(u), u - self.start
         self._seen = True
-        increment = u - self.start
         if not self.pair.rigid:
             increment = self.neighbours.exchange.forward(increment)
         self._evaluate(surfaces, increment, self._touch)
@@ -213,36 +205,14 @@ class PenaltyContact(ContactOutput):
     def _leave_facets(self):
         """Converged with points that stay on a facet they are a little beside: project anew; returns whether that
         moves any, so that the iteration must go on, without staying. Once per increment. Collective."""
-        if self.pair.rigid or not self._stay or self._free < FREE_ITERATIONS:
+        if self._keeper is None or not self._keeper.leave():
             return False
         before = self._feet(), self.traction
-        self._stay = False
         self.update(self._u)
-        closed = self.status > 0
-        parts = self._feet()[closed] - before[0][closed], (self.traction - before[1]) / self.penalty
+        closed, feet = self.status > 0, self._feet()
+        parts = (feet - before[0])[closed], (self.traction - before[1]) / self.penalty
         moved = max(float(np.max(np.abs(p), initial=0.0)) for p in parts)
         return self.comm.allreduce(moved, MPI.MAX) > STILL * self.size
-
-    def _watch_facets(self):
-        """Once an iteration: points that come back to a facet they have left go to and fro over a kink. They stay on it
-        from then on, even a little farther beside it; so do all after some iterations without staying. Collective."""
-        if self.pair.rigid:
-            return
-        if not self.neighbours.kept:  # facets have other numbers
-            self._facets = []
-        here = np.where(self._state.status > 0, self._points.master, -1)
-        back = np.zeros(len(here), dtype=bool)
-        for k, before in enumerate(self._facets[:-1]):
-            left = np.any([f != before for f in self._facets[k + 1 :]], axis=0)
-            back |= (here == before) & left & (here != self._facets[-1]) & (here >= 0)
-        self._facets = [*self._facets[-3:], here]
-        returned = self.comm.allreduce(int(np.count_nonzero(back)))
-        if self._stay:
-            margin = self._points.margin
-            self._points.margin = np.where(back, np.minimum(2.0 * margin, WIDEST), margin)
-        else:
-            self._free -= 1
-            self._stay = self._free == 0 or returned > 0
 
     def _feet(self):
         """Closest points on the master, (n, gdim) [L]; meaningless where there is none."""
@@ -269,14 +239,16 @@ class PenaltyContact(ContactOutput):
             return self.slave, None
         near = self.neighbours
         reach = near.update(u, self.start)
-        keep = near.kept and self._seen and self._stay
+        keep = near.kept and self._seen and self._keeper is not None and self._keeper.stay
         self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, keep)
         return near.slave, near.master
 
     def switch(self, first):
-        """How many points of all ranks changed their state since the last iteration. Collective."""
-        self._watch_facets()
+        """How many points of all ranks changed their state, or the facet they touch, since the last iteration. Once an
+        iteration. Collective."""
         changed = np.count_nonzero(self._state.status != self._status)
+        if self._keeper is not None:
+            changed += self._keeper.watch(self._state.status > 0)
         self._status = self._state.status
         return self.comm.allreduce(changed)
 

@@ -6,6 +6,7 @@ import numpy as np
 from mpi4py import MPI
 
 from .. import _cpp, held
+from .matrices import NodalSum
 from .size import body_size
 
 LOG = logging.getLogger("dolfinx_impact")
@@ -89,9 +90,13 @@ def check_side(pair, V, slave, obstacle):
     """
     comm, gdim = V.mesh.comm, V.mesh.geometry.dim
     x = V.tabulate_dof_coordinates()[:, :gdim]
-    sums = np.zeros(x.size)
+    sums, marks = np.zeros(x.size), np.zeros(len(x))
     _cpp.gap.add_normals(slave, sums)
-    nodes = np.unique(slave.nodes.ravel())
+    marks[slave.nodes] = 1.0
+    # Facets of all ranks, every node once: ranks share nodes.
+    index_map = V.dofmap.index_map
+    sums, marks = NodalSum(index_map, gdim)(sums).ravel(), NodalSum(index_map, 1)(marks).ravel()
+    nodes = np.flatnonzero(marks[: index_map.size_local])
     inward = sums.reshape(-1, gdim)[nodes]
     inward /= np.maximum(np.linalg.norm(inward, axis=1), 1e-300)[:, None]
     gap, normal, _ = obstacle.evaluate(np.ascontiguousarray(x[nodes]).ravel())

@@ -1,0 +1,81 @@
+"""Bodies that only contact holds, on any partition of the mesh; see on_ranks.py."""
+
+import numpy as np
+from dolfinx import fem, graph
+from mpi4py import MPI
+
+import dolfinx_impact as di
+from dolfinx_impact import meshes
+
+COMM = MPI.COMM_WORLD
+METHODS = {
+    "multipliers": di.Lagrange,
+    "linear": lambda pair: di.Lagrange(pair, basis="linear"),
+    "penalty": lambda pair: di.Penalty(pair, penalty=1e6),
+}
+
+
+def by_number(shift):
+    """Partitioner: cells in the order of the input, in equal parts, to the ranks from `shift` on. The first body is on
+    the ranks of the first cells: slave and master share no rank."""
+
+    def partition(comm, num_parts, cell_types, cells):
+        num = len(cells[0]) // 4
+        counts = comm.allgather(num)
+        first, total = sum(counts[: comm.rank]), sum(counts)
+        part = (np.arange(first, first + num) * num_parts) // total
+        return graph.adjacencylist(((part + shift) % num_parts).astype(np.int32))
+
+    return partition
+
+
+class Stack:
+    """A block on another one, held sideways and pressed by a traction: down it is held by the contact alone."""
+
+    def __init__(self, partitioner, method, swapped, friction, held):
+        made = meshes.make("two_blocks", COMM, partitioner=partitioner)
+        facets, tags = made.facet_tags, made.tags
+        V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
+        self.u = fem.Function(V)
+        supports = [("bottom", 0), ("bottom", 1)] + ([("slave_left", 0)] if held else [])
+        bcs = [
+            fem.dirichletbc(0.0, fem.locate_dofs_topological(V.sub(axis), 1, facets.find(tags[side])), V.sub(axis))
+            for side, axis in supports
+        ]
+        names = ("master_surface", "slave_surface") if swapped else ("slave_surface", "master_surface")
+        pair = di.ContactPair(facets, *(tags[name] for name in names), friction=friction)
+        press = di.Traction(facets, tags["top"], (0.0, -1e3))
+        law = di.LinearElastic(1e6, 0.0, 1.0, "plane_strain")
+        self.problem = di.StaticProblem(self.u, law, bcs=bcs, loads=[press], contact=[METHODS[method](pair)])
+
+
+def cases():
+    for method in METHODS:
+        for swapped in (False, True):
+            for friction in (0.0, 0.3):
+                for partitioner in (None, by_number(0), by_number(1)):
+                    yield partitioner, method, swapped, friction
+
+
+def check_a_loose_body_is_held_by_contact():
+    """On every partition the master as well as the slave may be the loose one: the traction is carried."""
+    for case in cases():
+        stack = Stack(*case, held=True)
+        stack.problem.solve()
+        force = stack.problem.contact[0].force
+        sign = -1.0 if case[2] else 1.0
+        assert abs(sign * force[1] - 1e3) < 1e-6 * 1e3, (case[1:], force)
+
+
+def check_what_contact_leaves_free_is_told():
+    """Without friction and without the support the body slides, whichever of the two is the slave, on any partition."""
+    for partitioner, method, swapped, friction in cases():
+        stack = Stack(partitioner, method, swapped, friction, held=False)
+        try:
+            stack.problem.solve()
+            text = ""
+        except RuntimeError as error:
+            text = str(error)
+        assert all(t == text for t in COMM.allgather(text))
+        expected = "not held against rigid motion: the body around (0.5, 0.75) is free to move along x"
+        assert text == (expected if friction == 0.0 else ""), (method, swapped, friction, text)
