@@ -47,6 +47,73 @@ def test_rows_in_space_pass(cell):
     assert report.passed and len(report.rows) > 10
 
 
+def compare_other_starts(runs, seeds=None, steps=history.OTHER_STEPS):
+    report = Report()
+    for cell, degree, make in runs:
+        for case in history.other_starts(cell, degree, make, seeds):
+            history.compare(report, case, steps[case.body.gdim])
+    return report
+
+
+PLANE = [run for run in history.RUNS if run[0] == "quadrilateral"]
+SPACE = [run for run in history.RUNS if run[0] in ("hexahedron", "tetrahedron")]
+
+
+def test_other_starts_in_the_plane_pass():
+    """Starts that the level itself does not have."""
+    report = compare_other_starts(PLANE, [11])
+    assert report.passed and len(report.rows) > 100
+
+
+def test_another_start_in_space_passes():
+    report = compare_other_starts([("hexahedron", 1, history.overhang)], [11])
+    assert report.passed and len(report.rows) > 10
+
+
+@pytest.mark.slow
+def test_many_starts_pass():
+    for runs, seeds in ((PLANE, range(20, 35)), (SPACE, range(20, 23))):
+        report = compare_other_starts(runs, seeds, {2: 500, 3: 200})
+        assert report.passed and len(report.rows) > 100
+
+
+def test_a_start_is_another_one():
+    """Step, attitude and velocities differ from start to start; a seed gives the same again."""
+    first, second, again = (
+        next(iter(history.other_starts("quadrilateral", 1, history.overhang, [seed]))) for seed in (1, 2, 1)
+    )
+    places = [case.body.V.tabulate_dof_coordinates()[:, :2] for case in (first, second, again)]
+    velocities = [case.velocity(x) for case, x in zip((first, second, again), places)]
+    assert first.part == again.part != second.part
+    for one, two, three in (places, velocities):
+        assert np.array_equal(one, three) and np.abs(one - two).max() > 1e-3
+
+
+def test_velocities_do_not_depend_on_round_off_of_places():
+    """The lower body's top is at 1 to round-off only."""
+    for case in cases("hexahedron", 1):
+        if "block" in case.name:
+            places = case.body.V.tabulate_dof_coordinates()
+            expected = case.velocity(places)
+            assert np.any(expected) and not np.any(expected[np.isclose(places[:, 2], 1.0, atol=1e-9)])
+            for error in (-1e-15, 1e-15):
+                assert np.array_equal(case.velocity(places + error), expected)
+
+
+@pytest.mark.parametrize("cell", ("quadrilateral", "hexahedron"))
+def test_facing_by_the_normals_of_the_last_search_is_seen(cell, monkeypatch):
+    """The starts of the level show it, in the plane and in space."""
+    make = NodalResult.__init__
+
+    def keep(self, *args, **kwargs):
+        make(self, *args, **kwargs)
+        self._cpp.keep_normals(True)
+
+    monkeypatch.setattr(NodalResult, "__init__", keep)
+    report = compare_other_starts([(cell, 1, history.overhang)])
+    assert {"contact force", "displacement"} <= {row.name.split(" of the ")[0] for row in report.failures()}
+
+
 def failed(case, monkeypatch=None, change=None, **changes):
     """What a comparison sees when one side runs a changed case."""
     mine, ours = copy.copy(case), history.ours

@@ -18,8 +18,10 @@ from .contact_bodies import BOTTOM, SLAVE, TwoBodies, two_bodies
 STEPS = 500
 TOLERANCE = 1e-9
 REASON = "round-off of 500 steps, which waves and contact carry on"
-OTHER_STARTS = {2: 4, 3: 2}  # by dimension: of every run with contact
-OTHER_STEPS = 120  # of these: until the bodies have met, turned and met again
+# By dimension: seeds of the other starts of every run with contact (with some of them, nodes turn away from facets that they
+# are about to touch), and steps, until the bodies have met, turned and met again.
+OTHER_STARTS = {2: (1, 2, 3, 4), 3: (4, 5)}
+OTHER_STEPS = {2: 250, 3: 120}
 
 
 @dataclass
@@ -53,7 +55,7 @@ class Start:
         self.seed = seed
         rng = np.random.default_rng(seed)
         self.part = None if seed is None else rng.uniform(0.7, 0.9)
-        self.angles, self.course, self.spin = rng.uniform(-1, 1, (3, 3)) * [[0.1], [0.5], [0.1]]
+        self.angles, self.course, self.spin = rng.uniform(-1, 1, (3, 3)) * [[0.3], [0.5], [0.3]]
         self.phases = rng.uniform(0, 2 * np.pi, 3)
 
     def turn(self, domain):
@@ -102,17 +104,17 @@ def run(report, progress=None):
             for case in make(cell, degree):
                 compare(report, case)
             for case in other_starts(cell, degree, make):
-                compare(report, case, OTHER_STEPS)
+                compare(report, case, OTHER_STEPS[case.body.gdim])
 
 
 def other_starts(cell, degree, make, seeds=None):
     """Runs with contact from other starts.
 
     Args:
-        seeds: of the starts; None: as many as the level takes.
+        seeds: of the starts; None: those of the level.
     """
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
-    for seed in range(1, OTHER_STARTS[dim] + 1) if seeds is None else seeds:
+    for seed in OTHER_STARTS[dim] if seeds is None else seeds:
         start = Start(seed)
         yield from (start.of(case) for case in make(cell, degree, start) if case.contact)
 
