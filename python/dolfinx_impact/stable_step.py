@@ -7,7 +7,6 @@ import basix
 import numpy as np
 import ufl
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from . import _cpp, operators
 from .jit import compile_form
