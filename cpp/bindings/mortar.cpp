@@ -1,5 +1,7 @@
 #include "dolfinx_impact/gap/mortar.h"
 #include "arrays.h"
+#include "dolfinx_impact/gap/FacetShape.h"
+#include "dolfinx_impact/gap/HeightField.h"
 #include "dolfinx_impact/gap/Rigid.h"
 #include "dolfinx_impact/search/pairs.h"
 
@@ -34,7 +36,32 @@ void check_nodal(const Facets& facets, std::size_t size, int block)
 
 void impact::bindings::mortar(nb::module_& m)
 {
-  nb::class_<Rigid>(m, "Rigid", "A rigid obstacle: plane, sphere, cylinder")
+  nb::class_<Shape>(m, "Shape", "Surface of a rigid obstacle of any form");
+  nb::class_<HeightField, Shape>(m, "HeightField", "A cubic spline over a plane")
+      .def(
+          "__init__",
+          [](HeightField* self, int gdim, std::array<double, 3> origin, std::array<std::array<double, 3>, 3> axes,
+             std::array<double, 2> low, std::array<double, 2> spacing, std::array<int, 2> cells, Values coefficients)
+          {
+            std::vector<double> c(coefficients.data(), coefficients.data() + coefficients.size());
+            new (self) HeightField(gdim, origin, axes, {low, spacing, cells}, std::move(c));
+          },
+          nb::arg("gdim"), nb::arg("origin"), nb::arg("axes"), nb::arg("low"), nb::arg("spacing"), nb::arg("cells"),
+          nb::arg("coefficients"));
+  nb::class_<FacetShape, Shape>(m, "FacetShape", "Segments or triangles")
+      .def(
+          "__init__", [](FacetShape* self, int gdim, Values points, Indices facets)
+          { new (self) FacetShape(gdim, {points.data(), points.size()}, {facets.data(), facets.size()}); },
+          nb::arg("gdim"), nb::arg("points"), nb::arg("facets"));
+  nb::class_<Rigid>(m, "Rigid", "A rigid obstacle: plane, sphere, cylinder, surface")
+      .def(
+          "__init__",
+          [](Rigid* self, std::shared_ptr<const Shape> shape)
+          {
+            new (self) Rigid{.kind = Rigid::Kind::surface, .gdim = shape->gdim()};
+            self->shape = std::move(shape);
+          },
+          nb::arg("shape"))
       .def(
           "__init__",
           [](Rigid* self, const std::string& kind, int gdim, std::array<double, 3> point,
@@ -43,7 +70,7 @@ void impact::bindings::mortar(nb::module_& m)
             const auto k = kind == "plane"    ? Rigid::Kind::plane
                            : kind == "sphere" ? Rigid::Kind::sphere
                                               : Rigid::Kind::cylinder;
-            new (self) Rigid{k, gdim, point, direction, radius, {0.0, 0.0, 0.0}};
+            new (self) Rigid{k, gdim, point, direction, radius, {0.0, 0.0, 0.0}, nullptr};
           },
           nb::arg("kind"), nb::arg("gdim"), nb::arg("point"), nb::arg("direction"), nb::arg("radius"))
       .def_rw("displacement", &Rigid::displacement)

@@ -93,20 +93,21 @@ void impact::bindings::operators(nb::module_& m)
       { lump_hrz(mass, V, {d.data(), d.size()}); }, nb::arg("mass"), nb::arg("V"), nb::arg("diagonal").noconvert(),
       "Add the HRZ-lumped mass to diagonal (a view is changed)");
   m.def(
-      "cell_masses_hrz",
-      [](const Integral& mass, const FunctionSpace& V) { return bindings::take(cell_masses_hrz(mass, V)); },
-      nb::arg("mass"), nb::arg("V"), nb::rv_policy::move, "HRZ-lumped mass by cell and local degree of freedom");
+      "cell_masses_hrz", [](const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
+      { return bindings::take(cell_masses_hrz(mass, V, coefficients)); }, nb::arg("mass"), nb::arg("V"),
+      nb::arg("coefficients"), nb::rv_policy::move, "HRZ-lumped mass by cell and local degree of freedom");
   m.def(
-      "cell_masses_nodal", [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V)
-      { return bindings::take(cell_masses_nodal(nodal, row_sum, V)); }, nb::arg("nodal"), nb::arg("row_sum"),
-      nb::arg("V"), nb::rv_policy::move, "Lumped mass of a nodal rule by cell and local degree of freedom");
+      "cell_masses_nodal",
+      [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, const Coefficients& coefficients)
+      { return bindings::take(cell_masses_nodal(nodal, row_sum, V, coefficients)); }, nb::arg("nodal"),
+      nb::arg("row_sum"), nb::arg("V"), nb::arg("coefficients"), nb::rv_policy::move,
+      "Lumped mass of a nodal rule by cell and local degree of freedom");
   m.def(
-      "cell_frequencies",
-      [](const Integral& stiffness, const FunctionSpace& V,
-         const std::map<std::string, std::shared_ptr<const Function>>& coefficients, Values masses)
-      { return bindings::take(cell_frequencies(stiffness, V, coefficients, {masses.data(), masses.size()})); },
-      nb::arg("stiffness"), nb::arg("V"), nb::arg("coefficients"), nb::arg("masses"), nb::rv_policy::move,
-      "Largest eigenvalue of the lumped mass's inverse times the stiffness, by cell [1/T^2]");
+      "cell_spectra",
+      [](const Integral& matrix, const FunctionSpace& V, const Coefficients& coefficients, Values masses)
+      { return bindings::take(cell_spectra(matrix, V, coefficients, {masses.data(), masses.size()})); },
+      nb::arg("matrix"), nb::arg("V"), nb::arg("coefficients"), nb::arg("masses"), nb::rv_policy::move,
+      "Smallest and largest eigenvalue of the lumped mass's inverse times the matrix, norm of the skew part, by cell");
   m.def(
       "lump_nodal", [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, Vector d)
       { lump_nodal(nodal, row_sum, V, {d.data(), d.size()}); }, nb::arg("nodal"), nb::arg("row_sum"), nb::arg("V"),

@@ -6,7 +6,17 @@ loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
 
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
-from .contact import ContactPair, ContactStatus, Kinematic, Lagrange, Penalty, RigidCylinder, RigidPlane, RigidSphere
+from .contact import (
+    ContactPair,
+    ContactStatus,
+    Kinematic,
+    Lagrange,
+    Penalty,
+    RigidCylinder,
+    RigidPlane,
+    RigidSphere,
+    RigidSurface,
+)
 from .explicit import ExplicitProblem
 from .jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
@@ -42,6 +52,7 @@ __all__ = [
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
+    "RigidSurface",
     "_cpp",
     "cache_folder",
     "check_mesh",

@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 
 from .materials import MaterialMap, _Material, _number
+from .residual import check_residual
 
 ROUND_OFF = 1e-12  # of the mesh's extent: coordinates below it are zero
 LARGEST_DEGREE = 60  # of quadrature: rules of higher degree have thousands of points on every facet, more in cells
@@ -129,7 +130,7 @@ def problem(u, given_material, residual, bcs, loads, contact, axisymmetric=False
             tags("MaterialMap", given_material.cell_tags, mesh, tdim)
         radii(given_material.hypothesis_on(mesh), mesh)
     else:
-        own_residual(residual)
+        check_residual(residual, u)
         radii("axisymmetric" if axisymmetric else None, mesh)
     for bc in sequence("bcs", bcs, "DirichletBC"):
         boundary_values("bcs", getattr(bc, "bc", bc) if explicit else bc, V)
@@ -172,15 +173,6 @@ def measures(form):
         rule = integral.metadata().get("quadrature_rule")
         if rule not in (None, *RULES):
             raise ValueError(f"quadrature_rule is {rule!r}: use one of {', '.join(RULES)}")
-
-
-def own_residual(residual):
-    """A UFL form of rank 1."""
-    if not isinstance(residual, ufl.Form):
-        raise TypeError(f"residual must be a UFL form of rank 1, found {type(residual).__name__}")
-    rank = len(residual.arguments())
-    if rank != 1:
-        raise ValueError(f"residual must be a UFL form of rank 1, with one test function; this one has rank {rank}")
 
 
 def material(m):

@@ -6,6 +6,7 @@ import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
+from ufl.algorithms import expand_derivatives
 
 from . import _cpp, arguments, operators
 from . import mass as lumps
@@ -14,8 +15,11 @@ from .collective import comm_of, guard, same
 from .contact.springs import stiffness
 from .march import March
 from .forms import elasticity, viscosity
+from .forms import materials as laws
+from .loads import DeadLoad
 from .materials import Rayleigh, _number
 from .mesh_check import check_cells
+from .residual import check_radius, split
 from .restart import Restart
 from .stable_step import METHODS, Frequencies, cell_sizes, damped
 from .unique import Unique, claim
@@ -27,9 +31,13 @@ class ExplicitProblem(Unique, March, Restart):
     Args:
         u: displacement function; its value is the start and follows the run [L].
         material: material or MaterialMap with densities; or give `residual` and `density`.
-        residual: UFL residual of your own in u (rank 1): internal less external forces.
-        density: for a residual of your own: number or UFL expression per reference volume [M/L^3].
-        velocity: function on u's space at the start [L/T].
+        residual: UFL residual of your own in u (rank 1): internal less external forces. Where it contains the function
+            given as `velocity` this stands for the velocity half a step before; that part resists, its work is
+            `damping`. Constants and other functions of it are read anew after every callback.
+        density: for a residual of your own: number, function or UFL expression per reference volume, positive; read
+            once [M/L^3].
+        velocity: function on u's space at the start [L/T]. A residual that contains it makes it follow the run as u
+            does: then it is the attribute `velocity` as well. Else it stays as it is.
         bcs: list of DirichletBC (values stay) and PrescribedMotion (functions of time).
         loads: list of loads; their `amplitude` is a function of time.
         contact: list of contacts: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
@@ -38,7 +46,8 @@ class ExplicitProblem(Unique, March, Restart):
         scheme: "half_step" (seed 3.72-3.77) or "classical" (seed 3.68-3.71).
         lumping: as for lumped_mass. mass_scaling: None, or the step that cells with a smaller one of their own get mass
             for [T]; `added_mass` tells how much.
-        hypothesis: of a residual of your own: "axisymmetric" where its integrals carry 2 pi r.
+        hypothesis: of a residual of your own: "axisymmetric" where its integrals carry 2 pi r; None or another one
+            where they do not.
 
     Attributes:
         time [T], step: reached. velocity, acceleration: functions at that time. contact: with results. mass: lumped,
@@ -74,6 +83,8 @@ class ExplicitProblem(Unique, March, Restart):
             if residual is not None and (loads or density is None):
                 what = "write the loads into your own residual" if loads else "a residual of your own needs a density"
                 raise ValueError(what)
+            if material is not None and (density is not None or hypothesis is not None):
+                raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             given = arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
             self._check_velocity(velocity, u)
@@ -92,31 +103,51 @@ class ExplicitProblem(Unique, March, Restart):
         check_cells(mesh)
         claim(u, self, explicit=True)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+        resisting = damping_tangent = None
         if residual is None:
             hypothesis = material.hypothesis_on(mesh)
             internal = operators.internal_force_form(u, v, material)
             tangent = operators.tangent_form(u, du, v, material)
             linear = all(m.law(mesh).linear for _, m in material.parts())
-            parts, tags = [(t, m.density_constant(mesh)) for t, m in material.parts()], material.cell_tags
+            parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
         else:
-            internal, tangent, linear = residual, ufl.derivative(residual, u, du), False
+            if hypothesis is not None:
+                laws.check_hypothesis(hypothesis, mesh.geometry.dim)
+            internal, resisting = split(residual, velocity)
+            tangent, linear = expand_derivatives(ufl.derivative(internal, u, du)), False
+            if resisting is not None:
+                if scheme == "classical":
+                    raise ValueError(
+                        "the residual contains the velocity: scheme 'classical' takes mass-proportional damping only"
+                    )
+                damping_tangent = expand_derivatives(ufl.derivative(resisting, velocity, du))
             parts, tags = [(None, self._density(density, mesh))], None
         self.axisymmetric = hypothesis == "axisymmetric"
         self._frequencies = Frequencies(
-            u, tangent, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping)
-        )
-        self._nonlinear = any(c is u for c in tangent.coefficients())
+            u, tangent, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
+            velocity,
+        )  # fmt: skip
+        tangents = [t for t in (tangent, damping_tangent) if t is not None]
+        self._nonlinear = any(c is u or c is velocity for t in tangents for c in t.coefficients())
+        if residual is not None:
+            if hypothesis in (None, "axisymmetric"):
+                check_radius(self._frequencies.stiffness, u, self.axisymmetric)
+            self._frequencies.check_signs()
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(_number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
         self._viscosity = self._check_viscosity(bulk_viscosity)
-        self._internal = operators.SplitForce(internal)
+        self._internal = operators.SplitForce(internal, u)
         self._cpp = _cpp.integrators.CentralDifference(
-            V._cpp_object, self._internal.forces(u), linear, self.mass.array, self.damping.alpha,
+            V._cpp_object, self._internal.forces(), linear, self.mass.array, self.damping.alpha,
             getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self._terms = [self._internal]
-        self.velocity = fem.Function(V, name="velocity")
-        self.velocity.x.array[:] = velocity.x.array
+        if resisting is None:
+            self.velocity = fem.Function(V, name="velocity")
+            self.velocity.x.array[:] = velocity.x.array
+        else:
+            self.velocity = velocity
+            self._term(resisting, _cpp.integrators.Account.damping)
         self.acceleration = fem.Function(V, name="acceleration")
         self._add_damping(v)
         self._amplitudes = []
@@ -136,6 +167,8 @@ class ExplicitProblem(Unique, March, Restart):
         if velocity is None:
             raise ValueError("give the velocity at the start: a Function on u's space (zero: fem.Function(V))")
         arguments.function("velocity", velocity)
+        if velocity is u:
+            raise ValueError("displacement and velocity are one function: give two")
         V, W = u.function_space, velocity.function_space
         if W.element != V.element or W.mesh != V.mesh:
             raise ValueError("the velocity is on another space than the displacement")
@@ -154,7 +187,8 @@ class ExplicitProblem(Unique, March, Restart):
     def _scale_mass(self, dt):
         """Mass for cells whose own stable step is less than dt; returns how much, of all ranks. Collective."""
         f = self._frequencies
-        factor = np.maximum(1.0, f.by_cell() * (dt / 2.0) ** 2)
+        squares, rates = f.by_cell()
+        factor = np.maximum(1.0, squares * (dt / 2.0) ** 2 + rates * (dt / 2.0))
         added = self.comm.allreduce(float((factor - 1.0) @ f.masses().sum(axis=1)), MPI.SUM)
         f.factor = factor
         return added / self.space.mesh.geometry.dim
@@ -194,9 +228,9 @@ class ExplicitProblem(Unique, March, Restart):
             self._term(form, accounts.viscosity)
 
     def _term(self, form, account):
-        term = operators.SplitForce(form)
+        term = operators.SplitForce(form, self.u, self.velocity)
         self._terms.append(term)
-        self._cpp.add_term(term.forces(self.u, self.velocity), account)
+        self._cpp.add_term(term.forces(), account)
 
     def _set_loads(self, loads, v):
         self._loads = []
@@ -208,15 +242,9 @@ class ExplicitProblem(Unique, March, Restart):
                     raise ValueError(f"{type(load).__name__} follows the body: it takes no amplitude")
                 self._term(form, _cpp.integrators.Account.external)
                 continue
-            force = operators.InternalForce(form)
-            # Where any value of the load acts: it may be changed between two calls of advance.
-            value = np.copy(load.constant.value)
-            load.constant.value = np.ones_like(value)
-            dofs = np.flatnonzero(force.apply().array[: self.num_owned]).astype(np.int32)
-            load.constant.value = value
-            values = force.apply().array
-            self._cpp.add_load(dofs, values[dofs], self._columns(amplitude)[0])
-            self._loads.append((force, dofs, value, load))
+            dead = DeadLoad(load, form, self.space)
+            self._cpp.add_load(dead.dofs, dead.values(), self._columns(amplitude)[0])
+            self._loads.append(dead)
 
     def _set_motion(self, bcs):
         taken, self._supports = np.zeros(len(self.u.x.array), dtype=bool), []
@@ -271,14 +299,22 @@ class ExplicitProblem(Unique, March, Restart):
             smallest = float(np.min(self._cell_times(), initial=np.inf))
             omega = 2.0 / self.comm.allreduce(smallest, MPI.MIN)
         elif method == "element":
+            if self._frequencies.damps:
+                springs = math.hypot(*(c.spring_frequency() for c in self.contact))
+                return self._frequencies.step_bound(self.damping.alpha, springs)
             omega = self._frequencies.bound()
         else:
             inverse = 1.0 / self.mass.array[: self.num_owned]
             inverse[self.prescribed[: self.num_owned]] = 0.0
             springs = stiffness(self.contact, self.space, self.u.x.array)
-            omega = self._frequencies.highest(inverse, springs)
+            if self._frequencies.damps:
+                found = self._frequencies.critical_step(inverse, springs, self.damping.alpha, self.stable_step())
+            else:
+                omega = self._frequencies.highest(inverse, springs)
             if springs is not None:
                 springs.destroy()
+            if self._frequencies.damps:
+                return found
         if method != "eigenvalue":
             omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
         return damped(omega, self.damping.alpha, self.damping.beta, self._viscosity[0], self.scheme)

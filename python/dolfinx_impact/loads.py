@@ -5,9 +5,12 @@ import ufl
 from dolfinx import default_scalar_type, fem
 from dolfinx.mesh import exterior_facet_indices
 
+from . import operators
 from .collective import comm_of, guard
 from .forms import loads, quadrature
 from .materials import _number
+
+VARYING = 2  # more degrees of quadrature for a load that is an expression
 
 
 def _vector(name, value, gdim):
@@ -58,7 +61,8 @@ def facet_tags_of(what, facet_tags):
 
 
 class _Load:
-    """Common part: value as a constant that can be changed between solves (`.constant.value`)."""
+    """Common part: value as a constant that can be changed between solves (`.constant.value`); of a UFL expression a
+    factor of it, one at first."""
 
     amplitude = None
 
@@ -69,6 +73,22 @@ class _Load:
             self._reached = np.zeros_like(self.constant.value)
         return self.constant
 
+    def _vector(self, name, mesh):
+        """The load's `vector` in UFL: constants, or a factor times an expression."""
+        if not isinstance(self.vector, ufl.core.expr.Expr):
+            return self._prepare(mesh, _vector(name, self.vector, mesh.geometry.dim))
+        if self.vector.ufl_shape != (mesh.geometry.dim,):
+            raise ValueError(
+                f"{name} has shape {self.vector.ufl_shape}: on this mesh it needs {mesh.geometry.dim} components"
+            )
+        domains = ufl.domain.extract_domains(self.vector)
+        if any(d.ufl_cargo() is not mesh._cpp_object for d in domains):
+            raise ValueError(f"{name} is an expression on another mesh than the displacement")
+        return self._prepare(mesh, 1.0) * self.vector
+
+    def _varies(self):
+        return isinstance(self.vector, ufl.core.expr.Expr)
+
     def ramps(self):
         """Pairs (constant, value reached by earlier solves): what load steps run through."""
         return [(self.constant, self._reached)]
@@ -78,7 +98,8 @@ class BodyForce(_Load):
     """Force per volume.
 
     Args:
-        vector: components [F/L^3], or acceleration [L/T^2] when `per_mass`.
+        vector: components [F/L^3], or acceleration [L/T^2] when `per_mass`; or a UFL expression of the place and of
+            functions, for a varying one.
         per_mass: multiply with the material's density (gravity).
         amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
     """
@@ -90,11 +111,11 @@ class BodyForce(_Load):
         """External virtual work."""
         V = u.function_space
         mesh = V.mesh
-        f = self._prepare(mesh, _vector("body force", self.vector, mesh.geometry.dim))
+        f = self._vector("body force", mesh)
         hypothesis = material.hypothesis_on(mesh)
         degree = quadrature.mass_degree(
             mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis
-        )
+        ) + (VARYING if self._varies() else 0)
         dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
         return sum(
             loads.body_force(
@@ -103,8 +124,15 @@ class BodyForce(_Load):
             for t, m in material.parts()
         )
 
+    def _dofs(self, V):
+        return np.arange(V.dofmap.index_map.size_local * V.dofmap.index_map_bs)
+
 
 class _FacetLoad(_Load):
+    def _dofs(self, V):
+        nodes = fem.locate_dofs_topological(V, self.facet_tags.dim, self.facet_tags.find(self.tag))
+        return (V.dofmap.bs * nodes[:, None] + np.arange(V.dofmap.bs)).ravel()
+
     def _measure(self, u, material, extra=0):
         V = u.function_space
         mesh = V.mesh
@@ -120,7 +148,8 @@ class Traction(_FacetLoad):
 
     Args:
         facet_tags: dolfinx MeshTags over facets. tag: of the loaded facets.
-        vector: components per reference area [F/L^2], or a function of the mesh (UFL expression) for a varying one.
+        vector: components per reference area [F/L^2]; or a UFL expression of the place and of functions, for one that
+            varies.
         amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
 
     Raises:
@@ -135,11 +164,7 @@ class Traction(_FacetLoad):
     def form(self, u, v, material):
         """External virtual work."""
         mesh = u.function_space.mesh
-        if isinstance(self.vector, ufl.core.expr.Expr):
-            t, ds = self._prepare(mesh, 1.0) * self.vector, self._measure(u, material, extra=2)
-        else:
-            t = self._prepare(mesh, _vector("traction", self.vector, mesh.geometry.dim))
-            ds = self._measure(u, material)
+        t, ds = self._vector("traction", mesh), self._measure(u, material, extra=VARYING if self._varies() else 0)
         return loads.traction(t, v, material.hypothesis_on(mesh), ds)
 
 
@@ -161,3 +186,40 @@ class FollowerPressure(_FacetLoad):
         p = self._prepare(mesh, self.pressure)
         ds = self._measure(u, material, extra=(mesh.geometry.dim - 1) * (u.function_space.element.basix_element.degree))
         return loads.follower_pressure(p, u, v, material.hypothesis_on(mesh), ds)
+
+
+class DeadLoad:
+    """Nodal forces of a load that does not follow the body, for the explicit integrator.
+
+    Args:
+        load: of this module. form: its virtual work. V: displacement space.
+
+    Attributes:
+        dofs: owned degrees of freedom on which any value of the load acts.
+    """
+
+    def __init__(self, load, form, V):
+        self._force = operators.InternalForce(form)
+        self._inputs = operators.Inputs(self._force.compiled.constants, self._force.coefficients.values())
+        num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
+        if load._varies():  # it may be zero now where it is not later
+            self.dofs = load._dofs(V)
+        else:
+            value = np.copy(load.constant.value)
+            load.constant.value = np.ones_like(value)
+            self.dofs = np.flatnonzero(self._force.apply().array[:num_owned])
+            load.constant.value = value
+        self.dofs = self.dofs[self.dofs < num_owned].astype(np.int32)
+
+    def changed(self):
+        """Has a value of the load changed on this rank since `values`?"""
+        return self._inputs.changed()
+
+    def forces(self):
+        """Forces on `dofs` at the present values [F]. Collective."""
+        return self._force.apply().array[self.dofs]
+
+    def values(self):
+        """The same, taken over: from now on only other values have changed. Collective."""
+        self._inputs.take()
+        return self.forces()

@@ -11,6 +11,7 @@ from mpi4py import MPI
 
 from . import energy_gain
 from .collective import agree, attempt, guard
+from .history import History
 from .interrupts import Interrupts
 from .materials import _number
 
@@ -51,10 +52,11 @@ class March:
     def _begin(self):
         self._mesh_then = self._fingerprint()
         self.time, self.step = 0.0, 0
-        self._plan, self._rows, self._good, self._recorders = None, [], None, []
+        self._plan, self._good, self._recorders = None, None, []
+        self._history = History(1 + self._cpp.row_size)
         self._total_start, self._known_start, self._largest = 0.0, False, 0.0
         self._warn_at, self._warned = math.inf, False
-        self._safe = self.stable_step()
+        self._safe, self._stale = self.stable_step(), False
         self._nominal = SAFETY * self._safe
         self._cpp.set_contact_step(self._nominal)
         self._cpp.start(self.u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
@@ -70,7 +72,9 @@ class March:
 
         Args:
             until: time to reach [T]. dt: step, or "auto": 0.9 of the stable step; steps are equal and at most that [T].
-            callback: called as callback(problem) after each step. progress: show a bar on rank 0.
+            callback: called as callback(problem) after each step, and before the first step of a run (at step 0). What
+                it changes, constants, functions and loads of forms, holds from the time at which it is called; ghosts
+                are brought up to date. progress: show a bar on rank 0.
             unsafe: take a dt beyond the stable step all the same, with a warning.
             energy_limits: two numbers, or None for no limits. The energy that the run has gained without the work of
                 loads and supports, relative to the energies so far (docs/explicit.md, "Energies"): beyond the first it
@@ -120,8 +124,12 @@ class March:
         return until
 
     def _advance(self, until, dt, callback, progress, unsafe, interrupts):
-        self._choose(until, dt, unsafe)
         self._refresh()
+        if callback and self.step == 0:
+            interrupts.check(self._call(callback))
+        if self._stale:
+            self._safe, self._stale = self.stable_step(), False
+        self._choose(until, dt, unsafe)
         with Bar(self, progress) as bar:
             try:
                 while self.step < self._plan.last:
@@ -138,7 +146,7 @@ class March:
     def _piece(self, until, dt, callback, unsafe, bar, interrupts):
         """Steps between which nothing but C++ runs, then what follows them. Exceptions are those of all ranks; the
         state is that after a step. Collective."""
-        if self._nonlinear and self.step > 0 and self.step % RECHECK == 0:
+        if (self._nonlinear or self._stale) and self.step > 0 and self.step % RECHECK == 0:
             self._recheck(until, dt, unsafe)
         first = self.step == 0
         self._run(1 if callback or first else self._chunk(), interrupts)
@@ -149,9 +157,16 @@ class March:
             recorder.after()
         error = None
         if callback:
-            self._look()
-            error = attempt(callback, self)[1]
+            error = self._call(callback)
         interrupts.check(error or attempt(bar.show)[1])
+
+    def _call(self, callback):
+        """Show the present state to a callback and take over what it has changed; its error on this rank, or None.
+        Collective."""
+        self._look()
+        error = attempt(callback, self)[1]
+        self._refresh()
+        return error
 
     def _chunk(self):
         rest = self._plan.last - self.step
@@ -193,7 +208,7 @@ class March:
     def _recheck(self, until, dt, unsafe):
         """A body that has deformed has another stable step. Collective."""
         self._copy_motion()
-        self._safe = self.stable_step()
+        self._safe, self._stale = self.stable_step(), False
         if self._nominal > (SAFETY if dt == "auto" else 1.0) * self._safe:
             self._plan = None
             self._choose(until, dt, unsafe)
@@ -210,7 +225,7 @@ class March:
         lengths = np.full(count, self._plan.dt if count else 1.0)
         table, columns = np.ascontiguousarray(table).ravel(), table.shape[1]
         done = self._cpp.run(lengths, table, columns, rows.reshape(-1), interrupts and interrupts.asked)
-        self._rows.append(np.column_stack([times[:done], rows[:done]]))
+        self._keep(np.column_stack([times[:done], rows[:done]]))
         if done < count and not self._cpp.stopped:
             self._unstable(times[done])
         self.step, self.time, self._beyond = self.step + done, float(times[done]), float(times[done + 1])
@@ -219,6 +234,18 @@ class March:
             if self.comm.rank == 0:
                 text = energy_gain.told(self._cpp.most_gained)
                 warnings.warn(f"the run gains energy: by the time {self.time:.6g} {text}", stacklevel=4)
+
+    def _keep(self, rows):
+        """Rows of steps: the history, what `drift` is measured by."""
+        if len(rows) == 0:
+            return
+        energies = rows[:, 1 : 1 + len(ENERGIES)]
+        if not self._known_start:
+            self._total_start, self._known_start = float(energies[0, :-1].sum() - energies[0, -1]), True
+        self._largest = max(self._largest, float(np.abs(energies).sum(axis=1).max()))
+        self._history.add(rows)
+        for recorder in self._recorders:
+            recorder.take(rows)
 
     def _table(self, times):
         """Values of all amplitudes, a row for each time."""
@@ -247,9 +274,8 @@ class March:
         self.step, self.time, u, v, _ = self._good
         for contact in self.contact:
             contact.forget()
-        self._known_start, self._largest, self._rows = False, 0.0, []
-        for recorder in self._recorders:
-            recorder.restart()
+        self._known_start, self._largest = False, 0.0
+        self._history.clear()
         self._cpp.start(u, v)
         self._run(0)
         self._look()
@@ -281,13 +307,14 @@ class March:
         values = dict(zip(ENERGIES, self._cpp.energies().tolist()))
         parts = np.array(list(values.values()))
         values["total"] = total = float(parts[:-1].sum() - parts[-1])
-        self._largest = max(self._largest, float(np.abs(parts).sum()))
-        if not self._known_start:
-            first = next((rows[0] for rows in self._rows if len(rows)), None)
-            self._total_start = total if first is None else float(first[1 : len(ENERGIES)].sum() - first[len(ENERGIES)])
-            self._known_start = first is not None
-        values["drift"] = (total - self._total_start) / self._largest if self._largest > 0 else 0.0
+        start = self._total_start if self._known_start else total
+        values["drift"] = self._drift(total - start, float(np.abs(parts).sum()))
         self._energy = values
+
+    def _drift(self, change, size):
+        """Change of the total over the largest sum of absolute values of all steps and of the present one."""
+        largest = max(self._largest, size)
+        return change / largest if largest > 0.0 else 0.0
 
     @property
     def energy(self):
@@ -297,18 +324,26 @@ class March:
 
     @property
     def energy_history(self):
-        """Time and energies before every step, (num_steps, 9): time [T], then those of `energy` in its order, external
-        last [F L]."""
-        return self._history()[:, : 1 + len(ENERGIES)]
+        """Time and energies before every step, the first at the start of the run, (num_steps, 9): time [T], then those
+        of `energy` in its order, external last [F L]. Runs of more than `history_limit` steps: every second, fourth, ...
+        step."""
+        return self._history.rows()[:, : 1 + len(ENERGIES)]
 
     @property
     def force_history(self):
-        """Contact forces on the slaves before every step: list, by contact, of arrays (num_steps, gdim) [F]."""
-        rows, first, gdim = self._history(), 1 + len(ENERGIES), self.space.mesh.geometry.dim
+        """Contact forces on the slaves, by contact: list of arrays (num_steps, gdim) at the times of `energy_history`
+        [F]."""
+        rows, first, gdim = self._history.rows(), 1 + len(ENERGIES), self.space.mesh.geometry.dim
         return [rows[:, first + 3 * k : first + 3 * k + gdim] for k in range(len(self.contact))]
 
-    def _history(self):
-        return np.vstack(self._rows) if self._rows else np.zeros((0, 1 + self._cpp.row_size))
+    @property
+    def history_limit(self):
+        """Largest number of rows that histories keep in memory, 250,000 unless set; a Recorder writes all rows [1]."""
+        return self._history.limit
+
+    @history_limit.setter
+    def history_limit(self, value):
+        self._history.limit = value
 
     def record(self, path=None, fields=("displacement", "velocity"), every=100, points=None, points_every=10):
         """Write fields and histories into a folder from now on; see Recorder. Collective.
@@ -335,14 +370,22 @@ class March:
         return recorder
 
     def _refresh(self):
-        """Constants and loads may have been changed since the last advance. Collective."""
-        for term in self._terms:
-            term.update()
-        for i, (force, dofs, value, load) in enumerate(self._loads):
-            changed = not np.array_equal(value, load.constant.value)
-            if self.comm.allreduce(int(changed), MPI.MAX):
-                self._cpp.set_load(i, force.apply().array[dofs])
-                value[...] = load.constant.value
+        """Take over constants, functions and loads that were changed since the last time: forces of the present time
+        level are those of the new values. Collective."""
+        changed = [any(term.changed() for term in self._terms), self._frequencies.changed()]
+        changed += [load.changed() for load in self._loads]
+        changed = np.array(changed, dtype=np.int32)
+        self.comm.Allreduce(MPI.IN_PLACE, changed, MPI.MAX)
+        if changed[0]:
+            for term in self._terms:
+                term.update()
+            self._cpp.revise()
+        if changed[1]:
+            self._frequencies.take()
+            self._stale = True
+        for i, load in enumerate(self._loads):
+            if changed[2 + i]:
+                self._cpp.set_load(i, load.values())
 
 
 class Bar:
@@ -370,10 +413,10 @@ class Bar:
     def show(self):
         """Bring the bar up to date."""
         run = self.run
-        if self._bar and run._rows and len(run._rows[-1]):
-            row = run._rows[-1][-1]
+        if self._bar and run._history.last is not None:
+            row = run._history.last
             total = row[1 : len(ENERGIES)].sum() - row[len(ENERGIES)]
-            drift = (total - run._total_start) / run._largest if run._largest > 0 else 0.0
+            drift = run._drift(total - run._total_start, 0.0)
             self._bar.update(self._task, completed=run.time - self._start, step=run.step, time=run.time,
                              dt=run._plan.dt, drift=drift)  # fmt: skip
 

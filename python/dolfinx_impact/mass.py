@@ -48,10 +48,10 @@ def lumped_mass(V, material, scheme="auto"):
     if scheme == "row_sum":
         v, hypothesis = ufl.TestFunction(V), material.hypothesis_on(mesh)
         dx = _mass_measure(V, hypothesis, material.cell_tags)
-        parts = [(tag, m.density_constant(mesh)) for tag, m in material.parts()]
+        parts = [(tag, m.mass_density(mesh)) for tag, m in material.parts()]
         total = sum(inertia.row_sum(v, density, hypothesis, dx if t is None else dx(t)) for t, density in parts)
         return _positive(operators.InternalForce(total).apply(), scheme, mesh.comm)
-    parts = [(tag, m.density_constant(mesh)) for tag, m in material.parts()]
+    parts = [(tag, m.mass_density(mesh)) for tag, m in material.parts()]
     return assemble_masses(V, cell_masses(V, parts, material.hypothesis_on(mesh), material.cell_tags, scheme), scheme)
 
 
@@ -91,14 +91,14 @@ def cell_masses(V, parts, hypothesis, cell_tags=None, scheme="auto"):
         integral = functools.partial(_cell_integral, tag=tag, cell_tags=cell_tags)
         if scheme == "hrz":
             mass = integral(inertia.mass(trial, v, density, hypothesis, dx))
-            lump = functools.partial(_cpp.operators.cell_masses_hrz, mass[1])
+            lump = functools.partial(_cpp.operators.cell_masses_hrz, mass[1], coefficients=mass[2])
         else:
             rule = ("GLL", 2 * degree - 1) if scheme == "nodal" else (None, None)
             nodal = integral(inertia.row_sum(v, density, hypothesis, _mass_measure(V, hypothesis, cell_tags, *rule)))
             mass = integral(inertia.row_sum(v, density, hypothesis, dx))
-            lump = functools.partial(_cpp.operators.cell_masses_nodal, nodal[1], mass[1])
+            lump = functools.partial(_cpp.operators.cell_masses_nodal, nodal[1], mass[1], coefficients=mass[2])
         try:
-            out.append((mass[0], lump(V._cpp_object).reshape(len(mass[0]), num_dofs)))
+            out.append((mass[0], lump(V=V._cpp_object).reshape(len(mass[0]), num_dofs)))
         except RuntimeError as e:  # of one rank, perhaps: told to all below
             errors.append(f"rank {V.mesh.comm.rank}: {e}")
     errors = sum(V.mesh.comm.allgather(errors), [])
@@ -130,10 +130,14 @@ def _positive(b, scheme, comm):
 
 
 def _cell_integral(form, tag, cell_tags):
-    """Cells of one material, and the integral of a form over them for the C++ side."""
+    """Cells of one material, the integral of a form over them for the C++ side, and its coefficients. Collective."""
     compiled = compile_form(form)
     cells = np.ascontiguousarray(
         operators._entities(operators._domain(form), "cell", -1 if tag is None else tag, cell_tags)
     )
     (kernel,) = compiled.kernels
-    return cells, _cpp.operators.Integral(kernel.address, cells, operators._constants(compiled, kernel))
+    functions = {c["name"]: compiled.coefficients[c["position"]] for c in kernel.coefficients}
+    for f in functions.values():
+        f.x.scatter_forward()
+    functions = {name: f._cpp_object for name, f in functions.items()}
+    return cells, _cpp.operators.Integral(kernel.address, cells, operators._constants(compiled, kernel)), functions

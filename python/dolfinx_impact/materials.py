@@ -30,7 +30,7 @@ class _Material:
     Args:
         E: Young's modulus, positive [F/L^2].
         nu: Poisson's ratio, between -1 and 0.5, both excluded [1].
-        density: positive; None where no mass is asked for [M/L^3].
+        density: None where no mass is asked for; zero, of a body without weight, in static problems only [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric" (x is the radius).
 
     Raises:
@@ -50,7 +50,9 @@ class _Material:
             )
         if not -1.0 < self.nu < 0.5:
             raise ValueError(f"Poisson's ratio nu is {self.nu}: it must lie between -1 and 0.5")
-        self.density = None if density is None else _number("density", density, 0.0, " [M/L^3]")
+        self.density = None if density is None else _number("density", density, unit=" [M/L^3]")
+        if self.density is not None and self.density < 0.0:
+            raise ValueError(f"density is {self.density}: it must not be negative [M/L^3]")
         if hypothesis is not None and hypothesis not in laws.HYPOTHESES:
             raise ValueError(f"hypothesis {hypothesis!r} is unknown: use one of {', '.join(laws.HYPOTHESES)}")
         self.hypothesis = hypothesis
@@ -93,6 +95,16 @@ class _Material:
         E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
         return self.law_class(E, nu, self.hypothesis_on(mesh))
 
+    def mass_density(self, mesh):
+        """Density as a constant of the mesh, for a mass.
+
+        Raises:
+            ValueError: the material has none, or zero.
+        """
+        if self.density == 0.0:
+            raise ValueError(f"{self!r} has the density 0: without mass there are no waves, use a StaticProblem")
+        return self.density_constant(mesh)
+
     def density_constant(self, mesh):
         """Density as a constant of the mesh.
 
@@ -124,8 +136,9 @@ class _Material:
     @property
     def wave_speed(self):
         """Dilatational wave speed [L/T]: seed (3.80), plane waves in 3D and plane strain; sheets in plane stress."""
-        if self.density is None:
-            raise ValueError(f"{self!r} has no density: a wave speed was asked for")
+        if self.density is None or self.density == 0.0:
+            what = "no density" if self.density is None else "the density 0"
+            raise ValueError(f"{self!r} has {what}: a wave speed was asked for")
         lmbda, mu = self.lame
         if self.hypothesis == "plane_stress":
             lmbda = laws.plane_stress_lambda(lmbda, mu)

@@ -130,6 +130,9 @@ class _Operator:
     def _update(self):
         for f in self.coefficients.values():
             f.x.scatter_forward()
+        self._update_constants()
+
+    def _update_constants(self):
         for i, kernel in enumerate(self._kernels):
             if kernel.constants:
                 self._cpp_object.set_constants(i, _constants(self.compiled, kernel))
@@ -197,26 +200,62 @@ class InternalForce(_Operator):
             raise ValueError(f"the vector has {array.size} entries on this rank, the test space has {needed}")
 
 
+class Inputs:
+    """Constants and coefficients that a form reads, and whether they have changed since they were last taken over.
+
+    Args:
+        constants, coefficients: those of the form. without: functions that somebody else keeps up to date.
+    """
+
+    def __init__(self, constants, coefficients, without=()):
+        self._constants = list(constants)
+        self._functions = [f for f in coefficients if not any(f is other for other in without)]
+        self.take()
+
+    def take(self):
+        """Bring ghosts up to date and remember the present values. Collective."""
+        for f in self._functions:
+            f.x.scatter_forward()
+        self._known = [np.array(values) for values in self._values()]
+
+    def changed(self):
+        """Has a value changed on this rank? Owned entries count."""
+        return any(not np.array_equal(new, old) for new, old in zip(self._values(), self._known))
+
+    def _values(self):
+        yield from (c.value for c in self._constants)
+        for f in self._functions:
+            yield f.x.array[: f.function_space.dofmap.index_map.size_local * f.function_space.dofmap.index_map_bs]
+
+
 class SplitForce:
     """Vector of a linear form in two parts, for the explicit integrator: cells and facets whose cells touch no ghost
     node, and the others.
 
     Args:
-        form: as for InternalForce.
+        form: as for InternalForce. displacement, velocity: its coefficients that the integrator has, or None.
     """
 
-    def __init__(self, form):
+    def __init__(self, form, displacement=None, velocity=None):
         self._parts = [InternalForce(form, part=part) for part in ("inner", "outer")]
+        compiled, coefficients = self._parts[0].compiled, self._parts[0].coefficients
+        self._names = {id(f): name for name, f in coefficients.items()}
+        self._given = displacement, velocity
+        self._inputs = Inputs(compiled.constants, coefficients.values(), self._given)
+
+    def changed(self):
+        """Have constants, or coefficients that the integrator has not, changed on this rank since `update`?"""
+        return self._inputs.changed()
 
     def update(self):
         """Read constants and the coefficients that the integrator has not. Collective."""
+        self._inputs.take()
         for part in self._parts:
-            part._update()
+            part._update_constants()
 
-    def forces(self, displacement, velocity=None):
-        """For the C++ side: which coefficients are the displacement and the velocity."""
-        names = {id(f): name for name, f in self._parts[0].coefficients.items()}
-        given = [names.get(id(f), "") if f is not None else "" for f in (displacement, velocity)]
+    def forces(self):
+        """For the C++ side, which coefficients are the displacement and the velocity among them."""
+        given = [self._names.get(id(f), "") for f in self._given]
         return _cpp.integrators.Forces(*(p._cpp_object for p in self._parts), *given)
 
 

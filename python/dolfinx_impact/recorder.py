@@ -11,6 +11,7 @@ from .results import RunFolder
 
 UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
 FIELDS = ("displacement", "velocity", "acceleration")
+ROWS = 100_000  # of histories that wait in memory at most
 INTERVAL = 1.0  # s of wall-clock time: opening the file takes milliseconds, as long as several steps of a small model
 
 
@@ -45,9 +46,9 @@ class Recorder:
     Files: fields.bp (ParaView 5.12 or newer), history.h5: `time`, energies and contact forces `force_0`, ... of every
     step; `points/time` and `points/displacement`, `points/velocity`, shape (frames, points, gdim). Datasets have units
     as attributes: T, L, F stand for the units of time, length and force of the problem's numbers. Histories are written
-    with frames, once a second at most, with checkpoints, when `advance` ends by an exception, and by `close`. On a disk
-    that is full `advance` ends with a RuntimeError after a step; what was written before can be read, what was not is
-    kept and written when there is room.
+    with frames, once a second at most, after 100,000 steps, with checkpoints, when `advance` ends by an exception, and
+    by `close`. On a disk that is full `advance` ends with a RuntimeError after a step; what was written before can be
+    read, what was not is kept and written when there is room.
 
     Attributes:
         seconds: wall-clock time that frames, samples and histories have taken while the problem ran.
@@ -64,7 +65,7 @@ class Recorder:
         self._writer = None
         if self._fields:
             self._writer = Frames(self.folder, "fields.bp", self._fields)
-        self._samples, self._seen, self._frame = [], len(problem._rows), -1
+        self._samples, self._rows, self._waiting, self._frame = [], [], 0, -1
         self._open()
         self._flushed = time.monotonic()
         self.seconds = 0.0
@@ -111,6 +112,11 @@ class Recorder:
             waits.append(self.points_every - step % self.points_every)
         return min(waits)
 
+    def take(self, rows):
+        """Rows of steps, to be written by and by."""
+        self._rows.append(rows)
+        self._waiting += len(rows)
+
     def after(self):
         """Write what is due after a step. Collective."""
         p, begin = self.problem, time.perf_counter()
@@ -125,6 +131,9 @@ class Recorder:
                     self._writer.write(p.time)
                 if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
                     self.flush()
+            self.seconds += time.perf_counter() - begin
+        if self._waiting > ROWS:
+            self.flush()
             self.seconds += time.perf_counter() - begin
 
     def _sample(self):
@@ -144,8 +153,7 @@ class Recorder:
         """
         from .march import ENERGIES
 
-        p, samples = self.problem, self._samples
-        rows, seen = [r for r in p._rows[self._seen :] if len(r)], len(p._rows)
+        p, samples, rows = self.problem, self._samples, self._rows
 
         def work(file):
             if rows:
@@ -163,11 +171,7 @@ class Recorder:
                     _append(file[f"points/{name}"], values[:, :, k])
 
         self.folder._write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
-        self._seen, self._samples, self._flushed = seen, [], time.monotonic()
-
-    def restart(self):
-        """The problem begins its rows anew."""
-        self._seen = 0
+        self._rows, self._waiting, self._samples, self._flushed = [], 0, [], time.monotonic()
 
     def close(self):
         """Write what is left and close the files; nothing more is recorded. Collective.

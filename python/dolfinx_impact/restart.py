@@ -33,6 +33,7 @@ class Restart:
         with guard(self.comm, "save", path=path):
             arguments.path("path", path)
         with Interrupts(self.comm) as interrupts:
+            self._refresh()
             self._save(path)
             for recorder in self._recorders:
                 recorder.flush()
@@ -74,7 +75,8 @@ class Restart:
 
         On as many ranks as wrote it the run goes on bit for bit (if DOLFINx numbers the mesh as it did then, which it
         does not always on three ranks and more), on others to round-off. `advance` with the time that
-        the interrupted call had continues with its very steps.
+        the interrupted call had continues with its very steps. Constants, functions and loads that were changed in the
+        course of the run are not in the file: set them before.
 
         Raises:
             RuntimeError: the file cannot be read, or is damaged. ValueError: it is of another mesh, material, ...; on
@@ -161,7 +163,12 @@ class Restart:
         """Become what was read; nothing of this can fail. Collective."""
         file, table = read["file"], read["table"]
         a, count = file.attributes, self._cpp.num_saved_parts
-        self._refresh()
+        # Constants, functions and loads as they are now are those of the state that is read.
+        for term in self._terms:
+            term.update()
+        for k, load in enumerate(self._loads):
+            self._cpp.set_load(k, load.values())
+        self._frequencies.take()
         for side, history, energy in zip(read["sides"], read["histories"], read["energies"]):
             side.set_history(history)
             side.set_energy(*energy)
@@ -176,9 +183,8 @@ class Restart:
         self._safe, self._nominal = float(a["safe"]), float(a["nominal"])
         self._largest, self._total_start = float(a["largest"]), float(a["total_start"])
         self._plan = read["plan"]
-        self._rows, self._good, self._known_start = [], None, True
-        for recorder in self._recorders:
-            recorder.restart()
+        self._good, self._known_start, self._stale = None, self.step > 0, False
+        self._history.clear()
         self._look()
         for k, contact in enumerate(self.contact):
             contact.set_seen(read["results"][k], np.asarray(a[f"contact{k}"]))

@@ -36,10 +36,10 @@ def signature(problem):
         "contact": "; ".join(_contact(c, mesh) for c in problem.contact),
         "sums of masses": comm.allreduce(np.concatenate([[mass.sum()], mass @ x, mass @ x**2]), MPI.SUM),
     }
-    for k, (force, dofs, _, _) in enumerate(problem._loads):
+    for k, load in enumerate(problem._loads):
         # As it would act now: its value may have been changed since the last step.
         values = np.zeros(n * bs)
-        values[dofs] = force.apply().array[dofs]
+        values[load.dofs] = load.forces()
         values = values.reshape(n, bs)
         out[f"sums of load {k}"] = comm.allreduce(
             np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]), MPI.SUM

@@ -202,13 +202,8 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
         if halved == cut_backs:
             path.finish(done)
             where = f" (reached {done:.4f} of the way)" if done > 0 else ""
-<<<<<<< HEAD
             end = "" if increment.fault.endswith("?") and not where else "."
-            hint = "Apply the load in smaller parts, or pass more iterations"
-            raise RuntimeError(f"{increment.fault}{where}{end} {hint}")
-=======
-            raise RuntimeError(f"{increment.fault}{where}. {increment.advice}".removesuffix(". "))
->>>>>>> e421d74018b7f8b7902731fb964924e4e20017a0
+            raise RuntimeError(f"{increment.fault}{where}{end} {increment.advice}".rstrip())
         halved, width = halved + 1, width / 2
         report.cut_backs += 1
         report.rejected_iterations.append(increment.iterations)

@@ -108,10 +108,11 @@ class RigidOnBlock:
     """A rigid cylinder of radius RADIUS pressed into a block by its displacement; half model.
 
     Args:
-        cell, degree: of the block. n: cells along each side. method: function of a ContactPair.
+        cell, degree: of the block. n: cells along each side. method: function of a ContactPair. obstacle: another one
+            than the cylinder, which touches the origin from above.
     """
 
-    def __init__(self, cell, degree, n, method=di.Lagrange):
+    def __init__(self, cell, degree, n, method=di.Lagrange, obstacle=None):
         domain = graded_block(cell, n)
         self.V = V = fem.functionspace(domain, ("Lagrange", degree, (2,)))
         self.num_unknowns = 2 * V.dofmap.index_map.size_global
@@ -120,7 +121,7 @@ class RigidOnBlock:
         tags = np.repeat(np.arange(1, 4, dtype=np.int32), [len(f) for f in facets])
         order = np.argsort(np.concatenate(facets))
         tags = mesh.meshtags(domain, 1, np.concatenate(facets)[order], tags[order])
-        self.obstacle = di.RigidCylinder((0.0, RADIUS), RADIUS)
+        self.obstacle = obstacle or di.RigidCylinder((0.0, RADIUS), RADIUS)
         contact = [method(di.ContactPair(tags, slave=1, master=self.obstacle))]
         bcs = [held(V, tags, tag, axis) for tag, axis in ((2, 0), (2, 1), (3, 0))]
         material = di.LinearElastic(E, NU, hypothesis="plane_strain")

@@ -5,6 +5,13 @@ namespace impact::gap
 {
 RigidPoint evaluate(const Rigid& rigid, const double* x)
 {
+  if (rigid.kind == Rigid::Kind::surface)
+  {
+    double moved[3];
+    for (int c = 0; c < rigid.gdim; ++c)
+      moved[c] = x[c] - rigid.displacement[c];
+    return rigid.shape->closest(moved);
+  }
   RigidPoint out{};
   double d[3] = {0.0, 0.0, 0.0}, along = 0.0;
   for (int c = 0; c < rigid.gdim; ++c)

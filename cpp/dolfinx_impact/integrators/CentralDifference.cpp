@@ -18,6 +18,7 @@ CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, For
   if (mass.size() != _own_size)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
                                 std::to_string(_own_size));
+  check(_internal);
   _inverse.resize(_own_size);
   for (std::size_t i = 0; i < _own_size; ++i)
     _inverse[i] = 1.0 / _mass[i];
@@ -34,10 +35,29 @@ CentralDifference::~CentralDifference()
 
 // --- set-up -------------------------------------------------------------------------------------------------
 
+void CentralDifference::check(const Forces& forces) const
+{
+  if (!forces.inner || !forces.outer)
+    throw std::invalid_argument(std::string("the operator of the ") + (forces.inner ? "outer" : "inner") +
+                                " cells is null: give one without cells where there are none");
+  for (const std::string& name : {forces.displacement, forces.velocity})
+    if (!name.empty() && !forces.inner->has(name) && !forces.outer->has(name))
+      throw std::invalid_argument("no kernel of the forces has a coefficient named '" + name +
+                                  "': give the name in the kernels, or an empty one if they have none");
+}
+
+void CentralDifference::set_contact_step(double dt)
+{
+  if (!(dt > 0.0))
+    throw std::invalid_argument("the step of contact stiffnesses is " + std::to_string(dt) + ": it must be positive");
+  _contact_step = dt;
+}
+
 void CentralDifference::add_term(Forces forces, Account account)
 {
   if (account == Account::contact)
     throw std::invalid_argument("contacts are added by add_contact");
+  check(forces);
   const double sign = account == Account::external ? -1.0 : 1.0;
   _parts.push_back({std::move(forces), account, sign, std::vector<double>(_u.size(), 0.0), {}, 0.0});
   bind(_parts.back().forces);
@@ -92,7 +112,7 @@ void CentralDifference::add_contact(std::shared_ptr<enforcement::NodalContact> c
 void CentralDifference::bind(const Forces& forces)
 {
   for (InternalForce* operation : {forces.inner.get(), forces.outer.get()})
-    if (operation)
+    if (operation) // contact has none
     {
       if (!forces.displacement.empty())
         operation->read(forces.displacement, _u.data());

@@ -27,8 +27,9 @@ enum class Scheme
 /// Forces of a form: cells that touch no ghost node, and the others.
 struct Forces
 {
-  std::shared_ptr<InternalForce> inner, outer;
-  std::string displacement, velocity; ///< names of the coefficients that the integrator has; may be empty
+  std::shared_ptr<InternalForce> inner, outer; ///< neither is null; an operator may have no cells
+  /// Names of the coefficients that the integrator has; empty: it has none. The velocity is that half a step before.
+  std::string displacement, velocity;
 };
 
 /// Explicit integration with lumped mass; docs/explicit.md has the equations. A step is: exchange ghosts, kernels,
@@ -40,6 +41,8 @@ public:
   /// @param[in] internal internal force. linear: its energy is u . F/2
   /// @param[in] mass per degree of freedom, owned and ghosts [M]
   /// @param[in] alpha factor of mass-proportional damping [1/T]
+  /// @throws std::invalid_argument for a mass of another size, an operator that is null, a name that none of its
+  ///   kernels has
   CentralDifference(std::shared_ptr<const FunctionSpace> V, Forces internal, bool linear, std::span<const double> mass,
                     double alpha, Scheme scheme);
   ~CentralDifference();
@@ -47,6 +50,7 @@ public:
   CentralDifference& operator=(const CentralDifference&) = delete;
 
   /// A force with an account of its own: damping and viscosity resist, external forces act.
+  /// @throws std::invalid_argument as the constructor
   void add_term(Forces forces, Account account);
   /// A load: `values` on owned degrees of freedom times column `amplitude` of the table (-1: one).
   void add_load(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
@@ -56,8 +60,9 @@ public:
   void prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
   /// @param[in] columns of the table with the displacement of a rigid master; -1: it stays
   void add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
-  /// The step that contact stiffnesses are made for [T].
-  void set_contact_step(double dt) { _contact_step = dt; }
+  /// The step that contact stiffnesses are made for, to be called before the first step of a run with contact [T].
+  /// @throws std::invalid_argument unless it is positive
+  void set_contact_step(double dt);
 
   /// Start from u and v (owned entries) at a time level; works count from here. Collective.
   void start(std::span<const double> u, std::span<const double> v);
@@ -73,6 +78,10 @@ public:
           const std::function<bool()>& asked = {});
   /// Did the last run end because a rank was asked to stop? The same on all ranks.
   bool stopped() const { return _stopped; }
+
+  /// Constants or coefficients of forms have changed: their forces at the present time level anew. Contact forces stay.
+  /// Collective.
+  void revise();
 
   /// Energies at the present time level, sums over ranks. Collective.
   Energies energies();
@@ -169,6 +178,7 @@ private:
     std::chrono::steady_clock::time_point _begin = std::chrono::steady_clock::now();
   };
 
+  void check(const Forces& forces) const;
   void bind(const Forces& forces);
   void resize(std::shared_ptr<const dolfinx::common::IndexMap> map);
   void search();
@@ -180,6 +190,7 @@ private:
   void receive();
   bool evaluate();
   void evaluate_part(Part& part);
+  void evaluate_form(Part& part);
   void evaluate_contact(Part& part);
   double work(const Part& part) const;
   void advance(double dt, const double* amplitudes);

@@ -70,13 +70,15 @@ void CentralDifference::evaluate_contact(Part& part)
 
 void CentralDifference::evaluate_part(Part& part)
 {
-  if (part.account == Account::contact)
-    return evaluate_contact(part);
+  part.account == Account::contact ? evaluate_contact(part) : evaluate_form(part);
+}
+
+void CentralDifference::evaluate_form(Part& part)
+{
   double* force = part.force.data();
   std::fill(force, force + _own_size, 0.0);
   for (const auto& operation : {part.forces.inner, part.forces.outer})
-    if (operation)
-      operation->assemble({force, _own_size});
+    operation->assemble({force, _own_size});
   for (std::size_t i = 0; i < _own_size; ++i)
     _r[i] += part.sign * force[i];
   part.position = sum_of_products(_own_size, force, _u.data());
@@ -85,8 +87,9 @@ void CentralDifference::evaluate_part(Part& part)
 
 bool CentralDifference::evaluate()
 {
-  if (_internal.inner)
-    _internal.inner->assemble({_r.data(), _own_size});
+  if (!_contacts.empty() && !(_contact_step > 0.0))
+    throw std::invalid_argument("contact has no step to make its stiffness for: call set_contact_step first");
+  _internal.inner->assemble({_r.data(), _own_size});
   receive();
   const bool stable = reduce_end();
   double springs_work = 0.0;
@@ -106,8 +109,7 @@ bool CentralDifference::evaluate()
     search();
     gather(springs());
   }
-  if (_internal.outer)
-    _internal.outer->assemble({_r.data(), _own_size});
+  _internal.outer->assemble({_r.data(), _own_size});
   for (Part& part : _parts)
     evaluate_part(part);
   _used = 0.0;
@@ -123,5 +125,23 @@ bool CentralDifference::evaluate()
   std::fill(_r.begin() + _owned, _r.end(), 0.0);
   _fresh = true;
   return stable;
+}
+
+void CentralDifference::revise()
+{
+  if (!_fresh)
+    return; // nothing is known of this time level yet
+  // Friction has its history: the forces of springs are not computed twice.
+  const std::vector<double> contact = springs() ? kept_forces() : std::vector<double>(_owned, 0.0);
+  std::fill(_r.begin(), _r.end(), 0.0);
+  for (const auto& operation : {_internal.inner, _internal.outer})
+    operation->assemble({_r.data(), _own_size});
+  for (Part& part : _parts)
+    if (part.account != Account::contact)
+      evaluate_form(part);
+  _halo->reverse(_r.data(), _bs);
+  std::fill(_r.begin() + _owned, _r.end(), 0.0);
+  for (std::size_t i = 0; i < _owned; ++i)
+    _r[i] -= contact[i];
 }
 } // namespace impact::integrators

@@ -168,6 +168,11 @@ void Batches::read(const std::string& name, const double* values)
       a.values = values;
 }
 
+bool Batches::has(const std::string& name) const
+{
+  return std::ranges::any_of(_coefficients, [&](const Array& a) { return a.name == name; });
+}
+
 double Batches::run(double* b) const
 {
   const impact_kernel& k = *_kernel;

@@ -68,6 +68,8 @@ public:
   /// Read a coefficient from here (numbered as the function's array) instead of from the function; null: from the
   /// function again. Kernels without it are left as they are.
   void read(const std::string& name, const double* values);
+  /// Has the kernel a coefficient of this name?
+  bool has(const std::string& name) const;
 
 private:
   void add_group(std::span<const std::int32_t> cells, int facet);

@@ -42,6 +42,15 @@ public:
       batches.read(name, values);
   }
 
+  /// Has any integral a coefficient of this name?
+  bool has(const std::string& name) const
+  {
+    for (const Batches& batches : _batches)
+      if (batches.has(name))
+        return true;
+    return false;
+  }
+
   /// Cells per kernel call of integral i.
   int width(std::size_t i = 0) const { return _batches.at(i).width(); }
   std::size_t num_integrals() const { return _batches.size(); }

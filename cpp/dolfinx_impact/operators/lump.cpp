@@ -1,6 +1,7 @@
 #include "lump.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
+#include "CellValues.h"
 #include <algorithm>
 #include <dolfinx/fem/DofMap.h>
 #include <stdexcept>
@@ -32,28 +33,24 @@ void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSp
   add_cells(nodal.entities, cell_masses_nodal(nodal, row_sum, V), V, diagonal);
 }
 
-std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V)
+std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
 {
   const impact_kernel& k = *mass.kernel;
-  const auto& mesh = *V.mesh();
-  kernels::check_mesh(k, mesh);
   kernels::check_space(k, k.arguments[0], V, "space");
-  if (k.rank != 2 || k.num_coefficients != 0 || int(mass.constants.size()) != k.size_c)
+  if (k.rank != 2 || int(mass.constants.size()) != k.size_c)
     throw std::invalid_argument(std::string("kernel ") + k.name + " is not a mass matrix with its constants");
   const impact_tabulate tabulate = kernels::tabulate(k, 1);
-  const auto x_dofmap = mesh.geometry().dofmap();
-  const auto x = mesh.geometry().x();
+  CellValues values(k, V, coefficients);
   const int bs = V.dofmap()->bs(), n = k.shape[0];
-  std::vector<double> M(std::size_t(n) * n), nodes(3 * x_dofmap.extent(1)), masses;
+  std::vector<double> M(std::size_t(n) * n), masses;
   masses.reserve(mass.entities.size() * n);
   for (std::int32_t cell : mass.entities)
   {
     const std::size_t start = masses.size();
     masses.resize(start + n);
-    for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
-      std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes.data() + 3 * i);
+    values.gather(cell);
     std::fill(M.begin(), M.end(), 0.0);
-    tabulate(M.data(), nullptr, mass.constants.data(), nodes.data(), 0);
+    tabulate(M.data(), values.w(), mass.constants.data(), values.nodes(), 0);
     for (int c = 0; c < bs; ++c)
     {
       double total = 0.0, trace = 0.0;
@@ -73,30 +70,30 @@ std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V
   return masses;
 }
 
-std::vector<double> cell_masses_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V)
+std::vector<double> cell_masses_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V,
+                                      const Coefficients& coefficients)
 {
-  const auto& mesh = *V.mesh();
   for (const Integral* i : {&nodal, &row_sum})
   {
-    kernels::check_mesh(*i->kernel, mesh);
-    if (i->kernel->rank != 1 || i->kernel->num_coefficients != 0 || int(i->constants.size()) != i->kernel->size_c)
+    if (i->kernel->rank != 1 || int(i->constants.size()) != i->kernel->size_c)
       throw std::invalid_argument(std::string("kernel ") + i->kernel->name +
                                   " is not a mass vector with its constants");
     kernels::check_space(*i->kernel, i->kernel->arguments[0], V, "test space");
   }
-  const auto x_dofmap = mesh.geometry().dofmap();
-  const auto x = mesh.geometry().x();
+  CellValues nodal_values(*nodal.kernel, V, coefficients), row_values(*row_sum.kernel, V, coefficients);
   const int bs = V.dofmap()->bs(), n = nodal.kernel->shape[0];
-  std::vector<double> nodes(3 * x_dofmap.extent(1)), at_nodes(n), exact(n), masses;
+  std::vector<double> at_nodes(n), exact(n), masses;
   masses.reserve(nodal.entities.size() * n);
   for (std::int32_t cell : nodal.entities)
   {
-    for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
-      std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes.data() + 3 * i);
+    nodal_values.gather(cell);
+    row_values.gather(cell);
     std::fill(at_nodes.begin(), at_nodes.end(), 0.0);
     std::fill(exact.begin(), exact.end(), 0.0);
-    kernels::tabulate(*nodal.kernel, 1)(at_nodes.data(), nullptr, nodal.constants.data(), nodes.data(), 0);
-    kernels::tabulate(*row_sum.kernel, 1)(exact.data(), nullptr, row_sum.constants.data(), nodes.data(), 0);
+    kernels::tabulate(*nodal.kernel, 1)(at_nodes.data(), nodal_values.w(), nodal.constants.data(), nodal_values.nodes(),
+                                        0);
+    kernels::tabulate(*row_sum.kernel, 1)(exact.data(), row_values.w(), row_sum.constants.data(), row_values.nodes(),
+                                          0);
     double sum = 0.0, mass = 0.0;
     for (int i = 0; i < n; ++i)
       sum += at_nodes[i], mass += exact[i];

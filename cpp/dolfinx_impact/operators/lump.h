@@ -1,11 +1,19 @@
 #pragma once
 #include "Batches.h"
+#include <map>
+#include <memory>
+#include <string>
 
 namespace impact::operators
 {
+/// Coefficients of kernels by their names, ghosts up to date: a density that varies.
+using Coefficients = std::map<std::string, std::shared_ptr<const Function>>;
+
 /// The same cell by cell: masses[cell*n + i] of the n local degrees of freedom, in the order of the integral's cells.
-std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V);
-std::vector<double> cell_masses_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V);
+std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V,
+                                    const Coefficients& coefficients = {});
+std::vector<double> cell_masses_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V,
+                                      const Coefficients& coefficients = {});
 
 /// Diagonal mass by Hinton, Rock and Zienkiewicz (1976): the diagonal of the consistent mass matrix of each cell,
 /// scaled so that the cell's mass is kept in every direction. Positive on every cell, for simplices of degree 2 as

@@ -5,6 +5,7 @@ from .nodal import Kinematic
 from .pair import ContactPair, ContactStatus
 from .penalty import Penalty
 from .rigid import RigidCylinder, RigidPlane, RigidSphere
+from .rigid_surface import RigidSurface
 
 __all__ = [
     "ContactPair",
@@ -15,4 +16,5 @@ __all__ = [
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
+    "RigidSurface",
 ]

@@ -29,7 +29,7 @@ class ContactPair:
     Args:
         facet_tags: dolfinx MeshTags over facets.
         slave: tag of the slave surface; better the finer mesh and the softer body.
-        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder.
+        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder, RigidSurface.
         friction: Coulomb's coefficient, zero or more [1].
         search_distance: within which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: contact points that penetrate before anything is loaded start in touch instead: what they

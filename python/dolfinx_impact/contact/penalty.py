@@ -50,16 +50,10 @@ class Penalty:
     """
 
     def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None,
-<<<<<<< HEAD
-                 balanced=False):  # fmt: skip
-        options = [penalty, tangential, bool(augmented), tolerance, quadrature_degree, bool(balanced)]
-        with guard(comm_of(pair), "Penalty", pair=pair, options=options):
-=======
                  balanced=False, max_augmentations=50):  # fmt: skip
         given = dict(penalty=penalty, tangential=tangential, augmented=bool(augmented), tolerance=tolerance,
                      balanced=bool(balanced), max_augmentations=max_augmentations)  # fmt: skip
         with guard(comm_of(pair), "Penalty", pair=pair, quadrature_degree=quadrature_degree, **given):
->>>>>>> e421d74018b7f8b7902731fb964924e4e20017a0
             check_pair(pair)
             self.quadrature_degree = check_quadrature_degree(quadrature_degree)
             auto = isinstance(penalty, str) and penalty == "auto"
@@ -346,7 +340,11 @@ class PenaltyContact(ContactOutput):
 
     @property
     def pressure(self):
-        """Contact pressure per reference area, (n) [F/L^2]."""
+        """Contact pressure per reference area at the quadrature points, (n) [F/L^2].
+
+        On straight facets that touch a curved master it wavers from point to point, as their distance does: what to plot
+        and to compare are its means at the nodes, `nodes, p = contact.at_nodes(contact.pressure)`.
+        """
         return self._state.pressure
 
     @property

@@ -77,10 +77,11 @@ def check_when_histories_are_written():
 
 
 def check_forces_of_every_step_are_the_contact_s():
-    """The history's rows are what a callback sees after the step before."""
+    """The history's rows are what a callback sees at the start and after every step."""
     problem = block_on_block()
-    seen = [problem.contact[0].force]
+    seen = []
     problem.advance(200 * problem.stable_step(), callback=lambda p: seen.append(p.contact[0].force), progress=False)
+    assert len(seen) == problem.step + 1
     np.testing.assert_allclose(problem.force_history[0], np.array(seen)[:-1], rtol=0, atol=1e-12)
 
 

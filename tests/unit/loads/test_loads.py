@@ -72,6 +72,78 @@ def test_gravity_adds_up():
         assert total == pytest.approx([0, 0, -9.81 * 2 * factor], rel=1e-13)  # volume 2, density 3
 
 
+def test_body_force_that_varies():
+    """A polynomial of the place, and a function by cell; per volume and per mass. Moments by hand over the box."""
+    _, u = body(degree=2)
+    domain = u.function_space.mesh
+    x = ufl.SpatialCoordinate(domain)
+    step = fem.Function(fem.functionspace(domain, ("DG", 0)), name="step")
+    step.interpolate(lambda x: np.where(x[0] < 1.0, 1.0, 3.0))
+    for per_mass, factor in ((True, 3.0), (False, 1.0)):
+        total = force(di.BodyForce(ufl.as_vector([x[0] ** 2, x[1] * x[2], step]), per_mass), u, material(u)).sum(axis=0)
+        assert total == pytest.approx(np.array([8 / 3, 1 / 2, 4.0]) * factor, rel=1e-12)
+    _, plane = body("quadrilateral")
+    r = ufl.SpatialCoordinate(plane.function_space.mesh)[0]
+    total = force(di.BodyForce(ufl.as_vector([0, r]), False), plane, material(plane, "axisymmetric")).sum(axis=0)
+    assert total == pytest.approx([0.0, 2 * np.pi * 8 / 3], rel=1e-12)  # 2 pi r r over r to 2
+
+
+def test_expressions_that_do_not_fit():
+    tags, u = body()
+    _, other = body("quadrilateral")
+    m, v = material(u), ufl.TestFunction(u.function_space)
+    x = ufl.SpatialCoordinate(u.function_space.mesh)
+    foreign = fem.Function(fem.functionspace(other.function_space.mesh, ("DG", 0, (3,))), name="foreign")
+    for make in (di.BodyForce, lambda vector: di.Traction(tags, 5, vector)):
+        with pytest.raises(ValueError, match=r"has shape \(2,\)"):
+            make(ufl.as_vector([x[0], x[1]])).form(u, v, m)
+        with pytest.raises(ValueError, match=r"has shape \(\)"):
+            make(x[0]).form(u, v, m)
+        with pytest.raises(ValueError, match="another mesh"):
+            make(foreign).form(u, v, m)
+
+
+def test_loads_in_motion_follow_their_functions():
+    """A free body under a body force, or a pull on its sides, that a callback changes in a function: all of it moves as
+    one, by the accelerations 0 and 2."""
+    for kind in ("body", "traction"):
+        tags, u = body("quadrilateral")
+        V = u.function_space
+        size = fem.Function(fem.functionspace(V.mesh, ("Lagrange", 1)), name="size")
+        f = ufl.as_vector([size, 0])
+        loads = [di.BodyForce(f, per_mass=False)] if kind == "body" else [di.Traction(tags, t, f) for t in (4, 5)]
+        problem = di.ExplicitProblem(u, material(u), velocity=fem.Function(V), loads=loads)
+        dt = 0.5 * problem.stable_step()
+
+        def callback(p, size=size):
+            size.x.array[:] = 6.0 if p.step >= 4 else 0.0  # over a mass of six
+
+        problem.advance(12 * dt, dt=dt, callback=callback, progress=False)
+        # From the fourth step on 8 steps: 8 * 9/2.
+        mean = problem.mass.array[::2] @ u.x.array[::2] / problem.mass.array[::2].sum()
+        assert mean == pytest.approx(2.0 * dt**2 * 36, rel=1e-12), kind
+        loads[0].constant.value = 0.0
+        before = problem.velocity.x.array[::2].copy()
+        problem.advance(problem.time + dt, dt=dt, progress=False)
+        if kind == "body":
+            assert problem.velocity.x.array[::2] == pytest.approx(before, rel=0.1)
+
+
+def test_a_body_without_weight():
+    """Density 0 in a static problem: gravity does nothing; in an explicit one it is refused."""
+    tags, u = body()
+    V = u.function_space
+    left = fem.locate_dofs_topological(V, 2, tags.find(4))
+    bcs = [fem.dirichletbc(np.zeros(3), left, V)]
+    law = material(u, density=0.0)
+    loads = [di.BodyForce((0, 0, -9.81)), di.Traction(tags, 5, (1e-3, 0, 0))]
+    problem = di.StaticProblem(u, law, bcs=bcs, loads=loads)
+    problem.solve()
+    assert problem.reactions().x.array.reshape(-1, 3).sum(axis=0) == pytest.approx([-1e-3, 0, 0], abs=1e-12)
+    with pytest.raises(ValueError, match="density 0.*StaticProblem"):
+        di.ExplicitProblem(u, law, velocity=fem.Function(V))
+
+
 def test_gravity_needs_a_density():
     _, u = body()
     with pytest.raises(ValueError, match="no density"):

@@ -1,0 +1,29 @@
+#pragma once
+#include "Batches.h"
+
+namespace impact::operators
+{
+/// What a kernel reads of one cell at a time: values of coefficients and coordinates of nodes.
+class CellValues
+{
+public:
+  /// @param[in] kernel of any rank
+  /// @param[in] V space whose mesh and cells are meant
+  /// @param[in] coefficients by the kernel's names, ghosts up to date
+  /// @throws std::runtime_error if the kernel is not for this mesh or a coefficient's space
+  /// @throws std::invalid_argument if a coefficient is missing or on another mesh
+  CellValues(const impact_kernel& kernel, const FunctionSpace& V,
+             const std::map<std::string, std::shared_ptr<const Function>>& coefficients);
+
+  /// Read a cell.
+  void gather(std::int32_t cell);
+  const double* w() const { return _w.data(); }
+  const double* nodes() const { return _nodes.data(); }
+
+private:
+  const impact_kernel& _kernel;
+  const FunctionSpace& _V;
+  std::vector<std::shared_ptr<const Function>> _functions; ///< in the kernel's order
+  std::vector<double> _w, _nodes;
+};
+} // namespace impact::operators
