@@ -84,8 +84,8 @@ class March:
             TypeError, ValueError: a time that has passed, dt not positive, beyond the stable step, or so small that the
             time cannot be reached; energy limits that are no two positive numbers in order; arguments that differ
             between ranks. RuntimeError: called from a callback of `advance`; or the run went unstable or gained energy
-            beyond the limit; the message says when and where, displacement and velocity are back at the last good state,
-            from which works count anew and friction has no history.
+            beyond the limit; the message says when and where, displacement and velocity are back at the last good
+            state, from which works count anew and friction has no history.
             KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
 
         What the callback raises on one rank is raised on all. After KeyboardInterrupt, or an exception of the callback,
@@ -325,8 +325,8 @@ class March:
     @property
     def energy_history(self):
         """Time and energies before every step, the first at the start of the run, (num_steps, 9): time [T], then those
-        of `energy` in its order, external last [F L]. Runs of more than `history_limit` steps: every second, fourth, ...
-        step."""
+        of `energy` in its order, external last [F L]. Runs of more than `history_limit` steps: every second, fourth,
+        ... step."""
         return self._history.rows()[:, : 1 + len(ENERGIES)]
 
     @property

@@ -152,8 +152,8 @@ class StaticProblem(Unique):
 
         Raises:
             TypeError, ValueError: steps or max_iterations is not a positive integer, cut_backs not one from zero, a
-            tolerance is not a number from 0 to 1; arguments, loads or supports that differ between ranks; multipliers with another SNES than the
-            package's own.
+            tolerance is not a number from 0 to 1; arguments, loads or supports that differ between ranks; multipliers
+            with another SNES than the package's own.
             RuntimeError: no convergence, a residual that is not a number, or a singular matrix.
             KeyboardInterrupt: Ctrl-C, on all ranks between two iterations.
 

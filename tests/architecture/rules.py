@@ -10,7 +10,7 @@ import sys
 STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "integrators", "output")
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
-MAX_LINES = 400
+LONG = 400  # lines of a file that are worth a look
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 STANDARD_HEADER = re.compile(r"[a-z_0-9]+$")  # <vector>, <cmath>: no folder, no suffix
 

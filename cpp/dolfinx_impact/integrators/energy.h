@@ -92,8 +92,8 @@ inline Energies energies_of(std::span<const double> e, bool linear)
 }
 
 /// What a run has gained without the work of loads and supports: kinetic, internal and stored energy, with what
-/// kinematic contact has taken, less external work, above the lowest that this has been so far. All forces but these only take, so it is zero but for
-/// fluctuations.
+/// kinematic contact has taken, less external work, above the lowest that this has been so far. All forces but these
+/// only take, so it is zero but for fluctuations.
 struct EnergyGain
 {
   double lowest = 0.0;

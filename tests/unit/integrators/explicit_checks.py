@@ -82,8 +82,8 @@ def check_a_rank_without_cells_of_a_material():
 
 
 def fed(rate=-0.5):
-    """A box that shakes, and damping of the wrong sign, which no user can ask for: its energy grows, by exp(-rate t) where
-    it vibrates, twice as fast where it moves along."""
+    """A box that shakes, and damping of the wrong sign, which no user can ask for: its energy grows, by exp(-rate t)
+    where it vibrates, twice as fast where it moves along."""
     V = box(COMM)
     v = fem.Function(V)
     v.interpolate(lambda x: 0.1 * x)
