@@ -90,8 +90,11 @@ print("went on", flush=True)
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("room", [True, False], ids=["room again", "no room"])
-@pytest.mark.parametrize("case", ["histories", "fields"])
+@pytest.mark.parametrize(
+    "case, room",
+    [("histories", True), ("fields", True), ("fields", False)],
+    ids=["histories, room again", "fields, room again", "fields, no room"],
+)
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_beyond_a_limit_of_file_sizes(ranks, case, room, mpirun, tmp_path):
     output = mpirun(ranks, RECORD, tmp_path, case, HERE, *([] if room else ["stay"]), timeout=200)
