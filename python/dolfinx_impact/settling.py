@@ -28,7 +28,7 @@ class Settling:
         elif not single:
             self.patience -= 1
         if single and found:
-            contact = next(c for c in contacts if c.last_change >= 0)
+            contact = next((c for c in contacts if c.last_change >= 0), contacts[0])
             contact.switch(False, None if self.patience else contact.last_change)
         return found
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from contact_model import Model, tangential
+from dolfinx import fem
 
 import dolfinx_impact as di
 
@@ -88,3 +89,54 @@ def test_a_pushed_block_has_all_of_its_friction(on, basis, degree, dim, slope):
     way = 0.01 * np.hypot(1.0, slope)
     normal = np.linalg.norm(block.contact.force) / np.hypot(1.0, FRICTION)
     assert block.contact.dissipated - before == pytest.approx(FRICTION * normal * way, rel=0.01)
+
+
+@pytest.mark.parametrize("on, basis", [("rigid", "dual"), ("rigid", "penalty"), ("block", "dual"), ("block", "linear")])
+@pytest.mark.parametrize("dim", (2, 3))
+def test_a_block_that_is_pushed_and_then_held_keeps_its_friction(on, basis, dim):
+    """In an increment in which nothing is prescribed to move, tractions stay; where the pressure falls, they fall with
+    the bound; with the pressure gone they are gone."""
+    block = Pushed(on, basis, 1, dim, slope=0.05)
+    pushed = block.go(0.02)
+    before = block.contact.traction.copy()
+    assert block.go(0.02, steps=1) == pytest.approx(pushed, rel=1e-8)
+    np.testing.assert_allclose(block.contact.traction, before, rtol=0, atol=1e-7 * np.abs(before).max())
+    block.load.constant.value = 0.5 * block.load.constant.value
+    block.go(0.02, steps=1)
+    p, t = block.contact.pressure, np.linalg.norm(tangential(block.contact), axis=1)
+    assert np.all(t <= FRICTION * p + 1e-8 * p.max()) and t.sum() > 0.5 * FRICTION * p.sum()
+
+
+@pytest.mark.parametrize("method", ("dual", "linear"))
+@pytest.mark.parametrize("slope", (0.0, 0.2))
+def test_nothing_rubs_on_a_plane_of_symmetry(method, slope):
+    """Half of a block on half of another one, x = 0 their plane of symmetry, pressed so that they slip outside: the node
+    on the plane has no friction, although the mean slip beside it is none; it converges where the interface is inclined
+    to the plane by more than 5 degrees as well."""
+    stiff, soft = (di.LinearElastic(e, 0.3, hypothesis="plane_strain") for e in (10 * E, E))
+    m = Model("two_blocks", {"master_body": stiff, "slave_body": soft}, lower_cells=(9, 4), upper_cells=(7, 4))
+    x = m.mesh.geometry.x
+    x[:, 1] += slope * x[:, 0]
+    m.hold("bottom", 1)
+    left = m.V.sub(0).collapse()[0]
+    m.bcs.append(
+        fem.dirichletbc(fem.Function(left), fem.locate_dofs_geometrical((m.V.sub(0), left), at_the_plane), m.V.sub(0))
+    )
+    push = m.hold("top", 1)
+    problem = m.problem(BASES[method](m.pair(friction=0.05)))
+    push.value = -0.01
+    report = problem.solve(steps=2)
+    assert report.cut_backs == 0
+    c = problem.contact[0]
+    on_plane = np.abs(c.points[:, 0]) < 1e-9
+    size = np.linalg.norm(tangential(c), axis=1)
+    assert on_plane.sum() == 1 and c.pressure[on_plane] > 0.0
+    # Round-off of the traction's normal part, and of positions.
+    assert size[on_plane] < 1e-12 * c.pressure.max() and np.abs(c.slip[on_plane]).max() < 1e-15
+    assert np.count_nonzero(c.status == di.ContactStatus.slip) >= 3, "beside it they do"
+    if slope == 0.0:
+        np.testing.assert_allclose(c.normal[on_plane], [[0.0, 1.0]], atol=1e-15)
+
+
+def at_the_plane(x):
+    return np.isclose(x[0], 0.0)

@@ -6,6 +6,7 @@ import numpy as np
 # one linear solution.
 DRIVEN = 1e3
 PART = 1e-3  # of a prescribed axis along the surface, least
+KEPT = 1e-10  # of a traction: it has not changed
 
 
 class Coulomb:
@@ -52,7 +53,11 @@ class Coulomb:
 
     def _impose(self, was_stuck):
         """Imposed tractions after changes of state and pressure: driven nodes that come to rest start from the traction
-        they had, locked directions keep that of the last converged state as far as the bound leaves room."""
+        they had, locked directions keep that of the last converged state as far as the bound leaves room.
+
+        Returns:
+            mask of the nodes whose kept traction is another one than in the last solution.
+        """
         stuck = self._stuck()
         driven = np.where(was_stuck[:, None], self.imposed, self.friction_traction)
         driven = np.where(stuck[:, None], np.einsum("nab,nb->na", self._drive, driven), 0.0)
@@ -62,7 +67,10 @@ class Coulomb:
         room = np.sqrt(np.maximum(0.0, bound**2 - np.einsum("na,na->n", rest, rest)))
         size = np.linalg.norm(kept, axis=1)
         part = np.where(stuck & (size > 0.0), np.minimum(1.0, room / np.maximum(size, 1e-300)), 0.0)
-        self.imposed = driven + part[:, None] * kept
+        kept *= part[:, None]
+        change = kept - np.einsum("nab,nb->na", self._lock, self.imposed)
+        self.imposed = driven + kept
+        return np.linalg.norm(change, axis=1) > KEPT * np.maximum(bound, size)
 
     def _drive_on(self):
         """After a linear solution: what still slips along driven directions raises the imposed traction."""

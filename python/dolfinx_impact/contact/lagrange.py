@@ -215,7 +215,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.sliding = np.where(take, sliding, self.sliding)
         self.direction = np.where(take[:, None], direction, self.direction)
         if self.pair.friction > 0.0 and not first:
-            self._impose(stuck)
+            changed = changed | self._impose(stuck)
         return self.comm.allreduce(int(np.count_nonzero(changed)))
 
     def _proposal(self, first):
@@ -233,7 +233,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         # A node that sticks is let slip before it is let go: what holds it along the surface may pull it off.
         active = (self.active | closing) & ~(opening & ~(self._stuck() & (size > 0.0)))
         held = (active & self.active) | closing
-        slips = held & (size > bound * (1 + 1e-10))
+        # At the bound, and nothing moves: round-off must not decide. What slips goes on to.
+        slips = held & (size > bound * np.where(self.sliding, 1 - 1e-8, 1 + 1e-10))
         # What slipped and would now slip the other way, but not far, comes to rest first, or it might go to and fro.
         back = np.einsum("na,na->n", trial, self.direction) < 0.0
         slips &= ~(self.sliding & back & (size < FAR * bound))
