@@ -216,8 +216,7 @@ void impact::bindings::nodal(nb::module_& m)
             const int gdim = self.candidates().gdim();
             const std::vector<double> rest(u.size(), 0.0);
             self.correct(over(halo, u, gdim, "u"), over(halo, du, gdim, "du"), rest.data(),
-                         over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share,
-                         over(halo, f, gdim, "f"));
+                         over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share, over(halo, f, gdim, "f"));
           },
           nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),
           nb::arg("dt"), nb::arg("f").noconvert(), nb::arg("share") = 1.0,

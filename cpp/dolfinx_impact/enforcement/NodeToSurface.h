@@ -218,7 +218,7 @@ private:
   // zero at all ghosts but those in `_touched`, and never sent forward.
   std::vector<Closed> _closed_now;
   std::size_t _num_closed = 0;
-  int _num_masters = 0; ///< nodes of a master's facet; 0: rigid
+  int _num_masters = 0;               ///< nodes of a master's facet; 0: rigid
   std::vector<double> _taken, _pulse; ///< as in NodalHistory
   std::vector<double> _phi, _motion, _nodal_force, _along, _across;
   std::vector<Couple> _couples;
