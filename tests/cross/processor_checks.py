@@ -1,4 +1,4 @@
-"""What one process computes at its SIMD width and with its BLAS kernels; writes an .npz file: processor_checks.py FILE"""
+"""What one process computes at its SIMD width, with its BLAS kernels; writes an .npz file: processor_checks.py FILE"""
 
 import sys
 
@@ -12,7 +12,7 @@ STEPS = 60
 
 
 def runs():
-    """Bodies alone, in every law, scheme and damping; blocks thrown over an end, as written down and from another start."""
+    """Bodies alone, in every law, scheme and damping; blocks thrown over an end, also from another start."""
     for cell, degree, make in history.RUNS:
         if cell in CELLS and make in (history.alone, history.overhang):
             yield from make(cell, degree)

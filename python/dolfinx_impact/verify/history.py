@@ -1,5 +1,5 @@
-"""Level history: explicit runs of 500 steps on both sides, docs/explicit.md; every step's state and energies. Every run with
-contact is repeated from other starts, with other steps, so that no lucky number hides a rule that differs."""
+"""Level history: explicit runs of 500 steps on both sides, docs/explicit.md; every step's state and energies. Every run
+with contact is repeated from other starts, with other steps, so that no lucky number hides a rule that differs."""
 
 from dataclasses import dataclass, field, replace
 
@@ -18,8 +18,8 @@ from .contact_bodies import BOTTOM, SLAVE, TwoBodies, two_bodies
 STEPS = 500
 TOLERANCE = 1e-9
 REASON = "round-off of 500 steps, which waves and contact carry on"
-# Seeds of the other starts of every run with contact, by dimension (with some of them, nodes turn away from facets that they
-# are about to touch); and steps by dimension and degree, until the bodies have met, turned and met again.
+# Seeds of the other starts of every run with contact, by dimension (with some of them, nodes turn away from facets that
+# they are about to touch); and steps by dimension and degree, until the bodies have met, turned and met again.
 OTHER_STARTS = {2: (1, 2, 3), 3: (4, 5)}
 OTHER_STEPS = {(2, 1): 250, (2, 2): 500, (3, 1): 120, (3, 2): 120}
 
@@ -44,8 +44,8 @@ class Run:
 
 
 class Start:
-    """Another start of a run, by chance: the step, the attitude of the upper body, its velocity and spin. The same seed gives
-    the same start.
+    """Another start of a run, by chance: the step, the attitude of the upper body, its velocity and spin. The same seed
+    gives the same start.
 
     Args:
         seed: number; None: the run as it is written down.

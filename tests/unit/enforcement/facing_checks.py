@@ -15,8 +15,8 @@ STEPS = 160
 
 
 def tumbling(model, step):
-    """Displacements: the slave's body rocks by up to 2.2 about its lower end, goes to and fro and trembles. A facet that it
-    comes down on is met from the side, from above and from below."""
+    """Displacements: the slave's body rocks by up to 2.2 about its lower end, goes to and fro and trembles. A facet
+    that it comes down on is met from the side, from above and from below."""
     t = step / STEPS
     u = smooth(model.x, 0.01, 30 * t)
     body, dim = model.slave_body, model.dim
