@@ -45,6 +45,9 @@ class At:
         if self.problem.step == self.step:
             self.work()
 
+    def take(self, rows):
+        pass
+
     def flush(self):
         pass
 
