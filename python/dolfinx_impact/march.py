@@ -14,6 +14,7 @@ from .collective import agree, attempt, guard
 from .history import History
 from .interrupts import Interrupts
 from .materials import _number
+from .progress import Bar
 
 SAFETY = 0.9  # of the stable step that dt="auto" takes; contact stiffness needs the rest
 CHUNK = 1000  # steps between which nothing but C++ runs
@@ -241,11 +242,16 @@ class March:
             return
         energies = rows[:, 1 : 1 + len(ENERGIES)]
         if not self._known_start:
-            self._total_start, self._known_start = float(energies[0, :-1].sum() - energies[0, -1]), True
+            self._total_start, self._known_start = self._total(rows[0]), True
         self._largest = max(self._largest, float(np.abs(energies).sum(axis=1).max()))
         self._history.add(rows)
         for recorder in self._recorders:
             recorder.take(rows)
+
+    @staticmethod
+    def _total(row):
+        """Total energy of a row of the history."""
+        return float(row[1 : len(ENERGIES)].sum() - row[len(ENERGIES)])
 
     def _table(self, times):
         """Values of all amplitudes, a row for each time."""
@@ -386,41 +392,3 @@ class March:
         for i, load in enumerate(self._loads):
             if changed[2 + i]:
                 self._cpp.set_load(i, load.values())
-
-
-class Bar:
-    """Progress bar with step, time, dt, energy drift and time left, on rank 0."""
-
-    def __init__(self, run, wanted):
-        self.run, self._bar = run, None
-        if wanted and run.comm.rank == 0:
-            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-            columns = TextColumn("step {task.fields[step]}  t = {task.fields[time]:.4g}  dt = {task.fields[dt]:.3g}")
-            drift = TextColumn("drift {task.fields[drift]:+.1e}")
-            self._bar = Progress(columns, BarColumn(), drift, TimeRemainingColumn())
-
-    def __enter__(self):
-        if self._bar:
-            run = self.run
-            self._bar.start()
-            begin, end = run._plan.begin, run._plan.until
-            fields = {"step": run.step, "time": run.time, "dt": run._plan.dt, "drift": 0.0}
-            self._task = self._bar.add_task("", total=end - begin, **fields)
-            self._start = begin
-        return self
-
-    def show(self):
-        """Bring the bar up to date."""
-        run = self.run
-        if self._bar and run._history.last is not None:
-            row = run._history.last
-            total = row[1 : len(ENERGIES)].sum() - row[len(ENERGIES)]
-            drift = run._drift(total - run._total_start, 0.0)
-            self._bar.update(self._task, completed=run.time - self._start, step=run.step, time=run.time,
-                             dt=run._plan.dt, drift=drift)  # fmt: skip
-
-    def __exit__(self, *_):
-        if self._bar:
-            self._bar.stop()
-        return False

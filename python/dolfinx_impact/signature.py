@@ -139,6 +139,7 @@ def _contact(contact, mesh):
     master = pair.master
     if pair.rigid:
         numbers = [np.asarray(v).tolist() for v in (master._point, master._direction, master._radius)]
+        numbers += [master._checksum] if master._checksum else []
         motion = "with" if master.motion is not None else "without"
         master = f"rigid {master._kind} {numbers!r} at {master.displacement.tolist()!r} {motion} motion"
     else:

@@ -340,11 +340,7 @@ class PenaltyContact(ContactOutput):
 
     @property
     def pressure(self):
-        """Contact pressure per reference area at the quadrature points, (n) [F/L^2].
-
-        On straight facets that touch a curved master it wavers from point to point, as their distance does: what to plot
-        and to compare are its means at the nodes, `nodes, p = contact.at_nodes(contact.pressure)`.
-        """
+        """Contact pressure per reference area at quadrature points, (n) [F/L^2]. To plot it: at_nodes(contact.pressure)."""
         return self._state.pressure
 
     @property

@@ -34,6 +34,8 @@ class _Rigid:
             (times, values), or None [L].
     """
 
+    _checksum = ""  # of a form that numbers do not tell
+
     def __init__(self, kind, point, direction, radius):
         self._kind, self._point, self._direction, self._radius = kind, point, direction, radius
         self._displacement = np.zeros(3)

@@ -1,5 +1,7 @@
 """Rigid obstacles of any form: heights over a plane, facets, the boundary of a mesh."""
 
+import hashlib
+
 import numpy as np
 from dolfinx.mesh import entities_to_geometry
 from scipy.linalg import solve_banded
@@ -18,11 +20,17 @@ class RigidSurface(_Rigid):
     obstacles (`displacement`, `motion`). Every rank has all of it.
     """
 
-    def __init__(self, shape, gdim, turn):
+    def __init__(self, shape, gdim=0, turn="", numbers=()):
         if not isinstance(shape, _cpp.gap.Shape):
             raise TypeError("make a RigidSurface by from_function, from_facets or from_mesh")
         super().__init__("surface", np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.0)
         self._shape, self._gdim, self._hint = shape, gdim, turn
+        parts = b"".join(np.ascontiguousarray(n, dtype=float).tobytes() for n in numbers)
+        self._checksum = hashlib.blake2b(parts, digest_size=16).hexdigest()
+
+    def same_on_all_ranks(self):
+        """What stands for it where ranks are compared."""
+        return [self._checksum, self.displacement, self.motion]
 
     @classmethod
     def from_function(cls, height, bounds, point, normal, tolerance=None):
@@ -71,7 +79,8 @@ class RigidSurface(_Rigid):
             [*bounds[:, 0], *[0.0] * pad], [*(lengths / cells), *[0.0] * pad], [*cells.tolist(), *[0] * pad],
             np.ascontiguousarray(coefficients).ravel(),
         )  # fmt: skip
-        return cls(shape, size, "turn the surface's normal round, it must point out of the obstacle")
+        turn = "turn the surface's normal round, it must point out of the obstacle"
+        return cls(shape, size, turn, (bounds, origin, normal, coefficients))
 
     @classmethod
     def from_facets(cls, points, facets):
@@ -94,9 +103,8 @@ class RigidSurface(_Rigid):
             raise ValueError("facets must be whole numbers of points, points finite numbers")
         gdim = points.shape[1]
         shape = _cpp.gap.FacetShape(gdim, points.ravel(), np.ascontiguousarray(facets, dtype=np.int32).ravel())
-        return cls(
-            shape, gdim, "turn the order of the facets' points round: their normals must point out of the obstacle"
-        )
+        turn = "turn the order of the facets' points round: their normals must point out of the obstacle"
+        return cls(shape, gdim, turn, (points, facets))
 
     @classmethod
     def from_mesh(cls, mesh, facet_tags, tag):

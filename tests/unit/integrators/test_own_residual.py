@@ -72,7 +72,7 @@ def test_the_drift_does_not_depend_on_who_looks():
             problem.advance(300 * dt, dt=dt, callback=(lambda p: None) if case else None, progress=False)
         assert np.abs(problem.force_history[0]).max() > 0.0
         drifts.append(problem.energy["drift"])
-    assert drifts[0] == drifts[1] and math.isclose(drifts[0], drifts[2], rel_tol=1e-6) and abs(drifts[0]) > 1e-8
+    assert drifts[0] == drifts[1] and drifts[0] == drifts[2] and drifts[0] != 0.0
 
 
 def axisymmetric(weight=True, hoop=True, **options):
@@ -207,7 +207,8 @@ def test_a_stiffness_that_grows_shortens_the_step():
         problem.advance(495 * 0.5 * first, dt=0.5 * first, callback=callback if inside else None, progress=False)
         E.value = 100.0
         before = problem.step
-        problem.advance(problem.time + 50 * first, progress=False)
+        # Whoever multiplies it does work on the body, which nobody counts.
+        problem.advance(problem.time + 50 * first, progress=False, energy_limits=None)
         rows = problem.energy_history[before + 1 :, 1:]  # where the step changes energy is not exact
         total = rows[:, :-1].sum(axis=1) - rows[:, -1]
         assert problem.step - before > 400 and np.ptp(total) < 1e-9 * total[0]
