@@ -9,11 +9,15 @@ namespace
 {
 using Obstacles = std::vector<std::tuple<std::string, Vector, Vector, double>>;
 
-// What both kinds of contact are made of; master has no facets if there is an obstacle.
+// What both kinds of contact are made of; master has no facets if there is an obstacle. A search distance that is not a
+// number stands for the default one.
 NodePairs node_pairs(const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
-                     double search_distance, const Vector& mass, const Matrix& displacement)
+                     double distance, const Vector& mass, const Matrix& displacement)
 {
-  if (not(search_distance > 0))
+  std::optional<double> search_distance;
+  if (not std::isnan(distance))
+    search_distance = distance;
+  if (distance <= 0)
     throw std::invalid_argument("the search distance must be positive");
   if (obstacle.empty())
     return {model,       surface(model, slave, "slave"), surface(model, master, "master"), {}, search_distance, mass,

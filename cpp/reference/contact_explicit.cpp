@@ -43,11 +43,30 @@ std::map<std::int64_t, double> nodal_areas(const Surface& s)
   return areas;
 }
 
-NodePairs::NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid,
-                     double search_distance, const Vector& mass, const Matrix& displacement)
-    : model_(model), slave_(std::move(slave)), master_(std::move(master)), rigid_(std::move(rigid)),
-      search_distance_(search_distance), mass_(mass), displacement_(displacement), areas_(nodal_areas(slave_))
+namespace
 {
+// The longest way between two vertices of a facet in the reference configuration; they come first in X.
+double width(const Facet& facet)
+{
+  double longest = 0;
+  for (Eigen::Index a = 0; a < Eigen::Index(facet.vertices.size()); ++a)
+    for (Eigen::Index b = 0; b < a; ++b)
+      longest = std::max(longest, (facet.X.row(a) - facet.X.row(b)).norm());
+  return longest;
+}
+} // namespace
+
+NodePairs::NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid,
+                     std::optional<double> search_distance, const Vector& mass, const Matrix& displacement)
+    : model_(model), slave_(std::move(slave)), master_(std::move(master)), rigid_(std::move(rigid)), mass_(mass),
+      displacement_(displacement), areas_(nodal_areas(slave_))
+{
+  if (search_distance)
+    search_distance_ = *search_distance;
+  else
+    for (const Surface* surface : {&slave_, &master_})
+      for (const Facet& facet : surface->facets)
+        search_distance_ = std::max(search_distance_, width(facet));
   if (not rigid_)
     master_areas_ = nodal_areas(master_);
   for (const auto& [node, area] : areas_)
@@ -74,20 +93,7 @@ Vec<double> NodePairs::master_moved(int n) const
   return rigid_ and n > 0 ? get(displacement_, n) - get(displacement_, n - 1) : Vec<double>{};
 }
 
-namespace
-{
-// The longest way between two vertices of a facet in the reference configuration; they come first in X.
-double width(const Facet& facet)
-{
-  double longest = 0;
-  for (Eigen::Index a = 0; a < Eigen::Index(facet.vertices.size()); ++a)
-    for (Eigen::Index b = 0; b < a; ++b)
-      longest = std::max(longest, (facet.X.row(a) - facet.X.row(b)).norm());
-  return longest;
-}
-} // namespace
-
-std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
+std::vector<Meeting> NodePairs::meet(const Vector& u, const Vector& moved, int level) const
 {
   std::vector<Meeting> result(nodes_.size());
   if (rigid_)
@@ -113,7 +119,7 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
       sum = sum + spot<double>(slave_, facet, us, xi).normal();
     }
   }
-  const Projector projector(master_, u, search_distance_);
+  const Projector projector(master_, u, std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < nodes_.size(); ++i)
   {
     Meeting& m = result[i];
@@ -129,6 +135,15 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
     Foot foot = projector.nearest(m.x, normals.at(nodes_[i]));
     if (foot.facet < 0)
       continue;
+    {
+      const Facet& facet = master_.facets[foot.facet];
+      Vec<double> relative = at(moved, nodes_[i]);
+      const auto f = facet_functions<double>(master_.type, master_.degree, foot.xi);
+      for (std::size_t j = 0; j < facet.nodes.size(); ++j)
+        relative = relative - f.N[j] * at(moved, facet.nodes[j]);
+      if (foot.distance > std::max(search_distance_, 2 * norm(relative)))
+        continue;
+    }
     if (foot.dim < master_.tdim() and projector.on_rim(foot))
     {
       const Facet& facet = master_.facets[foot.facet];
@@ -156,7 +171,7 @@ std::vector<Meeting> NodePairs::meet(const Vector& u, int level) const
 bool Gate::lets(std::size_t i, const Meeting& before, const Meeting& now, bool closed)
 {
   // Who meets no facet keeps its mark: nothing says on which side it is.
-  const bool met = std::isfinite(now.gap), above = std::isfinite(before.gap) and before.gap > 0;
+  const bool met = std::isfinite(now.gap), above = std::isfinite(before.gap) and before.gap > 0 and not before.below;
   if (now.below)
     marked_[i] = true;
   else if (now.beside or (met and now.gap >= 0))
@@ -193,12 +208,12 @@ void NodePairs::add(Vector& force, const Vec<double>& f, std::int64_t node, cons
   }
 }
 
-void NodePairs::add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node,
-                           const Meeting& m) const
+std::vector<Vec<double>> NodePairs::moment_forces(const Vec<double>& f, const Vector& u, std::int64_t node,
+                                                  const Meeting& m) const
 {
+  std::vector<Vec<double>> forces(m.masters.size());
   if (rigid_ or slave_.axisymmetric)
-    return;
-  const int d = gdim();
+    return forces;
   const double share = 1 / double(m.masters.size());
   Vec<double> lever = -1.0 * position(u, node), centre; // from the slave node to the master's point
   std::vector<Vec<double>> y;
@@ -219,7 +234,7 @@ void NodePairs::add_moment(Vector& force, const Vec<double>& f, const Vector& u,
   }
   const Vec<double> moment = cross(lever, f); // f and -f leave the opposite
   Vec<double> omega;
-  if (d == 2)
+  if (gdim() == 2)
     omega[2] = moment[2] / J(2, 2); // the other two are of no account: two nodes lie on a line
   else
   {
@@ -227,11 +242,17 @@ void NodePairs::add_moment(Vector& force, const Vec<double>& f, const Vector& u,
     omega = {w(0), w(1), w(2)};
   }
   for (std::size_t j = 0; j < y.size(); ++j)
-  {
-    const Vec<double> c = cross(omega, y[j]);
-    for (int k = 0; k < d; ++k)
-      force(d * m.masters[j] + k) += c[k];
-  }
+    forces[j] = cross(omega, y[j]);
+  return forces;
+}
+
+void NodePairs::add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node,
+                           const Meeting& m) const
+{
+  const auto c = moment_forces(f, u, node, m);
+  for (std::size_t j = 0; j < c.size(); ++j)
+    for (int k = 0; k < gdim(); ++k)
+      force(gdim() * m.masters[j] + k) += c[j][k];
 }
 
 Vec<double> turned(const Vec<double>& t, const Vec<double>& n)

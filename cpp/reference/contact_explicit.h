@@ -20,14 +20,16 @@ struct Meeting
 class NodePairs
 {
 public:
+  /// @param search_distance without a value: the longest distance between corners of any facet of both, at rest [L]
   /// @param mass lumped (num_dofs) [M]
   /// @param displacement of the rigid master, a row per time level t_0 ... t_(N+1) [L]
-  NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid, double search_distance,
-            const Vector& mass, const Matrix& displacement);
+  NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid,
+            std::optional<double> search_distance, const Vector& mass, const Matrix& displacement);
 
   /// Closest points in a configuration.
+  /// @param moved motion of the step: masters within twice a node's motion against them count however far [L]
   /// @param level of the rigid master's displacement
-  std::vector<Meeting> meet(const Vector& u, int level) const;
+  std::vector<Meeting> meet(const Vector& u, const Vector& moved, int level) const;
 
   const std::vector<std::int64_t>& nodes() const { return nodes_; }
   int gdim() const { return model_.gdim(); }
@@ -44,14 +46,16 @@ public:
   Vec<double> relative(const Vector& motion, const Vec<double>& rigid, std::int64_t node, const Meeting& m) const;
   /// Adds f to the slave node and the opposite to the master.
   void add(Vector& force, const Vec<double>& f, std::int64_t node, const Meeting& m) const;
-  /// Adds the forces c_j on the facet's nodes that take back the moment of f and its reaction at the positions of u.
+  /// Forces c_j on the facet's nodes that take back the moment of f and its reaction at the positions of u.
+  std::vector<Vec<double>> moment_forces(const Vec<double>& f, const Vector& u, std::int64_t node,
+                                         const Meeting& m) const;
   void add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node, const Meeting& m) const;
 
 private:
   const Model& model_;
   Surface slave_, master_;
   std::optional<Rigid> rigid_;
-  double search_distance_;
+  double search_distance_ = 0;
   Vector mass_;
   Matrix displacement_;
   std::vector<std::int64_t> nodes_;
@@ -105,11 +109,19 @@ public:
   Entries springs(const Vector& u) const;
 
 private:
+  // What a node keeps of the step before.
+  struct Spring
+  {
+    bool closed = false;
+    double normal = 0, stiffness = 1; // while it is closed [F], [F/L]
+    double e = 0;                     // taken from the bodies by normal forces beyond what is stored [F L]
+    double q = 0;                     // the same of tangential forces, never positive [F L]
+  };
   struct Direction
   {
     NodePairs pairs;
     std::vector<Meeting> before; // without masters at the start
-    std::vector<bool> closed;
+    std::vector<Spring> springs;
     Gate gate;
     Matrix traction, slip; // per slave node, as in ContactAnswer
   };
@@ -126,14 +138,42 @@ public:
   NodalKinematic(NodePairs pairs, double friction, int sweeps);
 
   void after(const ContactStep& step, const Vector& predicted) override;
+  void corrected(const ContactStep& step, const Vector& next) override;
   bool kinematic() const override { return true; }
   std::vector<std::int64_t> nodes() const override { return pairs_.nodes(); }
   Vec<double> master_moved(int n) const override { return pairs_.master_moved(n); }
+  double taken() const override { return taken_; }
+  double accounts() const override;
 
 private:
+  // A node on which a force acts in a step.
+  struct Closed
+  {
+    std::int64_t row, node;
+    Meeting m;
+    Vec<double> moved, f;          // predicted relative motion, force
+    double normal = 0, across = 0; // responses: 1 / effective mass along and across the normal
+    bool cut = false;
+    bool leaves = false; // its force is known before the sweeps
+  };
+  // What a node's forces have taken since it closed, and the impulse of about 20 steps.
+  struct Account
+  {
+    double energy = 0, impulse = 0; // [F L], [F T]
+  };
+  std::vector<Vec<double>> weights(const Closed& node, const Vector& u) const;
+  double release(const Closed& node, const ContactStep& step, const Vector& predicted,
+                 const std::map<std::int64_t, double>& sums) const;
+  double work(const Closed& node, const Vec<double>& f, const std::vector<Vec<double>>& c, const ContactStep& step,
+              const Vector& motion) const;
+
   NodePairs pairs_;
   Gate gate_;
   double friction_;
   int sweeps_;
+  std::vector<Closed> closed_; // of the last step, with those that left
+  std::vector<bool> was_closed_;
+  std::vector<Account> accounts_;
+  double taken_ = 0;
 };
 } // namespace impact::reference

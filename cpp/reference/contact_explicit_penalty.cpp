@@ -12,7 +12,7 @@ NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, d
   {
     const ContactAnswer none = no_contact(pairs);
     const std::size_t count = none.status.size();
-    directions_.push_back({std::move(pairs), std::vector<Meeting>(count), std::vector<bool>(count, false), Gate(count),
+    directions_.push_back({std::move(pairs), std::vector<Meeting>(count), std::vector<Spring>(count), Gate(count),
                            none.traction, none.slip});
   }
 }
@@ -26,9 +26,10 @@ double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const 
 
 void NodalPenalty::before(const ContactStep& step)
 {
-  const double dissipated = answer_.dissipated;
+  const double dissipated = answer_.dissipated, taken = answer_.taken;
   answer_ = no_contact(directions_[0].pairs);
   answer_.dissipated = dissipated;
+  answer_.taken = taken;
   for (std::size_t k = 0; k < directions_.size(); ++k)
     evaluate(directions_[k], step, k == 0);
 }
@@ -53,12 +54,43 @@ double part_below(double g, double r)
     return g < 0 ? 1 : 0;
   return std::clamp(-std::min(g, g - r) / std::abs(r), 0.0, 1.0);
 }
+
+// The largest normal force up to k delta that leaves no debt, or the one with the least debt.
+// @param a what the node has beyond this force's own work, stored the part of it that the spring held
+// @param gap, change of the gap, now and in the step that has led here
+double normal_force(double k, double delta, double gap, double change, double a, double stored)
+{
+  double force = k * delta;
+  if (a - force * (change + force / k) / 2 < -1e-12 * (stored + k * delta * delta))
+  {
+    const double root = std::sqrt(std::max(0.0, change * change / 4 + 2 * a / k));
+    force = std::clamp(k * (root - change / 2), 0.0, k * delta);
+  }
+  // Would the node be open in the next step, with the same motion, nothing were stored and the force worked on all the
+  // way.
+  if (change > 0 and gap + change > 0)
+    force = std::min(force, std::max(0.0, a / change));
+  return force;
+}
+
+Vec<double> cut_to(const Vec<double>& t, double bound)
+{
+  const double size = norm(t);
+  return size > bound ? (bound / size) * t : t;
+}
+
+// What friction keeps of its stored energy and of the work of the force at the step's start, b, less the part of the
+// force t at its end.
+double tangential_change(const Vec<double>& t, double k, const Vec<double>& across, double b)
+{
+  return b - dot(t, across) / 2 - dot(t, t) / (2 * k);
+}
 } // namespace
 
 void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool first)
 {
   const NodePairs& pairs = direction.pairs;
-  const auto before = std::exchange(direction.before, pairs.meet(step.u, step.n));
+  const auto before = std::exchange(direction.before, pairs.meet(step.u, step.moved, step.n));
   const auto& meetings = direction.before;
   // A balanced pair's total is that on the slave of the first direction.
   const double sign = first ? 1 : -1;
@@ -66,10 +98,12 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
   {
     const Meeting& m = meetings[i];
     const std::int64_t node = pairs.nodes()[i];
-    const bool may_close = direction.gate.lets(i, before[i], m, direction.closed[i]);
+    Spring& spring = direction.springs[i];
+    const Spring last = spring;
+    const bool met = std::isfinite(m.gap), may_close = direction.gate.lets(i, before[i], m, last.closed);
     double delta = 0, r = 0;
     Vec<double> moved;
-    if (std::isfinite(m.gap))
+    if (met)
     {
       moved = pairs.relative(step.moved, pairs.master_moved(step.n), node, m);
       r = dot(m.normal, moved);
@@ -77,38 +111,77 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       if (may_close and not(m.beside and m.gap >= 0))
         delta = overlap(m.gap, r);
     }
-    direction.closed[i] = delta > 0;
+    spring.closed = delta > 0;
+    spring.normal = 0;
+
+    // What the node's force has taken in the step, but for the work of the force that is not known yet.
+    double change = 0;
+    Vec<double> across;
+    if (spring.closed or (met and may_close))
+    {
+      const double most = 2 * norm(moved);
+      change = last.closed ? std::clamp(m.gap - before[i].gap, -most, most) : r;
+      across = moved - r * m.normal;
+    }
+    const double k = spring.closed ? stiffness(pairs, node, m, step.dt) : last.stiffness;
+    double stored = 0; // in the step before
+    if (last.closed)
+      stored = last.normal * last.normal / (2 * last.stiffness);
+    else if (spring.closed) // below the surface when it is seen first
+      stored = k * std::pow(std::max(0.0, change - m.gap), 2) / 2;
+    const double a = last.e + stored - last.normal * change / 2;
+    const Vec<double> t_before = get(direction.traction, i), t_turned = turned(t_before, m.normal);
+    const double b = dot(t_before, t_before) / (2 * last.stiffness) - dot(t_turned, across) / 2;
+
     Vec<double> t, slip;
     ContactStatus status = ContactStatus::open;
-    if (delta > 0)
+    if (spring.closed)
     {
-      const double k = stiffness(pairs, node, m, step.dt);
+      spring.stiffness = k;
+      spring.normal = normal_force(k, delta, m.gap, change, a, stored);
+      spring.e = a - spring.normal * (change + spring.normal / k) / 2;
+      answer_.taken += spring.e - last.e;
+      answer_.stored += spring.normal * spring.normal / (2 * k);
       status = ContactStatus::slip;
-      answer_.stored += k * delta * delta / 2;
       if (friction_ > 0)
       {
-        const Vec<double> s = part_below(m.gap, r) * (moved - r * m.normal);
-        const Vec<double> last = turned(get(direction.traction, i), m.normal);
-        t = last - k * s;
-        const double bound = friction_ * k * delta, size = norm(t);
-        status = ContactStatus::stick;
-        slip = get(direction.slip, i);
-        if (size > bound)
+        const double bound = friction_ * spring.normal;
+        const Vec<double> along = part_below(m.gap, r) * across, trial = t_turned - k * along;
+        t = cut_to(trial, bound);
+        bool slips = norm(trial) > bound;
+        const double round_off = 1e-12 * (dot(t_before, t_before) / (2 * last.stiffness) + dot(t, t) / k);
+        if (last.q + tangential_change(t, k, across, b) < -round_off)
         {
-          status = ContactStatus::slip;
-          t = (bound / size) * t;
-          const Vec<double> more = s + (1 / k) * (t - last);
-          slip = slip + more;
-          answer_.dissipated += norm(t) * norm(more);
+          // Into the ball of the forces that leave no debt, around centre.
+          slips = true;
+          const Vec<double> centre = (-k / 2) * across;
+          const double radius = std::sqrt(std::max(0.0, dot(centre, centre) + 2 * k * (last.q + b)));
+          t = cut_to(centre + cut_to(t - centre, radius), bound);
         }
+        slip = get(direction.slip, i);
+        if (slips)
+          slip = slip + along + (1 / k) * (t - t_turned);
+        else
+          status = ContactStatus::stick;
+        const double more = tangential_change(t, k, across, b);
+        spring.q = std::min(0.0, last.q + more);
+        answer_.dissipated += more;
         answer_.stored += dot(t, t) / (2 * k);
         pairs.add(answer_.tangential, t, node, m);
         answer_.friction = answer_.friction + sign * t;
       }
-      const Vec<double> f = (k * delta) * m.normal + t;
+      const Vec<double> f = spring.normal * m.normal + t;
       pairs.add(answer_.force, f, node, m);
       pairs.add_moment(answer_.force, f, step.u, node, m);
       answer_.total = answer_.total + sign * f;
+    }
+    else if (last.closed)
+    {
+      // What it owes is kept; what it has beyond is lost to the bodies.
+      answer_.taken += a - last.e;
+      spring.e = std::min(0.0, a);
+      answer_.dissipated += b;
+      spring.q = std::min(0.0, last.q + b);
     }
     put(direction.traction, i, t);
     put(direction.slip, i, slip);
@@ -129,7 +202,7 @@ double NodalPenalty::added_frequency(const Vector& u) const
     for (const Direction& direction : directions_)
     {
       const NodePairs& pairs = direction.pairs;
-      const auto meetings = pairs.meet(u, 0);
+      const auto meetings = pairs.meet(u, Vector::Zero(u.size()), 0);
       double highest = 0;
       for (std::size_t i = 0; i < meetings.size(); ++i)
         if (const std::int64_t node = pairs.nodes()[i]; std::isfinite(meetings[i].gap))
@@ -148,7 +221,7 @@ Entries NodalPenalty::springs(const Vector& u) const
   {
     const NodePairs& pairs = direction.pairs;
     const int d = pairs.gdim();
-    const auto meetings = pairs.meet(u, 0);
+    const auto meetings = pairs.meet(u, Vector::Zero(u.size()), 0);
     for (std::size_t i = 0; i < meetings.size(); ++i)
     {
       const Meeting& m = meetings[i];

@@ -2,51 +2,126 @@
 
 namespace impact::reference
 {
+namespace
+{
+Vec<double> tangential(const Vec<double>& v, const Vec<double>& n)
+{
+  return v - dot(v, n) * n;
+}
+} // namespace
+
 NodalKinematic::NodalKinematic(NodePairs pairs, double friction, int sweeps)
-    : pairs_(std::move(pairs)), gate_(pairs_.nodes().size()), friction_(friction), sweeps_(sweeps)
+    : pairs_(std::move(pairs)), gate_(pairs_.nodes().size()), friction_(friction), sweeps_(sweeps),
+      was_closed_(pairs_.nodes().size(), false), accounts_(pairs_.nodes().size())
 {
   answer_ = no_contact(pairs_);
+}
+
+double NodalKinematic::accounts() const
+{
+  double sum = 0;
+  for (const Closed& c : closed_)
+    sum += std::max(0.0, accounts_[c.row].energy);
+  return sum;
+}
+
+// Work of the force f on a node, and of its reaction and the forces c on the masters, in half of the relative motions
+// of the steps before and after.
+double NodalKinematic::work(const Closed& node, const Vec<double>& f, const std::vector<Vec<double>>& c,
+                            const ContactStep& step, const Vector& motion) const
+{
+  const auto moved = [&](const Vector& u, int n)
+  {
+    double sum = dot(f, pairs_.relative(u, pairs_.master_moved(n), node.node, node.m));
+    for (std::size_t j = 0; j < c.size(); ++j)
+      sum += dot(c[j], pairs_.at(u, node.m.masters[j]));
+    return sum;
+  };
+  return (moved(step.moved, step.n) + moved(motion, step.n + 1)) / 2;
+}
+
+// b_ij: forces on the masters while the force on the slave node is its normal.
+std::vector<Vec<double>> NodalKinematic::weights(const Closed& node, const Vector& u) const
+{
+  auto b = pairs_.moment_forces(node.m.normal, u, node.node, node.m);
+  for (std::size_t j = 0; j < b.size(); ++j)
+    b[j] = b[j] - node.m.phi[j] * node.m.normal;
+  return b;
+}
+
+// The force with which a node leaves: it brings no more than its part of the account, and no more impulse than there
+// has been of late.
+// @param sums s_j
+double NodalKinematic::release(const Closed& node, const ContactStep& step, const Vector& predicted,
+                               const std::map<std::int64_t, double>& sums) const
+{
+  const Account& account = accounts_[node.row];
+  const int d = pairs_.gdim();
+  const Vec<double>& n = node.m.normal;
+  const auto b = weights(node, step.u);
+  double response = 0;
+  for (int k = 0; k < d; ++k)
+  {
+    response += n[k] * n[k] * step.inverse(d * node.node + k);
+    for (std::size_t j = 0; j < b.size(); ++j)
+      if (const std::int64_t master = node.m.masters[j]; norm(b[j]) > 0)
+        response += b[j][k] * b[j][k] / norm(b[j]) * sums.at(master) * step.inverse(d * master + k);
+  }
+  // a p + h w p^2 / 2 = E'; where a < 0 the same root without cancellation.
+  const double a = work(node, n, pairs_.moment_forces(n, step.u, node.node, node.m), step, predicted - step.u);
+  const double energy = step.part * account.energy, root = std::sqrt(a * a + 2 * step.h * response * energy);
+  const double force = a > 0 ? 2 * energy / (a + root) : (root - a) / (step.h * response);
+  return std::min(account.impulse * step.dt / step.h, force);
 }
 
 void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
 {
   const int d = pairs_.gdim();
   const Matrix slip_before = answer_.slip;
-  const auto status_before = answer_.status;
   answer_ = no_contact(pairs_);
-  const auto before = pairs_.meet(step.u, step.n), meetings = pairs_.meet(predicted, step.n + 1);
   const Vector motion = predicted - step.u;
+  const auto before = pairs_.meet(step.u, motion, step.n), meetings = pairs_.meet(predicted, motion, step.n + 1);
   const Vec<double> rigid = pairs_.master_moved(step.n + 1);
 
-  struct Closed
-  {
-    std::int64_t row, node;
-    const Meeting& m;
-    Vec<double> moved, f;          // predicted relative motion, force
-    double normal = 0, across = 0; // responses: 1 / effective mass along and across the normal
-    bool cut = false;
-  };
-  std::vector<Closed> closed;
-  std::map<std::int64_t, double> weights; // of closed nodes on their masters
+  std::vector<Closed>& closed = closed_;
+  closed.clear();
   for (std::size_t i = 0; i < meetings.size(); ++i)
   {
     const Meeting& m = meetings[i];
     answer_.gap(i) = m.gap;
-    if (not gate_.lets(i, before[i], m, status_before[i] != ContactStatus::open) or not(m.gap < 0))
+    const bool may_close = gate_.lets(i, before[i], m, was_closed_[i]), closes = may_close and m.gap < 0;
+    const bool leaves =
+        was_closed_[i] and accounts_[i].energy > 0 and std::isfinite(m.gap) and m.gap >= 0 and not m.beside;
+    if (closes and not was_closed_[i])
+      accounts_[i] = {};
+    was_closed_[i] = closes or leaves;
+    if (not was_closed_[i])
       continue;
     const std::int64_t node = pairs_.nodes()[i];
-    for (std::size_t j = 0; j < m.masters.size(); ++j)
-      weights[m.masters[j]] += std::abs(m.phi[j]);
     closed.push_back({std::int64_t(i), node, m, pairs_.relative(motion, rigid, node, m), {}});
+    closed.back().leaves = leaves;
+  }
+  std::map<std::int64_t, double> sums; // s_j: what weighs on the masters
+  for (const Closed& c : closed)
+  {
+    const auto b = weights(c, step.u);
+    for (std::size_t j = 0; j < c.m.masters.size(); ++j)
+      sums[c.m.masters[j]] += c.leaves ? norm(b[j]) : std::abs(c.m.phi[j]);
   }
   // Row sums of the bodies' response to the forces, component by component.
   for (Closed& c : closed)
   {
+    if (c.leaves)
+    {
+      c.f = release(c, step, predicted, sums) * c.m.normal;
+      c.cut = true;
+      continue;
+    }
     for (int k = 0; k < d; ++k)
     {
       double sum = step.inverse(d * c.node + k);
       for (std::size_t j = 0; j < c.m.masters.size(); ++j)
-        sum += std::abs(c.m.phi[j]) * weights.at(c.m.masters[j]) * step.inverse(d * c.m.masters[j] + k);
+        sum += std::abs(c.m.phi[j]) * sums.at(c.m.masters[j]) * step.inverse(d * c.m.masters[j] + k);
       c.normal += c.m.normal[k] * c.m.normal[k] * sum;
       c.across = std::max(c.across, sum);
     }
@@ -68,14 +143,15 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
       push(force, c);
     return Vector(step.h * step.inverse.cwiseProduct(force));
   };
-  const auto tangential = [](const Vec<double>& v, const Vec<double>& n) { return v - dot(v, n) * n; };
-
   for (int sweep = 0; sweep < sweeps_; ++sweep)
   {
-    const Vector moved = brought();
+    // The first sweep does not see what the nodes that leave bring.
+    const Vector moved = sweep == 0 ? Vector(Vector::Zero(pairs_.num_dofs())) : brought();
     const double factor = (sweep % 2 == 0 ? 1.0 : 1.5) / step.h; // sweeps 2, 4, ... over-relaxed
     for (Closed& c : closed)
     {
+      if (c.leaves)
+        continue;
       const Vec<double>& n = c.m.normal;
       const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m);
       if (c.normal > 0)
@@ -109,13 +185,32 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
     answer_.total = answer_.total + c.f;
     answer_.friction = answer_.friction + t;
     answer_.gap(c.row) = c.m.gap + dot(n, so_far);
-    if (not(dot(c.f, n) > 0))
+    if (not c.leaves and not(dot(c.f, n) > 0))
       continue;
     answer_.status[c.row] = c.cut ? ContactStatus::slip : ContactStatus::stick;
     for (int k = 0; k < d; ++k)
     {
       answer_.traction(c.row, k) = friction_ > 0 ? t[k] : 0;
-      answer_.slip(c.row, k) = slip_before(c.row, k) + slip[k];
+      answer_.slip(c.row, k) = slip_before(c.row, k) + (c.leaves ? 0 : slip[k]);
+    }
+  }
+}
+
+void NodalKinematic::corrected(const ContactStep& step, const Vector& next)
+{
+  const Vector motion = next - step.u;
+  for (const Closed& c : closed_)
+  {
+    const Vec<double> normal = dot(c.f, c.m.normal) * c.m.normal;
+    const double more = -work(c, normal, pairs_.moment_forces(c.f, step.u, c.node, c.m), step, motion);
+    taken_ += more;
+    Account& account = accounts_[c.row];
+    if (c.leaves)
+      account = {};
+    else
+    {
+      account.energy += more;
+      account.impulse = 0.95 * account.impulse + step.h / step.dt * dot(c.f, c.m.normal);
     }
   }
 }

@@ -127,6 +127,19 @@ private:
       next(data_.fixed_dofs[k]) = data_.values(n + 1, Eigen::Index(k));
   }
 
+  // Step n with what kinematic contacts may give back: never more than all of them have taken.
+  ContactStep contact_step(int n, double dt, double h, const Vector& u, const Vector& moved) const
+  {
+    double taken = 0, accounts = 0;
+    for (const auto* contact : data_.contacts)
+    {
+      taken += contact->taken();
+      accounts += contact->accounts();
+    }
+    const double part = accounts > 0 ? std::min(1.0, std::max(0.0, taken) / accounts) : 0;
+    return {n, dt, h, u, moved, inverse_, part};
+  }
+
   // Forces of kinematic contact at a prediction, which they move.
   Vector kinematic_forces(const ContactStep& step, Vector& predicted)
   {
@@ -141,6 +154,12 @@ private:
     return sum;
   }
 
+  void tell_contacts(const ContactStep& step, const Vector& next)
+  {
+    for (auto* contact : data_.contacts)
+      contact->corrected(step, next);
+  }
+
   // (3.72)-(3.77); dt_before = 0 in the first step.
   Advance half_step(int n, double dt_before, double dt, const Vector& u, const Vector& moved, const Vector& half,
                     Forces& f)
@@ -150,7 +169,8 @@ private:
     Vector after = half + mean * inverse_.cwiseProduct(sum);
     Vector next = u + dt * after;
     prescribe(n, next);
-    const Vector kinematic = kinematic_forces({n, dt, mean * dt, u, moved, inverse_}, next);
+    const ContactStep step = contact_step(n, dt, mean * dt, u, moved);
+    const Vector kinematic = kinematic_forces(step, next);
     f.contact += kinematic;
     sum += kinematic;
     after += mean * inverse_.cwiseProduct(kinematic);
@@ -162,6 +182,7 @@ private:
       }
       else
         next(i) = u(i) + dt * after(i);
+    tell_contacts(step, next);
     const Vector a = (after - half) / mean;
     return {next, n == 0 ? Vector(2 * data_.v0 - after) : half, after, half + dt_before / 2 * a, a};
   }
@@ -173,13 +194,14 @@ private:
     const Vector effective = mass_ + dt / 2 * damping;
     Vector sum = f.internal + f.external + f.viscosity + f.contact;
     Vector before = u_before, next;
+    const ContactStep step = contact_step(n, dt, n == 0 ? dt * dt / 2 : dt * dt / (1 + dt / 2 * data_.alpha), u, moved);
     if (n == 0)
     {
       // (3.71), and where prescribed the acceleration that leads to the prescribed place.
       Vector a0 = (sum - damping.cwiseProduct(data_.v0)).cwiseQuotient(mass_);
       Vector predicted = u + dt * data_.v0 + dt * dt / 2 * a0;
       prescribe(n, predicted);
-      const Vector kinematic = kinematic_forces({n, dt, dt * dt / 2, u, moved, inverse_}, predicted);
+      const Vector kinematic = kinematic_forces(step, predicted);
       f.contact += kinematic;
       sum += kinematic;
       a0 += inverse_.cwiseProduct(kinematic);
@@ -197,13 +219,13 @@ private:
     prescribe(n, next);
     if (n > 0)
     {
-      const Vector kinematic =
-          kinematic_forces({n, dt, dt * dt / (1 + dt / 2 * data_.alpha), u, moved, inverse_}, next);
+      const Vector kinematic = kinematic_forces(step, next);
       f.contact += kinematic;
       sum += kinematic;
       next = solve();
       prescribe(n, next);
     }
+    tell_contacts(step, next);
     const Vector v = (next - before) / (2 * dt), a = (next - 2 * u + before) / (dt * dt); // (3.68)
     f.damping = -damping.cwiseProduct(v);
     for (std::int64_t i = 0; i < num_; ++i)
@@ -237,7 +259,7 @@ private:
 
   void contact_energies(int n, const Vector& moved)
   {
-    double stored = 0, dissipated = 0;
+    double stored = 0, dissipated = 0, taken = 0;
     for (std::size_t k = 0; k < data_.contacts.size(); ++k)
     {
       const ExplicitContact& contact = *data_.contacts[k];
@@ -254,16 +276,18 @@ private:
           const double all = (last.force + now.force).dot(moved) / 2 - dot(half_sum(last.total, now.total), master);
           const double slip =
               (last.tangential + now.tangential).dot(moved) / 2 - dot(half_sum(last.friction, now.friction), master);
-          energies_(contact_energy) -= all - slip;
+          energies_(impact_energy) -= all - slip;
           energies_(friction_energy) -= slip;
         }
       }
       stored += now.stored - last.stored;
       dissipated += now.dissipated - last.dissipated;
+      taken += now.taken - last.taken;
       last = now;
     }
     energies_(contact_energy) += stored;
     energies_(friction_energy) += dissipated;
+    energies_(impact_energy) += taken;
   }
 
   ExplicitHistory room(std::int64_t rows) const

@@ -14,6 +14,7 @@ struct ContactStep
   const Vector& u;       ///< at t_n (num_dofs) [L]
   const Vector& moved;   ///< since t_(n-1), zero at t_0 [L]
   const Vector& inverse; ///< 1 / m, zero where prescribed (num_dofs) [1/M]
+  double part = 0;       ///< s: of their accounts, that nodes which leave kinematic contact are given back [1]
 };
 
 /// What a contact did at t_n.
@@ -27,6 +28,7 @@ struct ContactAnswer
   std::vector<ContactStatus> status;
   double stored = 0;     ///< in penalty springs [F L]
   double dissipated = 0; ///< by slip, since the start, of penalty springs [F L]
+  double taken = 0;      ///< by normal forces of penalty springs and not stored, since the start [F L]
 };
 
 /// A contact in an explicit analysis.
@@ -38,6 +40,12 @@ public:
   virtual void before(const ContactStep&) {}
   /// Forces that keep the displacements predicted for t_(n+1) from penetrating.
   virtual void after(const ContactStep&, const Vector& /*predicted*/) {}
+  /// The displacements that the forces of all contacts have led to at t_(n+1).
+  virtual void corrected(const ContactStep&, const Vector& /*next*/) {}
+  /// What normal forces of kinematic contact have taken from the bodies since the start, the last step included [F L].
+  virtual double taken() const { return 0; }
+  /// Sum of the positive accounts E_i of the nodes that were closed in the last step [F L].
+  virtual double accounts() const { return 0; }
   /// True if the forces come from `after`; then energies are the work of forces.
   virtual bool kinematic() const = 0;
   virtual std::vector<std::int64_t> nodes() const = 0; ///< of the slave, increasing
@@ -73,6 +81,7 @@ enum Energy
   internal_energy,
   contact_energy,
   friction_energy,
+  impact_energy,
   damping_energy,
   viscosity_energy,
   external_energy,

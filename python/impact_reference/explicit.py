@@ -8,13 +8,24 @@ from . import _reference
 from .contact import RigidCylinder, RigidPlane, RigidSphere, _obstacle
 from .model import _floats, _integers, _vector
 
-ENERGIES = ("kinetic", "internal", "contact", "friction", "damping", "viscosity", "external", "total", "drift")
+ENERGIES = (
+    "kinetic",
+    "internal",
+    "contact",
+    "friction",
+    "impact",
+    "damping",
+    "viscosity",
+    "external",
+    "total",
+    "drift",
+)
 
 
 class _Nodal:
     def __init__(self, slave, master, friction, search_distance, motion):
         self.slave, self.master, self.friction = slave, master, float(friction)
-        self.search_distance = np.inf if search_distance is None else float(search_distance)
+        self.search_distance = np.nan if search_distance is None else float(search_distance)
         self.motion = motion
         self.rigid = isinstance(master, (RigidPlane, RigidSphere, RigidCylinder))
         if motion is not None and not self.rigid:
@@ -36,8 +47,9 @@ class NodalPenalty(_Nodal):
 
     slave, master: facets (m, nodes), as in `Contact`; master may be a RigidPlane, RigidSphere or RigidCylinder.
     friction: Coulomb's coefficient [1]. penalty [F/L^3]: None takes stiffnesses from masses and the step. balanced:
-    once in each direction with half the stiffness. search_distance [L]: masters further away do not count; None for no
-    limit. motion [L]: of a rigid master, (gdim), a function of t, or a table (times, (n, gdim)); None takes
+    once in each direction with half the stiffness. search_distance [L]: masters further away do not count, nor
+    further than twice a step's motion of node and master against each other; None takes the longest distance between
+    corners of any facet. motion [L]: of a rigid master, (gdim), a function of t, or a table (times, (n, gdim)); None takes
     master.displacement throughout. Running raises ValueError for facets that are repeated or not on the boundary.
     """
 

@@ -379,8 +379,6 @@ def compare(report, case, steps=STEPS):
     if case.contact != "kinematic":  # which knows its forces, and with them this velocity, one step later only
         pairs["velocity"] = (v, other.v[:, body.order])
     energies = dict(zip(ENERGIES, problem.energy_history[:, 1:].T))
-    if "impact" not in other.energies:  # that side books what kinematic contact takes under "contact"
-        energies["contact"] = energies["contact"] + energies.pop("impact")
     for name, values in energies.items():
         theirs_of_it = other.energies[name][:steps]
         if np.any(theirs_of_it) or np.any(values):
