@@ -260,9 +260,10 @@ void impact::bindings::nodal(nb::module_& m)
       .def(
           "set_energy",
           [](NodeToSurface& self, double stored, double friction, double normal, double later_friction,
-             double later_normal) { self.set_energy({stored, friction, normal, later_friction, later_normal}); },
+             double later_normal, double recoverable)
+          { self.set_energy({stored, friction, normal, later_friction, later_normal, recoverable}); },
           nb::arg("stored"), nb::arg("friction"), nb::arg("normal"), nb::arg("later_friction") = 0.0,
-          nb::arg("later_normal") = 0.0)
+          nb::arg("later_normal") = 0.0, nb::arg("recoverable") = 0.0)
       .def("counters", &counters)
       .def("history", &history)
       .def("set_history", &set_history, nb::arg("history"));
