@@ -16,8 +16,8 @@ PLACES = (0.21, 0.5, 0.84)  # in each cell of a grid, where heights are compared
 
 
 class RigidSurface(_Rigid):
-    """Rigid obstacle of any form. Make one by `from_function`, `from_facets` or `from_mesh`; it may be moved as the other
-    obstacles (`displacement`, `motion`). Every rank has all of it.
+    """Rigid obstacle of any form, made by `from_function`, `from_facets` or `from_mesh`. It may be moved as the other
+    obstacles are (`displacement`, `motion`). Every rank has all of it.
     """
 
     def __init__(self, shape, gdim=0, turn="", numbers=()):
@@ -41,8 +41,8 @@ class RigidSurface(_Rigid):
 
         Args:
             height: function of arrays of one coordinate x, or two, x and y, that returns heights over `point` along
-                `normal`, towards the body [L]. The coordinates count from `point`, along the axes of space, less the one
-                nearest to the normal; where the normal is oblique, along their parts across it.
+                `normal`, towards the body [L]. The coordinates count from `point`, along the axes of space without the
+                one nearest to the normal; where the normal is oblique, along their parts across it.
             bounds: (low, high) of the coordinate, or a pair of such pairs [L].
             point: where coordinates and height are zero (2 or 3 components) [L].
             normal: out of the obstacle, towards the body; any length [1].
@@ -57,9 +57,8 @@ class RigidSurface(_Rigid):
         origin, size = _vector("point", point), len(np.ravel(point))
         bounds = np.array(bounds, dtype=float).reshape(-1, 2)
         if len(bounds) != size - 1 or not np.all(np.isfinite(bounds)) or np.any(bounds[:, 0] >= bounds[:, 1]):
-            raise ValueError(
-                f"bounds are {bounds.tolist()}: give {'(low, high)' if size == 2 else 'two pairs (low, high)'}, low below high"
-            )
+            wanted = "(low, high)" if size == 2 else "two pairs (low, high)"
+            raise ValueError(f"bounds are {bounds.tolist()}: give {wanted}, low below high")
         lengths = bounds[:, 1] - bounds[:, 0]
         tolerance = 1e-7 * lengths.max() if tolerance is None else _number("tolerance", tolerance, 0.0, " [L]")
         cells = np.full(size - 1, FIRST)
