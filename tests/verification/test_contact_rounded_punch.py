@@ -2,8 +2,8 @@
 
 Half-width a of the flat part, radius R of the edges, half-width b of the contact, P per length. Without friction a
 symmetric profile of slope h' is pressed by P = E* times the integral of x h'(x)/sqrt(b^2 - x^2) from 0 to b; with
-a = b sin f and h' = (x - a)/R beyond a this is 4 P R/(E* a^2) = (pi - 2 f)/sin^2 f - 2 cot f. The pressure is the sum of
-those of flat punches of half-widths s from a to b, dP(s)/(pi sqrt(s^2 - x^2)).
+a = b sin f and h' = (x - a)/R beyond a this is 4 P R/(E* a^2) = (pi - 2 f)/sin^2 f - 2 cot f. The pressure is the
+sum of those of flat punches of half-widths s from a to b, dP(s)/(pi sqrt(s^2 - x^2)).
 """
 
 import numpy as np

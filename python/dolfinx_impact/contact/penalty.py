@@ -340,7 +340,7 @@ class PenaltyContact(ContactOutput):
 
     @property
     def pressure(self):
-        """Contact pressure per reference area at quadrature points, (n) [F/L^2]; to plot: at_nodes(contact.pressure)."""
+        """Pressure per reference area at quadrature points, (n) [F/L^2]; to plot it: at_nodes(contact.pressure)."""
         return self._state.pressure
 
     @property
