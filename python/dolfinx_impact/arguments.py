@@ -7,7 +7,6 @@ found and what to do.
 import os
 
 import numpy as np
-import ufl
 from dolfinx import fem
 
 from .materials import MaterialMap, _Material, _number

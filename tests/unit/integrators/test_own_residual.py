@@ -1,7 +1,5 @@
 """Residuals of a user's own in explicit runs: what follows the run, and what is refused."""
 
-import math
-
 import numpy as np
 import own_residual_checks
 import pytest
