@@ -118,8 +118,10 @@ def test_equal_bars_swap_velocities(kind):
     # As on the wall: the ends are a hundredth of the mass, a twentieth of their energy.
     assert np.abs(run.energies["drift"]).max() < (1e-12 if kind == "kinematic" else 5e-4)
     if kind == "kinematic":
-        gap = run.contacts[0].gap
-        assert np.abs(gap[run.contacts[0].status > 0]).max() < 1e-15 and gap.min() > -1e-15
+        gap, closed = run.contacts[0].gap, run.contacts[0].status > 0
+        leaves = closed & (gap > 1e-15)  # once, at the end
+        assert np.abs(gap[closed & ~leaves]).max() < 1e-15 and gap.min() > -1e-15
+        assert (leaves.sum(0) == 1).all() and not closed[1:][leaves[:-1]].any()
 
 
 @pytest.mark.parametrize("kind", [ir.NodalPenalty, ir.NodalKinematic])
@@ -227,9 +229,8 @@ def spin_of(model, run):
 
 @pytest.mark.parametrize("cell", ["quadrilateral", "tetrahedron"])
 def test_drift_falls_with_step_and_penetration(cell):
-    """Springs of a given penalty: closing and opening between two steps is of second order in the step, the rest too:
-    16 times less with a fourth of it. No node leaves the master, which would cost what its spring holds whatever the
-    step. With friction, slip counts the turning of the normal times the gap as well: friction, penetration and turning
+    """Springs of a given penalty: what closing and opening between two steps takes is of second order in the step, 16 times
+    less with a fourth of it, and is not drift, of which there is less. With friction, slip counts the turning of the normal times the gap as well: friction, penetration and turning
     multiplied."""
     model, slave, master, v0 = collision(cell, inner=True)
 
@@ -240,9 +241,10 @@ def test_drift_falls_with_step_and_penetration(cell):
         dt = factor * longest
         run = model.run_explicit(dt, int(0.13 / dt), v0=v0, contacts=[contact], every=4)
         assert friction == 0 or run.energies["friction"][-1] > 0.02 * run.energies["kinetic"][0]
-        return np.abs(run.energies["drift"]).max()
+        return np.abs(run.energies["drift"]).max(), run.energies["impact"][-1] / run.energies["kinetic"][0]
 
     coarse, fine = drift(0.4, 5e3, 0.0), drift(0.1, 5e3, 0.0)
-    assert coarse < 1e-3 and fine < coarse / 10
-    soft, hard = drift(0.1, 5e3, 0.4), drift(0.02, 1e5, 0.4)
+    assert 0 < coarse[1] < 1e-3 and 0 < fine[1] < coarse[1] / 10
+    assert coarse[0] < 0.1 * coarse[1] and fine[0] < 0.1 * coarse[1]
+    soft, hard = drift(0.1, 5e3, 0.4)[0], drift(0.02, 1e5, 0.4)[0]
     assert soft < 4e-3 and hard < 1e-3 and hard < 0.8 * soft
