@@ -130,6 +130,14 @@ void impact::bindings::integrators(nb::module_& m)
       .def_prop_rw("gain_limit", &CentralDifference::gain_limit, &CentralDifference::set_gain_limit)
       .def("fastest", &CentralDifference::fastest)
       .def("revise", &CentralDifference::revise, "Forces of forms anew: what they read has changed. Collective")
+      .def(
+          "passage",
+          [](const CentralDifference& self)
+          {
+            const auto [contact, p] = self.passage();
+            return nb::make_tuple(contact, p.node, p.facets);
+          },
+          "Contact (-1: none), local node, facets per step of the slave node that went through a master fastest")
       .def("look", &CentralDifference::look)
       .def_prop_ro("num_searches", &CentralDifference::num_searches)
       .def_prop_ro("traffic", [](const CentralDifference& self)

@@ -162,8 +162,9 @@ void impact::bindings::nodal(nb::module_& m)
            nb::arg("balanced") = d.balanced, nb::arg("kinematic") = d.kinematic, nb::arg("sweeps") = d.sweeps,
            nb::arg("search_distance") = d.search_distance, nb::arg("axisymmetric") = d.axisymmetric)
       .def(
-          "search", [](NodeToSurface& self, Values u) { self.search({u.data(), u.size()}); }, nb::arg("u"),
-          "Find candidates; u: displacements of owned nodes. Collective")
+          "search", [](NodeToSurface& self, Values u, Values du)
+          { self.search({u.data(), u.size()}, {du.data(), du.size()}); }, nb::arg("u"), nb::arg("du"),
+          "Find candidates; u: displacements of owned nodes, du: what they move in a step, or empty. Collective")
       .def_prop_ro(
           "remote_nodes",
           [](const NodeToSurface& self)
@@ -264,6 +265,14 @@ void impact::bindings::nodal(nb::module_& m)
           { self.set_energy({stored, friction, normal, later_friction, later_normal, recoverable}); },
           nb::arg("stored"), nb::arg("friction"), nb::arg("normal"), nb::arg("later_friction") = 0.0,
           nb::arg("later_normal") = 0.0, nb::arg("recoverable") = 0.0)
+      .def_prop_ro(
+          "passage",
+          [](const NodeToSurface& self)
+          {
+            const auto p = self.passage();
+            return nb::make_tuple(p.node, p.facets);
+          },
+          "Local number (-1: none) of the slave node that went through the master fastest, facets per step")
       .def("counters", &counters)
       .def("history", &history)
       .def("set_history", &set_history, nb::arg("history"));

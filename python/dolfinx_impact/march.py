@@ -260,19 +260,19 @@ class March:
 
     def _unstable(self, time):
         """Back to the last good state; raises RuntimeError, on all ranks."""
-        gain, (dof, speed) = self._cpp.gain, self._cpp.fastest()
-        limit = self._cpp.gain_limit
-        worst = -1.0 if dof < 0 else math.inf if math.isnan(speed) else speed
-        everyone = self.comm.allgather(worst)
-        rank, where = int(np.argmax(everyone)), None
-        if self.comm.rank == rank:
-            V = self.space
-            node = dof // V.dofmap.index_map_bs
-            cell = int(np.argmax(np.any(V.dofmap.list == node, axis=1)))
-            x = V.tabulate_dof_coordinates()[node, : V.mesh.geometry.dim]
-            number = int(V.mesh.topology.original_cell_index[cell])
-            where = f"cell {number} (number in the mesh's input) at {x.round(9).tolist()}"
-        where = self.comm.bcast(where, root=rank)
+        pair, node, facets = self._cpp.passage()
+        # Nodes of a run that blows up go everywhere.
+        passed = self.comm.allreduce(facets, MPI.MAX) if self._nominal <= self._safe * (1 + 1e-12) else 0.0
+        gain, limit = self._cpp.gain, self._cpp.gain_limit
+        if passed > 0.0:
+            rank = self.comm.allreduce(self.comm.rank if facets == passed else self.comm.size, MPI.MIN)
+        else:
+            dof, speed = self._cpp.fastest()
+            node = dof // self.space.dofmap.index_map_bs
+            worst = -1.0 if dof < 0 else math.inf if math.isnan(speed) else speed
+            rank = int(np.argmax(self.comm.allgather(worst)))
+        where = self.comm.bcast(self._describe_node(node) if self.comm.rank == rank else None, root=rank)
+        name = self.comm.bcast(self.contact[pair].pair.name if pair >= 0 else "", root=rank)
         self._plan = None
         for recorder in self._recorders:
             with contextlib.suppress(RuntimeError):  # a full disk must not keep the problem from going back
@@ -285,12 +285,34 @@ class March:
         self._cpp.start(u, v)
         self._run(0)
         self._look()
+        if passed > 0.0:
+            raise RuntimeError(
+                f"{name}: a slave node went through the master at the time {time:.6g}: {where}. Contact holds back nodes "
+                f"that come through the surface by up to one facet in a step, this one came by {passed:.3g}; the problem "
+                f"is back at the time {self.time:.6g}. Take steps below {0.9 * self._nominal / passed:.3g} (now "
+                f"{self._nominal:.3g}), or coarser facets"
+            )
         why = f"{energy_gain.told(gain)} What moves fastest is" if gain > limit else "first"
         advice = "" if gain > limit else " Take a smaller step, or check loads and contact"
         raise RuntimeError(
             f"the run went unstable at the time {time:.6g}, step {self._nominal:.6g} (stable: {self._safe:.6g}), {why} "
             f"in {where}; the problem is back at the time {self.time:.6g}.{advice}"
         )
+
+    def _describe_node(self, node):
+        """Number, cell and place at rest of a node of this rank, as text."""
+        V = self.space
+        cell = int(np.argmax(np.any(V.dofmap.list == node, axis=1)))
+        x = V.tabulate_dof_coordinates()[node]
+        number = int(V.mesh.topology.original_cell_index[cell])
+        text = f"cell {number} (number in the mesh's input) at {x[: V.mesh.geometry.dim].round(9).tolist()}"
+        geometry = V.mesh.geometry
+        places = geometry.x[geometry.dofmap[cell]]
+        distance = np.linalg.norm(places - x, axis=1)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] < 1e-9 * np.ptp(places, axis=0).max():
+            text = f"node {int(geometry.input_global_indices[geometry.dofmap[cell, nearest]])} of {text}"
+        return text
 
     # --- what a user sees ------------------------------------------------------------------------------------------
 

@@ -28,6 +28,13 @@ struct ContactEnergy
   double recoverable = 0.0;    ///< taken by kinematic contact from nodes that are still closed [F L]
 };
 
+/// A slave node that went through the master in a step too large to be held back.
+struct Passage
+{
+  std::int32_t node = -1; ///< number in the space; -1: none
+  double facets = 0.0;    ///< how far it came through the surface in the step, in facets (docs/explicit.md) [1]
+};
+
 /// A contact as the explicit integrator sees it. Forces are on slave and master nodes, equal and opposite.
 class NodalContact
 {
@@ -36,7 +43,8 @@ public:
 
   /// Find candidates for the present configuration; afterwards remote() may be another list. Collective.
   /// @param[in] u displacements of owned nodes [L]
-  virtual void search(std::span<const double> u) = 0;
+  /// @param[in] du what they move in a step: fast bodies are looked for farther away; empty: at rest [L]
+  virtual void search(std::span<const double> u, std::span<const double> du) = 0;
   /// Nodes of other ranks that the candidates need: global numbers and owners, ascending.
   virtual std::span<const std::int64_t> remote_nodes() const = 0;
   virtual std::span<const int> remote_owners() const = 0;
@@ -78,6 +86,8 @@ public:
   virtual void look(const double* u) = 0;
 
   virtual ContactEnergy energy() const = 0;
+  /// The node that went through fastest, of this rank, since the contact was made or forgot its history.
+  virtual Passage passage() const = 0;
   /// Sum of the forces on this rank's slave nodes in the last step [F].
   virtual const double* force() const = 0;
 };

@@ -3,7 +3,9 @@
 #include "../surface/nodal.h"
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace impact::enforcement
 {
@@ -11,19 +13,25 @@ namespace
 {
 using dolfinx::MPI::check_error;
 
-double largest_diameter(const surface::Facets& facets)
+/// Of the longest distances between corners of facets the smallest and the largest.
+std::pair<double, double> diameters(const surface::Facets& facets)
 {
-  double largest = 0.0;
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (std::size_t f = 0; f < facets.size(); ++f)
+  {
+    double diameter = 0.0;
     for (int i = 0; i < facets.geometry.num_corners(); ++i)
       for (int j = 0; j < i; ++j)
       {
         double squared = 0.0;
         for (int c = 0; c < facets.gdim; ++c)
           squared += std::pow(facets.X_of(f)[i * facets.gdim + c] - facets.X_of(f)[j * facets.gdim + c], 2);
-        largest = std::max(largest, squared);
+        diameter = std::max(diameter, squared);
       }
-  return std::sqrt(largest);
+    smallest = std::min(smallest, diameter);
+    largest = std::max(largest, diameter);
+  }
+  return {std::sqrt(smallest), std::sqrt(largest)};
 }
 
 /// Points as facets of no length, for boxes around them.
@@ -58,8 +66,11 @@ NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::F
         throw std::invalid_argument("the facets were made for another displacement space");
   if (master)
     _mine = globalise(V, *master);
-  double sizes[1] = {std::max(largest_diameter(_slave), largest_diameter(_mine.facets))};
-  check_error(_comm, MPI_Allreduce(sizes, &_size, 1, MPI_DOUBLE, MPI_MAX, _comm));
+  const auto [smallest, largest] = diameters(_mine.facets);
+  double sizes[2] = {std::max(diameters(_slave).second, largest), -smallest}, all[2];
+  check_error(_comm, MPI_Allreduce(sizes, all, 2, MPI_DOUBLE, MPI_MAX, _comm));
+  _size = all[0];
+  _smallest = _rigid ? _size : -all[1];
   if (!(_distance > 0.0))
     _distance = _size;
   _u.resize(std::size_t(_halo.num_nodes()) * gdim);
@@ -114,10 +125,11 @@ void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetr
   _master_areas = std::move(master);
 }
 
-void NodeCandidates::search(std::span<const double> u)
+void NodeCandidates::search(std::span<const double> u, std::span<const double> du, double deepest)
 {
   const int gdim = _slave.gdim;
-  if (u.size() < std::size_t(_halo.num_owned()) * gdim)
+  const std::size_t owned = std::size_t(_halo.num_owned()) * gdim;
+  if (u.size() < owned || (!du.empty() && du.size() < owned))
     throw std::invalid_argument("search needs the displacements of all nodes the rank owns");
   if (_rigid)
     return;
@@ -129,13 +141,14 @@ void NodeCandidates::search(std::span<const double> u)
   for (std::size_t i = 0; i < _nodes.size(); ++i)
     for (int c = 0; c < gdim; ++c)
       points[i * gdim + c] += _u[std::size_t(_nodes[i]) * gdim + c];
-  mean_motion();
+  mean_motion(du);
   // Both sides may move by half of this room; fast bodies need some for several steps.
-  double steps[2] = {_step, 0.0};
-  check_error(_comm, MPI_Allreduce(steps, steps + 1, 1, MPI_DOUBLE, MPI_MAX, _comm));
-  _room = std::max(_size, 8 * steps[1]);
-  _found =
-      search::send_to_overlapping(_comm, _mine, as_facets(gdim, points), std::max(_distance, 4 * steps[1]) + _room);
+  double mine_of[2] = {_step, deepest}, all_of[2];
+  check_error(_comm, MPI_Allreduce(mine_of, all_of, 2, MPI_DOUBLE, MPI_MAX, _comm));
+  const double step = all_of[0];
+  _room = std::max(_size, 8 * step);
+  _found = search::send_to_overlapping(_comm, _mine, as_facets(gdim, points),
+                                       std::max(_distance + all_of[1], 4 * step) + _room);
   // Nodes that this rank neither owns nor has as ghosts of the space.
   const auto& map = _halo.map();
   std::vector<std::int64_t> known(map.ghosts().begin(), map.ghosts().end());
@@ -158,18 +171,28 @@ void NodeCandidates::search(std::span<const double> u)
 }
 
 /// Where the watched nodes are, and how fast they all moved on average since the last search.
-void NodeCandidates::mean_motion()
+/// @param[in] du what owned nodes move in a step, or empty
+void NodeCandidates::mean_motion(std::span<const double> du)
 {
   const int gdim = _slave.gdim;
-  double sums[4] = {}, all[4];
+  double sums[7] = {}, all[7];
   for (std::size_t i = 0; i < _watched.size(); ++i)
     for (int c = 0; c < gdim; ++c)
     {
       _from[i * gdim + c] = _u[std::size_t(_watched[i]) * gdim + c];
       sums[c] += _from[i * gdim + c];
+      sums[4 + c] += du.empty() ? 0.0 : du[std::size_t(_watched[i]) * gdim + c];
     }
   sums[3] = double(_watched.size());
-  check_error(_comm, MPI_Allreduce(sums, all, 4, MPI_DOUBLE, MPI_SUM, _comm));
+  check_error(_comm, MPI_Allreduce(sums, all, 7, MPI_DOUBLE, MPI_SUM, _comm));
+  _step = 0.0;
+  for (std::size_t i = 0; i < _watched.size() && !du.empty(); ++i)
+  {
+    double squared = 0.0;
+    for (int c = 0; c < gdim; ++c)
+      squared += std::pow(du[std::size_t(_watched[i]) * gdim + c] - all[4 + c] / all[3], 2);
+    _step = std::max(_step, std::sqrt(squared));
+  }
   for (int c = 0; c < gdim; ++c)
   {
     const double mean = all[3] > 0.0 ? all[c] / all[3] : 0.0;
@@ -183,7 +206,6 @@ void NodeCandidates::mean_motion()
 void NodeCandidates::forget()
 {
   _known = false;
-  _step = 0.0;
 }
 
 namespace
@@ -267,22 +289,18 @@ double NodeCandidates::used(const NodalState& state) const
     return 0.0;
   const int gdim = _slave.gdim;
   const double ahead = _time + 2 * state.dt;
-  double motion = 0.0, step = 0.0;
+  double motion = 0.0;
   for (std::size_t i = 0; i < _watched_numbers.size(); ++i)
   {
     const std::size_t k = std::size_t(_watched_numbers[i]) * gdim;
-    double far = 0.0, fast = 0.0;
+    double far = 0.0;
     for (int c = 0; c < gdim; ++c)
     {
       const double d = state.u[k + c] + 2 * state.du[k + c] - _from[i * gdim + c] - _velocity[c] * ahead;
-      const double v = state.du[k + c] - _velocity[c] * state.dt;
       far += d * d;
-      fast += v * v;
     }
     motion = std::max(motion, far);
-    step = std::max(step, fast);
   }
-  _step = std::sqrt(step);
   return _room > 0.0 ? 2 * std::sqrt(motion) / _room : 1.0;
 }
 } // namespace impact::enforcement

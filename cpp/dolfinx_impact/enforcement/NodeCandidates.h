@@ -27,11 +27,14 @@ public:
   std::span<const std::int32_t> nodes() const { return _nodes; }
   const std::vector<double>& X() const { return _X; }
   const std::vector<double>& areas() const { return _areas; }
-  /// Largest facet of slave and master, corner to corner [L].
+  /// Largest facet of slave and master, corner to corner; the smallest of the master (rigid: the largest of the slave)
+  /// [L].
   double size() const { return _size; }
+  double smallest() const { return _smallest; }
 
   /// See NodalContact::search.
-  void search(std::span<const double> u);
+  /// @param[in] deepest penetration of a node in contact, which needs its facet as far away as that [L]
+  void search(std::span<const double> u, std::span<const double> du, double deepest);
   std::span<const std::int64_t> remote_nodes() const { return _remote_nodes; }
   std::span<const int> remote_owners() const { return _remote_owners; }
   /// The candidates, numbered as the Halo's nodes. Where facets share a node, their positions of it are made the same,
@@ -58,11 +61,11 @@ public:
 private:
   void forward(std::span<const double> u);
   void find_nodes(const surface::FunctionSpace& V, bool axisymmetric);
-  void mean_motion();
+  void mean_motion(std::span<const double> du);
 
   bool _rigid;
   MPI_Comm _comm;
-  double _distance, _size = 0.0;
+  double _distance, _size = 0.0, _smallest = 0.0;
   mutable operators::Halo _halo; ///< of the space
   surface::Facets _slave;
   search::Travellers globalise(const surface::FunctionSpace& V, const surface::Facets& facets) const;
@@ -76,7 +79,7 @@ private:
   // Motion since the last search, against what its translation would have been at the mean velocity before.
   std::vector<double> _from; ///< displacements of the watched nodes at the last search
   double _room = 0.0, _time = 0.0, _mean[3] = {}, _velocity[3] = {};
-  mutable double _step = 0.0;
+  double _step = 0.0;                 ///< largest motion of a watched node in a step, less the mean
   bool _fresh = true, _known = false; ///< _known: where the nodes were at an earlier search
   std::int64_t _searches = 0;
 };

@@ -26,12 +26,12 @@ void shape_values(const FacetElement& element, const double* xi, double* phi)
 }
 } // namespace
 
-search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u) const
+search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, const double* du, double back) const
 {
   const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
   double x[3];
   for (int c = 0; c < _gdim; ++c)
-    x[c] = _candidates.X()[i * _gdim + c] + u[k + c];
+    x[c] = _candidates.X()[i * _gdim + c] + u[k + c] - (du ? back * (du[k + c] - _obstacle_increment[c]) : 0.0);
   const gap::RigidPoint p = gap::evaluate(_obstacle, x);
   search::Projection out;
   out.status = search::ProjectionStatus::converged;
@@ -67,36 +67,17 @@ void NodeToSurface::open(std::size_t i, const search::Projection& at, const doub
     _closed[i] = 0;
 }
 
-/// Is a node marked: below the surface without having come through it, from beside the rim or found deep inside? A node
-/// without master keeps its mark, as nothing tells on which side it is.
-bool NodeToSurface::barred(const Touch& touch, const double* u, const double* du)
-{
-  const search::Projection& at = touch.at;
-  std::int8_t& closed = _closed[touch.i];
-  if (_rigid || !std::isfinite(at.gap))
-    return closed == came_in;
-  if (at.rim == search::Projection::Rim::below)
-    closed = came_in;
-  else if (at.rim == search::Projection::Rim::beside || !(at.gap < 0.0))
-    closed = closed == came_in ? 0 : closed;
-  else if (closed == 0 && -at.gap > 0.5 * _tracking.diameter(at.facet))
-  {
-    const search::Projection before = _tracking.locate_before(touch.i, u, du);
-    if (!(before.gap > 0.0 && std::isfinite(before.gap) && before.rim != search::Projection::Rim::below))
-    {
-      closed = came_in;
-      ++_implausible;
-    }
-  }
-  return closed == came_in;
-}
-
 bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch)
 {
   touch.i = i;
   touch.node = _candidates.numbers()[i];
   touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u, du);
   search::Projection& at = touch.at;
+  if (_closed[i] != came_in && (_rigid || _tracking.step() > 0.5 * _candidates.smallest()) && passes(touch, u, du))
+  {
+    open(i, at, u);
+    return false;
+  }
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
   // One that leaves the surface is looked at once more: its last force has worked on the way.
   const bool leaves = _closed[i] == 1 && !_options.kinematic && std::isfinite(at.gap);

@@ -72,7 +72,7 @@ public:
   NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
                 const NodeToSurfaceOptions& options);
 
-  void search(std::span<const double> u) override;
+  void search(std::span<const double> u, std::span<const double> du) override;
   std::span<const std::int64_t> remote_nodes() const override;
   std::span<const int> remote_owners() const override;
   std::span<const std::int32_t> needs(operators::Halo& all) override;
@@ -85,6 +85,7 @@ public:
   bool kinematic() const override { return _options.kinematic; }
   void look(const double* u) override;
   ContactEnergy energy() const override;
+  Passage passage() const override;
   const double* force() const override { return _force.data(); }
 
   /// Where a rigid master is now, and how far it has moved since the last step [L].
@@ -140,7 +141,13 @@ private:
   bool meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch);
   /// A node below the surface that did not come through it: from beside the rim, or found deep inside.
   bool barred(const Touch& touch, const double* u, const double* du);
-  search::Projection rigid_point(std::size_t i, const double* u) const;
+  /// Closest point in the configuration u - back*du.
+  search::Projection point_before(std::size_t i, const double* u, const double* du, double back) const;
+  /// Motion of the step relative to the master's point.
+  void relative_motion(std::size_t i, const search::Projection& at, const double* du, double* motion) const;
+  /// Follows a node along its way in the step. @returns whether it went through too fast to be held back
+  bool passes(Touch& touch, const double* u, const double* du);
+  search::Projection rigid_point(std::size_t i, const double* u, const double* du = nullptr, double back = 0.0) const;
   void open(std::size_t i, const search::Projection& at, const double* u);
   double compliance(const Touch& touch, double dt) const;
   template <int D>
@@ -213,6 +220,7 @@ private:
   ContactEnergy _energy;
   std::array<double, 3> _force{};
   std::int64_t _implausible = 0;
+  Passage _passage;
 
   // Kinematic contact: closed nodes of the step, and values at the Halo's nodes. `_sum` is summed over ranks: it is
   // zero at all ghosts but those in `_touched`, and never sent forward.

@@ -166,8 +166,8 @@ void NodeToSurface::add_masses(const double* inverse_mass)
   }
 }
 
-/// Forces of the nodes that leave the master: each gives back at most the energy taken from it since it closed, by no
-/// more impulse than contact has had in its last steps (docs/explicit.md, Release).
+/// Normal forces of the nodes that leave the master: each gives back at most the energy taken from it since it closed,
+/// by no more impulse than contact has had in its last steps (docs/explicit.md, Release).
 template <int D>
 void NodeToSurface::release(const double* du, const double* inverse_mass, double h, double dt, double share)
 {
@@ -204,7 +204,6 @@ void NodeToSurface::release(const double* du, const double* inverse_mass, double
         taken > 0.0 ? std::min(most, 2.0 * taken / (way + std::sqrt(way * way + 2.0 * h * moves * taken))) : 0.0;
     for (int c = 0; c < D; ++c)
       _nodal_force[q * D + c] = force * n[c];
-    _results.status[closed.i] = force > 0.0 ? ContactStatus::slip : ContactStatus::open;
   }
 }
 
@@ -216,12 +215,10 @@ void NodeToSurface::solve_forces(double h, double factor)
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
-    if (closed.releases)
-      continue;
     const double* n = closed.normal;
     double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
     relative<D>(q, _moved.data(), moved);
-    const double pushed = factor / h * _along[q] * (closed.overlap - dot(n, moved, D));
+    const double pushed = closed.releases ? 0.0 : factor / h * _along[q] * (closed.overlap - dot(n, moved, D));
     if (_options.friction > 0.0)
     {
       for (int c = 0; c < D; ++c)
@@ -334,7 +331,7 @@ void NodeToSurface::record(double h, double dt)
     _taken[i] = closed.releases ? 0.0 : _taken[i] - work - later;
     _energy.recoverable += std::max(0.0, _taken[i]);
     _pulse[i] = closed.releases ? 0.0 : fading * _pulse[i] + normal * h / dt;
-    if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip && !closed.releases)
+    if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
       for (int c = 0; c < D; ++c)
         _results.slip[i * D + c] += slip[c];
     _closed[i] = _results.status[i] != ContactStatus::open;

@@ -79,11 +79,15 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
   }
 }
 
-void NodeToSurface::search(std::span<const double> u)
+void NodeToSurface::search(std::span<const double> u, std::span<const double> du)
 {
-  _candidates.search(u);
+  double deepest = 0.0;
+  for (std::size_t i = 0; i < _closed.size(); ++i)
+    if (_closed[i] == 1)
+      deepest = std::max(deepest, -_springs[i].gap); // kinematic contact leaves none
+  _candidates.search(u, du, deepest);
   if (_other)
-    _other->search(u);
+    _other->search(u, du);
   const auto nodes = _candidates.remote_nodes();
   const auto owners = _candidates.remote_owners();
   std::vector<std::pair<std::int64_t, int>> all;
@@ -204,6 +208,12 @@ void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, cons
   _obstacle_increment = increment;
 }
 
+Passage NodeToSurface::passage() const
+{
+  const Passage more = _other ? _other->passage() : Passage{};
+  return more.facets > _passage.facets ? more : _passage;
+}
+
 NodalHistory NodeToSurface::history() const
 {
   std::vector<double> springs;
@@ -231,6 +241,7 @@ void NodeToSurface::set_history(const NodalHistory& history)
   _closed = history.closed;
   _taken = history.taken;
   _pulse = history.pulse;
+  _passage = {};
   _tracking.set_held(history.facet, history.xi);
 }
 } // namespace impact::enforcement

@@ -308,6 +308,13 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
     reduce_begin();
   }
   apply_loads(table.data() + steps.size() * columns);
-  return _fresh || evaluate() ? int(steps.size()) : int(steps.size()) - 1;
+  if (_fresh)
+    return int(steps.size());
+  const bool stable = evaluate();
+  // Sums tell it with the next step; springs have looked at the last state just now.
+  if (stable && !(_penalty && passed()))
+    return int(steps.size());
+  _stopped = false;
+  return int(steps.size()) - 1;
 }
 } // namespace impact::integrators

@@ -73,7 +73,8 @@ public:
   /// @param[in] columns of the table
   /// @param[out] history rows before each step, or empty: Energies, then three entries for each contact's force
   /// @param[in] asked is called now and then: is this rank asked to stop? If any is, all stop after the same step
-  /// @returns steps done: fewer than asked for if the run went unstable or was asked to stop (all ranks alike)
+  /// @returns steps done: fewer than asked for if the run went unstable, a node went through a contact, or it was asked
+  /// to stop (all ranks alike)
   int run(std::span<const double> steps, std::span<const double> table, int columns, std::span<double> history,
           const std::function<bool()>& asked = {});
   /// Did the last run end because a rank was asked to stop? The same on all ranks.
@@ -109,6 +110,9 @@ public:
   const EnergyGain& gain() const { return _gain; }
   double gain_limit() const { return _gain_limit; }
   void set_gain_limit(double limit) { _gain_limit = limit; }
+  /// Contact that a slave node of this rank went through too fast to be held back (-1: none), and the fastest such
+  /// node.
+  std::pair<int, enforcement::Passage> passage() const;
   std::int64_t num_searches() const { return _num_searches; }
   /// Wall-clock time that this rank has spent on contact so far: searches, gaps, forces, their energies [s].
   double contact_seconds() const { return _contact_seconds; }
@@ -206,6 +210,7 @@ private:
   bool asked_to_stop(const std::function<bool()>& asked);
   void reduce_begin();
   bool reduce_end();
+  bool passed() const;
 
   std::shared_ptr<const FunctionSpace> _V;
   int _bs;

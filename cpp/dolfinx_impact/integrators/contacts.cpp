@@ -14,9 +14,12 @@ void CentralDifference::search()
   const std::span<const std::int64_t> ghosts = own->ghosts();
   std::vector<std::int64_t> known(ghosts.begin(), ghosts.end());
   std::sort(known.begin(), known.end());
+  std::vector<double> du(_v.begin(), _v.begin() + _owned);
+  for (double& value : du)
+    value *= _last_step > 0.0 ? _last_step : _contact_step;
   for (Contact& c : _contacts)
   {
-    c.contact->search({_u.data(), _owned});
+    c.contact->search({_u.data(), _owned}, du);
     const auto nodes = c.contact->remote_nodes();
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (!std::binary_search(known.begin(), known.end(), nodes[k]))

@@ -50,6 +50,7 @@ struct Local
     recoverable, ///< taken from nodes that are still closed
     search,      ///< contacts that need a search
     stop,        ///< ranks that were asked to stop
+    passed,      ///< contacts that a node went through
     size
   };
 };

@@ -46,6 +46,7 @@ void CentralDifference::account(const Sums& sums, double dt, bool commit)
     e[Local::stored] += energy.stored;
     e[Local::friction] += energy.friction;
     e[Local::normal] += energy.normal;
+    e[Local::passed] += c.contact->passage().node >= 0;
     if (c.contact->kinematic())
     {
       e[Local::kinematic] += energy.normal;
@@ -92,7 +93,8 @@ bool CentralDifference::reduce_end()
     _reference = speed + std::max(0.0, internal) + now.values[Energies::contact];
   _reference = std::max(_reference, now.values[Energies::external] + std::max(0.0, -internal));
   _gain.see(now, -_global[Local::kinematic]);
-  return std::isfinite(speed) && !(speed > unstable * _reference) && !(_gain.now > _gain_limit);
+  return std::isfinite(speed) && !(speed > unstable * _reference) && !(_gain.now > _gain_limit) &&
+         !(_global[Local::passed] > 0.0);
 }
 
 // --- what the run looks like now ----------------------------------------------------------------------------
@@ -158,6 +160,22 @@ std::pair<std::int32_t, double> CentralDifference::fastest() const
         break;
     }
   return found;
+}
+
+std::pair<int, enforcement::Passage> CentralDifference::passage() const
+{
+  std::pair<int, enforcement::Passage> found{-1, {}};
+  for (std::size_t k = 0; k < _contacts.size(); ++k)
+    if (const enforcement::Passage p = _contacts[k].contact->passage(); p.facets > found.second.facets)
+      found = {int(k), p};
+  return found;
+}
+
+bool CentralDifference::passed() const
+{
+  int mine = passage().first >= 0, all = 0;
+  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, _halo->map().comm());
+  return all > 0;
 }
 
 CentralDifference::Saved CentralDifference::save()

@@ -120,12 +120,12 @@ double normalise(int gdim, const double* sum, double rates, double largest, doub
 } // namespace
 
 template <int D>
-double NodeNormals::linear(std::size_t i, const double* u, const double* du, double* normal) const
+double NodeNormals::linear(std::size_t i, const double* u, const double* du, double* normal, double back) const
 {
   const auto moved = [&](std::int32_t node, int c)
   {
     const std::size_t k = std::size_t(node) * D + c;
-    return u[k] - (du ? du[k] : 0.0);
+    return u[k] - (du ? back * du[k] : 0.0);
   };
   double own[D], sum[3] = {}, rates = 0.0, largest = 0.0;
   for (int c = 0; c < D; ++c)
@@ -162,7 +162,7 @@ double NodeNormals::linear(std::size_t i, const double* u, const double* du, dou
   return normalise(D, sum, rates, largest, normal);
 }
 
-double NodeNormals::general(std::size_t i, const double* u, const double* du, double* normal) const
+double NodeNormals::general(std::size_t i, const double* u, const double* du, double* normal, double back) const
 {
   const int gdim = _facets.gdim, n_u = _facets.displacement.num_nodes(), n_x = _facets.geometry.num_nodes();
   double sum[3] = {}, rates = 0.0, largest = 0.0, x[3 * FacetElement::max_nodes];
@@ -176,7 +176,7 @@ double NodeNormals::general(std::size_t i, const double* u, const double* du, do
         for (int l = 0; l < n_u; ++l)
         {
           const std::size_t at = std::size_t(_facets.nodes_of(f)[l]) * gdim + c;
-          place += _phi[j * n_u + l] * (u[at] - (du ? du[at] : 0.0));
+          place += _phi[j * n_u + l] * (u[at] - (du ? back * du[at] : 0.0));
         }
         x[j * gdim + c] = place;
       }
@@ -190,10 +190,10 @@ double NodeNormals::general(std::size_t i, const double* u, const double* du, do
   return normalise(gdim, sum, rates, largest, normal);
 }
 
-double NodeNormals::evaluate(std::size_t i, const double* u, const double* du, double* normal) const
+double NodeNormals::evaluate(std::size_t i, const double* u, const double* du, double* normal, double back) const
 {
   if (!_linear)
-    return general(i, u, du, normal);
-  return _facets.gdim == 2 ? linear<2>(i, u, du, normal) : linear<3>(i, u, du, normal);
+    return general(i, u, du, normal, back);
+  return _facets.gdim == 2 ? linear<2>(i, u, du, normal, back) : linear<3>(i, u, du, normal, back);
 }
 } // namespace impact::search

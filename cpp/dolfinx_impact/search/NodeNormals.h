@@ -37,11 +37,11 @@ public:
   /// Nodes of the facets that are not among `nodes`, ascending.
   std::span<const std::int32_t> others() const { return _others; }
   /// @param[in] i position in `nodes`
-  /// @param[in] u, du displacements; the configuration is u - du, u if du is null [L]
+  /// @param[in] u, du displacements; the configuration is u - back*du, u if du is null [L]
   /// @param[out] normal gdim components; zero where the facets' normals cancel
   /// @returns by how much it changes at most while no node of its facets moves by more than a unit of length: Turning
   /// [1/L]
-  double evaluate(std::size_t i, const double* u, const double* du, double* normal) const;
+  double evaluate(std::size_t i, const double* u, const double* du, double* normal, double back = 1.0) const;
 
 private:
   /// A facet at a node: the nodes at the ends of its two edges there (in the plane: of the one), and the edges at rest.
@@ -51,8 +51,8 @@ private:
     double edges[2][3], sign; ///< times their product (in the plane: the edge turned clockwise) points out
   };
   template <int D>
-  double linear(std::size_t i, const double* u, const double* du, double* normal) const;
-  double general(std::size_t i, const double* u, const double* du, double* normal) const;
+  double linear(std::size_t i, const double* u, const double* du, double* normal, double back) const;
+  double general(std::size_t i, const double* u, const double* du, double* normal, double back) const;
 
   surface::Facets _facets;
   bool _linear = true;

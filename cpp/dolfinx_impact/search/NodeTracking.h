@@ -2,7 +2,9 @@
 #include "NodeNormals.h"
 #include "project.h"
 #include "warm.h"
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -74,8 +76,8 @@ public:
   /// Closest point of node i. Facets count up to the search distance, or up to twice the motion of the step of the node
   /// against the closest point, if that is more.
   Projection locate(std::size_t i, const double* u, const double* du);
-  /// Closest point in the configuration u - du, of the step before.
-  Projection locate_before(std::size_t i, const double* u, const double* du) const;
+  /// Closest point in the configuration u - back*du: 1 is that of the step before, 0 the present one.
+  Projection locate_before(std::size_t i, const double* u, const double* du, double back = 1.0) const;
   /// How far nodes have been moved since `advance`, at most [L].
   double moved(const double* u) const;
   /// Closest point after they have been moved so far, without any effect on later ones.
@@ -102,8 +104,10 @@ private:
   struct Configuration
   {
     const double* u;
-    const double* du;    ///< null: the present one; else u - du is meant
+    const double* du;    ///< null: the present one; else u - back*du is meant
     bool stored = false; ///< that of `advance`: positions are at hand
+    double back = 1.0;
+    double at(std::size_t k) const { return u[k] - (du ? back * du[k] : 0.0); }
   };
   struct Found
   {
@@ -148,6 +152,11 @@ private:
   bool from_list(std::size_t i, const double* u, const double* du, Projection& out);
   /// Facets count up to this distance at least, and none beyond.
   double radius() const { return std::max(_reach, 2 * _step); }
+  /// The same for node i: nodes in contact keep their facets however deep they are pushed.
+  double radius(std::size_t i) const
+  {
+    return _node[i].held >= 0 ? std::numeric_limits<double>::infinity() : radius();
+  }
   bool within(std::size_t i, std::int32_t f, const FacetProjection& at, const double* motion) const;
   // Normals of the slave.
   /// By how much a node's normal can have changed since it was evaluated; more than Turning::most is not known.

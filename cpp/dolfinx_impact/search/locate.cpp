@@ -36,7 +36,7 @@ double NodeTracking::least_other(std::size_t i, std::int32_t winner) const
 /// @param[in] motion increments of displacements in the step, or null: none
 bool NodeTracking::within(std::size_t i, std::int32_t f, const FacetProjection& at, const double* motion) const
 {
-  if (at.distance <= _reach)
+  if (at.distance <= _reach || _node[i].held >= 0)
     return true;
   if (!motion || !(at.distance <= radius()))
     return false;
@@ -89,7 +89,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, const double* sl
   // So far the list has to be complete.
   const auto farthest = [&]
   {
-    return out.facet < 0 ? radius() + 2 * list_budget * _largest : best.distance + 2 * list_budget * _size[out.facet];
+    return out.facet < 0 ? radius(i) + 2 * list_budget * _largest : best.distance + 2 * list_budget * _size[out.facet];
   };
   near.num = 0;
   const auto visit = [&](std::int32_t f)
@@ -131,6 +131,8 @@ Projection NodeTracking::query(std::size_t i, Configuration at, const double* sl
   _tree.nearest(there, first * first, visit);
   near.complete = farthest();
   keep_nearest(near, out, best.distance, dropped);
+  if (out.facet < 0 && _node[i].held >= 0)
+    near.budget = 0.0; // it will not be held any more
   if (out.facet < 0)
     return out;
   std::array<std::int32_t, 4 * most> facets;
@@ -204,14 +206,14 @@ Projection NodeTracking::locate(std::size_t i, const double* u, const double* du
   return out;
 }
 
-Projection NodeTracking::locate_before(std::size_t i, const double* u, const double* du) const
+Projection NodeTracking::locate_before(std::size_t i, const double* u, const double* du, double back) const
 {
   Near near;
   double shift[3], normal[3];
   for (int c = 0; c < 3; ++c)
-    shift[c] = _shift[c] - _step_shift[c];
-  _normals.evaluate(i, u, du, normal);
-  return query(i, {u, du}, normal, du, std::abs(_travel - _fitted) + _step, shift, near);
+    shift[c] = _shift[c] - back * _step_shift[c];
+  _normals.evaluate(i, u, du, normal, back);
+  return query(i, {u, du, false, back}, normal, du, std::abs(_travel - _fitted) + _step, shift, near);
 }
 
 double NodeTracking::moved(const double* u) const
@@ -301,7 +303,7 @@ bool NodeTracking::from_list(std::size_t i, const double* u, const double* du, P
   for (int k = 0; k < node.count && !alone; ++k)
   {
     const std::int32_t f = list[k].facet;
-    if (f == first || list[k].bound - moved > (out.facet >= 0 ? best.distance : radius()))
+    if (f == first || list[k].bound - moved > (out.facet >= 0 ? best.distance : radius(i)))
       continue;
     if constexpr (!general)
       if (out.facet >= 0)
@@ -328,7 +330,7 @@ bool NodeTracking::from_list(std::size_t i, const double* u, const double* du, P
   }
   if (!alone)
   {
-    if (!((out.facet < 0 ? radius() : best.distance) <= complete))
+    if (!((out.facet < 0 ? radius(i) : best.distance) <= complete))
       return false;
     node.winner = out.facet;
     node.others = least_other(i, out.facet);

@@ -30,7 +30,7 @@ void NodeTracking::position(std::size_t i, Configuration at, double* x) const
 {
   const std::size_t k = std::size_t(_node[i].number) * _gdim;
   for (int c = 0; c < _gdim; ++c)
-    x[c] = _node[i].X[c] + (at.u[k + c] - (at.du ? at.du[k + c] : 0.0));
+    x[c] = _node[i].X[c] + at.at(k + c);
 }
 
 void NodeTracking::positions(std::int32_t f, Configuration at, double* x) const
@@ -44,7 +44,7 @@ void NodeTracking::positions(std::int32_t f, Configuration at, double* x) const
       for (int c = 0; c < _gdim; ++c)
       {
         const std::size_t k = std::size_t(nodes[i]) * _gdim + c;
-        x[i * _gdim + c] = X[i * _gdim + c] + (at.u[k] - (at.du ? at.du[k] : 0.0));
+        x[i * _gdim + c] = X[i * _gdim + c] + at.at(k);
       }
     return;
   }
@@ -55,7 +55,7 @@ void NodeTracking::positions(std::int32_t f, Configuration at, double* x) const
       for (int j = 0; j < n_u; ++j)
       {
         const std::size_t k = std::size_t(nodes[j]) * _gdim + c;
-        sum += _phi[i * n_u + j] * (at.u[k] - (at.du ? at.du[k] : 0.0));
+        sum += _phi[i * n_u + j] * at.at(k);
       }
       x[i * _gdim + c] = sum;
     }

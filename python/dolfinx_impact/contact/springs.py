@@ -15,7 +15,7 @@ def searched(contact, u, **changes):
         made.set_obstacle(contact.motion.sample([contact.problem.time])[0].tolist(), [0.0] * 3)
     own, bs = V.dofmap.index_map, V.dofmap.index_map_bs
     num = own.size_local * bs
-    made.search(np.ascontiguousarray(u[:num]))
+    made.search(np.ascontiguousarray(u[:num]), np.zeros(0))
     ghosts = np.concatenate([own.ghosts, made.remote_nodes])
     owners = np.concatenate([own.owners, made.remote_owners]).astype(np.int32)
     halo = _cpp.operators.Halo(IndexMap(V.mesh.comm, own.size_local, ghosts, owners))

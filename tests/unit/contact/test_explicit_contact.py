@@ -97,14 +97,19 @@ def test_chatter(method):
         highest.append(b.places(p, 0)[:, 1].mean())
         closed.append(p.contact[0].area > 0.0)
 
-    problem.advance(3.0, callback=look, progress=False)
+    # Steps that stay the same: where they change the kinetic energy does, by as much as is exchanged in one of them.
+    dt = 0.8 * problem.stable_step() if method is di.Kinematic else "auto"
+    problem.advance(3.0, dt=dt, callback=look, progress=False)
     bounces = np.count_nonzero(np.diff(np.array(closed, dtype=int)) > 0)
     assert bounces > 10
     loss, gain = (rebounds().min() ** bounces - 1, rebounds().max() ** bounces - 1) if method is di.Penalty else (0, 0)
     # In the half step between the last look below and the first above it the block rises by 1e-3.
     assert max(highest) < 0.25 + gain * 0.05 + 1e-3
-    # Kinematic: a part of the work is counted a step later, here that of a step of 1e-4 of the time between bounces.
-    assert loss - 1e-4 < problem.energy["drift"] < gain + 1e-4
+    if method is di.Kinematic:
+        # Before the next step is taken the last forces are not known, nor is their work: histories have it.
+        assert np.abs(total_energy(problem)).max() < 1e-12 and problem.energy_history[:, 5].min() > -1e-12
+    else:
+        assert loss - 1e-4 < problem.energy["drift"] < gain + 1e-4
 
 
 @METHODS

@@ -29,7 +29,7 @@ class Nodal:
 
     def renumber(self, u):
         """Search, and a Halo with what the contact asks for; u: rows of owned nodes."""
-        self.contact.search(np.ascontiguousarray(u[: self.num]).reshape(-1))
+        self.contact.search(np.ascontiguousarray(u[: self.num]).reshape(-1), np.zeros(0))
         ghosts = np.concatenate([self.map.ghosts, self.contact.remote_nodes])
         owners = np.concatenate([self.map.owners, self.contact.remote_owners]).astype(np.int32)
         self.index_map = IndexMap(self.comm, self.num, ghosts, owners)

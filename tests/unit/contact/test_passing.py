@@ -1,0 +1,71 @@
+"""Nodes on their way through the master: held back, or told; bodies on several ranks."""
+
+import numpy as np
+import passing_checks
+import pytest
+from dolfinx import mesh
+from on_ranks import rank_tests
+from plane_bodies import Bodies
+
+import dolfinx_impact as di
+
+test_one_rank, test_several_ranks = rank_tests(passing_checks, ranks=(2,), timeout=300)
+METHODS = pytest.mark.parametrize("method", (di.Penalty, di.Kinematic))
+
+
+@METHODS
+def test_the_first_of_two_thin_layers_holds(method):
+    """A node that is past the first plate and nearer to the second one, both in one master surface, is held by the
+    first: the second plate is never touched."""
+    h = 0.25
+    bodies = Bodies(
+        ((0, 0), (2.0, h), (8, 1), (0, 0)),
+        ((0, 1.02 * h), (2.0, 2.02 * h), (8, 1), (0, 0)),
+        ((0.61, 2.1 * h), (1.36, 3.1 * h), (3, 1), (0, 0)),
+        law=di.LinearElastic,
+        E=1.0,
+    )
+    top, other_top, bottom = 4 * 0 + 3, 4 * 1 + 3, 4 * 2 + 1
+    values = np.where(bodies.tags.values == top, other_top, bodies.tags.values)
+    pair = di.ContactPair(mesh.meshtags(bodies.mesh, 1, bodies.tags.indices, values), bottom, other_top)
+    dt = 0.9 * bodies.problem(held=(0, 1)).stable_step()
+    bodies.velocity.x.array.reshape(-1, 2)[bodies.bodies[2][0]] = (0.0, -0.99 * h / dt)
+    problem = bodies.problem(method(pair), held=(0, 1))
+    low = []
+    problem.advance(
+        25 * dt, dt=dt, progress=False, callback=lambda p: low.append(bodies.places(p, 2)[:, 1].min() - 2.02 * h)
+    )
+    assert bodies.mean_velocity(problem, 2)[1] > 0.4 * 0.99 * h / dt
+    assert low[-1] > 0.0
+    if method is di.Kinematic:
+        assert min(low) > -1e-12
+
+
+@METHODS
+def test_through_a_thin_rod(method):
+    """A rigid rod of 0.6 of a facet: a node may be behind it at the step's end; the way through it counts."""
+    h = 0.25
+    bodies = Bodies(((0, 0.12), (4 * h, 0.12 + h), (4, 1), (0, 0)), law=di.LinearElastic, E=1.0)
+    pair = bodies.pair((0, "bottom"), di.RigidCylinder((2 * h, 0.0), 0.3 * h))
+    dt = 0.9 * bodies.problem().stable_step()
+    bodies.velocity.x.array.reshape(-1, 2)[:] = (0.0, -0.8 * h / dt)
+    problem = bodies.problem(method(pair))
+    problem.advance(3 * dt, dt=dt, progress=False)
+    assert problem.force_history[0][:, 1].max() > 0.0
+    bodies.velocity.x.array.reshape(-1, 2)[:] = (0.0, -2.2 * h / dt)
+    with pytest.raises(RuntimeError, match="went through the master"):
+        bodies.problem(method(pair)).advance(3 * dt, dt=dt, progress=False)
+
+
+def test_the_message_names_the_node():
+    """Its number in the mesh's input and its place at rest."""
+    h = 0.25
+    bodies = Bodies(((0, 0.12), (4 * h, 0.12 + h), (4, 1), (0, 0)), law=di.LinearElastic, E=1.0)
+    pair = bodies.pair((0, "bottom"), di.RigidCylinder((2 * h, 0.0), 0.3 * h))
+    dt = 0.9 * bodies.problem().stable_step()
+    bodies.velocity.x.array.reshape(-1, 2)[:] = (0.0, -2.2 * h / dt)
+    problem = bodies.problem(di.Penalty(pair))
+    with pytest.raises(RuntimeError, match=r"node 2 of cell \d .*at \[0\.5, 0\.12\].*came by 2\.\d"):
+        problem.advance(3 * dt, dt=dt, progress=False)
+    assert problem.time == 0.0 and not problem.u.x.array.any()
+    np.testing.assert_allclose(problem.velocity.x.array.reshape(-1, 2)[:, 1], -2.2 * h / dt)
