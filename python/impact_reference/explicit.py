@@ -49,8 +49,8 @@ class NodalPenalty(_Nodal):
     friction: Coulomb's coefficient [1]. penalty [F/L^3]: None takes stiffnesses from masses and the step. balanced:
     once in each direction with half the stiffness. search_distance [L]: masters further away do not count, nor
     further than twice a step's motion of node and master against each other; None takes the longest distance between
-    corners of any facet. motion [L]: of a rigid master, (gdim), a function of t, or a table (times, (n, gdim)); None takes
-    master.displacement throughout. Running raises ValueError for facets that are repeated or not on the boundary.
+    corners of any facet. motion [L]: of a rigid master, (gdim), a function of t, or a table (times, (n, gdim)); None
+    takes master.displacement throughout. Running raises ValueError for facets that are repeated or not on the boundary.
     """
 
     def __init__(self, slave, master, friction=0.0, penalty=None, balanced=False, search_distance=None, motion=None):

@@ -1,5 +1,5 @@
-"""The accounts of one node's spring, docs/explicit.md, "Energy of the springs", written once more: roots of polynomials in
-place of formulas."""
+"""The accounts of one node's spring, docs/explicit.md, "Energy of the springs", written once more: roots of
+polynomials in place of formulas."""
 
 import numpy as np
 
@@ -7,7 +7,8 @@ ROUND_OFF = 1e-12
 
 
 class SpringAccount:
-    """A node of the stiffness k. taken, dissipated: what its normal and its tangential force have taken since the start."""
+    """A node of the stiffness k. taken, dissipated: what its normal and its tangential force have taken since the
+    start."""
 
     def __init__(self, k):
         self.k, self.closed, self.N = k, False, 0.0

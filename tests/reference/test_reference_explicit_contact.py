@@ -229,9 +229,9 @@ def spin_of(model, run):
 
 @pytest.mark.parametrize("cell", ["quadrilateral", "tetrahedron"])
 def test_drift_falls_with_step_and_penetration(cell):
-    """Springs of a given penalty: what closing and opening between two steps takes is of second order in the step, 16 times
-    less with a fourth of it, and is not drift, of which there is less. With friction, slip counts the turning of the normal times the gap as well: friction, penetration and turning
-    multiplied."""
+    """Springs of a given penalty: what closing and opening between two steps takes is of second order in the step, 16
+    times less with a fourth of it, and is not drift, of which there is less. With friction, slip counts the turning of
+    the normal times the gap as well: friction, penetration and turning multiplied."""
     model, slave, master, v0 = collision(cell, inner=True)
 
     longest = model.stable_step(contacts=[ir.NodalPenalty(slave, master, penalty=1e5)])

@@ -1,5 +1,5 @@
-"""The energy of springs and of nodes that leave, in explicit contact of the hand-written solver: what contact has not taken
-it does not give."""
+"""The energy of springs and of nodes that leave, in explicit contact of the hand-written solver: what contact has not
+taken it does not give."""
 
 import impact_reference as ir
 import numpy as np
@@ -14,8 +14,8 @@ ROUND_OFF = 1e-12
 
 @pytest.mark.parametrize("kappa, num_steps", [(0.5, 12), (0.1, 20)])
 def test_mass_that_bounces_once(kappa, num_steps):
-    """`impact` is what the bounce costs, to round-off, wherever the first touch lies between two steps; it costs a little
-    less than nothing only where the mass opens faster than foreseen."""
+    """`impact` is what the bounce costs, to round-off, wherever the first touch lies between two steps; it costs a
+    little less than nothing only where the mass opens faster than foreseen."""
     gains = []
     for k in range(40):
         _, free, run = flight(kappa, 1 + (k + 0.5) / 40, num_steps)
@@ -76,7 +76,8 @@ def test_what_rests_comes_to_rest(friction):
 
 
 def pulled_off(load, num_steps):
-    """A mass 1 with the speed 1, 1/4 from a wall, pressed by a load for 80 steps of 0.1 and then not: the run, its free dof."""
+    """A mass 1 with the speed 1, 1/4 from a wall, pressed by a load for 80 steps of 0.1 and then not: the run, its
+    free dof."""
     model, free, right = single_mass()
     v0, direction = np.zeros(8), np.zeros(8)
     v0[free] = direction[free] = 1.0
@@ -141,7 +142,8 @@ def test_a_bar_leaves_the_wall_with_what_it_brought():
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle", "hexahedron", "tetrahedron"])
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_nodes_that_leave_a_body(cell, friction):
-    """Bodies that are not flat, do not match and turn: in all contact takes, and both momenta's forces stay opposite."""
+    """Bodies that are not flat, do not match and turn: in all contact takes, and both momenta's forces stay
+    opposite."""
     model, slave, master, v0 = collision(cell, "linear_elastic", density=2.0, inner=True)
     run = model.run_explicit(
         0.8 * model.stable_step(), 400, v0=v0, contacts=[ir.NodalKinematic(slave, master, friction=friction)]

@@ -10,8 +10,8 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 
 def test_mass_on_a_wall_step_by_step():
-    """Free flight, a stop in two steps: first onto the wall, then no more; force m d / h. Nothing presses it there, so that it
-    leaves: with the impulse of the two steps, 0.95 of the first."""
+    """Free flight, a stop in two steps: first onto the wall, then no more; force m d / h. Nothing presses it there,
+    so that it leaves: with the impulse of the two steps, 0.95 of the first."""
     model, free, right = single_mass()
     v0, dt = np.zeros(8), 0.1
     v0[free] = 1.0

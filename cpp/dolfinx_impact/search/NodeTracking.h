@@ -153,10 +153,7 @@ private:
   /// Facets count up to this distance at least, and none beyond.
   double radius() const { return std::max(_reach, 2 * _step); }
   /// The same for node i: nodes in contact keep their facets however deep they are pushed.
-  double radius(std::size_t i) const
-  {
-    return _node[i].held >= 0 ? std::numeric_limits<double>::infinity() : radius();
-  }
+  double radius(std::size_t i) const { return _node[i].held >= 0 ? std::numeric_limits<double>::infinity() : radius(); }
   bool within(std::size_t i, std::int32_t f, const FacetProjection& at, const double* motion) const;
   // Normals of the slave.
   /// By how much a node's normal can have changed since it was evaluated; more than Turning::most is not known.

@@ -99,7 +99,8 @@ def check_beyond_a_facet_in_a_step_is_an_error():
     for dim in (2, 3):
         for method in METHODS:
             for kind in ({}, {"rigid": True}):
-                for facets, gap in ((1.2, 0.3), (1.5, 0.3), (3.0, 2.5), (7.0, 5.0))[:: 4 - dim if COMM.size == 1 else 3]:
+                cases = ((1.2, 0.3), (1.5, 0.3), (3.0, 2.5), (7.0, 5.0))
+                for facets, gap in cases[:: 4 - dim if COMM.size == 1 else 3]:
                     case = dim, method.__name__, kind, facets
                     plates = Plates(dim, gap=gap, **kind)
                     problem = plates.problem(method, facets)
