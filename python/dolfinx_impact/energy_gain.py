@@ -26,6 +26,6 @@ def told(gain):
     """What to say of a run that has gained this part of its energies."""
     return (
         f"it has gained energy without the work of loads or supports: {100 * gain:.3g} % of the energies so far. "
-        "Contact or the steps bring it in: take a smaller step, damping or bulk viscosity, or check that bodies do not pass "
-        "through each other; energy_limits=... of advance changes the limits."
+        "Contact or the steps bring it in: take a smaller step, damping or bulk viscosity, or check that bodies do not "
+        "pass through each other; energy_limits=... of advance changes the limits."
     )

@@ -287,10 +287,10 @@ class March:
         self._look()
         if passed > 0.0:
             raise RuntimeError(
-                f"{name}: a slave node went through the master at the time {time:.6g}: {where}. Contact holds "
-                f"back nodes that come through the surface by up to one facet in a step, this one came by {passed:.3g}; "
-                f"the problem is back at the time {self.time:.6g}. Take steps below {0.9 * self._nominal / passed:.3g} (now "
-                f"{self._nominal:.3g}), or coarser facets"
+                f"{name}: a slave node went through the master at the time {time:.6g}: {where}. Contact holds back "
+                f"nodes that come through the surface by up to one facet in a step, this one came by {passed:.3g}; "
+                f"the problem is back at the time {self.time:.6g}. Take steps below "
+                f"{0.9 * self._nominal / passed:.3g} (now {self._nominal:.3g}), or coarser facets"
             )
         why = f"{energy_gain.told(gain)} What moves fastest is" if gain > limit else "first"
         advice = "" if gain > limit else " Take a smaller step, or check loads and contact"
