@@ -203,15 +203,16 @@ void impact::bindings::penalty(nb::module_& m)
           "Add the contact force at the nodes that the facets number (changed)")
       .def(
           "tangent",
-          [](const Pair& self, const PenaltyState& state, Globals global_nodes)
+          [](const Pair& self, const PenaltyState& state, Globals global_nodes, bool convex)
           {
             self.check(state);
             if (global_nodes.size() < self.num_nodes())
               throw std::invalid_argument("fewer global numbers than nodes");
             Triplets out;
-            tangent(self.view(), state, {global_nodes.data(), global_nodes.size()}, out);
+            tangent(self.view(), state, {global_nodes.data(), global_nodes.size()}, convex, out);
             return nb::make_tuple(take(std::move(out.rows)), take(std::move(out.cols)), take(std::move(out.values)));
           },
-          nb::arg("state"), nb::arg("global_nodes"),
-          "Rows, columns and values of minus the derivative of the contact force");
+          nb::arg("state"), nb::arg("global_nodes"), nb::arg("convex") = false,
+          "Rows, columns and values of minus the derivative of the contact force; convex: its part that is positive "
+          "semi-definite");
 }

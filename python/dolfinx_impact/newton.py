@@ -47,6 +47,7 @@ class Newton:
         self.saddle = problem._saddle
         # By penalty: closing, slipping and changing facets are kinks that nothing settles beforehand.
         self.rough = bool(problem.contact) and not self.multipliers
+        self.conservative = self.rough and all(c.pair.friction == 0.0 for c in problem.contact)
         # How much further than asked for linear solutions go: with factors at hand digits are cheap.
         self.margin = 1e-3 if problem._solver.direct else 0.3
         self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
@@ -125,7 +126,8 @@ class Newton:
             if period and moved:  # the same states again: half a step leads out of the circle
                 p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
             elif self.rough and moved and iteration - round_start >= PLAIN:
-                self._backtrack(start, norm)
+                if not self._backtrack(start, norm) and self.conservative:
+                    self._descend(K, start, residual, digits, log)
         return did_not_converge(result, self, moved, small, pending, violation)
 
     @contextlib.contextmanager
@@ -135,7 +137,8 @@ class Newton:
         self.seconds[part] += time.perf_counter() - start
 
     def _backtrack(self, start, norm):
-        """Go back towards `start`, by halves, until the residual is less than the norm there, at most four times.
+        """Go back towards `start`, by halves, until the residual is less than the norm there, at most four times;
+        returns whether it is.
 
         Points that change between stick and slip can lead Newton's method round in circles.
         """
@@ -145,18 +148,46 @@ class Newton:
             p.u.x.array[:] = start + part * step
             norms[part] = self._residual_norm()
             if norms[part] < norm:
-                return
+                return True
         p.u.x.array[:] = start + min(PARTS, key=lambda part: norms[part]) * step
+        return False
 
-    def _residual_norm(self):
-        """Norm of the free residual at u, of a problem without multipliers."""
+    def _descend(self, K, start, residual, digits, log):
+        """A step down from `start` where no part of Newton's step makes the residual less.
+
+        Without friction the residual is the slope of an energy. The tangent's positive definite part gives a direction
+        along which that falls; the step goes as far as it falls, or half as steeply rises again.
+        """
+        p, num = self.problem, self.num_owned
+        p.u.x.array[:] = start
+        for contact in p.contact:
+            contact.update(start)
+            contact.convex = True
+        fault, *_ = self._solve(K, residual, np.zeros(len(self.fixed)), digits, log)
+        for contact in p.contact:
+            contact.convex = False
+        if fault:
+            p.u.x.array[:] = start
+            return
+        step = p.u.x.array - start
+        steep = abs(self.comm.allreduce(float(residual @ step[:num])))
+        for part in PARTS:
+            p.u.x.array[:] = start + part * step
+            if self.comm.allreduce(float(self._residual() @ step[:num])) <= 0.5 * steep:
+                return
+
+    def _residual(self):
+        """Free residual at u, of a problem without multipliers. Collective."""
         residual = self.problem._assemble_residual().array.copy()
         with self._clock("contact"):
             for contact in self.problem.contact:
                 contact.update(self.problem.u.x.array)
                 residual -= contact.forces()
         residual[self.fixed] = 0.0
-        norm = self._norm(residual)
+        return residual
+
+    def _residual_norm(self):
+        norm = self._norm(self._residual())
         return norm if np.isfinite(norm) else np.inf
 
     # --- what an iteration looks at --------------------------------------------------------------------------------

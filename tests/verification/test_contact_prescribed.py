@@ -110,9 +110,9 @@ def test_a_block_that_is_pushed_and_then_held_keeps_its_friction(on, basis, dim)
 @pytest.mark.parametrize("method", ("dual", "linear"))
 @pytest.mark.parametrize("slope", (0.0, 0.2))
 def test_nothing_rubs_on_a_plane_of_symmetry(method, slope):
-    """Half of a block on half of another one, x = 0 their plane of symmetry, pressed so that they slip outside: the
-    node on the plane has no friction, although the mean slip beside it is none; it converges where the interface is
-    inclined to the plane by more than 5 degrees as well."""
+    """Half a block on half of another one, x = 0 their plane of symmetry, pressed so that they slip outside: the node
+    on the plane has no friction, although the mean slip beside it is none; it converges where the interface is inclined
+    to the plane by more than 5 degrees as well."""
     stiff, soft = (di.LinearElastic(e, 0.3, hypothesis="plane_strain") for e in (10 * E, E))
     m = Model("two_blocks", {"master_body": stiff, "slave_body": soft}, lower_cells=(9, 4), upper_cells=(7, 4))
     x = m.mesh.geometry.x

@@ -114,18 +114,29 @@ void traction_derivative(const PenaltyPair& pair, const PenaltyState& state, std
 }
 
 /// Add a point's part to the block of its slave and master facet, block[(a*gdim + c)*size + b*gdim + d].
-void add_point(const PenaltyPair& pair, const PenaltyState& state, std::size_t q, double* block)
+/// @param convex only what is positive semi-definite
+void add_point(const PenaltyPair& pair, const PenaltyState& state, std::size_t q, bool convex, double* block)
 {
   const Variation v = vary(pair.points, pair.slave, pair.master, q);
   const int gdim = v.gdim, num = v.num, nodes = v.num_slave + v.num_master, size = nodes * gdim;
   const double* z = state.traction.data() + q * gdim;
   // Virtual work w (D . z): its derivative is w (D . dz - D,r . z dxi_r).
   double B[3 * 3 * Variation::max_num];
-  traction_derivative(pair, state, q, v, B);
-  for (int r = 0; r < v.k; ++r)
-    for (int c = 0; c < gdim; ++c)
+  if (convex)
+  {
+    const double* n = pair.points.normal.data() + q * gdim;
+    for (int i = 0; i < num; ++i)
       for (int j = 0; j < num; ++j)
-        B[((1 + r) * gdim + c) * num + j] = -z[c] * v.d_xi[r * num + j];
+        B[i * num + j] = i < gdim ? -pair.parameters.normal * n[i] * v.d_gap[j] : 0.0;
+  }
+  else
+  {
+    traction_derivative(pair, state, q, v, B);
+    for (int r = 0; r < v.k; ++r)
+      for (int c = 0; c < gdim; ++c)
+        for (int j = 0; j < num; ++j)
+          B[((1 + r) * gdim + c) * num + j] = -z[c] * v.d_xi[r * num + j];
+  }
   const double w = pair.points.weight[q];
   for (int b = 0; b < nodes; ++b)
   {
@@ -282,7 +293,7 @@ void add_force(const PenaltyPair& pair, const PenaltyState& state, std::span<dou
 }
 
 void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const std::int64_t> global_nodes,
-             Triplets& out)
+             bool convex, Triplets& out)
 {
   out.rows.clear();
   out.cols.clear();
@@ -304,7 +315,7 @@ void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const
       std::fill_n(block, nodes * nodes * p.gdim * p.gdim, 0.0);
       for (std::size_t other = q; other < first + p.per_facet; ++other)
         if (together(other, q))
-          add_point(pair, state, other, block);
+          add_point(pair, state, other, convex, block);
       emit(pair, q, block, global_nodes, out);
     }
 }

@@ -87,9 +87,11 @@ void add_force(const PenaltyPair& pair, const PenaltyState& state, std::span<dou
 
 /// Add minus the derivative of the contact force: what the stiffness matrix gains.
 /// @param[in] global_nodes global number of each node that the facets number; rows are gdim * global node + component
+/// @param[in] convex without what follows from points that slide and normals that turn, and without friction: positive
+/// semi-definite, so that a step with it goes down
 /// @param[in,out] out cleared first
 void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const std::int64_t> global_nodes,
-             Triplets& out);
+             bool convex, Triplets& out);
 
 /// The state is the last converged one from now on. (`gap` is for the caller to set.)
 void advance(const PenaltyState& state, PenaltyHistory& history);

@@ -15,7 +15,7 @@ from .pair import ContactStatus, check_pair, check_quadrature_degree
 from .output import ContactOutput
 
 BASES = ("dual", "standard", "linear")
-FAR = 10.0  # friction bounds that a trial traction is beyond where rest is out of the question
+FAR = 1e3  # friction bounds that a trial traction is beyond where rest is out of the question
 
 
 class Lagrange:

@@ -50,7 +50,7 @@ class Penalty:
     """
 
     def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None,
-                 balanced=False, max_augmentations=50):  # fmt: skip
+                 balanced=False, max_augmentations=200):  # fmt: skip
         given = dict(penalty=penalty, tangential=tangential, augmented=bool(augmented), tolerance=tolerance,
                      balanced=bool(balanced), max_augmentations=max_augmentations)  # fmt: skip
         with guard(comm_of(pair), "Penalty", pair=pair, quadrature_degree=quadrature_degree, **given):
@@ -80,6 +80,7 @@ class PenaltyContact(ContactOutput):
 
     initial = None
     constraints = None  # nothing to condense
+    convex = False  # the stiffness is the positive semi-definite part of the tangent
 
     def __init__(self, spec, problem):
         self.spec, self.pair, self.problem = spec, spec.pair, problem
@@ -289,7 +290,7 @@ class PenaltyContact(ContactOutput):
         """Derivative of minus the contact force, a matrix. Collective."""
         index_map = self.V.dofmap.index_map if self.pair.rigid else self.neighbours.map
         nodes = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
-        entries = self._pair.tangent(self._state, index_map.local_to_global(nodes))
+        entries = self._pair.tangent(self._state, index_map.local_to_global(nodes), self.convex)
         return matrix(self.comm, self.gdim * index_map.size_local, *entries)
 
     def pull(self):
