@@ -43,19 +43,6 @@ std::map<std::int64_t, double> nodal_areas(const Surface& s)
   return areas;
 }
 
-namespace
-{
-// The longest way between two vertices of a facet in the reference configuration; they come first in X.
-double width(const Facet& facet)
-{
-  double longest = 0;
-  for (Eigen::Index a = 0; a < Eigen::Index(facet.vertices.size()); ++a)
-    for (Eigen::Index b = 0; b < a; ++b)
-      longest = std::max(longest, (facet.X.row(a) - facet.X.row(b)).norm());
-  return longest;
-}
-} // namespace
-
 NodePairs::NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid,
                      std::optional<double> search_distance, const Vector& mass, const Matrix& displacement)
     : model_(model), slave_(std::move(slave)), master_(std::move(master)), rigid_(std::move(rigid)), mass_(mass),
@@ -66,7 +53,7 @@ NodePairs::NodePairs(const Model& model, Surface slave, Surface master, std::opt
   else
     for (const Surface* surface : {&slave_, &master_})
       for (const Facet& facet : surface->facets)
-        search_distance_ = std::max(search_distance_, width(facet));
+        search_distance_ = std::max(search_distance_, diameter(facet));
   if (not rigid_)
     master_areas_ = nodal_areas(master_);
   for (const auto& [node, area] : areas_)
@@ -93,90 +80,32 @@ Vec<double> NodePairs::master_moved(int n) const
   return rigid_ and n > 0 ? get(displacement_, n) - get(displacement_, n - 1) : Vec<double>{};
 }
 
-std::vector<Meeting> NodePairs::meet(const Vector& u, const Vector& moved, int level) const
+Vec<double> NodePairs::obstacle(int n) const
 {
-  std::vector<Meeting> result(nodes_.size());
-  if (rigid_)
-  {
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-    {
-      result[i].x = position(u, nodes_[i]);
-      const auto g = gap_and_normal<double>(*rigid_, get(displacement_, level), result[i].x);
-      result[i].gap = g.gap;
-      result[i].normal = g.normal;
-    }
-    return result;
-  }
-  std::map<std::int64_t, Vec<double>> normals;
-  const Matrix places = reference_nodes(slave_.type, slave_.degree);
-  for (const Facet& facet : slave_.facets)
-  {
-    const auto us = gather(slave_, facet, u);
-    for (int k = 0; k < slave_.num_nodes(); ++k)
-    {
-      Vec<double>& sum = normals[facet.nodes[k]];
-      const Local xi{places(k, 0), slave_.tdim() == 2 ? places(k, 1) : 0};
-      sum = sum + spot<double>(slave_, facet, us, xi).normal();
-    }
-  }
-  const Projector projector(master_, u, std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < nodes_.size(); ++i)
-  {
-    Meeting& m = result[i];
-    m.x = position(u, nodes_[i]);
-    const auto meets = [&](const Facet& facet, double gap, const Vec<double>& normal, const auto& f)
-    {
-      m.width = width(facet);
-      m.gap = gap;
-      m.normal = normal;
-      m.masters = facet.nodes;
-      m.phi.assign(f.N.begin(), f.N.begin() + std::ptrdiff_t(facet.nodes.size()));
-    };
-    Foot foot = projector.nearest(m.x, normals.at(nodes_[i]));
-    if (foot.facet < 0)
-      continue;
-    {
-      const Facet& facet = master_.facets[foot.facet];
-      Vec<double> relative = at(moved, nodes_[i]);
-      const auto f = facet_functions<double>(master_.type, master_.degree, foot.xi);
-      for (std::size_t j = 0; j < facet.nodes.size(); ++j)
-        relative = relative - f.N[j] * at(moved, facet.nodes[j]);
-      if (foot.distance > std::max(search_distance_, 2 * norm(relative)))
-        continue;
-    }
-    if (foot.dim < master_.tdim() and projector.on_rim(foot))
-    {
-      const Facet& facet = master_.facets[foot.facet];
-      const auto s = spot<double>(master_, facet, gather(master_, facet, u), foot.xi);
-      const Vec<double> d = m.x - s.x, n = s.normal();
-      const double depth = dot(d, n), far = 0.05 * width(facet);
-      if (norm(d - depth * n) < far)
-      {
-        meets(facet, depth, n, s.f);
-        continue;
-      }
-      m.beside = true;
-      m.below = depth < 0;
-    }
-    foot = projector.closest(m.x, normals.at(nodes_[i]));
-    if (foot.facet < 0)
-      continue;
-    const Facet& facet = master_.facets[foot.facet];
-    const auto projection = projector.follow<double>(foot, gather(master_, facet, u), m.x);
-    meets(facet, projection.gap, projection.normal, projection.f);
-  }
-  return result;
+  return rigid_ ? get(displacement_, n) : Vec<double>{};
 }
 
-bool Gate::lets(std::size_t i, const Meeting& before, const Meeting& now, bool closed)
+double NodePairs::smallest_diameter() const
+{
+  double least = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const Facet& facet : master_.facets)
+    least = std::min(least, diameter(facet));
+  for (const Facet& facet : slave_.facets)
+    largest = std::max(largest, diameter(facet));
+  return rigid_ ? largest : least;
+}
+
+bool Gate::lets(std::size_t i, const std::function<Meeting()>& before, const Meeting& now, bool closed)
 {
   // Who meets no facet keeps its mark: nothing says on which side it is.
-  const bool met = std::isfinite(now.gap), above = std::isfinite(before.gap) and before.gap > 0 and not before.below;
+  const bool met = std::isfinite(now.gap);
+  const auto from_above = [&](const Meeting& m)
+  { return std::isfinite(m.gap) and m.gap > -now.width / 2 and not m.below; };
   if (now.below)
     marked_[i] = true;
   else if (now.beside or (met and now.gap >= 0))
     marked_[i] = false;
-  else if (met and not closed and not above and -now.gap > now.width / 2)
+  else if (met and not closed and -now.gap > now.width / 2 and not from_above(before()))
     marked_[i] = true;
   return not marked_[i];
 }

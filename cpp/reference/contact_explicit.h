@@ -1,5 +1,7 @@
 #pragma once
+#include "contact_projection.h"
 #include "explicit.h"
+#include <functional>
 
 /// Node-to-surface contact in explicit dynamics as docs/explicit.md states it, with brute-force closest points.
 namespace impact::reference
@@ -26,11 +28,6 @@ public:
   NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid,
             std::optional<double> search_distance, const Vector& mass, const Matrix& displacement);
 
-  /// Closest points in a configuration.
-  /// @param moved motion of the step: masters within twice a node's motion against them count however far [L]
-  /// @param level of the rigid master's displacement
-  std::vector<Meeting> meet(const Vector& u, const Vector& moved, int level) const;
-
   const std::vector<std::int64_t>& nodes() const { return nodes_; }
   int gdim() const { return model_.gdim(); }
   std::int64_t num_dofs() const { return model_.num_dofs(); }
@@ -41,7 +38,10 @@ public:
 
   Vec<double> at(const Vector& field, std::int64_t node) const; ///< a node's value of a field
   Vec<double> position(const Vector& u, std::int64_t node) const;
+  Vec<double> obstacle(int n) const;     ///< displacement of the rigid master at t_n [L]
   Vec<double> master_moved(int n) const; ///< of the rigid master, from t_(n-1) to t_n [L]
+  /// D_min: least diameter of the master's facets; of a rigid master the largest of the slave's [L].
+  double smallest_diameter() const;
   /// Motion of the slave node against the master's point.
   Vec<double> relative(const Vector& motion, const Vec<double>& rigid, std::int64_t node, const Meeting& m) const;
   /// Adds f to the slave node and the opposite to the master.
@@ -52,6 +52,7 @@ public:
   void add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node, const Meeting& m) const;
 
 private:
+  friend class Configuration;
   const Model& model_;
   Surface slave_, master_;
   std::optional<Rigid> rigid_;
@@ -62,6 +63,59 @@ private:
   std::map<std::int64_t, double> areas_, master_areas_;
 };
 
+/// The longest distance between corners of a facet in the reference configuration [L].
+double diameter(const Facet& facet);
+
+/// Both surfaces at one time.
+class Configuration
+{
+public:
+  /// @param obstacle displacement of the rigid master [L]
+  Configuration(const NodePairs& pairs, const Vector& u, const Vec<double>& obstacle);
+  Configuration(const Configuration&) = delete;
+
+  /// The closest point of slave node i.
+  /// @param moved motion of the step: masters within twice the node's motion against them count [L]
+  /// @param closed in the step before: then they count however far
+  Meeting meet(std::size_t i, const Vector& moved, bool closed) const;
+
+private:
+  const NodePairs& pairs_;
+  Vector u_;
+  Vec<double> obstacle_;
+  std::map<std::int64_t, Vec<double>> normals_;
+  std::optional<Projector> projector_;
+};
+
+/// The straight motion of a step, at whose end slave nodes meet the master.
+class Approach
+{
+public:
+  /// @param end displacements at the step's end; of the rigid master those of time level `level` [L]
+  /// @param moved in the step (num_dofs) [L]
+  Approach(const NodePairs& pairs, const Vector& end, const Vector& moved, int level, double dt);
+
+  /// What slave node i meets at the end. If its way is long it is followed, and held back if it has come through the
+  /// surface.
+  /// @param closed in the step before
+  /// @throws std::runtime_error if the step is too long for it
+  Meeting arrival(std::size_t i, bool closed, bool marked) const;
+  /// What it met at the step's start.
+  Meeting departure(std::size_t i, bool closed) const;
+
+private:
+  Configuration at(double theta) const;
+  [[noreturn]] void refuse(std::int64_t node, const Vec<double>& x, double facets) const;
+
+  const NodePairs& pairs_;
+  Vector end_, moved_;
+  int level_;
+  double dt_, smallest_;
+  Configuration last_;
+  mutable std::optional<Configuration> first_; // made when it is asked for
+  double farthest_;                            // any node moves [L]
+};
+
 /// Slave nodes close only through the master's surface: who is below it beside its rim, or is found deep below it, is
 /// marked and stays open until it has been above.
 class Gate
@@ -69,9 +123,11 @@ class Gate
 public:
   explicit Gate(std::size_t num_nodes) : marked_(num_nodes, false) {}
   /// Whether slave node i may close now; once per step.
+  /// @param before at the step's start
   /// @param now where marks are set: the present configuration of penalty contact, the predicted one of kinematic
   /// @param closed in the step before
-  bool lets(std::size_t i, const Meeting& before, const Meeting& now, bool closed);
+  bool lets(std::size_t i, const std::function<Meeting()>& before, const Meeting& now, bool closed);
+  bool marked(std::size_t i) const { return marked_[i]; }
 
 private:
   std::vector<bool> marked_;
@@ -113,6 +169,7 @@ private:
   struct Spring
   {
     bool closed = false;
+    double gap = 0;                   // [L]
     double normal = 0, stiffness = 1; // while it is closed [F], [F/L]
     double e = 0;                     // taken from the bodies by normal forces beyond what is stored [F L]
     double q = 0;                     // the same of tangential forces, never positive [F L]
@@ -120,7 +177,6 @@ private:
   struct Direction
   {
     NodePairs pairs;
-    std::vector<Meeting> before; // without masters at the start
     std::vector<Spring> springs;
     Gate gate;
     Matrix traction, slip; // per slave node, as in ContactAnswer
@@ -154,7 +210,7 @@ private:
     Vec<double> moved, f;          // predicted relative motion, force
     double normal = 0, across = 0; // responses: 1 / effective mass along and across the normal
     bool cut = false;
-    bool leaves = false; // its force is known before the sweeps
+    bool leaves = false; // its normal force is known before the sweeps
   };
   // What a node's forces have taken since it closed, and the impulse of about 20 steps.
   struct Account

@@ -1,6 +1,5 @@
 #include "contact_explicit.h"
 #include <algorithm>
-#include <utility>
 
 namespace impact::reference
 {
@@ -12,8 +11,7 @@ NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, d
   {
     const ContactAnswer none = no_contact(pairs);
     const std::size_t count = none.status.size();
-    directions_.push_back({std::move(pairs), std::vector<Meeting>(count), std::vector<Spring>(count), Gate(count),
-                           none.traction, none.slip});
+    directions_.push_back({std::move(pairs), std::vector<Spring>(count), Gate(count), none.traction, none.slip});
   }
 }
 
@@ -90,17 +88,17 @@ double tangential_change(const Vec<double>& t, double k, const Vec<double>& acro
 void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool first)
 {
   const NodePairs& pairs = direction.pairs;
-  const auto before = std::exchange(direction.before, pairs.meet(step.u, step.moved, step.n));
-  const auto& meetings = direction.before;
+  const Approach approach(pairs, step.u, step.moved, step.n, step.dt);
   // A balanced pair's total is that on the slave of the first direction.
   const double sign = first ? 1 : -1;
-  for (std::size_t i = 0; i < meetings.size(); ++i)
+  for (std::size_t i = 0; i < pairs.nodes().size(); ++i)
   {
-    const Meeting& m = meetings[i];
     const std::int64_t node = pairs.nodes()[i];
     Spring& spring = direction.springs[i];
     const Spring last = spring;
-    const bool met = std::isfinite(m.gap), may_close = direction.gate.lets(i, before[i], m, last.closed);
+    const Meeting m = approach.arrival(i, last.closed, direction.gate.marked(i));
+    const auto before = [&] { return approach.departure(i, last.closed); };
+    const bool met = std::isfinite(m.gap), may_close = direction.gate.lets(i, before, m, last.closed);
     double delta = 0, r = 0;
     Vec<double> moved;
     if (met)
@@ -112,6 +110,7 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
         delta = overlap(m.gap, r);
     }
     spring.closed = delta > 0;
+    spring.gap = m.gap;
     spring.normal = 0;
 
     // What the node's force has taken in the step, but for the work of the force that is not known yet.
@@ -120,7 +119,7 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
     if (spring.closed or (met and may_close))
     {
       const double most = 2 * norm(moved);
-      change = last.closed ? std::clamp(m.gap - before[i].gap, -most, most) : r;
+      change = last.closed ? std::clamp(m.gap - last.gap, -most, most) : r;
       across = moved - r * m.normal;
     }
     const double k = spring.closed ? stiffness(pairs, node, m, step.dt) : last.stiffness;
@@ -202,11 +201,14 @@ double NodalPenalty::added_frequency(const Vector& u) const
     for (const Direction& direction : directions_)
     {
       const NodePairs& pairs = direction.pairs;
-      const auto meetings = pairs.meet(u, Vector::Zero(u.size()), 0);
+      const Configuration now(pairs, u, pairs.obstacle(0));
       double highest = 0;
-      for (std::size_t i = 0; i < meetings.size(); ++i)
-        if (const std::int64_t node = pairs.nodes()[i]; std::isfinite(meetings[i].gap))
-          highest = std::max(highest, stiffness(pairs, node, meetings[i], 1) * pairs.compliance(node, meetings[i]));
+      for (std::size_t i = 0; i < pairs.nodes().size(); ++i)
+        if (const Meeting m = now.meet(i, Vector::Zero(u.size()), false); std::isfinite(m.gap))
+        {
+          const std::int64_t node = pairs.nodes()[i];
+          highest = std::max(highest, stiffness(pairs, node, m, 1) * pairs.compliance(node, m));
+        }
       sum += highest;
     }
   return sum;
@@ -221,10 +223,10 @@ Entries NodalPenalty::springs(const Vector& u) const
   {
     const NodePairs& pairs = direction.pairs;
     const int d = pairs.gdim();
-    const auto meetings = pairs.meet(u, Vector::Zero(u.size()), 0);
-    for (std::size_t i = 0; i < meetings.size(); ++i)
+    const Configuration now(pairs, u, pairs.obstacle(0));
+    for (std::size_t i = 0; i < pairs.nodes().size(); ++i)
     {
-      const Meeting& m = meetings[i];
+      const Meeting m = now.meet(i, Vector::Zero(u.size()), false);
       if (not std::isfinite(m.gap))
         continue;
       const double k = stiffness(pairs, pairs.nodes()[i], m, 1);

@@ -80,16 +80,17 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
   const Matrix slip_before = answer_.slip;
   answer_ = no_contact(pairs_);
   const Vector motion = predicted - step.u;
-  const auto before = pairs_.meet(step.u, motion, step.n), meetings = pairs_.meet(predicted, motion, step.n + 1);
+  const Approach approach(pairs_, predicted, motion, step.n + 1, step.dt);
   const Vec<double> rigid = pairs_.master_moved(step.n + 1);
 
   std::vector<Closed>& closed = closed_;
   closed.clear();
-  for (std::size_t i = 0; i < meetings.size(); ++i)
+  for (std::size_t i = 0; i < pairs_.nodes().size(); ++i)
   {
-    const Meeting& m = meetings[i];
+    const Meeting m = approach.arrival(i, was_closed_[i], gate_.marked(i));
+    const auto before = [&] { return approach.departure(i, was_closed_[i]); };
     answer_.gap(i) = m.gap;
-    const bool may_close = gate_.lets(i, before[i], m, was_closed_[i]), closes = may_close and m.gap < 0;
+    const bool may_close = gate_.lets(i, before, m, was_closed_[i]), closes = may_close and m.gap < 0;
     const bool leaves =
         was_closed_[i] and accounts_[i].energy > 0 and std::isfinite(m.gap) and m.gap >= 0 and not m.beside;
     if (closes and not was_closed_[i])
@@ -112,11 +113,7 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
   for (Closed& c : closed)
   {
     if (c.leaves)
-    {
       c.f = release(c, step, predicted, sums) * c.m.normal;
-      c.cut = true;
-      continue;
-    }
     for (int k = 0; k < d; ++k)
     {
       double sum = step.inverse(d * c.node + k);
@@ -150,11 +147,9 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
     const double factor = (sweep % 2 == 0 ? 1.0 : 1.5) / step.h; // sweeps 2, 4, ... over-relaxed
     for (Closed& c : closed)
     {
-      if (c.leaves)
-        continue;
       const Vec<double>& n = c.m.normal;
       const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m);
-      if (c.normal > 0)
+      if (c.normal > 0 and not c.leaves)
         c.f = c.f + (factor * (-c.m.gap - dot(n, so_far)) / c.normal) * n;
       if (friction_ > 0 and c.across > 0)
         c.f = c.f - (factor / c.across) * tangential(c.moved + so_far, n);
@@ -185,13 +180,13 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
     answer_.total = answer_.total + c.f;
     answer_.friction = answer_.friction + t;
     answer_.gap(c.row) = c.m.gap + dot(n, so_far);
-    if (not c.leaves and not(dot(c.f, n) > 0))
+    if (not(dot(c.f, n) > 0))
       continue;
     answer_.status[c.row] = c.cut ? ContactStatus::slip : ContactStatus::stick;
     for (int k = 0; k < d; ++k)
     {
       answer_.traction(c.row, k) = friction_ > 0 ? t[k] : 0;
-      answer_.slip(c.row, k) = slip_before(c.row, k) + (c.leaves ? 0 : slip[k]);
+      answer_.slip(c.row, k) = slip_before(c.row, k) + slip[k];
     }
   }
 }

@@ -84,7 +84,8 @@ def test_sticking_nodes_do_not_slip():
     stuck = history.status[:-1] == STICK
     assert stuck.sum() > 20
     assert np.abs(np.diff(place[..., 1], axis=0)[stuck]).max() < 1e-15
-    assert np.abs(place[1:, :, 0][stuck] - 0.02).max() < 1e-15
+    stays = stuck & (history.status[1:] > 0)  # the others leave, without slip
+    assert stays.sum() > 15 and np.abs(place[1:, :, 0][stays] - 0.02).max() < 1e-15
     force = history.total[:, 0]
     assert np.abs(run.energies["drift"]).max() < 1e-12 and force.min() < 0
 

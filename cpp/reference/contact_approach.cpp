@@ -1,0 +1,170 @@
+#include "contact_explicit.h"
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+// What a slave node meets in a step: docs/explicit.md, "Contact by penalty" and "Through the surface".
+namespace impact::reference
+{
+namespace
+{
+// The mean of the unit normals of a node's facets, not normalised.
+std::map<std::int64_t, Vec<double>> nodal_normals(const Surface& surface, const Vector& u)
+{
+  std::map<std::int64_t, Vec<double>> normals;
+  const Matrix places = reference_nodes(surface.type, surface.degree);
+  for (const Facet& facet : surface.facets)
+  {
+    const auto us = gather(surface, facet, u);
+    for (int k = 0; k < surface.num_nodes(); ++k)
+    {
+      Vec<double>& sum = normals[facet.nodes[k]];
+      const Local xi{places(k, 0), surface.tdim() == 2 ? places(k, 1) : 0};
+      sum = sum + spot<double>(surface, facet, us, xi).normal();
+    }
+  }
+  return normals;
+}
+} // namespace
+
+double diameter(const Facet& facet)
+{
+  double longest = 0;
+  for (Eigen::Index a = 0; a < Eigen::Index(facet.vertices.size()); ++a)
+    for (Eigen::Index b = 0; b < a; ++b)
+      longest = std::max(longest, (facet.X.row(a) - facet.X.row(b)).norm());
+  return longest;
+}
+
+Configuration::Configuration(const NodePairs& pairs, const Vector& u, const Vec<double>& obstacle)
+    : pairs_(pairs), u_(u), obstacle_(obstacle)
+{
+  if (pairs.rigid_)
+    return;
+  normals_ = nodal_normals(pairs.slave_, u_);
+  projector_.emplace(pairs.master_, u_, std::numeric_limits<double>::infinity());
+}
+
+Meeting Configuration::meet(std::size_t i, const Vector& moved, bool closed) const
+{
+  Meeting m;
+  const std::int64_t node = pairs_.nodes_[i];
+  m.x = pairs_.position(u_, node);
+  if (pairs_.rigid_)
+  {
+    const auto g = gap_and_normal<double>(*pairs_.rigid_, obstacle_, m.x);
+    m.gap = g.gap;
+    m.normal = g.normal;
+    return m;
+  }
+  const Surface& master = pairs_.master_;
+  const auto meets = [&](const Facet& facet, double gap, const Vec<double>& normal, const auto& f)
+  {
+    m.width = diameter(facet);
+    m.gap = gap;
+    m.normal = normal;
+    m.masters = facet.nodes;
+    m.phi.assign(f.N.begin(), f.N.begin() + std::ptrdiff_t(facet.nodes.size()));
+  };
+  Foot foot = projector_->nearest(m.x, normals_.at(node));
+  if (foot.facet < 0)
+    return m;
+  if (not closed)
+  {
+    const Facet& facet = master.facets[foot.facet];
+    Vec<double> relative = pairs_.at(moved, node);
+    const auto f = facet_functions<double>(master.type, master.degree, foot.xi);
+    for (std::size_t j = 0; j < facet.nodes.size(); ++j)
+      relative = relative - f.N[j] * pairs_.at(moved, facet.nodes[j]);
+    if (foot.distance > std::max(pairs_.search_distance_, 2 * norm(relative)))
+      return m;
+  }
+  if (foot.dim < master.tdim() and projector_->on_rim(foot))
+  {
+    const Facet& facet = master.facets[foot.facet];
+    const auto s = spot<double>(master, facet, gather(master, facet, u_), foot.xi);
+    const Vec<double> d = m.x - s.x, n = s.normal();
+    const double depth = dot(d, n), far = 0.05 * diameter(facet);
+    if (norm(d - depth * n) < far)
+    {
+      meets(facet, depth, n, s.f);
+      return m;
+    }
+    m.beside = true;
+    m.below = depth < 0;
+  }
+  foot = projector_->closest(m.x, normals_.at(node));
+  if (foot.facet < 0)
+    return m;
+  const Facet& facet = master.facets[foot.facet];
+  const auto projection = projector_->follow<double>(foot, gather(master, facet, u_), m.x);
+  meets(facet, projection.gap, projection.normal, projection.f);
+  return m;
+}
+
+Approach::Approach(const NodePairs& pairs, const Vector& end, const Vector& moved, int level, double dt)
+    : pairs_(pairs), end_(end), moved_(moved), level_(level), dt_(dt), smallest_(pairs.smallest_diameter()),
+      last_(at(1)), farthest_(0)
+{
+  for (Eigen::Index k = 0; k < moved.size(); k += pairs.gdim())
+    farthest_ = std::max(farthest_, moved.segment(k, pairs.gdim()).norm());
+}
+
+Configuration Approach::at(double theta) const
+{
+  return {pairs_, end_ - (1 - theta) * moved_, pairs_.obstacle(level_) - (1 - theta) * pairs_.master_moved(level_)};
+}
+
+Meeting Approach::departure(std::size_t i, bool closed) const
+{
+  if (not first_)
+    first_.emplace(pairs_, end_ - moved_, pairs_.obstacle(level_) - pairs_.master_moved(level_));
+  return first_->meet(i, moved_, closed);
+}
+
+Meeting Approach::arrival(std::size_t i, bool closed, bool marked) const
+{
+  const Meeting now = last_.meet(i, moved_, closed);
+  const std::int64_t node = pairs_.nodes()[i];
+  const Vec<double> obstacle = pairs_.master_moved(level_);
+  // No node moves by more than this against a point of the master (shape functions of degree 2 add up to 5 / 3).
+  if (marked or norm(pairs_.at(moved_, node)) + 2 * farthest_ + norm(obstacle) <= smallest_ / 2)
+    return now;
+  const Meeting before = departure(i, closed);
+  if (not std::isfinite(before.gap))
+    return now;
+  const Vec<double> way = pairs_.relative(moved_, obstacle, node, before);
+  if (norm(way) <= smallest_ / 2 or not(before.gap > 0 or closed))
+    return now;
+
+  const auto through = [](const Meeting& m) { return m.gap < 0 and not m.beside; };
+  const int parts = int(std::min(1000.0, std::ceil(2 * norm(way) / smallest_)));
+  for (int part = 1; part <= parts; ++part)
+  {
+    const double theta = double(part) / parts;
+    const Meeting met = part == parts ? now : at(theta).meet(i, moved_, closed);
+    if (not through(met))
+      continue;
+    const double come = dot(met.normal, way);
+    const double width = std::isfinite(met.width) ? met.width : smallest_;
+    if (-come > width and not closed)
+      refuse(node, before.x, -come / width);
+    const double gap = met.gap + (1 - theta) * come;
+    if ((through(now) and now.gap < gap + width / 2) or not(gap < 0))
+      return now;
+    Meeting held = met;
+    held.x = now.x;
+    held.gap = gap;
+    return held;
+  }
+  return now;
+}
+
+void Approach::refuse(std::int64_t node, const Vec<double>& x, double facets) const
+{
+  std::ostringstream message;
+  message << "node " << node << " at (" << x[0] << ", " << x[1] << ", " << x[2] << ") goes through the master by "
+          << facets << " facets in one step: take steps of " << 0.9 / facets * dt_ << " or less";
+  throw std::runtime_error(message.str());
+}
+} // namespace impact::reference
