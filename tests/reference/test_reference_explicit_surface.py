@@ -96,8 +96,8 @@ def test_steps_longer_than_a_facet_are_refused(cell, kind):
 
 @pytest.mark.parametrize("shift, held", [(0.0, True), (0.1, False)])
 def test_who_is_past_a_thin_plate_is_held_by_it(shift, held):
-    """From 0.1 above a plate to 0.03 below the top of another one, or 0.13 below it: the depth below the first one is 1.05,
-    its facet is 2 wide."""
+    """From 0.1 above a plate to 0.03 below the top of another one, or 0.13 below it: the depth below the first one is
+    1.05, its facet is 2 wide."""
     plates = [
         box("quadrilateral", (1, 1), mapping=lambda x, z=z: [2 * x[0] - 1, 0.1 * x[1] + z]) for z in (-0.1, -1.12)
     ]
@@ -132,8 +132,8 @@ def test_who_is_past_a_thin_plate_is_held_by_it(shift, held):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_small_ball_is_not_passed_through(kind):
-    """A mass in whose way a ball of radius 0.2 lies, 0.05 beside its middle, is behind it after a step of 0.9: the gap is
-    that half way plus the other half along the normal there."""
+    """A mass in whose way a ball of radius 0.2 lies, 0.05 beside its middle, is behind it after a step of 0.9: the gap
+    is that half way plus the other half along the normal there."""
     model, free, right = single_mass()
     v0 = np.zeros(8)
     v0[free] = 0.9
