@@ -176,6 +176,11 @@ def entry(value, column=0):
     return change
 
 
+def other_node(nodes):
+    """The first node becomes the least that is not among them."""
+    return np.concatenate([[min(set(range(len(nodes) + 1)) - set(nodes.tolist()))], nodes[1:]]).astype(nodes.dtype)
+
+
 def check_content_that_cannot_be():
     """With a good seal, as a faulty program would write it: times, steps, plans, shapes, numbers of nodes, states."""
     bad = {
@@ -216,7 +221,7 @@ def check_content_that_cannot_be():
         "nodes elsewhere": (table("nodes/x", lambda d: d * 1.001), "nodes lie elsewhere"),
         "contact's nodes beyond": (table("some/contact0_0/nodes", lambda d: d + 100000), "contact0_0/nodes"),
         "contact's nodes twice": (table("some/contact0_0/nodes", lambda d: 0 * d), "contact0_0/nodes"),
-        "a contact's node": (table("some/contact0_0/nodes", entry(0)), "contact0_0|supports"),
+        "a contact's node": (table("some/contact0_0/nodes", other_node), "contact0_0|supports"),
         "state": (table("some/contact0_0/values", entry(2.0, -2)), "state"),
         "facet": (table("some/contact0_0/values", entry(1e9, -1)), "facets"),
         "half a facet": (table("some/contact0_0/values", entry(1.5, -1)), "facets"),
