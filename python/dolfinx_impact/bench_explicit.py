@@ -195,13 +195,14 @@ def output_rows(n, steps=1000, rounds=2):
     writing = 0.0
     with tempfile.TemporaryDirectory() as folder:
         recorder = problem.record(Path(folder) / "run", every=100)
-        begin, first = time.perf_counter(), problem.step
+        # The first frame, which brings the mesh, was written before the loop: it is no part of it.
+        begin, first, before = time.perf_counter(), problem.step, recorder.seconds
         for _ in range(rounds):
             problem.advance(problem.time + steps * 0.9 * problem._safe, progress=False)
             saved = time.perf_counter()
             problem.save(Path(folder) / "checkpoint.h5")
             writing += time.perf_counter() - saved
-        loop, writing = time.perf_counter() - begin, writing + recorder.seconds
+        loop, writing = time.perf_counter() - begin, writing + recorder.seconds - before
         count = problem.step - first
         recorder.close()
     label = f"hexahedron P1, {setup.num_cells} cells"

@@ -92,14 +92,15 @@ def write(path, problem, arrays, nodal, ranks, attributes):
     part = path.with_name(path.name + ".part")
     begin, cells = nodes_of(problem.space)
     mine = dict(zip(CELLS, (input_cells(problem.space.mesh), cells)))
-    mine |= {f"nodes/{name}": rows for name, rows in {"x": places(problem.space), **arrays}.items()}
+    x = places(problem.space)
+    mine |= {f"nodes/{name}": rows for name, rows in {"x": x, **arrays}.items()}
     for name, (nodes, rows) in {"supports": supports(problem), **nodal}.items():
         mine[f"some/{name}/nodes"] = np.asarray(nodes, dtype=np.int64) + begin
         mine[f"some/{name}/values"] = rows
     mine |= {f"ranks/{name}": np.asarray(row)[None] for name, row in ranks.items()}
     mine = {name: np.ascontiguousarray(rows) for name, rows in mine.items()}
     counts = comm.allgather([len(rows) for rows in mine.values()])
-    attributes = {"format": FORMAT, "ranks": comm.size, **signature(problem), **attributes}
+    attributes = {"format": FORMAT, "ranks": comm.size, **signature(problem, x), **attributes}
     sketch = offsets = None
 
     def place():
@@ -175,7 +176,7 @@ class Reader:
         self.problem, self.comm, self.path = problem, problem.comm, Path(path)
         self._nodal_columns = {"supports": 3 * problem.space.dofmap.index_map_bs, **nodal}
         self._array_columns, self._rank_columns = {"x": problem.space.mesh.geometry.dim, **arrays}, ranks
-        here = signature(problem)
+        here = signature(problem, places(problem.space))
         self._guarded(self._open)
         error = _together(self.comm, lambda: self._compare(here, attributes))
         if error:

@@ -48,18 +48,18 @@ class Frames:
         said = str(error).strip().splitlines()[0]
         return RuntimeError(f"{self.path} cannot be written ({said}): make room there, or name another folder")
 
-    def _hold(self, size, keep=True):
-        """Find room for a number of bytes, and keep it if so wanted. Collective."""
+    def _hold(self, size, more=0):
+        """Find room for `size` bytes, which is kept, and for `more`, which is given back at once. Collective."""
 
         def work():
             try:
-                with open(self._spare, "wb") as file:
-                    reserve(file.fileno(), 0, size)
+                with open(self._spare, "ab") as file:
+                    reserve(file.fileno(), 0, size + more)
+                    file.truncate(size)
             except OSError:
-                self._spare.unlink(missing_ok=True)
+                if not more:
+                    self._spare.unlink(missing_ok=True)
                 raise
-            if not keep:
-                self._spare.unlink()
 
         self.folder._write(self.path.name, work)
 
@@ -79,11 +79,7 @@ class Frames:
                 raise OSError(27, f"File too large: the process may write {limit} bytes into one", str(self.path))
             return need
 
-        need = self.folder._write(self.path.name, needed)
-        try:
-            self._hold(END + need)
-        finally:  # of a disk that is full too: what was held before has room again
-            self._hold(END)
+        self._hold(END, self.folder._write(self.path.name, needed))
 
     def write(self, now):
         """Add a frame of the present values.

@@ -14,12 +14,15 @@ from mpi4py import MPI
 LONG = 2000  # characters of a text that are kept; of longer ones a checksum
 
 
-def signature(problem):
-    """Dict of texts, whole numbers and, under "sums", arrays. Collective."""
+def signature(problem, x):
+    """Dict of texts, whole numbers and, under "sums", arrays. Collective.
+
+    Args:
+        x: reference positions of this rank's owned nodes, (n, gdim) [L].
+    """
     V, mesh, comm = problem.space, problem.space.mesh, problem.comm
     n, bs = V.dofmap.index_map.size_local, V.dofmap.index_map_bs
     mass = problem.mass.array[: n * bs].reshape(n, bs)[:, 0]
-    x = V.tabulate_dof_coordinates()[:n]
     out = {
         "cell": mesh.topology.cell_name(),
         "degree": int(V.element.basix_element.degree),

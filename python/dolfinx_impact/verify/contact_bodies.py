@@ -95,9 +95,10 @@ class TwoBodies(bodies.Body):
         self.nodes = self.order[:: self.gdim] // self.gdim  # theirs at ours
         self.size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
-    def pair(self):
-        """Our ContactPair; every point finds its master, as on the other side without search distance."""
-        master, reach = (self.rigid[0], None) if self.rigid else (MASTER, self.size)
+    def pair(self, everywhere=True):
+        """Our ContactPair. In statics every point finds its master, as on the other side without search distance; in
+        explicit runs both sides have the same default."""
+        master, reach = (self.rigid[0], None) if self.rigid else (MASTER, self.size if everywhere else None)
         return contact.ContactPair(self.tags, SLAVE, master, self.friction, search_distance=reach)
 
     def theirs(self, points_and_weights):

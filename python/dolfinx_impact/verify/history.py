@@ -327,7 +327,7 @@ def ours(case, steps):
         if body.rigid:
             motion = case.obstacle
             body.rigid[0].motion = None if motion is None else lambda t: np.pad(motion(t), (0, 3 - body.gdim))
-        contacts = [kind(body.pair(), **case.options)]
+        contacts = [kind(body.pair(everywhere=False), **case.options)]
     problem = ExplicitProblem(
         u, body.material, velocity=v, bcs=bcs, loads=loads, contact=contacts, scheme=case.scheme,
         damping=materials.Rayleigh(*case.damping), bulk_viscosity=case.viscosity,

@@ -97,7 +97,7 @@ def calls_of_problems(s):
         ("StaticProblem, residual", lambda F: static(residual=F), s.form, s.another, ValueError, "residual differs"),
         ("StaticProblem, residual of a kind", lambda F: static(residual=F), s.form, "F", TypeError, "UFL form"),
         ("StaticProblem, function of a residual", lambda w: static(u=w, residual=s.form), s.u, vector, ValueError,
-         "differs"),
+         "does not contain the displacement"),
         ("StaticProblem, options", lambda o: static(options=o), {"ksp_type": "cg"}, {"ksp_type": "gmres"}, ValueError,
          "options differs"),
         ("StaticProblem, options of a kind", lambda o: static(options=o), None, "cg", TypeError, "dict"),
