@@ -334,8 +334,8 @@ void NodeToSurface::record(double h, double dt)
     if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
       for (int c = 0; c < D; ++c)
         _results.slip[i * D + c] += slip[c];
-    _closed[i] = _results.status[i] != ContactStatus::open;
-    if (_closed[i] == 0)
+    _closed[i] = 1;
+    if (_results.status[i] == ContactStatus::open)
       std::fill_n(_results.slip.data() + i * D, D, 0.0);
   }
   _obstacle_before = _obstacle_increment;

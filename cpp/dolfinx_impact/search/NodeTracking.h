@@ -158,7 +158,7 @@ private:
   // Normals of the slave.
   /// By how much a node's normal can have changed since it was evaluated; more than Turning::most is not known.
   double turned(std::size_t i) const { return _node[i].rate * (_bent + _node[i].bent); }
-  void update_normal(std::size_t i, const double* u);
+  const double* present_normal(std::size_t i, const double* u, double* space);
   bool faces(std::size_t i, const double* normal, const double* u);
   // Nodes that sleep.
   struct Rest;

@@ -11,7 +11,7 @@ namespace
 using surface::FacetElement;
 using surface::FacetShape;
 constexpr double list_budget = 0.5; ///< of the nearest facet's diameter: travel for which a list is good
-constexpr double renewal = 0.8;     ///< by how much a normal may be uncertain just after it was evaluated
+constexpr double renewal = 0.8;     ///< of normals: uncertain by more, they are all evaluated anew
 constexpr int max_values = 3 * FacetElement::max_nodes;
 
 /// A number no greater than x.
@@ -52,18 +52,25 @@ bool NodeTracking::within(std::size_t i, std::int32_t f, const FacetProjection& 
   return at.distance * at.distance <= 4 * squared;
 }
 
-void NodeTracking::update_normal(std::size_t i, const double* u)
+/// A node's normal in the present configuration. It is kept if that is nearer to where the motions count from: then it
+/// is good for longer.
+const double* NodeTracking::present_normal(std::size_t i, const double* u, double* space)
 {
   Node& node = _node[i];
   if (_keep_normals && std::isfinite(node.bent))
-    return;
+    return node.normal;
   ++_counters.normals;
-  node.rate = _normals.evaluate(i, u, nullptr, node.normal);
-  node.bent = _bent;
-  if (2 * _bent * node.rate > renewal)
+  if (_bent < node.bent)
+  {
+    const double rate = _normals.evaluate(i, u, nullptr, node.normal);
+    node.rate = _keep_normals ? 0.0 : rate;
+    node.bent = _bent;
+    return node.normal;
+  }
+  if (turned(i) > renewal)
     ask_renewal();
-  if (_keep_normals)
-    node.rate = 0.0;
+  _normals.evaluate(i, u, nullptr, space);
+  return space;
 }
 
 /// Does a facet with this normal face node i in the present configuration?
@@ -72,8 +79,8 @@ bool NodeTracking::faces(std::size_t i, const double* normal, const double* u)
   const double along = dot(normal, _node[i].normal, _gdim), change = turned(i);
   if (change <= Turning::most && std::abs(along) > change)
     return along < 0.0;
-  update_normal(i, u); // exact for now
-  return dot(normal, _node[i].normal, _gdim) < 0.0;
+  double space[3];
+  return dot(normal, present_normal(i, u, space), _gdim) < 0.0;
 }
 
 Projection NodeTracking::query(std::size_t i, Configuration at, const double* slave_normal, const double* motion,
@@ -191,8 +198,8 @@ Projection NodeTracking::locate(std::size_t i, const double* u, const double* du
     return out;
   ++_counters.queries;
   Near near;
-  update_normal(i, u);
-  out = query(i, {u, nullptr, true}, node.normal, du, _travel - _fitted, _shift, near);
+  double space[3];
+  out = query(i, {u, nullptr, true}, present_normal(i, u, space), du, _travel - _fitted, _shift, near);
   // The list: the nearest `most`, in the order of the facets.
   node.count = std::min(near.num, int(most));
   std::sort(near.facets.begin(), near.facets.begin() + node.count,

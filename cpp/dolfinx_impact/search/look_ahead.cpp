@@ -1,6 +1,7 @@
 #include "NodeTracking.h"
 #include "linear_facet.h"
 #include <algorithm>
+#include <cmath>
 
 // Nodes that stay over their facets, many at a time.
 namespace impact::search
@@ -42,8 +43,9 @@ void NodeTracking::project_ahead(const double* u)
     if (node.winner < 0 || (node.held >= 0 && node.winner != node.held) || !(_travelled[i].now < node.expire) ||
         asleep(i))
       continue;
-    if (!(turned(i) <= Turning::most))
-      update_normal(i, u);
+    double space[3];
+    if (!std::isfinite(node.bent)) // evaluated and kept
+      present_normal(i, u, space);
     std::copy_n(_corners.data() + std::size_t(node.winner) * N, N, facets[num]);
     nodes[num++] = std::int32_t(i);
   }
@@ -58,7 +60,8 @@ void NodeTracking::project_ahead(const double* u)
       _block.point[c][l] = node.x[c];
       _block.slave_normal[c][l] = node.normal[c];
     }
-    _block.turned[l] = turned(nodes[l]);
+    const double change = turned(nodes[l]);
+    _block.turned[l] = change <= Turning::most ? change : 2.0; // more than any scalar product
     for (int a = 0; a < 2; ++a)
       _block.xi[a][l] = node.held >= 0 ? node.xi[a] : middle[a];
     _block.orientation[l] = _master.orientation[node.winner];

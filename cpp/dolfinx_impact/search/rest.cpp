@@ -11,7 +11,7 @@ namespace
 using surface::FacetElement;
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double least_margin = 0.1; ///< |nu_i . nu_m| below this: facing may change soon
-constexpr double fresh = 0.4;        ///< a normal that can have turned by more is evaluated anew
+constexpr double doubtful = 0.8;     ///< a normal that can have turned by more tells too little
 constexpr double few_steps = 4.0;    ///< less is not worth looking how long a node may sleep
 constexpr double list_room = 0.25;   ///< of the largest facet: a list that is good for less is not worth it
 } // namespace
@@ -70,8 +70,11 @@ void NodeTracking::release(std::size_t i, const Projection& at, const double* u)
   _turn_wake[i] = never;
   if (!(at.clearance > few_steps * _step)) // not for a few steps
     return;
-  if (!(turned(i) <= fresh))
-    update_normal(i, u);
+  double space[3];
+  if (!std::isfinite(node.bent)) // evaluated and kept
+    present_normal(i, u, space);
+  if (!(turned(i) <= doubtful))
+    return ask_renewal();
   Rest rest{at.facet >= 0, radius(), std::min(at.clearance, _reach)};
   const double complete = node.complete - now;
   const auto listed = [&](double limit)
@@ -123,8 +126,6 @@ void NodeTracking::release(std::size_t i, const Projection& at, const double* u)
     const double allowed = std::min(0.5 * rest.margin, Turning::most) / std::max(rest.rate, node.rate);
     _turn_wake[i] = allowed - _bent - _master_bent;
     _least_wake = std::min(_least_wake, _turn_wake[i]);
-    if (allowed < _bent + _master_bent)
-      ask_renewal();
   }
 }
 
