@@ -99,13 +99,16 @@ bool Gate::lets(std::size_t i, const std::function<Meeting()>& before, const Mee
 {
   // Who meets no facet keeps its mark: nothing says on which side it is.
   const bool met = std::isfinite(now.gap);
-  const auto from_above = [&](const Meeting& m)
-  { return std::isfinite(m.gap) and m.gap > -now.width / 2 and not m.below; };
+  const auto sideways = [&](const Meeting& m)
+  {
+    const bool over = std::isfinite(m.gap) and not m.below;
+    return not over or (-now.gap > now.width / 2 and m.gap <= -now.width / 2);
+  };
   if (now.below)
     marked_[i] = true;
   else if (now.beside or (met and now.gap >= 0))
     marked_[i] = false;
-  else if (met and not closed and -now.gap > now.width / 2 and not from_above(before()))
+  else if (met and not closed and -now.gap > now.width / 20 and sideways(before()))
     marked_[i] = true;
   return not marked_[i];
 }

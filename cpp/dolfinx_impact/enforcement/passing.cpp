@@ -10,6 +10,7 @@ using search::Projection;
 
 namespace
 {
+constexpr double shallow = 0.05; ///< of the facet: as deep a node may be met at first, as it may be beside the rim
 constexpr int most_parts = 1000; ///< of a step's way: who moves by more than 500 facets is found out somewhere
 
 /// Below the surface, not beside its rim.
@@ -27,18 +28,20 @@ bool NodeToSurface::barred(const Touch& touch, const double* u, const double* du
   std::int8_t& closed = _closed[touch.i];
   if (_rigid || !std::isfinite(at.gap))
     return closed == came_in;
-  const double half = 0.5 * _tracking.diameter(at.facet);
+  const double diameter = _tracking.diameter(at.facet);
   if (at.rim == Projection::Rim::below)
     closed = came_in;
   else if (at.rim == Projection::Rim::beside || !(at.gap < 0.0))
     closed = closed == came_in ? 0 : closed;
-  else if (closed == 0 && -at.gap > half)
+  else if (closed == 0 && -at.gap > shallow * diameter)
   {
     const Projection before = _tracking.locate_before(touch.i, u, du);
-    if (!(before.gap > -half && std::isfinite(before.gap) && before.rim != Projection::Rim::below))
+    const bool met = std::isfinite(before.gap) && before.rim != Projection::Rim::below;
+    const double depth = 0.5 * diameter;
+    if (!met || (-at.gap > depth && !(before.gap > -depth)))
     {
       closed = came_in;
-      ++_implausible;
+      _implausible += -at.gap > depth;
     }
   }
   return closed == came_in;

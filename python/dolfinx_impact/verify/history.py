@@ -334,9 +334,8 @@ def ours(case, steps):
     )  # fmt: skip
     dt = case.part * problem.stable_step()
     states = []  # the callback's first is the start
-    # Bodies that tumble over an edge may gain energy there, by rules that both sides share: that is no difference.
     problem.advance(
-        steps * dt, dt=dt, progress=False, energy_limits=None,
+        steps * dt, dt=dt, progress=False,
         callback=lambda p: states.append((p.u.x.array.copy(), p.velocity.x.array.copy())),
     )  # fmt: skip
     return problem, dt, [np.array(s) for s in zip(*states)]

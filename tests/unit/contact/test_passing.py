@@ -69,3 +69,26 @@ def test_the_message_names_the_node():
         problem.advance(3 * dt, dt=dt, progress=False)
     assert problem.time == 0.0 and not problem.u.x.array.any()
     np.testing.assert_allclose(problem.velocity.x.array.reshape(-1, 2)[:, 1], -2.2 * h / dt)
+
+
+@METHODS
+def test_who_begins_to_face_inside_the_master_is_not_pushed_out(method):
+    """A little block lies inside the master, with its slave side, which faces sideways, under the surface by a quarter
+    to a half of a facet; as it spins the side comes to face the surface. Nobody has come through that: no force, and no
+    energy from nowhere."""
+    h = 0.25
+    bodies = Bodies(
+        ((0, -1.0), (4 * h, 0.0), (4, 4), (0, 0)),
+        ((2 * h, -0.12), (2 * h + 0.06, -0.06), (1, 1), (0, 0)),
+    )
+    nodes, _ = bodies.bodies[1]
+    arm = bodies.X[nodes] - bodies.X[nodes].mean(axis=0)
+    bodies.velocity.x.array.reshape(-1, 2)[nodes] = 0.5 * np.column_stack([-arm[:, 1], arm[:, 0]])
+    pair = bodies.pair((1, "left"), (0, "top"))
+    problem = bodies.problem(method(pair), held=(0,))
+    gaps = []
+    problem.advance(0.4, progress=False, callback=lambda p: gaps.append(p.contact[0].gap.copy()))
+    assert np.all(gaps[0] == np.inf) and -0.5 * h < gaps[-1].min() and gaps[-1].max() < -0.2 * h  # seen, inside
+    assert not np.any(problem.force_history[0])
+    kinetic = problem.energy_history[:, 1]
+    assert kinetic.max() < (1 + 1e-3) * kinetic[0]  # but for what the block stores as its spin stretches it
