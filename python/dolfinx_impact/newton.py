@@ -24,6 +24,7 @@ LOOSE_DIGITS = 1e-3  # of linear solutions while the active set moves
 MAX_CHANGES = 60  # changes of the active set in one linear problem
 PLAIN = 6  # iterations without a line search
 PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # of a Newton step that a line search tries
+SEARCHES, STEEP = 8, 0.5  # evaluations of a line search; slope in its end, of that in its start
 
 
 class Newton:
@@ -128,8 +129,10 @@ class Newton:
             if period and moved:  # the same states again: half a step leads out of the circle
                 p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
             elif self.rough and moved and (circled if self.conservative else iteration - round_start >= PLAIN):
-                if not self._backtrack(start, norm) and self.conservative:
+                if self.conservative:
                     self._descend(K, start, residual, digits, log)
+                else:
+                    self._backtrack(start, norm)
         return did_not_converge(result, self, moved, small, pending, violation)
 
     @contextlib.contextmanager
@@ -139,8 +142,7 @@ class Newton:
         self.seconds[part] += time.perf_counter() - start
 
     def _backtrack(self, start, norm):
-        """Go back towards `start`, by halves, until the residual is less than the norm there, at most four times;
-        returns whether it is.
+        """Go back towards `start`, by halves, until the residual is less than the norm there, at most four times.
 
         Points that change between stick and slip can lead Newton's method round in circles.
         """
@@ -150,33 +152,46 @@ class Newton:
             p.u.x.array[:] = start + part * step
             norms[part] = self._residual_norm()
             if norms[part] < norm:
-                return True
+                return
         p.u.x.array[:] = start + min(PARTS, key=lambda part: norms[part]) * step
-        return False
 
     def _descend(self, K, start, residual, digits, log):
-        """A step down from `start` where no part of Newton's step makes the residual less.
+        """A line search along the step from `start`, with the residual there, of a problem without friction: then the
+        residual is the slope of an energy, which may fall while the norm of the residual rises.
 
-        Without friction the residual is the slope of an energy. The tangent's positive definite part gives a direction
-        along which that falls; the step goes as far as it falls, or half as steeply rises again.
+        Where Newton's step does not go down, as between points that press dents in the master, one with the tangent's
+        positive definite part does.
         """
-        p, num = self.problem, self.num_owned
-        p.u.x.array[:] = start
-        for contact in p.contact:
-            contact.update(start)
-            contact.convex = True
-        fault, *_ = self._solve(K, residual, np.zeros(len(self.fixed)), digits, log)
-        for contact in p.contact:
-            contact.convex = False
-        if fault:
+        p, free = self.problem, np.ones(self.num_owned, dtype=bool)
+        free[self.fixed] = False
+
+        def slope(forces):
+            return self.comm.allreduce(float(forces[free] @ (end - start)[: self.num_owned][free]))
+
+        end = p.u.x.array.copy()
+        steep = slope(residual)
+        if steep >= 0.0:
             p.u.x.array[:] = start
-            return
-        step = p.u.x.array - start
-        steep = abs(self.comm.allreduce(float(residual @ step[:num])))
-        for part in PARTS:
-            p.u.x.array[:] = start + part * step
-            if self.comm.allreduce(float(self._residual() @ step[:num])) <= 0.5 * steep:
+            for contact in p.contact:
+                contact.update(start)
+                contact.convex = True
+            fault, *_ = self._solve(K, residual, np.zeros(len(self.fixed)), digits, log)
+            for contact in p.contact:
+                contact.convex = False
+            if fault:
+                p.u.x.array[:] = start
                 return
+            end = p.u.x.array.copy()
+            steep = slope(residual)
+        low, high = 0.0, 1.0
+        part = high
+        for _ in range(SEARCHES):
+            p.u.x.array[:] = start + part * (end - start)
+            here = slope(self._residual())
+            if here <= STEEP * abs(steep) and (part == 1.0 or here >= -STEEP * abs(steep)):
+                return
+            low, high = (part, high) if here < 0.0 else (low, part)
+            part = 0.5 * (low + high)
 
     def _residual(self):
         """Free residual at u, of a problem without multipliers. Collective."""

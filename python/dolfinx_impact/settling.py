@@ -60,10 +60,6 @@ def did_not_converge(result, newton, moved, small, pending, violation):
     if small and moved and not pending:
         # Everything rests, but a condition is not fulfilled: no load is small enough for that.
         return result.failed(text, hopeless=True)
-    advice = None
-    if period and contacts:
-        advice = (
-            "Refine the slave's surface or exchange slave and master, lower the penalty if there is one, or apply the "
-            "load in smaller parts"
-        )
+    coarse = [text for text in [c.coarse() for c in contacts] if text]
+    advice = f"{'; '.join(coarse)}. {result.advice}" if coarse else None
     return result.failed(text, advice=advice)

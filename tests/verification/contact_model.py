@@ -28,7 +28,7 @@ class Model:
     def __init__(self, recipe, law, degree=1, **parameters):
         if isinstance(recipe, str):
             recipe = meshes.make(recipe, MPI.COMM_SELF, degree=degree, **parameters)
-        self.mesh, self.facets, self.tags = recipe.mesh, recipe.facet_tags, recipe.tags
+        self.mesh, self.facets, self.cells, self.tags = recipe.mesh, recipe.facet_tags, recipe.cell_tags, recipe.tags
         self.gdim = self.mesh.geometry.dim
         if isinstance(law, dict):
             law = di.MaterialMap(recipe.cell_tags, {self.tags[name]: m for name, m in law.items()})

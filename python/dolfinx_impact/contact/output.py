@@ -36,6 +36,10 @@ class ContactOutput:
         """A sentence about the condition of contact that is violated most, or an empty text. Collective."""
         return ""
 
+    def coarse(self):
+        """A sentence about a slave's surface that is much coarser than the master's, or an empty text. Collective."""
+        return ""
+
     def check(self):
         """Refuse, before a solution, what cannot be solved for. Collective."""
 

@@ -22,6 +22,8 @@ from .uzawa import Uzawa
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
 # are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
 FACTOR = 10.0
+# From this ratio of their facets on a slave's surface is much coarser than the master's.
+COARSE = 2.0
 # Where bodies just touch, round-off must not decide: gaps up to this times their size are closed.
 TOUCH = 1e-12
 STILL = 1e-12  # of the size: round-off of projections
@@ -213,6 +215,18 @@ class PenaltyContact(ContactOutput):
         """Closest points on the master, (n, gdim) [L]; meaningless where there is none."""
         gap = self._points.gap
         return self._points.x - np.where(np.isfinite(gap), gap, 0.0)[:, None] * self._points.normal
+
+    def coarse(self):
+        """Facets of the slave that are far longer than the master's: points press dents in between. Collective."""
+        sizes = [self.slave.X] if self.pair.rigid else [self.slave.X, self.master.X]
+        sums = [(float(np.linalg.norm(np.ptp(X, axis=1), axis=1).sum()), len(X)) for X in sizes]
+        means = [total / number for total, number in np.sum(self.comm.allgather(sums), axis=0)]
+        if len(means) < 2 or means[0] < COARSE * means[1]:
+            return ""
+        return (
+            f"{self.pair.name}: the slave's facets are {means[0] / means[1]:.1f} times as long as the master's, and the "
+            "master is dented between its points: exchange slave and master, refine the slave, or take multipliers"
+        )
 
     def touch_nearest(self):
         """Close the points nearest to the master in this iteration, which draws them together, if they nearly touch and

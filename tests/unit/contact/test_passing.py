@@ -79,7 +79,7 @@ def test_who_begins_to_face_inside_the_master_is_not_pushed_out(method):
     h = 0.25
     bodies = Bodies(
         ((0, -1.0), (4 * h, 0.0), (4, 4), (0, 0)),
-        ((2 * h, -0.12), (2 * h + 0.06, -0.06), (1, 1), (0, 0)),
+        ((2 * h, -0.11), (2 * h + 0.06, -0.05), (1, 1), (0, 0)),
     )
     nodes, _ = bodies.bodies[1]
     arm = bodies.X[nodes] - bodies.X[nodes].mean(axis=0)
@@ -88,7 +88,7 @@ def test_who_begins_to_face_inside_the_master_is_not_pushed_out(method):
     problem = bodies.problem(method(pair), held=(0,))
     gaps = []
     problem.advance(0.4, progress=False, callback=lambda p: gaps.append(p.contact[0].gap.copy()))
-    assert np.all(gaps[0] == np.inf) and -0.5 * h < gaps[-1].min() and gaps[-1].max() < -0.2 * h  # seen, inside
+    assert np.all(gaps[0] == np.inf) and -0.5 * h < gaps[-1].min() and gaps[-1].max() < -0.1 * h  # seen, inside
     assert not np.any(problem.force_history[0])
     kinetic = problem.energy_history[:, 1]
     assert kinetic.max() < (1 + 1e-3) * kinetic[0]  # but for what the block stores as its spin stretches it

@@ -220,3 +220,24 @@ def test_refused():
         model.penalty.add_force(state, np.zeros(3))
     with pytest.raises(ValueError, match="fewer global"):
         model.penalty.tangent(state, np.zeros(3, dtype=np.int64))
+
+
+@pytest.mark.parametrize("cell, geometry_degree, degree", KINDS)
+def test_the_convex_part_of_the_tangent(cell, geometry_degree, degree, rng):
+    """It is symmetric, positive semi-definite, and the work of every point's change of gap: v . K v = chi sum w dg^2."""
+    model = Deformable(cell, geometry_degree, degree)
+    u, direction = smooth_spot(model, rng, 1e-3, {INSIDE})
+    state = model.state(u)
+    rows, cols, values = model.penalty.tangent(state, model.nodes, convex=True)
+    K = np.zeros((model.num, model.num))
+    np.add.at(K, (rows, cols), values)
+    scale = np.abs(K).max()
+    assert np.abs(K - K.T).max() < ROUND_OFF * scale
+    assert np.linalg.eigvalsh(K).min() > -1e-12 * scale
+    closed, weight = state.status > OPEN, model.points.weight
+    gaps = []
+    for sign in (-1, 1):
+        model.state(u + sign * STEP * direction)
+        gaps.append(model.points.gap[closed])
+    slope = (gaps[1] - gaps[0]) / (2 * STEP)
+    assert direction @ K @ direction == pytest.approx(CHI * np.sum(weight[closed] * slope**2), rel=DIFFERENCE)
