@@ -1,4 +1,4 @@
-"""A coarse slave under a fine, round master, degree 2, by penalty: points go to and fro over the kinks of the master."""
+"""A coarse slave under a fine, round master, degree 2, by penalty: points go to and fro over the master's kinks."""
 
 import numpy as np
 import pytest

@@ -224,8 +224,8 @@ class PenaltyContact(ContactOutput):
         if len(means) < 2 or means[0] < COARSE * means[1]:
             return ""
         return (
-            f"{self.pair.name}: the slave's facets are {means[0] / means[1]:.1f} times as long as the master's, and the "
-            "master is dented between its points: exchange slave and master, refine the slave, or take multipliers"
+            f"{self.pair.name}: the slave's facets are {means[0] / means[1]:.1f} times as long as the master's, "
+            "which is dented between the slave's points: exchange slave and master, refine the slave, or take multipliers"
         )
 
     def touch_nearest(self):

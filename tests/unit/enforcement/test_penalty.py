@@ -224,7 +224,7 @@ def test_refused():
 
 @pytest.mark.parametrize("cell, geometry_degree, degree", KINDS)
 def test_the_convex_part_of_the_tangent(cell, geometry_degree, degree, rng):
-    """It is symmetric, positive semi-definite, and the work of every point's change of gap: v . K v = chi sum w dg^2."""
+    """It is symmetric, positive semi-definite, and v . K v = chi sum w dg^2, dg the change of a point's gap along v."""
     model = Deformable(cell, geometry_degree, degree)
     u, direction = smooth_spot(model, rng, 1e-3, {INSIDE})
     state = model.state(u)
