@@ -225,7 +225,7 @@ class PenaltyContact(ContactOutput):
             return ""
         return (
             f"{self.pair.name}: the slave's facets are {means[0] / means[1]:.1f} times as long as the master's, "
-            "which is dented between the slave's points: exchange slave and master, refine the slave, or take multipliers"
+            "which is dented between its points: exchange slave and master, refine the slave, or take multipliers"
         )
 
     def touch_nearest(self):
