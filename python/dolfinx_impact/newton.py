@@ -62,7 +62,7 @@ class Newton:
         """
         p, result = self.problem, Increment()
         scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
-        self._K, circled = None, False
+        self._K = None
         for iteration in itertools.count():
             with self._clock("bodies"):
                 residual = p._assemble_residual().array.copy()
@@ -124,11 +124,9 @@ class Newton:
             p.u.x.array[p.fixed] = target[p.fixed]  # to the last digit
             if fault:
                 return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
-            # Without friction Newton's method finds its way alone, unless it has gone round in a circle.
-            circled = (circled and iteration > round_start) or period > 0
             if period and moved:  # the same states again: half a step leads out of the circle
                 p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
-            elif self.rough and moved and (circled if self.conservative else iteration - round_start >= PLAIN):
+            elif self.rough and moved and iteration - round_start >= PLAIN:
                 if self.conservative:
                     self._descend(K, start, residual, digits, log)
                 else:

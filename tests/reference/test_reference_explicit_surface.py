@@ -40,7 +40,8 @@ WAYS = {
     ),
     "closed, and deep after it": ([(0.5, 0.1), (0.5, -0.1), (0.5, -0.9), (0.5, -0.9)], [0, 1, 1, 1]),
     "beside and below it in the last place only": ([(0.5, 0.1), (0.9, 0.1), (1.2, -0.1)], [0, 0, 0]),
-    "from where there is no master, not deep": ([(2.5, -0.1), (0.5, -0.1), (0.5, -0.1)], [0, 1, 1]),
+    "from where there is no master, by less than a twentieth": ([(2.5, -0.04), (0.5, -0.04), (0.5, -0.04)], [0, 1, 1]),
+    "from where there is no master, not deep": ([(2.5, -0.3), (0.5, -0.3), (0.5, 0.5), (0.5, -0.1)], [0, 0, 0, 1]),
     # Half of the way or more is a facet's: it is followed.
     "fast, past the rim from above": ([(0.5, 0.1), (1.3, -0.3), (1.3, -0.3)], [0, 1, 0]),
     "fast, closed before, past the rim": ([(0.5, 0.1), (0.5, -0.1), (1.4, -0.4), (1.4, -0.4)], [0, 1, 1, 0]),

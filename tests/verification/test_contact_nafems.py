@@ -43,7 +43,8 @@ def test_cylinder_roller(method, degree):
     assert exact.half_width == pytest.approx(6.21463, abs=1e-4) and exact.peak_pressure == pytest.approx(
         3585.36, abs=0.1
     )
-    assert max(report.iterations) <= 25
+    # Penalty finds its way from a single point in one search, or needs a smaller load first.
+    assert report.cut_backs == 0 and max(report.iterations) <= (25 if method == "Lagrange" else 40)
     assert contact.force[1] == pytest.approx(17500.0, rel=1e-6)
     x = m.places(contact)[:, 0]
     assert x[contact.pressure > 0].max() == pytest.approx(exact.half_width, abs=0.62)

@@ -66,7 +66,7 @@ class Coulomb:
         bound = self.pair.friction * np.maximum(self.multiplier, 0.0)
         room = np.sqrt(np.maximum(0.0, bound**2 - np.einsum("na,na->n", rest, rest)))
         size = np.linalg.norm(kept, axis=1)
-        part = np.where(stuck & (size > 0.0), np.minimum(1.0, room / np.maximum(size, 1e-300)), 0.0)
+        part = np.where(stuck & (size > 0.0), np.minimum(room, size) / np.where(size > 0.0, size, 1.0), 0.0)
         kept *= part[:, None]
         change = kept - np.einsum("nab,nb->na", self._lock, self.imposed)
         self.imposed = driven + kept
