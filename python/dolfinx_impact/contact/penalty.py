@@ -1,5 +1,7 @@
 """Contact by penalty: Gauss point to surface, exact tangent, friction by return mapping; docs/contact.md."""
 
+from types import SimpleNamespace
+
 import basix
 import numpy as np
 from mpi4py import MPI
@@ -101,8 +103,14 @@ class PenaltyContact(ContactOutput):
         self.displacement, self.start_displacement = np.zeros(3), np.zeros(3)
         self.start, self.penalty, self.tangential = np.zeros_like(problem.u.x.array), spec.penalty, spec.tangential
         self.uzawa, self.fault = Uzawa(V, self.slave, rule), ""
-        self._status = np.zeros(self._points.size, dtype=np.int8)
-        self._touched = np.zeros(self._points.size, dtype=bool)  # closed in the last converged state
+        num = self._points.size
+        self._status = np.zeros(num, dtype=np.int8)
+        # Before the first solution nothing touches.
+        self._state = SimpleNamespace(
+            pressure=np.zeros(num), traction=np.zeros((num, self.gdim)), slip=np.zeros((num, self.gdim)),
+            status=self._status,
+        )  # fmt: skip
+        self._touched = np.zeros(num, dtype=bool)  # closed in the last converged state
         self._keeper = None if self.pair.rigid else FacetKeeper(self.comm, self._points, self.neighbours)
         if self.pair.rigid:
             check_side(self.pair, V, self.slave, self.obstacle)

@@ -67,3 +67,14 @@ def test_means_at_nodes():
     assert np.allclose(vectors, [1.0, -2.0], rtol=1e-14)
     far = contact.points[:, 0] < 0.3  # a facet's first fifth beside a whole one
     assert np.array_equal(contact.at_nodes(np.where(far, 2, 0).astype(np.int8))[1], np.where(x < 0.3, 2.0, 0.0))
+
+
+@pytest.mark.parametrize("method", (di.Lagrange, di.Penalty), ids=("Lagrange", "Penalty"))
+def test_before_the_first_solution_nothing_touches(method):
+    body = Square(2, 4)
+    contact = body.problem(di.RigidPlane((0.0, -0.1), (0.0, 1.0)), method, friction=0.2).contact[0]
+    for name in ("pressure", "traction", "slip", "status"):
+        values = getattr(contact, name)
+        assert len(values) == len(contact.points) > 0 and not np.any(values), name
+    np.testing.assert_allclose(contact.gap, 0.1)
+    assert contact.force is None
