@@ -5,7 +5,7 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify matrix bench shell lint format clean lint-here test-here slow-here
+.PHONY: help demo test verify matrix bench shell lint format clean lint-here test-here test-units-here test-others-here slow-here
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -50,8 +50,20 @@ lint-here:
 	[ $$status = 0 ] || echo "lint: stopped; 'make format' mends what formatters can" >&2; \
 	exit $$status
 
+# Two halves side by side, on two cores; then, one after the other, the tests that need the machine for themselves.
 test-here:
+ifeq ($(strip $(ARGS)),)
+	$(MAKE) -j2 test-units-here test-others-here
+	$(PYTEST) -m "alone and not slow" --durations=30
+else
 	$(PYTEST) -m "not slow" $(ARGS)
+endif
+
+test-units-here:
+	$(PYTEST) -m "not alone and not slow" -q tests/unit
+
+test-others-here:
+	$(PYTEST) -m "not alone and not slow" -q --ignore=tests/unit
 
 slow-here: # status 5: no slow test was found
 	$(PYTEST) -m "slow and not matrix" $(ARGS) || [ $$? -eq 5 ]

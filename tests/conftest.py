@@ -38,7 +38,11 @@ def pytest_report_header(config):
     return f"seed: {_seed(config)} (repeat or change with --seed N or IMPACT_SEED=N)"
 
 
+@pytest.hookimpl(tryfirst=True)  # before -m selects by markers
 def pytest_collection_modifyitems(config, items):
+    for item in items:
+        if item.get_closest_marker("mpi") or "mpirun" in item.fixturenames:
+            item.add_marker(pytest.mark.alone)
     if config.pluginmanager.hasplugin("timeout"):
         for item in items:
             if item.get_closest_marker("timeout") is None:

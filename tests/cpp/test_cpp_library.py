@@ -10,6 +10,8 @@ import pytest
 
 import dolfinx_impact
 
+pytestmark = pytest.mark.alone
+
 
 def run(command, **environment):
     surroundings = {

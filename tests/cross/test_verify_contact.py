@@ -31,6 +31,7 @@ def test_healthy_solutions_pass(friction):
 
 
 @pytest.mark.slow
+@pytest.mark.alone
 def test_the_whole_level_passes_in_the_time_it_may_take():
     import time
 

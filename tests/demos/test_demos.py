@@ -11,6 +11,8 @@ import pytest
 
 from dolfinx_impact import cli
 
+pytestmark = pytest.mark.alone
+
 DEMOS = sorted(cli.demos())
 FILES = {
     "wheel_on_rail": (

@@ -4,6 +4,8 @@ import pytest
 
 from dolfinx_impact import bench, bench_contact
 
+pytestmark = pytest.mark.alone
+
 
 def test_rows_of_the_benchmark():
     rows = bench_contact.contact_rows(bench.row, (("small", "quadrilateral", 0.3, 3.0),))

@@ -5,6 +5,8 @@ import pytest
 
 from dolfinx_impact import bench, bench_explicit
 
+pytestmark = pytest.mark.alone
+
 
 def by_name(rows):
     assert all(r["ratio"] == pytest.approx(r["value"] / r["baseline"]) for r in rows)
