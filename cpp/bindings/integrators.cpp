@@ -188,13 +188,13 @@ void impact::bindings::integrators(nb::module_& m)
             return take(std::vector<double>(u.begin(), u.end()));
           },
           nb::rv_policy::move)
-      .def("save", [](CentralDifference& self) { return to_dict(self.save()); },
-           "Dict of dicts: arrays (owned entries), works (add up over ranks), common (the same on all ranks)")
       .def(
-          "restore",
-          [](CentralDifference& self, const nb::dict& arrays, const nb::dict& works, const nb::dict& common)
-          { self.restore(from_dict(self, arrays, works, common)); },
-          nb::arg("arrays"), nb::arg("works"), nb::arg("common"))
+          "save", [](CentralDifference& self) { return to_dict(self.save()); },
+          "Dict of dicts: arrays (owned entries), works (add up over ranks), common (the same on all ranks)")
+      .def(
+          "restore", [](CentralDifference& self, const nb::dict& arrays, const nb::dict& works, const nb::dict& common)
+          { self.restore(from_dict(self, arrays, works, common)); }, nb::arg("arrays"), nb::arg("works"),
+          nb::arg("common"))
       .def(
           "saved_names",
           [](const CentralDifference& self)

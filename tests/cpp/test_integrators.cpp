@@ -1,13 +1,13 @@
 // The collaborators of the explicit integrator, each alone.
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
 #include <dolfinx_impact/integrators/ContactNodes.h>
 #include <dolfinx_impact/integrators/EnergyBalance.h>
 #include <dolfinx_impact/integrators/History.h>
 #include <dolfinx_impact/integrators/Loads.h>
 #include <dolfinx_impact/integrators/NodalFields.h>
 #include <dolfinx_impact/integrators/PrescribedMotion.h>
-#include <cmath>
 #include <stdexcept>
 
 using Catch::Approx;

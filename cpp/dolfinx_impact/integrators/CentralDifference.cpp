@@ -10,8 +10,7 @@ namespace impact::integrators
 CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
-      _scheme(scheme), _loads(_fields.owned),
-      _energies(V->dofmap()->index_map->comm(), linear, scheme, alpha)
+      _scheme(scheme), _loads(_fields.owned), _energies(V->dofmap()->index_map->comm(), linear, scheme, alpha)
 {
   if (mass.size() != _fields.own)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
@@ -22,7 +21,8 @@ CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, For
   std::transform(mass.begin(), mass.end(), _fields.inverse.begin(), [](double m) { return 1.0 / m; });
 }
 
-// --- set-up -----------------------------------------------------------------------------------------------------------
+// --- set-up
+// -----------------------------------------------------------------------------------------------------------
 
 void CentralDifference::add_term(FormForces forces, WorkKind kind)
 {
@@ -34,7 +34,10 @@ void CentralDifference::add_load(std::span<const std::int32_t> dofs, std::span<c
   _loads.add(dofs, values, amplitude);
 }
 
-void CentralDifference::set_load(std::size_t i, std::span<const double> values) { _loads.set_values(i, values); }
+void CentralDifference::set_load(std::size_t i, std::span<const double> values)
+{
+  _loads.set_values(i, values);
+}
 
 void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
 {
@@ -67,7 +70,8 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
   _evaluated = false;
 }
 
-// --- the step ---------------------------------------------------------------------------------------------------------
+// --- the step
+// ---------------------------------------------------------------------------------------------------------
 
 /// The first step is half a step from v_0: seed (3.76).
 Coefficients CentralDifference::coefficients(double dt) const
@@ -222,15 +226,16 @@ void CentralDifference::revise()
     _fields.r[i] -= springs[i];
 }
 
-// --- the present time level -------------------------------------------------------------------------------------------
+// --- the present time level
+// -------------------------------------------------------------------------------------------
 
 Energies CentralDifference::energies()
 {
   if (!_evaluated)
     evaluate();
   const NodalFields& f = _fields;
-  Sums sums = measure(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step), f.u.data(),
-                      f.v.data());
+  Sums sums =
+      measure(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step), f.u.data(), f.v.data());
   const double power = _prescribed.power(_last_step, _alpha, _beyond.data(), f.mass.data(), _loads, f.u.data(),
                                          f.v.data(), f.r.data(), sums);
   return _energies.energies(sums, power, {_last_step, _last_step}, _terms, _contact);
@@ -304,8 +309,7 @@ void CentralDifference::restore(const Saved& saved)
 {
   const auto right = [this](const std::vector<double>& a) { return a.size() == _fields.owned; };
   bool all = right(saved.u) && right(saved.v) && right(saved.r) && right(saved.springs.force) &&
-             right(saved.kinematic) && saved.terms.size() == _terms.size() &&
-             saved.obstacles.size() == _contact.size();
+             right(saved.kinematic) && saved.terms.size() == _terms.size() && saved.obstacles.size() == _contact.size();
   for (const Saved::Term& term : saved.terms)
     all = all && right(term.force);
   if (!all)

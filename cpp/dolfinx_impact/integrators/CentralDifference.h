@@ -73,7 +73,8 @@ public:
 
   /// Energies, sums over ranks. Collective.
   Energies energies();
-  /// Velocity (3.75) and acceleration, owned entries; with the forces of kinematic contact of the last step. Collective.
+  /// Velocity (3.75) and acceleration, owned entries; with the forces of kinematic contact of the last step.
+  /// Collective.
   void motion(std::span<double> v, std::span<double> a);
   /// Bring the gaps of all contacts' nodes up to date.
   void update_gaps() { _contact.update_gaps(); }
@@ -93,10 +94,10 @@ public:
     };
     std::vector<double> u, v, r; ///< owned entries; v half a step ago
     std::vector<Term> terms;
-    Term springs;                          ///< of contact
-    std::vector<double> kinematic;         ///< forces of kinematic contact, owned entries [F]
+    Term springs;                  ///< of contact
+    std::vector<double> kinematic; ///< forces of kinematic contact, owned entries [F]
     EnergyBalance::Saved energies;
-    double obstacle_work = 0.0;            ///< adds up over ranks [F L]
+    double obstacle_work = 0.0;                 ///< adds up over ranks [F L]
     double last_step = 0.0, contact_step = 0.0; ///< [T]
     std::vector<ContactForces::Obstacle> obstacles;
   };
@@ -140,9 +141,9 @@ private:
   std::vector<ForceTerm> _terms;
   ContactForces _contact;
   EnergyBalance _energies;
-  std::vector<double> _beyond; ///< amplitudes one step on: velocities of prescribed motion now
-  double _last_step = 0.0;     ///< that led here; 0 at the start [T]
-  bool _evaluated = false;     ///< is the residual that of the present time level?
+  std::vector<double> _beyond;                  ///< amplitudes one step on: velocities of prescribed motion now
+  double _last_step = 0.0;                      ///< that led here; 0 at the start [T]
+  bool _evaluated = false;                      ///< is the residual that of the present time level?
   bool _stop = false, _stopped = false;         ///< this rank is asked to stop; the ranks have agreed on it
   std::chrono::steady_clock::time_point _asked; ///< when `asked` was called last
 };

@@ -50,8 +50,8 @@ public:
   /// @param[in] steps before and after the time level
   /// @param[in,out] terms, contact: their works go into the sums
   /// @param[in] stop this rank was asked to stop
-  void add_step(const Sums& sums, const PrescribedMotion::Power& power, const Steps& steps,
-                std::span<ForceTerm> terms, ContactForces& contact, bool stop);
+  void add_step(const Sums& sums, const PrescribedMotion::Power& power, const Steps& steps, std::span<ForceTerm> terms,
+                ContactForces& contact, bool stop);
   /// Begin to sum over ranks what the last `add_step` has found. Collective.
   /// @param[in] history where the row `step` will be written to
   void begin_sum(const ContactForces& contact, int bs, const History& history, std::size_t step);

@@ -76,7 +76,10 @@ void ForceTerm::evaluate(NodalFields& fields, double dt)
   work.before = 0.5 * dt * power(fields);
 }
 
-void ForceTerm::work_of_step(const NodalFields& fields, double dt) { work.done += 0.5 * dt * power(fields); }
+void ForceTerm::work_of_step(const NodalFields& fields, double dt)
+{
+  work.done += 0.5 * dt * power(fields);
+}
 
 std::vector<double> ForceTerm::saved_force(NodalFields& fields)
 {

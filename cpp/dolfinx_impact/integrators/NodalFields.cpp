@@ -4,7 +4,8 @@
 namespace impact::integrators
 {
 NodalFields::NodalFields(std::shared_ptr<const dolfinx::common::IndexMap> map, int bs)
-    : bs(bs), owned(std::size_t(map->size_local()) * bs), own(owned + std::size_t(map->num_ghosts()) * bs), _space_map(map)
+    : bs(bs), owned(std::size_t(map->size_local()) * bs), own(owned + std::size_t(map->num_ghosts()) * bs),
+      _space_map(map)
 {
   resize(map);
 }

@@ -9,8 +9,8 @@ namespace impact::integrators
 {
 using operators::Halo;
 
-/// Values at the nodes that a rank knows: owned nodes, the space's ghosts, then nodes of other ranks that contacts need.
-/// Arrays have an entry for each degree of freedom, node*bs + component.
+/// Values at the nodes that a rank knows: owned nodes, the space's ghosts, then nodes of other ranks that contacts
+/// need. Arrays have an entry for each degree of freedom, node*bs + component.
 struct NodalFields
 {
   /// @param[in] map of the space's nodes

@@ -48,23 +48,23 @@ struct Energies
 struct EnergySums
 {
   double kinetic = 0.0;
-  double speed = 0.0;            ///< kinetic energy with the velocities after the time level alone
-  double position = 0.0;         ///< u . residual/2
+  double speed = 0.0;    ///< kinetic energy with the velocities after the time level alone
+  double position = 0.0; ///< u . residual/2
   double residual_work = 0.0;
-  double load_work = 0.0;        ///< of loads and of contact forces on rigid masters that move
+  double load_work = 0.0; ///< of loads and of contact forces on rigid masters that move
   double support_work = 0.0;
-  double damped = 0.0;           ///< by mass-proportional damping
-  std::array<double, 4> work{};  ///< of force terms, by WorkKind
-  double terms_position = 0.0;   ///< u . force/2 of force terms, with the signs that they have in the residual
-  double stored = 0.0;           ///< in springs
+  double damped = 0.0;          ///< by mass-proportional damping
+  std::array<double, 4> work{}; ///< of force terms, by WorkKind
+  double terms_position = 0.0;  ///< u . force/2 of force terms, with the signs that they have in the residual
+  double stored = 0.0;          ///< in springs
   double friction = 0.0;
-  double normal = 0.0;           ///< work of the normal forces of contact, of springs without what they store
-  double kinematic = 0.0;        ///< the part of `normal` that kinematic contact does
-  double taken = 0.0;            ///< minus that of kinematic contact, with the motion after the last forces
-  double recoverable = 0.0;      ///< taken from nodes that are still closed
-  double searches_due = 0.0;     ///< contacts that need a search
-  double stops_asked = 0.0;      ///< ranks that were asked to stop
-  double passages = 0.0;         ///< contacts that a node went through
+  double normal = 0.0;       ///< work of the normal forces of contact, of springs without what they store
+  double kinematic = 0.0;    ///< the part of `normal` that kinematic contact does
+  double taken = 0.0;        ///< minus that of kinematic contact, with the motion after the last forces
+  double recoverable = 0.0;  ///< taken from nodes that are still closed
+  double searches_due = 0.0; ///< contacts that need a search
+  double stops_asked = 0.0;  ///< ranks that were asked to stop
+  double passages = 0.0;     ///< contacts that a node went through
 
   static constexpr std::size_t size = 21;
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
