@@ -16,9 +16,9 @@ std::span<T> span(const nb::ndarray<T, nb::ndim<1>, nb::c_contig, nb::device::cp
   return {a.data(), a.size()};
 }
 
-Forces forces(nb::object inner, nb::object outer, std::string displacement, std::string velocity)
+FormForces forces(nb::object inner, nb::object outer, std::string displacement, std::string velocity)
 {
-  Forces f{nullptr, nullptr, displacement, velocity};
+  FormForces f{nullptr, nullptr, displacement, velocity};
   if (!inner.is_none())
     f.inner = nb::cast<std::shared_ptr<InternalForce>>(inner);
   if (!outer.is_none())
@@ -42,7 +42,90 @@ bool interrupted(const nb::object& asked)
 
 nb::object row(const Energies& e)
 {
-  return nb::cast(impact::bindings::take(std::vector<double>(e.values.begin(), e.values.end())));
+  const auto values = e.values();
+  return nb::cast(impact::bindings::take(std::vector<double>(values.begin(), values.end())));
+}
+
+using Saved = CentralDifference::Saved;
+
+/// Calls f(name, value) for what adds up over ranks.
+void each_work(Saved& s, const auto& f)
+{
+  f("residual", s.energies.residual_work);
+  f("loads", s.energies.load_work);
+  f("supports", s.energies.support_work);
+  f("mass_damping", s.energies.damped);
+  f("obstacles", s.obstacle_work);
+  const auto term = [&f](const std::string& name, Saved::Term& t)
+  {
+    f(name + "_done", t.work.done);
+    f(name + "_before", t.work.before);
+    f(name + "_position", t.position);
+  };
+  term("springs", s.springs);
+  for (std::size_t k = 0; k < s.terms.size(); ++k)
+    term("term" + std::to_string(k), s.terms[k]);
+}
+
+/// Calls f(name, value) for what is the same on all ranks.
+void each_common(Saved& s, const auto& f)
+{
+  f("reference", s.energies.reference);
+  f("lowest", s.energies.lowest);
+  f("largest", s.energies.largest);
+  f("release_share", s.energies.release_share);
+  f("last_step", s.last_step);
+  f("contact_step", s.contact_step);
+  for (std::size_t k = 0; k < s.obstacles.size(); ++k)
+    for (int c = 0; c < 3; ++c)
+    {
+      const std::string end = std::to_string(k) + "_" + "xyz"[c];
+      f("obstacle" + end, s.obstacles[k].displacement[c]);
+      f("obstacle_increment" + end, s.obstacles[k].increment[c]);
+      f("obstacle_increment_before" + end, s.obstacles[k].increment_before[c]);
+    }
+}
+
+nb::dict to_dict(Saved s)
+{
+  nb::dict arrays, works, common, out;
+  each_work(s, [&works](const std::string& name, double value) { works[name.c_str()] = value; });
+  each_common(s, [&common](const std::string& name, double value) { common[name.c_str()] = value; });
+  const auto add = [&arrays](const std::string& name, std::vector<double>& values)
+  { arrays[name.c_str()] = nb::cast(impact::bindings::take(std::move(values))); };
+  add("u", s.u);
+  add("v", s.v);
+  add("r", s.r);
+  add("springs", s.springs.force);
+  add("kinematic", s.kinematic);
+  for (std::size_t k = 0; k < s.terms.size(); ++k)
+    add("term" + std::to_string(k), s.terms[k].force);
+  out["arrays"] = arrays;
+  out["works"] = works;
+  out["common"] = common;
+  return out;
+}
+
+Saved from_dict(const CentralDifference& run, const nb::dict& arrays, const nb::dict& works, const nb::dict& common)
+{
+  Saved s;
+  s.terms.resize(run.num_terms());
+  s.obstacles.resize(run.num_contacts());
+  each_work(s, [&works](const std::string& name, double& value) { value = nb::cast<double>(works[name.c_str()]); });
+  each_common(s, [&common](const std::string& name, double& value) { value = nb::cast<double>(common[name.c_str()]); });
+  const auto get = [&arrays](const std::string& name)
+  {
+    const auto a = nb::cast<Values>(arrays[name.c_str()]);
+    return std::vector<double>(a.data(), a.data() + a.size());
+  };
+  s.u = get("u");
+  s.v = get("v");
+  s.r = get("r");
+  s.springs.force = get("springs");
+  s.kinematic = get("kinematic");
+  for (std::size_t k = 0; k < s.terms.size(); ++k)
+    s.terms[k].force = get("term" + std::to_string(k));
+  return s;
 }
 } // namespace
 
@@ -50,24 +133,24 @@ void impact::bindings::integrators(nb::module_& m)
 {
   m.def("release_memory", &common::release_memory, "Give memory that set-up no longer needs back to the system");
   nb::enum_<Scheme>(m, "Scheme").value("half_step", Scheme::half_step).value("classical", Scheme::classical);
-  nb::enum_<Account>(m, "Account")
-      .value("damping", Account::damping)
-      .value("viscosity", Account::viscosity)
-      .value("external", Account::external);
-  nb::class_<Forces>(m, "Forces", "Forces of a form, and which coefficients the integrator has")
+  nb::enum_<WorkKind>(m, "WorkKind", "Which energy the work of a force counts to")
+      .value("damping", WorkKind::damping)
+      .value("viscosity", WorkKind::viscosity)
+      .value("external", WorkKind::external);
+  nb::class_<FormForces>(m, "FormForces", "Forces of a form, and which coefficients the integrator provides")
       .def(
           "__init__",
-          [](Forces* self, nb::object inner, nb::object outer, std::string displacement, std::string velocity)
-          { new (self) Forces(forces(inner, outer, displacement, velocity)); }, nb::arg("inner").none(),
+          [](FormForces* self, nb::object inner, nb::object outer, std::string displacement, std::string velocity)
+          { new (self) FormForces(forces(inner, outer, displacement, velocity)); }, nb::arg("inner").none(),
           nb::arg("outer").none(), nb::arg("displacement") = "", nb::arg("velocity") = "");
   nb::class_<CentralDifference>(m, "CentralDifference", "Explicit integration; docs/explicit.md")
       .def(
           "__init__",
-          [](CentralDifference* self, std::shared_ptr<const FunctionSpace> V, const Forces& internal, bool linear,
+          [](CentralDifference* self, std::shared_ptr<const FunctionSpace> V, const FormForces& internal, bool linear,
              Values mass, double alpha, Scheme scheme)
           { new (self) CentralDifference(V, internal, linear, span(mass), alpha, scheme); },
           nb::arg("V"), nb::arg("internal"), nb::arg("linear"), nb::arg("mass"), nb::arg("alpha"), nb::arg("scheme"))
-      .def("add_term", &CentralDifference::add_term, nb::arg("forces"), nb::arg("account"))
+      .def("add_term", &CentralDifference::add_term, nb::arg("forces"), nb::arg("kind"))
       .def("add_load", [](CentralDifference& self, Indices dofs, Values values, int amplitude)
            { self.add_load(span(dofs), span(values), amplitude); })
       .def("set_load", [](CentralDifference& self, std::size_t i, Values values) { self.set_load(i, span(values)); })
@@ -105,26 +188,23 @@ void impact::bindings::integrators(nb::module_& m)
             return take(std::vector<double>(u.begin(), u.end()));
           },
           nb::rv_policy::move)
-      .def("save",
-           [](CentralDifference& self)
-           {
-             CentralDifference::Saved s = self.save();
-             nb::dict out;
-             out["u"] = nb::cast(take(std::move(s.u)));
-             out["v"] = nb::cast(take(std::move(s.v)));
-             out["r"] = nb::cast(take(std::move(s.r)));
-             out["parts"] = nb::cast(take(std::move(s.parts)));
-             out["accounts"] = nb::cast(take(std::move(s.accounts)));
-             return out;
-           })
       .def(
-          "restore",
-          [](CentralDifference& self, Values u, Values v, Values r, Values parts, Values accounts)
+          "save", [](CentralDifference& self) { return to_dict(self.save()); },
+          "Dict of dicts: arrays (owned entries), works (add up over ranks), common (the same on all ranks)")
+      .def(
+          "restore", [](CentralDifference& self, const nb::dict& arrays, const nb::dict& works, const nb::dict& common)
+          { self.restore(from_dict(self, arrays, works, common)); }, nb::arg("arrays"), nb::arg("works"),
+          nb::arg("common"))
+      .def(
+          "saved_names",
+          [](const CentralDifference& self)
           {
-            const auto vector = [](const Values& a) { return std::vector<double>(a.data(), a.data() + a.size()); };
-            self.restore({vector(u), vector(v), vector(r), vector(parts), vector(accounts)});
+            Saved s;
+            s.terms.resize(self.num_terms());
+            s.obstacles.resize(self.num_contacts());
+            return to_dict(std::move(s));
           },
-          nb::arg("u"), nb::arg("v"), nb::arg("r"), nb::arg("parts"), nb::arg("accounts"))
+          "Such a dict without values: which names there are")
       .def_prop_ro("gain", [](const CentralDifference& self) { return self.gain().now; })
       .def_prop_ro("most_gained", [](const CentralDifference& self) { return self.gain().most; })
       .def_prop_rw("gain_limit", &CentralDifference::gain_limit, &CentralDifference::set_gain_limit)
@@ -138,12 +218,10 @@ void impact::bindings::integrators(nb::module_& m)
             return nb::make_tuple(contact, p.node, p.facets);
           },
           "Contact (-1: none), local node, facets per step of the slave node that went through a master fastest")
-      .def("look", &CentralDifference::look)
+      .def("update_gaps", &CentralDifference::update_gaps)
       .def_prop_ro("num_searches", &CentralDifference::num_searches)
       .def_prop_ro("traffic", [](const CentralDifference& self)
                    { return std::pair(self.traffic().messages, self.traffic().values); })
       .def_prop_ro("contact_seconds", &CentralDifference::contact_seconds)
-      .def_prop_ro("num_additive", &CentralDifference::num_additive)
-      .def_prop_ro("row_size", &CentralDifference::row_size)
-      .def_prop_ro("num_saved_parts", &CentralDifference::num_saved_parts);
+      .def_prop_ro("row_size", &CentralDifference::row_size);
 }

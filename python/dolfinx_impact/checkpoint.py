@@ -18,7 +18,7 @@ from . import seal
 from .hdf5 import Sketch, reserve, write_at
 from .signature import signature, supports
 
-FORMAT = 4
+FORMAT = 5
 SAME = 1e-9  # of sums over nodes and of their places: another mesh differs by more, another sum of the same by less
 CELLS = ("cells/input", "cells/nodes")
 
@@ -258,7 +258,7 @@ class Reader:
         data = self._sealed.read(f"the table {name}", offset + low * width, (high - low) * width)
         values = np.frombuffer(data, dtype=dtype).reshape(high - low, *wanted)
         # Gaps of nodes without a master are infinite, and so is a step that nothing limits.
-        bad = np.isnan if name.startswith("some/results") or name == "ranks/accounts" else lambda v: ~np.isfinite(v)
+        bad = np.isnan if name.startswith("some/results") or name == "ranks/common" else lambda v: ~np.isfinite(v)
         if np.issubdtype(values.dtype, np.floating) and np.any(bad(values)):
             raise seal.Damaged(f"the table {name} has values that are no numbers")
         return values
@@ -356,10 +356,11 @@ class Reader:
         """This rank's vector: its own if there are as many ranks as there were; else rank 0 has the sums.
 
         Args:
-            additive: mask of the entries that add up over ranks; the others are the same on all.
+            additive: do the entries add up over ranks? Else they are the same on all.
         """
         table = self.ranks[name]
         if len(table) == self.comm.size:
             return table[self.comm.rank]
-        out = table.sum(axis=0) if self.comm.rank == 0 else np.zeros(table.shape[1:])
-        return np.where(additive, out, table[0])
+        if not additive:
+            return table[0]
+        return table.sum(axis=0) if self.comm.rank == 0 else np.zeros(table.shape[1:])

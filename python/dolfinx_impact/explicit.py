@@ -147,7 +147,7 @@ class ExplicitProblem(Unique, March, Restart):
             self.velocity.x.array[:] = velocity.x.array
         else:
             self.velocity = velocity
-            self._term(resisting, _cpp.integrators.Account.damping)
+            self._term(resisting, _cpp.integrators.WorkKind.damping)
         self.acceleration = fem.Function(V, name="acceleration")
         self._add_damping(v)
         self._amplitudes = []
@@ -205,7 +205,7 @@ class ExplicitProblem(Unique, March, Restart):
         return tuple(float(f) for f in factors)
 
     def _add_damping(self, v):
-        accounts = _cpp.integrators.Account
+        kinds = _cpp.integrators.WorkKind
         if self.damping.beta > 0.0:
             if self.scheme == "classical":
                 raise ValueError("scheme 'classical' takes mass-proportional damping only: its matrix must be diagonal")
@@ -215,7 +215,7 @@ class ExplicitProblem(Unique, March, Restart):
             form = operators._sum(
                 self.u, self.material, lambda law, dx: beta * elasticity.tangent(self.u, self.velocity, v, law, dx)
             )
-            self._term(form, accounts.damping)
+            self._term(form, kinds.damping)
         if any(self._viscosity):
             mesh = self.space.mesh
             factors = [fem.Constant(mesh, default_scalar_type(f)) for f in self._viscosity]
@@ -225,7 +225,7 @@ class ExplicitProblem(Unique, March, Restart):
                     self.u, self.velocity, v, m.law(mesh), m.density_constant(mesh), *factors, dx
                 ),
             )  # fmt: skip
-            self._term(form, accounts.viscosity)
+            self._term(form, kinds.viscosity)
 
     def _term(self, form, account):
         term = operators.SplitForce(form, self.u, self.velocity)
@@ -240,7 +240,7 @@ class ExplicitProblem(Unique, March, Restart):
             if self.u in form.coefficients():
                 if getattr(load, "amplitude", None) is not None:
                     raise ValueError(f"{type(load).__name__} follows the body: it takes no amplitude")
-                self._term(form, _cpp.integrators.Account.external)
+                self._term(form, _cpp.integrators.WorkKind.external)
                 continue
             dead = DeadLoad(load, form, self.space)
             self._cpp.add_load(dead.dofs, dead.values(), self._columns(amplitude)[0])

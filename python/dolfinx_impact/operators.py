@@ -256,7 +256,7 @@ class SplitForce:
     def forces(self):
         """For the C++ side, which coefficients are the displacement and the velocity among them."""
         given = [self._names.get(id(f), "") for f in self._given]
-        return _cpp.integrators.Forces(*(p._cpp_object for p in self._parts), *given)
+        return _cpp.integrators.FormForces(*(p._cpp_object for p in self._parts), *given)
 
 
 class Energy(_Operator):

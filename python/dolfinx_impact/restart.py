@@ -10,9 +10,9 @@ from .interrupts import Interrupts
 from .march import Plan
 from .signature import functions_of_time, supports
 
-# Per contact: energies, then where a rigid master is and how far it has moved; the latter are the same on all ranks.
 LEDGER = ("taken", "pulse")  # of a node in contact
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
+TABLES = ("works", "common")  # of numbers that the integrator saves by name: adding up over ranks, the same on all
 NUMBERS = ("time", "beyond", "step", "safe", "nominal", "largest", "total_start")
 SAME = 1e-12  # of the values of functions of time: other libraries may round otherwise
 XI_MARGIN = 0.5  # reference coordinates on facets [0, 1]: nodes are held a little beside them
@@ -42,11 +42,8 @@ class Restart:
     def _save(self, path):
         state = self._cpp.save()
         bs = self.space.dofmap.index_map_bs
-        arrays = {name: state[name].reshape(-1, bs) for name in ("u", "v", "r")}
-        count = self._cpp.num_saved_parts
-        parts = state["parts"].reshape(count, -1, bs)
-        arrays.update({f"part{k}": parts[k] for k in range(count)})
-        nodal, ranks = {}, {"accounts": state["accounts"]}
+        arrays = {name: values.reshape(-1, bs) for name, values in state["arrays"].items()}
+        nodal, ranks = {}, {table: np.array(list(state[table].values())) for table in TABLES}
         for k, contact in enumerate(self.contact):
             for j, side in enumerate(contact.sides()):
                 nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history(), bs))
@@ -62,7 +59,7 @@ class Restart:
             **totals,
             "time": self.time, "beyond": self._beyond, "step": self.step, "safe": self._safe, "nominal": self._nominal,
             "largest": self._largest, "total_start": self._total_start, "plan": np.array(plan, dtype=float),
-            "functions of time": table,
+            "functions of time": table, **{table: ", ".join(state[table]) for table in TABLES},
         }  # fmt: skip
         checkpoint.write(path, self, arrays, nodal, ranks, attributes)
 
@@ -90,17 +87,18 @@ class Restart:
 
     def _read(self, path):
         """All of a checkpoint, looked at; nothing is changed. Collective."""
-        bs, count = self.space.dofmap.index_map_bs, self._cpp.num_saved_parts
+        bs, saved = self.space.dofmap.index_map_bs, self._cpp.saved_names()
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.contact) for j, s in enumerate(c.sides())]
         results = {f"results{k}": contact.seen()[0].shape[1] for k, contact in enumerate(self.contact)}
-        accounts = self._cpp.num_additive + 6 + 9 * len(self.contact)
         file = checkpoint.Reader(
             path,
             self,
-            arrays={name: bs for name in ("u", "v", "r", *(f"part{k}" for k in range(count)))},
+            arrays={name: bs for name in saved["arrays"]},
             nodal={**{name: 2 * bs + 9 + len(LEDGER) for name, _ in sides}, **results},
-            ranks={"accounts": accounts, **{name: len(ENERGY) for name, _ in sides}},
-            attributes=[*NUMBERS, "plan", "functions of time", *(f"contact{k}" for k in range(len(self.contact)))],
+            ranks={**{table: len(saved[table]) for table in TABLES}, **{name: len(ENERGY) for name, _ in sides}},
+            attributes=[
+                *NUMBERS, "plan", "functions of time", *TABLES, *(f"contact{k}" for k in range(len(self.contact))),
+            ],  # fmt: skip
         )
         nodes, wanted = supports(self)
         found = file.all_at("supports", nodes)
@@ -112,9 +110,11 @@ class Restart:
         agree(self.comm, error, "restore")
         read = {
             "file": file,
-            "accounts": file.rank("accounts", np.arange(accounts) < self._cpp.num_additive),
+            "names": {table: list(saved[table]) for table in TABLES},
+            "works": file.rank("works", True),
+            "common": file.rank("common", False),
             "histories": [file.all_at(name, side.nodes) for name, side in sides],
-            "energies": [file.rank(name, np.ones(len(ENERGY), dtype=bool)) for name, _ in sides],
+            "energies": [file.rank(name, True) for name, _ in sides],
             "results": [file.all_at(f"results{k}", contact.nodes) for k, contact in enumerate(self.contact)],
             "sides": [side for _, side in sides],
         }
@@ -123,7 +123,7 @@ class Restart:
 
     def _check(self, path, read):
         """Look at what was read on this rank, and bring it into form."""
-        a, m = read["file"].attributes, self._cpp.num_additive
+        a = read["file"].attributes
 
         def want(right, what):
             if not right:
@@ -139,11 +139,16 @@ class Restart:
         want(a["safe"] > 0.0 and a["nominal"] > 0.0, f"steps are {a['safe']} and {a['nominal']}")
         want(0.0 <= a["largest"] < math.inf and abs(a["total_start"]) < math.inf, "energies are no numbers")
         read["plan"] = _plan(a["plan"], want, time, step)
-        accounts = read["accounts"]
-        want(np.all(np.isfinite(np.delete(accounts, m + 2))), "the table ranks/accounts has values that are no numbers")
-        want(accounts[m] >= 0.0 and accounts[m + 1] >= 0.0 and accounts[m + 2] > 0.0, "steps of ranks/accounts")
-        want(accounts[m + 4] >= 0.0, "energies of ranks/accounts")
-        want(0.0 <= accounts[m + 5] <= 1.0, "what releases give back is no part")
+        for table in TABLES:
+            names = read["names"][table]
+            want(str(a[table]) == ", ".join(names), f"{table} are {a[table]!r}")
+            read[table] = dict(zip(names, read[table].tolist()))
+        common = read["common"]
+        numbers = [value for name, value in common.items() if name != "contact_step"]  # infinite where nothing limits
+        want(np.all(np.isfinite(numbers)), "the table ranks/common has values that are no numbers")
+        want(common["reference"] >= 0.0 and common["largest"] >= 0.0, "energies of ranks/common")
+        want(common["last_step"] >= 0.0 and common["contact_step"] > 0.0, "steps of ranks/common")
+        want(0.0 <= common["release_share"] <= 1.0, "what releases give back is no part")
         facets = 8 * self.space.mesh.topology.index_map(self.space.mesh.topology.dim).size_global
         read["histories"] = [_unpack(rows, self.space.dofmap.index_map_bs, facets, want) for rows in read["histories"]]
         for k, contact in enumerate(self.contact):
@@ -162,7 +167,7 @@ class Restart:
     def _take(self, read):
         """Become what was read; nothing of this can fail. Collective."""
         file, table = read["file"], read["table"]
-        a, count = file.attributes, self._cpp.num_saved_parts
+        a = file.attributes
         # Constants, functions and loads as they are now are those of the state that is read.
         for term in self._terms:
             term.update()
@@ -172,12 +177,8 @@ class Restart:
         for side, history, energy in zip(read["sides"], read["histories"], read["energies"]):
             side.set_history(history)
             side.set_energy(*energy)
-        parts = [file.arrays[f"part{k}"].ravel() for k in range(count)]
-        self._cpp.restore(
-            *(np.ascontiguousarray(file.arrays[name]).ravel() for name in ("u", "v", "r")),
-            np.concatenate(parts) if parts else np.zeros(0),
-            np.ascontiguousarray(read["accounts"]),
-        )
+        arrays = {name: np.ascontiguousarray(values).ravel() for name, values in file.arrays.items()}
+        self._cpp.restore(arrays, read["works"], read["common"])
         self.time, self.step, self._beyond = float(a["time"]), int(a["step"]), float(a["beyond"])
         self._cpp.run(np.zeros(0), np.ascontiguousarray(table).ravel(), table.shape[1], np.zeros(0))
         self._safe, self._nominal = float(a["safe"]), float(a["nominal"])

@@ -48,7 +48,7 @@ def program(checkout, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def checks(tmp_path_factory):
-    return build(pathlib.Path(__file__).parent, tmp_path_factory.mktemp("tests_cpp")) / "tangent_check"
+    return build(pathlib.Path(__file__).parent, tmp_path_factory.mktemp("tests_cpp"))
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3])
@@ -66,5 +66,11 @@ def test_widths_agree(program):
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_library(checks, ranks):
     """Tangent, energy and force against each other, boundary conditions, errors."""
-    output = run(["mpirun", "-n", ranks, checks]) if ranks > 1 else run([checks])
+    program = checks / "tangent_check"
+    output = run(["mpirun", "-n", ranks, program]) if ranks > 1 else run([program])
     assert output.count("passed") == ranks
+
+
+def test_units(checks):
+    """Classes of the library, each alone (Catch2)."""
+    assert "All tests passed" in run([checks / "unit_tests"])

@@ -2,167 +2,76 @@
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/fem/DofMap.h>
-#include <limits>
 #include <stdexcept>
+#include <string>
 
 namespace impact::integrators
 {
-CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, Forces internal, bool linear,
+CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
-    : _V(std::move(V)), _bs(_V->dofmap()->index_map_bs()), _internal(std::move(internal)), _linear(linear),
-      _alpha(alpha), _scheme(scheme), _mass(mass.begin(), mass.end())
+    : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
+      _scheme(scheme), _loads(_fields.owned), _energies(V->dofmap()->index_map->comm(), linear, scheme, alpha)
 {
-  const auto map = _V->dofmap()->index_map;
-  _owned = std::size_t(map->size_local()) * _bs;
-  _own_size = _owned + std::size_t(map->num_ghosts()) * _bs;
-  if (mass.size() != _own_size)
+  if (mass.size() != _fields.own)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
-                                std::to_string(_own_size));
-  check(_internal);
-  _inverse.resize(_own_size);
-  for (std::size_t i = 0; i < _own_size; ++i)
-    _inverse[i] = 1.0 / _mass[i];
-  _local.assign(Local::size, 0.0);
-  _global = _local;
-  resize(map);
+                                std::to_string(_fields.own));
+  _internal.check();
+  _internal.read(_fields);
+  std::copy(mass.begin(), mass.end(), _fields.mass.begin());
+  std::transform(mass.begin(), mass.end(), _fields.inverse.begin(), [](double m) { return 1.0 / m; });
 }
 
-CentralDifference::~CentralDifference()
-{
-  if (_request != MPI_REQUEST_NULL)
-    MPI_Wait(&_request, MPI_STATUS_IGNORE);
-}
+// --- set-up
+// -----------------------------------------------------------------------------------------------------------
 
-// --- set-up -------------------------------------------------------------------------------------------------
-
-void CentralDifference::check(const Forces& forces) const
+void CentralDifference::add_term(FormForces forces, WorkKind kind)
 {
-  if (!forces.inner || !forces.outer)
-    throw std::invalid_argument(std::string("the operator of the ") + (forces.inner ? "outer" : "inner") +
-                                " cells is null: give one without cells where there are none");
-  for (const std::string& name : {forces.displacement, forces.velocity})
-    if (!name.empty() && !forces.inner->has(name) && !forces.outer->has(name))
-      throw std::invalid_argument("no kernel of the forces has a coefficient named '" + name +
-                                  "': give the name in the kernels, or an empty one if they have none");
-}
-
-void CentralDifference::set_contact_step(double dt)
-{
-  if (!(dt > 0.0))
-    throw std::invalid_argument("the step of contact stiffnesses is " + std::to_string(dt) + ": it must be positive");
-  _contact_step = dt;
-}
-
-void CentralDifference::add_term(Forces forces, Account account)
-{
-  if (account == Account::contact)
-    throw std::invalid_argument("contacts are added by add_contact");
-  check(forces);
-  const double sign = account == Account::external ? -1.0 : 1.0;
-  _parts.push_back({std::move(forces), account, sign, std::vector<double>(_u.size(), 0.0), {}, 0.0});
-  bind(_parts.back().forces);
+  _terms.emplace_back(std::move(forces), kind, _fields);
 }
 
 void CentralDifference::add_load(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
 {
-  if (dofs.size() != values.size())
-    throw std::invalid_argument("a load has as many values as degrees of freedom");
-  _loads.push_back({{dofs.begin(), dofs.end()},
-                    {values.begin(), values.end()},
-                    amplitude,
-                    std::numeric_limits<double>::quiet_NaN()});
-  _load.resize(_owned, 0.0);
+  _loads.add(dofs, values, amplitude);
 }
 
 void CentralDifference::set_load(std::size_t i, std::span<const double> values)
 {
-  Load& load = _loads.at(i);
-  if (values.size() != load.values.size())
-    throw std::invalid_argument("a load has as many values as degrees of freedom");
-  load.values.assign(values.begin(), values.end());
-  load.reached = std::numeric_limits<double>::quiet_NaN(); // sum anew
+  _loads.set_values(i, values);
 }
 
 void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
 {
-  if (dofs.size() != values.size())
-    throw std::invalid_argument("a prescribed motion has as many values as degrees of freedom");
-  const std::vector<double> none(dofs.size(), 0.0);
-  _motions.push_back({{dofs.begin(), dofs.end()}, {values.begin(), values.end()}, amplitude, none, none, none});
+  _prescribed.add(dofs, values, amplitude);
   for (std::int32_t dof : dofs)
-    _inverse.at(dof) = 0.0;
-  _halo->forward(_inverse.data(), _bs);
+    _fields.inverse.at(dof) = 0.0;
+  _fields.halo->forward(_fields.inverse.data(), _fields.bs);
 }
 
 void CentralDifference::add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
 {
-  if (contact->kinematic())
-    _kinematic = true;
-  else if (!_penalty)
-  {
-    _penalty = true;
-    _parts.push_back({{}, Account::contact, -1.0, {}, {}, 0.0});
-  }
-  _contacts.push_back({std::move(contact), columns});
-  _local.assign(Local::size + 3 * _contacts.size(), 0.0);
-  _global = _local;
-  _search_due = true;
-}
-
-void CentralDifference::bind(const Forces& forces)
-{
-  for (InternalForce* operation : {forces.inner.get(), forces.outer.get()})
-    if (operation) // contact has none
-    {
-      if (!forces.displacement.empty())
-        operation->read(forces.displacement, _u.data());
-      if (!forces.velocity.empty())
-        operation->read(forces.velocity, _v.data());
-    }
-}
-
-void CentralDifference::resize(std::shared_ptr<const dolfinx::common::IndexMap> map)
-{
-  if (_halo)
-    _traffic += _halo->traffic();
-  _halo = std::make_unique<Halo>(map);
-  const std::size_t size = std::size_t(_halo->num_nodes()) * _bs;
-  for (std::vector<double>* values : {&_u, &_v, &_r, &_mass, &_inverse})
-    values->resize(size, 0.0);
-  _old_ghosts.resize(size - _owned);
-  for (Part& part : _parts)
-    if (part.account != Account::contact)
-      part.force.resize(size, 0.0);
-  bind(_internal);
-  for (const Part& part : _parts)
-    bind(part.forces);
+  _contact.add(std::move(contact), columns);
 }
 
 void CentralDifference::start(std::span<const double> u, std::span<const double> v)
 {
-  if (u.size() != _owned || v.size() != _owned)
+  if (u.size() != _fields.owned || v.size() != _fields.owned)
     throw std::invalid_argument("start takes the owned entries of displacement and velocity");
-  std::copy(u.begin(), u.end(), _u.begin());
-  std::copy(v.begin(), v.end(), _v.begin());
-  _halo->forward(_u.data(), _bs);
-  _halo->forward(_v.data(), _bs);
-  std::fill(_r.begin(), _r.end(), 0.0);
-  std::fill(_near.force.begin(), _near.force.end(), 0.0);
-  _near.kept.clear();
-  for (Part& part : _parts)
-  {
-    std::fill(part.force.begin(), part.force.end(), 0.0);
-    part.work = {};
-  }
-  for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
-    *work = {};
-  _obstacle_work = _reference = _last_step = _release_share = 0.0;
-  _gain = {};
-  _fresh = _pending = false;
-  _search_due = true;
+  std::copy(u.begin(), u.end(), _fields.u.begin());
+  std::copy(v.begin(), v.end(), _fields.v.begin());
+  _fields.halo->forward(_fields.u.data(), _fields.bs);
+  _fields.halo->forward(_fields.v.data(), _fields.bs);
+  _fields.exchanging = false;
+  std::fill(_fields.r.begin(), _fields.r.end(), 0.0);
+  for (ForceTerm& term : _terms)
+    term.reset();
+  _contact.reset();
+  _energies.reset();
+  _last_step = 0.0;
+  _evaluated = false;
 }
 
-// --- the step -----------------------------------------------------------------------------------------------
+// --- the step
+// ---------------------------------------------------------------------------------------------------------
 
 /// The first step is half a step from v_0: seed (3.76).
 Coefficients CentralDifference::coefficients(double dt) const
@@ -173,90 +82,63 @@ Coefficients CentralDifference::coefficients(double dt) const
   return {1.0 - h * _alpha, h, dt};
 }
 
-void CentralDifference::apply_loads(const double* amplitudes)
+/// A search has given the fields other ghosts.
+void CentralDifference::fields_changed()
 {
-  bool changed = false;
-  for (Load& load : _loads)
-  {
-    const double value = load.amplitude < 0 ? 1.0 : amplitudes[load.amplitude];
-    changed = changed || value != load.reached;
-    load.reached = value;
-  }
-  if (!changed)
-    return;
-  // From zero, so that the sum does not depend on how it was reached.
-  std::fill(_load.begin(), _load.end(), 0.0);
-  for (const Load& load : _loads)
-    for (std::size_t k = 0; k < load.dofs.size(); ++k)
-      _load[load.dofs[k]] += load.reached * load.values[k];
+  _internal.read(_fields);
+  for (ForceTerm& term : _terms)
+    term.resize(_fields);
 }
 
-double CentralDifference::target(const Motion& motion, std::size_t k, const double* amplitudes)
+/// Forces at the present time level. @returns is the run stable, as far as the sums of the last step tell?
+bool CentralDifference::evaluate()
 {
-  return motion.values[k] * (motion.amplitude < 0 ? 1.0 : amplitudes[motion.amplitude]);
+  _contact.check_step();
+  _internal.inner->assemble({_fields.r.data(), _fields.own});
+  _fields.end_exchange(_last_step);
+  const bool stable = _energies.end_sum();
+  _stopped = _stopped || _energies.stop_asked();
+  if (_energies.search_due())
+    _contact.request_search();
+  for (ForceTerm& term : _terms)
+    term.work_of_step(_fields, _last_step);
+  if (_contact.work_of_step(_fields, _last_step))
+    fields_changed();
+  _internal.outer->assemble({_fields.r.data(), _fields.own});
+  for (ForceTerm& term : _terms)
+    term.evaluate(_fields, _last_step);
+  _contact.evaluate(_fields);
+  _contact.predict_searches();
+  complete_residual();
+  _evaluated = true;
+  return stable;
 }
 
-void CentralDifference::prescribed_motion(double dt, double h, const double* amplitudes, Sums& sums)
+/// Ghosts' contributions go to the owners.
+void CentralDifference::complete_residual()
 {
-  double before = 0.0, after = 0.0;
-  for (Motion& motion : _motions)
-    for (std::size_t k = 0; k < motion.dofs.size(); ++k)
-    {
-      const std::int32_t i = motion.dofs[k];
-      const double place = target(motion, k, amplitudes);
-      const double old = motion.v[k], v = (place - motion.u[k]) / dt, m = _mass[i];
-      const double load = load_at(i);
-      const double force = m * ((v - old) / h + _alpha * old) + motion.r[k] - load;
-      before += force * old;
-      after += force * v;
-      sums.momentum += m * old * v;
-      sums.speed += m * v * v;
-      sums.old_speed += m * old * old;
-      sums.after += motion.r[k] * (v - _v[i]);
-      sums.load_after += load * (v - _v[i]);
-      _v[i] = v;
-      _u[i] = place;
-    }
-  _support_work.before = 0.5 * _last_step * before;
-  _support_before = _support_work.value();
-  _support_work.commit(0.5 * dt * after);
+  _fields.halo->reverse(_fields.r.data(), _fields.bs);
+  std::fill(_fields.r.begin() + _fields.owned, _fields.r.end(), 0.0);
 }
 
 void CentralDifference::advance(double dt, const double* amplitudes)
 {
+  NodalFields& f = _fields;
   const Coefficients c = coefficients(dt);
-  for (Motion& motion : _motions)
-    for (std::size_t k = 0; k < motion.dofs.size(); ++k)
-    {
-      const std::int32_t i = motion.dofs[k];
-      motion.u[k] = _u[i];
-      motion.v[k] = _v[i];
-      motion.r[k] = _r[i];
-    }
-  if (_kinematic)
-  {
-    const Stopwatch watch(_contact_seconds);
-    for (std::size_t k = 0; k < _touched.size(); ++k)
-      for (int j = 0; j < _bs; ++j)
-      {
-        const std::size_t n = k * _bs + j, i = std::size_t(_touched[k]) * _bs + j;
-        _near.before[2 * n] = _v[i];
-        _near.before[2 * n + 1] = _r[i];
-      }
-  }
-  Sums sums = update(_owned, _r.data(), loads(), _inverse.data(), c, _u.data(), _v.data());
-  prescribed_motion(dt, 0.5 * (_last_step + dt), amplitudes, sums);
-  move_obstacles(amplitudes, false);
-  if (_kinematic)
-    kinematic_contact(dt, c.push, sums);
+  const double mean_step = 0.5 * (_last_step + dt);
+  _prescribed.keep(f.u.data(), f.v.data(), f.r.data());
+  _contact.keep(f);
+  Sums sums = update(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), c, f.u.data(), f.v.data());
+  const PrescribedMotion::Power power =
+      _prescribed.impose(dt, mean_step, _alpha, amplitudes, f.mass.data(), _loads, f.u.data(), f.v.data(), sums);
+  _contact.move_obstacles(amplitudes, false);
+  if (_contact.has_kinematic())
+    _contact.correct(f, dt, _last_step, c.push, _energies.release_share(), _loads, sums);
   else
-  {
-    _halo->forward_begin(_u.data(), _bs);
-    _pending = true;
-  }
-  account(sums, dt, true);
+    f.begin_exchange();
+  _energies.add_step(sums, power, {_last_step, dt}, _terms, _contact, _stop);
   _last_step = dt;
-  _fresh = false;
+  _evaluated = false;
 }
 
 /// Asks ten times a second at most: the answer may take a lock.
@@ -271,6 +153,13 @@ bool CentralDifference::asked_to_stop(const std::function<bool()>& asked)
   return asked();
 }
 
+bool CentralDifference::passed() const
+{
+  int mine = passage().first >= 0, all = 0;
+  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, _fields.space_map().comm());
+  return all > 0;
+}
+
 int CentralDifference::run(std::span<const double> steps, std::span<const double> table, int columns,
                            std::span<double> history, const std::function<bool()>& asked)
 {
@@ -282,17 +171,21 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
   for (double dt : steps)
     if (!(dt > 0.0))
       throw std::invalid_argument("a step is " + std::to_string(dt) + ": it must be positive");
+  const History rows(history, _contact.size());
   _stop = _stopped = false;
-  apply_loads(table.data());
+  _loads.apply(table.data());
   if (_last_step == 0.0)
-    move_obstacles(table.data(), true);
-  if (_fresh && _search_due && !_contacts.empty())
-    search();
+    _contact.move_obstacles(table.data(), true);
+  if (_evaluated && _contact.search_due())
+  {
+    _contact.search(_fields, _last_step);
+    fields_changed();
+  }
   for (std::size_t k = 0; k < steps.size(); ++k)
   {
     const double* row = table.data() + k * columns;
-    apply_loads(row);
-    if (!_fresh && !evaluate())
+    _loads.apply(row);
+    if (!_evaluated && !evaluate())
     {
       _stopped = false;
       return int(k);
@@ -304,17 +197,140 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
     }
     _stop = _stop || asked_to_stop(asked);
     advance(steps[k], row + columns);
-    _row = history.empty() ? nullptr : history.data() + k * row_size();
-    reduce_begin();
+    _energies.begin_sum(_contact, _fields.bs, rows, k);
   }
-  apply_loads(table.data() + steps.size() * columns);
-  if (_fresh)
+  _loads.apply(table.data() + steps.size() * columns);
+  if (_evaluated)
     return int(steps.size());
   const bool stable = evaluate();
-  // Sums tell it with the next step; springs have looked at the last state just now.
-  if (stable && !(_penalty && passed()))
+  // The sums of the next step would tell of passages; springs have just evaluated the last state.
+  if (stable && !(_contact.has_springs() && passed()))
     return int(steps.size());
   _stopped = false;
   return int(steps.size()) - 1;
+}
+
+void CentralDifference::revise()
+{
+  if (!_evaluated)
+    return; // nothing is known of this time level yet
+  // Friction has its history: the forces of springs are not computed twice.
+  const std::vector<double> springs = _contact.forces(_fields).springs;
+  std::fill(_fields.r.begin(), _fields.r.end(), 0.0);
+  for (const auto& operation : {_internal.inner, _internal.outer})
+    operation->assemble({_fields.r.data(), _fields.own});
+  for (ForceTerm& term : _terms)
+    term.evaluate(_fields, _last_step);
+  complete_residual();
+  for (std::size_t i = 0; i < _fields.owned; ++i)
+    _fields.r[i] -= springs[i];
+}
+
+// --- the present time level
+// -------------------------------------------------------------------------------------------
+
+Energies CentralDifference::energies()
+{
+  if (!_evaluated)
+    evaluate();
+  const NodalFields& f = _fields;
+  Sums sums =
+      measure(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step), f.u.data(), f.v.data());
+  const double power = _prescribed.power(_last_step, _alpha, _beyond.data(), f.mass.data(), _loads, f.u.data(),
+                                         f.v.data(), f.r.data(), sums);
+  return _energies.energies(sums, power, {_last_step, _last_step}, _terms, _contact);
+}
+
+void CentralDifference::motion(std::span<double> v, std::span<double> a)
+{
+  if (v.size() != _fields.owned || a.size() != _fields.owned)
+    throw std::invalid_argument("motion takes the owned entries of velocity and acceleration");
+  if (!_evaluated)
+    evaluate();
+  const double dt = _last_step;
+  const Coefficients c = coefficients(dt);
+  const NodalFields& fields = _fields;
+  // Kinematic contact knows its forces once the step is predicted: those of the last step.
+  std::vector<double> kinematic;
+  if (_contact.has_kinematic())
+    kinematic = _contact.forces(_fields).kinematic;
+  for (std::size_t i = 0; i < fields.owned; ++i)
+  {
+    const double force = _loads.force(i) - fields.r[i] + (kinematic.empty() ? 0.0 : kinematic[i]);
+    const double f = fields.inverse[i] * force;
+    if (fields.inverse[i] > 0.0)
+      a[i] = dt > 0.0 ? ((c.keep - 1.0) * fields.v[i] + c.push * f) / dt : f - _alpha * fields.v[i];
+    else
+      a[i] = 0.0;
+  }
+  _prescribed.accelerations(dt, _beyond.data(), fields.u.data(), fields.v.data(), a.data());
+  for (std::size_t i = 0; i < fields.owned; ++i)
+    v[i] = fields.v[i] + 0.5 * dt * a[i];
+}
+
+std::pair<std::int32_t, double> CentralDifference::fastest() const
+{
+  std::pair<std::int32_t, double> found{-1, -1.0};
+  for (std::size_t i = 0; i < _fields.owned; ++i)
+    if (const double v = _fields.v[i]; !(std::abs(v) <= found.second))
+    {
+      found = {std::int32_t(i), std::abs(v)};
+      if (std::isnan(v))
+        break;
+    }
+  return found;
+}
+
+CentralDifference::Saved CentralDifference::save()
+{
+  if (!_evaluated)
+    evaluate();
+  const auto owned = [this](const std::vector<double>& a)
+  { return std::vector<double>(a.begin(), a.begin() + _fields.owned); };
+  ContactNodes::Forces contact = _contact.forces(_fields);
+  Saved saved;
+  saved.u = owned(_fields.u);
+  saved.v = owned(_fields.v);
+  saved.r = owned(_fields.r);
+  for (ForceTerm& term : _terms)
+    saved.terms.push_back({term.saved_force(_fields), term.work, term.position()});
+  saved.springs = {std::move(contact.springs), _contact.spring_work(), _contact.spring_position()};
+  saved.kinematic = std::move(contact.kinematic);
+  saved.energies = _energies.save();
+  saved.obstacle_work = _contact.obstacle_work();
+  saved.last_step = _last_step;
+  saved.contact_step = _contact.step();
+  saved.obstacles = _contact.obstacles();
+  _contact.forget_searches();
+  return saved;
+}
+
+void CentralDifference::restore(const Saved& saved)
+{
+  const auto right = [this](const std::vector<double>& a) { return a.size() == _fields.owned; };
+  bool all = right(saved.u) && right(saved.v) && right(saved.r) && right(saved.springs.force) &&
+             right(saved.kinematic) && saved.terms.size() == _terms.size() && saved.obstacles.size() == _contact.size();
+  for (const Saved::Term& term : saved.terms)
+    all = all && right(term.force);
+  if (!all)
+    throw std::invalid_argument("the saved state is that of another problem");
+  start(saved.u, saved.v);
+  std::copy(saved.r.begin(), saved.r.end(), _fields.r.begin());
+  for (std::size_t k = 0; k < _terms.size(); ++k)
+    _terms[k].restore(saved.terms[k].force, saved.terms[k].work, saved.terms[k].position);
+  _contact.restore({saved.springs.force, saved.kinematic}, saved.springs.work, saved.springs.position,
+                   saved.obstacle_work, saved.obstacles);
+  _energies.restore(saved.energies);
+  _last_step = saved.last_step;
+  if (saved.contact_step > 0.0)
+    _contact.set_step(saved.contact_step);
+  _evaluated = true;
+}
+
+Halo::Traffic CentralDifference::traffic() const
+{
+  Halo::Traffic out = _fields.traffic();
+  out += _contact.traffic();
+  return out;
 }
 } // namespace impact::integrators

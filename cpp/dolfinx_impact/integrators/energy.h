@@ -1,13 +1,12 @@
 #pragma once
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <span>
+#include <bit>
+#include <cstddef>
 
 namespace impact::integrators
 {
-/// Whose work a force is.
-enum class Account
+/// Which energy the work of a force counts to.
+enum class WorkKind
 {
   contact,
   damping,
@@ -28,69 +27,52 @@ struct Work
   }
 };
 
-/// What a rank contributes at a time level; sums over ranks make Energies.
-struct Local
-{
-  enum Index
-  {
-    kinetic,
-    speed,
-    position, ///< u . residual/2
-    residual_work,
-    load_work,
-    support_work,
-    damped, ///< by mass-proportional damping
-    part_work,
-    parts_position = part_work + 4,
-    stored,
-    friction,
-    normal,      ///< work of the normal forces of contact, of springs without what they store
-    kinematic,   ///< the part of it that kinematic contact does
-    taken,       ///< minus that of kinematic contact, with the motion after the last forces
-    recoverable, ///< taken from nodes that are still closed
-    search,      ///< contacts that need a search
-    stop,        ///< ranks that were asked to stop
-    passed,      ///< contacts that a node went through
-    size
-  };
-};
-
-/// Energies at a time level, sums over ranks [F L].
+/// Energies at a time level, sums over ranks [F L]; docs/explicit.md, "Energies".
 struct Energies
 {
-  enum Index
-  {
-    kinetic,
-    internal,
-    contact, ///< stored in springs
-    friction,
-    impact, ///< what normal forces of contact take from the bodies and do not store
-    damping,
-    viscosity,
-    external,
-    size
-  };
-  std::array<double, size> values{};
+  double kinetic = 0.0;
+  double internal = 0.0;
+  double contact = 0.0; ///< stored in springs
+  double friction = 0.0;
+  double impact = 0.0; ///< what normal forces of contact take from the bodies and do not store
+  double damping = 0.0;
+  double viscosity = 0.0;
+  double external = 0.0;
+
+  static constexpr std::size_t size = 8;
+  /// In the order above.
+  std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
 };
 
-/// @param[in] sums over ranks. linear: internal energy is u . F/2
-inline Energies energies_of(std::span<const double> e, bool linear)
+/// What a rank contributes at a time level. Sums over ranks make Energies, and tell all ranks alike what to do next.
+struct EnergySums
 {
-  const double* work = &e[Local::part_work];
-  const double parts = -work[int(Account::contact)] + work[int(Account::damping)] + work[int(Account::viscosity)] -
-                       work[int(Account::external)];
-  Energies out;
-  auto& v = out.values;
-  v[Energies::kinetic] = e[Local::kinetic];
-  v[Energies::internal] = linear ? e[Local::position] - e[Local::parts_position] : e[Local::residual_work] - parts;
-  v[Energies::contact] = e[Local::stored];
-  v[Energies::friction] = e[Local::friction];
-  v[Energies::impact] = -e[Local::normal];
-  v[Energies::damping] = e[Local::damped] + work[int(Account::damping)];
-  v[Energies::viscosity] = work[int(Account::viscosity)];
-  v[Energies::external] = e[Local::load_work] + e[Local::support_work] + work[int(Account::external)];
-  return out;
-}
+  double kinetic = 0.0;
+  double speed = 0.0;    ///< kinetic energy with the velocities after the time level alone
+  double position = 0.0; ///< u . residual/2
+  double residual_work = 0.0;
+  double load_work = 0.0; ///< of loads and of contact forces on rigid masters that move
+  double support_work = 0.0;
+  double damped = 0.0;          ///< by mass-proportional damping
+  std::array<double, 4> work{}; ///< of force terms, by WorkKind
+  double terms_position = 0.0;  ///< u . force/2 of force terms, with the signs that they have in the residual
+  double stored = 0.0;          ///< in springs
+  double friction = 0.0;
+  double normal = 0.0;       ///< work of the normal forces of contact, of springs without what they store
+  double kinematic = 0.0;    ///< the part of `normal` that kinematic contact does
+  double taken = 0.0;        ///< minus that of kinematic contact, with the motion after the last forces
+  double recoverable = 0.0;  ///< taken from nodes that are still closed
+  double searches_due = 0.0; ///< contacts that need a search
+  double stops_asked = 0.0;  ///< ranks that were asked to stop
+  double passages = 0.0;     ///< contacts that a node went through
+
+  static constexpr std::size_t size = 21;
+  std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
+  static EnergySums of(const std::array<double, size>& values) { return std::bit_cast<EnergySums>(values); }
+
+  /// @param[in] linear the internal energy is u . F/2; else it is the work of the internal force
+  Energies energies(bool linear) const;
+};
 
 /// What a run has gained without the work of loads and supports: kinetic, internal and stored energy, with what
 /// kinematic contact has taken, less external work, above the lowest that this has been so far. All forces but these
@@ -102,23 +84,8 @@ struct EnergyGain
   double now = 0.0;     ///< relative to it [1]
   double most = 0.0;    ///< of `now`, since the run began or went on from a checkpoint [1]
 
+  /// @param[in] energies at a time level
   /// @param[in] taken by kinematic contact so far, which may give it back when nodes leave [F L]
-  void see(const Energies& energies, double taken)
-  {
-    const auto& v = energies.values;
-    const double value = v[Energies::kinetic] + v[Energies::internal] + v[Energies::contact] + std::max(0.0, taken) -
-                         v[Energies::external];
-    lowest = largest == 0.0 ? value : std::min(lowest, value);
-    // Negative dissipation is what is gained: it must not hide itself.
-    double size = 0.0;
-    for (int k = 0; k < Energies::size; ++k)
-    {
-      const bool taken = k != Energies::kinetic && k != Energies::internal && k != Energies::external;
-      size += taken ? std::max(0.0, v[k]) : std::abs(v[k]);
-    }
-    largest = std::max(largest, size);
-    now = largest > 0.0 ? (value - lowest) / largest : 0.0;
-    most = std::max(most, now);
-  }
+  void update(const Energies& energies, double taken);
 };
 } // namespace impact::integrators

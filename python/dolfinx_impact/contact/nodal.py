@@ -176,7 +176,7 @@ class NodalResult(ContactOutput):
     def _gaps(self):
         """Gaps and normals, of open nodes as they are now."""
         if self._known is None:
-            self.problem._cpp.look()
+            self.problem._cpp.update_gaps()
             results = self._cpp.results()
             self._known = {name: results[name] for name in GAPS}
         return self._known

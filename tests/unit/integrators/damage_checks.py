@@ -19,7 +19,7 @@ def everything(problem):
     """All that `restore` may change: motion, contact with its history, times, energies."""
     saved = problem._cpp.save()
     parts = [state(problem), [problem.time, problem.step, problem._safe, problem._nominal, problem._largest]]
-    parts += [saved[name] for name in ("u", "v", "r", "parts", "accounts")]
+    parts += [*saved["arrays"].values(), *(list(saved[table].values()) for table in ("works", "common"))]
     for contact in problem.contact:
         for side in contact.sides():
             parts += [np.ravel(values) for values in side.history().values()] + [list(side.energy().values())]
@@ -210,10 +210,13 @@ def check_content_that_cannot_be():
         "narrow u": (table("nodes/u", lambda d: d[:, :1].copy()), "nodes/u"),
         "single precision": (table("nodes/u", lambda d: d.astype(np.float32)), "nodes/u"),
         "nan u": (table("nodes/u", entry(np.nan)), "nodes/u"),
-        "infinite force": (table("nodes/part0", entry(np.inf)), "nodes/part0"),
-        "nan account": (table("ranks/accounts", entry(np.nan)), "ranks/accounts"),
-        "infinite account": (table("ranks/accounts", entry(np.inf)), "ranks/accounts"),
-        "short accounts": (table("ranks/accounts", lambda d: d[:, :3].copy()), "ranks/accounts"),
+        "infinite force": (table("nodes/springs", entry(np.inf)), "nodes/springs"),
+        "nan work": (table("ranks/works", entry(np.nan)), "ranks/works"),
+        "infinite work": (table("ranks/works", entry(np.inf)), "ranks/works"),
+        "short works": (table("ranks/works", lambda d: d[:, :3].copy()), "ranks/works"),
+        "works of other terms": (attribute("works", "residual, loads"), "works"),
+        "nan energy": (table("ranks/common", entry(np.nan)), "ranks/common"),
+        "infinite energy": (table("ranks/common", entry(np.inf)), "ranks/common"),
         "cells twice": (table("cells/input", entry(1)), "cells/input"),
         "cells of another mesh": (table("cells/input", lambda d: d[::-1].copy()), "nodes lie elsewhere"),
         "nodes beyond": (table("cells/nodes", lambda d: d + 100000), "cells/nodes"),

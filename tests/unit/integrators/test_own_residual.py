@@ -228,7 +228,7 @@ def test_operators_and_names_that_are_not_there():
     mass = np.ones(len(b.u.x.array))
 
     def make(*arguments):
-        forces = _cpp.integrators.Forces(*arguments)
+        forces = _cpp.integrators.FormForces(*arguments)
         scheme = _cpp.integrators.Scheme.half_step
         return _cpp.integrators.CentralDifference(b.V._cpp_object, forces, False, mass, 0.0, scheme)
 
@@ -242,7 +242,7 @@ def test_operators_and_names_that_are_not_there():
         with pytest.raises(ValueError, match=text):
             make(*arguments)
         with pytest.raises(ValueError, match=text):
-            solver.add_term(_cpp.integrators.Forces(*arguments), _cpp.integrators.Account.damping)
+            solver.add_term(_cpp.integrators.FormForces(*arguments), _cpp.integrators.WorkKind.damping)
 
 
 def test_contact_without_its_step_is_told():
@@ -251,7 +251,7 @@ def test_contact_without_its_step_is_told():
 
     b = Body(COMM)
     parts = [operators.InternalForce(b.elastic(), part=p)._cpp_object for p in ("inner", "outer")]
-    forces = _cpp.integrators.Forces(*parts, "u", "")
+    forces = _cpp.integrators.FormForces(*parts, "u", "")
     scheme = _cpp.integrators.Scheme.half_step
     solver = _cpp.integrators.CentralDifference(b.V._cpp_object, forces, False, np.ones(len(b.u.x.array)), 0.0, scheme)
     b.mesh.topology.create_connectivity(1, 2)

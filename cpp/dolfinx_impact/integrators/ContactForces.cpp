@@ -1,0 +1,273 @@
+#include "ContactForces.h"
+#include "../common/Stopwatch.h"
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace impact::integrators
+{
+using common::Stopwatch;
+
+void ContactForces::add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
+{
+  (contact->kinematic() ? _kinematic : _springs) = true;
+  _contacts.push_back({std::move(contact), columns, {}});
+  _search_due = true;
+}
+
+void ContactForces::set_step(double dt)
+{
+  if (!(dt > 0.0))
+    throw std::invalid_argument("the step of contact stiffnesses is " + std::to_string(dt) + ": it must be positive");
+  _step = dt;
+}
+
+void ContactForces::reset()
+{
+  _nodes.reset();
+  _work = {};
+  _obstacle_work = 0.0;
+  _search_due = true;
+}
+
+void ContactForces::search(NodalFields& fields, double last_step)
+{
+  ++_num_searches;
+  const auto& space = fields.space_map();
+  std::vector<std::pair<std::int64_t, int>> found;
+  const std::span<const std::int64_t> ghosts = space.ghosts();
+  std::vector<std::int64_t> known(ghosts.begin(), ghosts.end());
+  std::sort(known.begin(), known.end());
+  std::vector<double> du(fields.v.begin(), fields.v.begin() + fields.owned);
+  for (double& value : du)
+    value *= last_step > 0.0 ? last_step : _step;
+  for (Contact& c : _contacts)
+  {
+    c.contact->search({fields.u.data(), fields.owned}, du);
+    const auto nodes = c.contact->remote_nodes();
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      if (!std::binary_search(known.begin(), known.end(), nodes[k]))
+        found.emplace_back(nodes[k], c.contact->remote_owners()[k]);
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  fields.add_ghosts(found);
+  std::vector<std::int32_t> nodes;
+  for (Contact& c : _contacts)
+  {
+    const auto needed = c.contact->needs(*fields.halo);
+    nodes.insert(nodes.end(), needed.begin(), needed.end());
+  }
+  _nodes.number(fields, std::move(nodes), _kinematic);
+  for (Contact& c : _contacts)
+    c.contact->number(*_nodes.halo(), _nodes.numbers(), _nodes.mass().data());
+  _search_due = false;
+}
+
+void ContactForces::move_obstacles(const double* amplitudes, bool first)
+{
+  for (Contact& c : _contacts)
+  {
+    if (c.columns[0] < 0)
+      continue;
+    Obstacle& o = c.obstacle;
+    std::array<double, 3> displacement{};
+    for (int k = 0; k < 3; ++k)
+      displacement[k] = amplitudes[c.columns[k]];
+    o.increment_before = o.increment;
+    for (int k = 0; k < 3; ++k)
+      o.increment[k] = first ? 0.0 : displacement[k] - o.displacement[k];
+    o.displacement = displacement;
+    c.contact->set_obstacle(o.displacement, o.increment);
+  }
+}
+
+double ContactForces::half_work(const Contact& contact, const std::array<double, 3>& increment, int bs)
+{
+  double work = 0.0;
+  for (int k = 0; k < bs; ++k)
+    work += 0.5 * increment[k] * contact.contact->force()[k];
+  return work;
+}
+
+enforcement::NodalState ContactForces::state() const
+{
+  return {_nodes.u.data(), _nodes.du.data(), _nodes.inverse.data(), _step};
+}
+
+void ContactForces::check_step() const
+{
+  if (!_contacts.empty() && !(_step > 0.0))
+    throw std::invalid_argument("contact has no step to make its stiffness for: call set_contact_step first");
+}
+
+bool ContactForces::work_of_step(NodalFields& fields, double last_step)
+{
+  if (_contacts.empty())
+    return false;
+  const Stopwatch watch(_seconds);
+  _work.done += 0.5 * _nodes.gather(fields, last_step, _springs);
+  for (const Contact& c : _contacts)
+    _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
+  if (!_search_due)
+    return false;
+  search(fields, last_step);
+  _nodes.gather(fields, last_step, _springs);
+  return true;
+}
+
+void ContactForces::evaluate(NodalFields& fields)
+{
+  if (!_springs)
+    return;
+  const Stopwatch watch(_seconds);
+  for (Contact& c : _contacts)
+    if (!c.contact->kinematic())
+    {
+      c.contact->add_forces(state(), _nodes.springs.data());
+      _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
+    }
+  const ContactNodes::Products products = _nodes.add_springs(fields);
+  _position = products.position;
+  _work.before = 0.5 * products.work;
+}
+
+void ContactForces::predict_searches()
+{
+  _searches_due = 0.0;
+  if (_contacts.empty())
+    return;
+  const Stopwatch watch(_seconds);
+  for (const Contact& c : _contacts)
+    _searches_due += !(c.contact->used(state()) < 1.0);
+}
+
+void ContactForces::keep(const NodalFields& fields)
+{
+  if (_kinematic)
+    _nodes.keep(fields);
+}
+
+void ContactForces::correct(NodalFields& fields, double dt, double last_step, double h, double release_share,
+                            const Loads& loads, Sums& sums)
+{
+  fields.begin_exchange();
+  fields.end_exchange(dt);
+  const Stopwatch watch(_seconds);
+  ContactNodes& n = _nodes;
+  n.gather(fields, dt, false);
+  for (std::size_t k = 0; k < n.u.size(); ++k)
+  {
+    n.du_before[k] = last_step * n.v_before[k];
+    n.kinematic[k] = 0.0;
+  }
+  for (Contact& c : _contacts)
+    if (c.contact->kinematic())
+    {
+      c.contact->correct(n.u.data(), n.du.data(), n.du_before.data(), n.inverse.data(), h * dt, dt, release_share,
+                         n.kinematic.data());
+      _obstacle_work += half_work(c, c.obstacle.increment_before, fields.bs);
+    }
+  const int bs = fields.bs;
+  for (std::size_t k = 0; k < n.size(); ++k)
+    for (int c = 0; c < bs; ++c)
+      fields.u[std::size_t(n.nodes()[k]) * bs + c] = n.u[k * bs + c];
+  fields.update_ghost_velocities(dt); // so far they are those of the prediction
+  const std::size_t owned = n.halo()->num_owned();
+  for (std::size_t k = 0; k < owned; ++k)
+    for (int c = 0; c < bs; ++c)
+    {
+      const std::size_t j = k * bs + c, i = std::size_t(n.nodes()[k]) * bs + c;
+      if (n.inverse[j] == 0.0)
+        continue;
+      const double m = 1.0 / n.inverse[j], predicted = n.v[j];
+      const double v = predicted + h * n.inverse[j] * n.kinematic[j];
+      fields.v[i] = v;
+      sums.momentum += m * n.v_before[j] * (v - predicted);
+      sums.speed += m * (v * v - predicted * predicted);
+      sums.after += n.r_before[j] * (v - predicted);
+      sums.load_after += loads.force(i) * (v - predicted);
+    }
+}
+
+void ContactForces::add_energies(EnergySums& sums) const
+{
+  if (_springs)
+  {
+    sums.work[std::size_t(WorkKind::contact)] += _work.value();
+    sums.terms_position -= 0.5 * _position;
+  }
+  sums.load_work += _obstacle_work;
+  sums.searches_due = _searches_due;
+  for (const Contact& c : _contacts)
+  {
+    const enforcement::ContactEnergy energy = c.contact->energy();
+    sums.stored += energy.stored;
+    sums.friction += energy.friction;
+    sums.normal += energy.normal;
+    sums.passages += c.contact->passage().node >= 0;
+    if (c.contact->kinematic())
+    {
+      sums.kinematic += energy.normal;
+      sums.taken -= energy.normal + energy.later_normal;
+      sums.recoverable += energy.recoverable;
+    }
+  }
+}
+
+void ContactForces::resultants(int bs, double* out) const
+{
+  for (const Contact& c : _contacts)
+  {
+    std::copy_n(c.contact->force(), bs, out);
+    out += 3;
+  }
+}
+
+void ContactForces::update_gaps()
+{
+  for (Contact& c : _contacts)
+    c.contact->look(_nodes.u.data());
+}
+
+std::pair<int, enforcement::Passage> ContactForces::passage() const
+{
+  std::pair<int, enforcement::Passage> fastest{-1, {}};
+  for (std::size_t k = 0; k < _contacts.size(); ++k)
+    if (const enforcement::Passage p = _contacts[k].contact->passage(); p.facets > fastest.second.facets)
+      fastest = {int(k), p};
+  return fastest;
+}
+
+std::vector<ContactForces::Obstacle> ContactForces::obstacles() const
+{
+  std::vector<Obstacle> out;
+  for (const Contact& c : _contacts)
+    out.push_back(c.obstacle);
+  return out;
+}
+
+void ContactForces::forget_searches()
+{
+  for (Contact& c : _contacts)
+    c.contact->forget();
+  _search_due = true;
+}
+
+void ContactForces::restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
+                            const std::vector<Obstacle>& obstacles)
+{
+  if (_contacts.empty())
+    return;
+  _nodes.restore(std::move(forces));
+  _work = work;
+  _position = position;
+  _obstacle_work = obstacle_work;
+  for (std::size_t k = 0; k < _contacts.size(); ++k)
+  {
+    _contacts[k].obstacle = obstacles[k];
+    _contacts[k].contact->set_obstacle(obstacles[k].displacement, obstacles[k].increment);
+    _contacts[k].contact->forget();
+  }
+}
+} // namespace impact::integrators

@@ -1,0 +1,124 @@
+#pragma once
+#include "../enforcement/NodalContact.h"
+#include "ContactNodes.h"
+#include "Loads.h"
+#include "energy.h"
+#include "update.h"
+#include <array>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace impact::integrators
+{
+/// All contacts of a run: their candidates, rigid masters that move, and their forces. Springs act at a time level and
+/// are part of the residual; kinematic contact corrects what an update has predicted.
+class ContactForces
+{
+public:
+  /// Motion of a rigid master [L].
+  struct Obstacle
+  {
+    std::array<double, 3> displacement{};
+    std::array<double, 3> increment{};        ///< in the last step
+    std::array<double, 3> increment_before{}; ///< in the step before it
+  };
+
+  /// @param[in] contact the contact
+  /// @param[in] columns of the amplitudes with the displacement of a rigid master; -1: it stays
+  void add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
+  bool empty() const { return _contacts.empty(); }
+  std::size_t size() const { return _contacts.size(); }
+  bool has_springs() const { return _springs; }
+  bool has_kinematic() const { return _kinematic; }
+
+  /// The step that automatic stiffnesses are made for; to be set before the first step [T].
+  /// @throws std::invalid_argument unless it is positive
+  void set_step(double dt);
+  double step() const { return _step; }
+  /// @throws std::invalid_argument if there are contacts, but no step was set
+  void check_step() const;
+
+  /// A run starts, or goes on from other displacements: candidates are searched anew.
+  void reset();
+  void request_search() { _search_due = true; }
+  bool search_due() const { return _search_due && !_contacts.empty(); }
+  /// Find candidates, ask for their nodes and number them. Collective.
+  /// @param[in,out] fields get ghosts for all candidates' nodes
+  /// @param[in] last_step that led here; 0 at the start [T]
+  void search(NodalFields& fields, double last_step);
+  std::int64_t num_searches() const { return _num_searches; }
+
+  /// Bring rigid masters to the next time level.
+  /// @param[in] amplitudes there
+  /// @param[in] first this is the start: nothing has moved
+  void move_obstacles(const double* amplitudes, bool first);
+
+  /// The springs' forces of the last time level, and the forces on rigid masters, do work in the step since: take it,
+  /// and the nodes' present motion. Collective where a search is due.
+  /// @returns was there a search? Then the fields have other ghosts
+  bool work_of_step(NodalFields& fields, double last_step);
+  /// Springs' forces at the present time level, added to the residual. To be called after `work_of_step`.
+  void evaluate(NodalFields& fields);
+  /// Look two steps ahead: do candidates last so long? The sums of the next step tell all ranks.
+  void predict_searches();
+
+  /// Kinematic contact: keep what an update is about to change.
+  void keep(const NodalFields& fields);
+  /// Correct an update. Collective. No allocation.
+  /// @param[in,out] fields owned values as predicted; on return corrected, ghosts valid
+  /// @param[in] dt, last_step this step and the one before [T]
+  /// @param[in] h a force changes velocities by h force/mass [T]
+  /// @param[in] release_share see EnergyBalance::release_share
+  /// @param[in,out] sums of the update, corrected
+  void correct(NodalFields& fields, double dt, double last_step, double h, double release_share, const Loads& loads,
+               Sums& sums);
+
+  /// What this rank adds to the sums of a time level.
+  void add_energies(EnergySums& sums) const;
+  /// Work of the contact forces on rigid masters so far, of this rank [F L].
+  double obstacle_work() const { return _obstacle_work; }
+  /// Three components of each contact's force on its slave in the last step, of this rank [F].
+  /// @param[out] out three entries for each contact; those beyond `bs` components stay as they are
+  void resultants(int bs, double* out) const;
+  /// Bring the gaps of all nodes up to date in the contacts' results.
+  void update_gaps();
+  /// The contact that a slave node of this rank went through fastest (-1: none), and the node.
+  std::pair<int, enforcement::Passage> passage() const;
+  double seconds() const { return _seconds; }
+  Halo::Traffic traffic() const { return _nodes.traffic(); }
+
+  ContactNodes::Forces forces(const NodalFields& fields) { return _nodes.forces(fields); }
+  const Work& spring_work() const { return _work; }
+  double spring_position() const { return _position; }
+  std::vector<Obstacle> obstacles() const;
+  /// The next search does not depend on the ones before: a run that goes on from a checkpoint makes the same ones.
+  void forget_searches();
+  void restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
+               const std::vector<Obstacle>& obstacles);
+  /// The time level is complete: works of the step go into the sums.
+  void commit() { _work.commit(0.0); }
+
+private:
+  struct Contact
+  {
+    std::shared_ptr<enforcement::NodalContact> contact;
+    std::array<int, 3> columns;
+    Obstacle obstacle;
+  };
+  enforcement::NodalState state() const;
+  /// Half the work of a contact's force in the motion of its rigid master.
+  static double half_work(const Contact& contact, const std::array<double, 3>& increment, int bs);
+
+  std::vector<Contact> _contacts;
+  ContactNodes _nodes;
+  bool _springs = false, _kinematic = false, _search_due = true;
+  double _searches_due = 0.0; ///< contacts whose candidates are used up, as far as this rank knows
+  double _step = 0.0;
+  Work _work;             ///< of the springs
+  double _position = 0.0; ///< u . springs' forces
+  double _obstacle_work = 0.0;
+  std::int64_t _num_searches = 0;
+  double _seconds = 0.0;
+};
+} // namespace impact::integrators

@@ -1,0 +1,164 @@
+#include "ContactNodes.h"
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace impact::integrators
+{
+void ContactNodes::number(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic_contact)
+{
+  const Forces kept = forces(fields);
+  _kept = {};
+  _kinematic = kinematic_contact;
+  Halo& all = *fields.halo;
+  const int bs = fields.bs;
+  const std::int32_t owned = all.num_owned();
+  if (_kinematic)
+  {
+    std::vector<double> corrected(all.num_nodes(), 0.0);
+    for (std::int32_t node : nodes)
+      corrected[node] = 1.0;
+    all.forward(corrected.data(), 1);
+    for (std::int32_t node = owned; node < all.num_nodes(); ++node)
+      if (corrected[node] > 0.0)
+        nodes.push_back(node);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  _nodes = std::move(nodes);
+  const std::int64_t own = std::lower_bound(_nodes.begin(), _nodes.end(), owned) - _nodes.begin();
+  // Global numbers, from the owners to those who have the nodes as ghosts.
+  const auto& map = all.map();
+  std::int64_t first = 0;
+  dolfinx::MPI::check_error(map.comm(), MPI_Exscan(&own, &first, 1, MPI_INT64_T, MPI_SUM, map.comm()));
+  if (dolfinx::MPI::rank(map.comm()) == 0)
+    first = 0; // MPI leaves it undefined there
+  _numbers.assign(all.num_nodes(), -1);
+  _mass.resize(_nodes.size());
+  std::vector<double> global(all.num_nodes(), -1.0);
+  for (std::size_t k = 0; k < _nodes.size(); ++k)
+  {
+    _numbers[_nodes[k]] = std::int32_t(k);
+    _mass[k] = fields.mass[std::size_t(_nodes[k]) * bs];
+    global[_nodes[k]] = double(first + std::int64_t(k));
+  }
+  all.forward(global.data(), 1);
+  std::vector<std::int64_t> ghosts;
+  std::vector<int> owners;
+  for (std::size_t k = own; k < _nodes.size(); ++k)
+  {
+    ghosts.push_back(std::int64_t(global[_nodes[k]]));
+    owners.push_back(map.owners()[_nodes[k] - owned]);
+  }
+  if (_halo)
+    _traffic += _halo->traffic();
+  _halo = std::make_unique<Halo>(
+      std::make_shared<const dolfinx::common::IndexMap>(map.comm(), std::int32_t(own), ghosts, owners));
+  const std::size_t size = _nodes.size() * bs;
+  for (std::vector<double>* values : {&u, &du, &springs, &kinematic})
+    values->assign(size, 0.0);
+  for (std::vector<double>* values : {&v, &v_before, &r_before, &du_before})
+    values->assign(_kinematic ? size : 0, 0.0);
+  inverse.resize(size);
+  for (std::size_t k = 0; k < _nodes.size(); ++k)
+  {
+    const std::size_t i = std::size_t(_nodes[k]) * bs;
+    std::copy_n(fields.inverse.data() + i, bs, inverse.data() + k * bs);
+    if (i < fields.owned)
+    {
+      std::copy_n(kept.springs.data() + i, bs, springs.data() + k * bs);
+      std::copy_n(kept.kinematic.data() + i, bs, kinematic.data() + k * bs);
+    }
+  }
+}
+
+ContactNodes::Forces ContactNodes::forces(const NodalFields& fields)
+{
+  if (!_kept.springs.empty())
+    return _kept;
+  Forces out{std::vector<double>(fields.owned, 0.0), std::vector<double>(fields.owned, 0.0)};
+  if (!_halo)
+    return out;
+  std::vector<double> sums = springs;
+  _halo->reverse(sums.data(), fields.bs);
+  for (std::size_t k = 0; k < _nodes.size(); ++k)
+    if (const std::size_t i = std::size_t(_nodes[k]) * fields.bs; i < fields.owned)
+    {
+      std::copy_n(sums.data() + k * fields.bs, fields.bs, out.springs.data() + i);
+      std::copy_n(kinematic.data() + k * fields.bs, fields.bs, out.kinematic.data() + i);
+    }
+  return out;
+}
+
+void ContactNodes::reset()
+{
+  std::fill(springs.begin(), springs.end(), 0.0);
+  std::fill(kinematic.begin(), kinematic.end(), 0.0);
+  _kept = {};
+}
+
+template <int D, bool kinematic_contact>
+double ContactNodes::gather_all(const NodalFields& fields, double dt, bool with_springs)
+{
+  double work[D] = {};
+  for (std::size_t k = 0; k < _nodes.size(); ++k)
+    for (int c = 0; c < D; ++c)
+    {
+      const std::size_t i = std::size_t(_nodes[k]) * D + c, n = k * D + c;
+      u[n] = fields.u[i];
+      du[n] = dt * fields.v[i];
+      if constexpr (kinematic_contact)
+        v[n] = fields.v[i];
+      if (with_springs)
+        work[c] += std::exchange(springs[n], 0.0) * du[n];
+    }
+  return std::accumulate(work, work + D, 0.0);
+}
+
+double ContactNodes::gather(const NodalFields& fields, double dt, bool with_springs)
+{
+  if (_kinematic)
+    return fields.bs == 2 ? gather_all<2, true>(fields, dt, with_springs)
+                          : gather_all<3, true>(fields, dt, with_springs);
+  return fields.bs == 2 ? gather_all<2, false>(fields, dt, with_springs)
+                        : gather_all<3, false>(fields, dt, with_springs);
+}
+
+ContactNodes::Products ContactNodes::add_springs(NodalFields& fields) const
+{
+  const auto sweep = [&]<int D>()
+  {
+    double position[D] = {}, work[D] = {};
+    for (std::size_t k = 0; k < _nodes.size(); ++k)
+      for (int c = 0; c < D; ++c)
+      {
+        const double force = springs[k * D + c];
+        fields.r[std::size_t(_nodes[k]) * D + c] -= force;
+        position[c] += force * u[k * D + c];
+        work[c] += force * du[k * D + c];
+      }
+    return Products{std::accumulate(position, position + D, 0.0), std::accumulate(work, work + D, 0.0)};
+  };
+  return fields.bs == 2 ? sweep.operator()<2>() : sweep.operator()<3>();
+}
+
+void ContactNodes::keep(const NodalFields& fields)
+{
+  const int bs = fields.bs;
+  for (std::size_t k = 0; k < _nodes.size(); ++k)
+    for (int c = 0; c < bs; ++c)
+    {
+      const std::size_t n = k * bs + c, i = std::size_t(_nodes[k]) * bs + c;
+      v_before[n] = fields.v[i];
+      r_before[n] = fields.r[i];
+    }
+}
+
+Halo::Traffic ContactNodes::traffic() const
+{
+  Halo::Traffic out = _traffic;
+  if (_halo)
+    out += _halo->traffic();
+  return out;
+}
+} // namespace impact::integrators

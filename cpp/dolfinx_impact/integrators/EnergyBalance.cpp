@@ -1,0 +1,136 @@
+#include "EnergyBalance.h"
+#include <algorithm>
+#include <cmath>
+
+namespace impact::integrators
+{
+namespace
+{
+/// Kinetic energy half a step on may exceed all energy put in by 1/(1 - (omega dt/2)^2) in stable runs: 50 at 99 % of
+/// the limit. More than this is growth.
+constexpr double unstable = 1000.0;
+} // namespace
+
+EnergyBalance::~EnergyBalance()
+{
+  if (_request != MPI_REQUEST_NULL)
+    MPI_Wait(&_request, MPI_STATUS_IGNORE);
+}
+
+void EnergyBalance::reset()
+{
+  for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
+    *work = {};
+  _reference = _release_share = 0.0;
+  _gain = {};
+  _totals = {};
+}
+
+EnergySums EnergyBalance::local(const Sums& sums, const Steps& steps, std::span<const ForceTerm> terms,
+                                const ContactForces& contact)
+{
+  _residual_work.before = 0.5 * steps.before * sums.before;
+  _load_work.before = 0.5 * steps.before * sums.load_before;
+  const double old_speed = _scheme == Scheme::classical ? 0.5 * (sums.old_speed + sums.momentum) : sums.old_speed;
+  _damped.before = 0.5 * steps.before * _alpha * old_speed;
+  EnergySums e;
+  // At the start v_(-1/2) = 2 v_0 - v_(1/2), seed (3.77).
+  e.kinetic = steps.before > 0.0 ? 0.5 * sums.momentum : sums.momentum - 0.5 * sums.speed;
+  e.speed = 0.5 * sums.speed;
+  e.position = 0.5 * sums.position;
+  e.residual_work = _residual_work.value();
+  e.load_work = _load_work.value();
+  e.support_work = _support_value;
+  e.damped = _damped.value();
+  for (const ForceTerm& term : terms)
+  {
+    e.work[std::size_t(term.kind())] += term.work.value();
+    e.terms_position += 0.5 * term.signed_position();
+  }
+  contact.add_energies(e);
+  return e;
+}
+
+void EnergyBalance::add_step(const Sums& sums, const PrescribedMotion::Power& power, const Steps& steps,
+                             std::span<ForceTerm> terms, ContactForces& contact, bool stop)
+{
+  _support_work.before = 0.5 * steps.before * power.before;
+  _support_value = _support_work.value();
+  _local = local(sums, steps, terms, contact);
+  _local.stops_asked = stop ? 1.0 : 0.0;
+  const bool classical = _scheme == Scheme::classical && steps.before > 0.0;
+  const double speed = classical ? 0.5 * (sums.momentum + sums.speed) : sums.momentum;
+  _support_work.commit(0.5 * steps.after * power.after);
+  _residual_work.commit(0.5 * steps.after * sums.after);
+  _load_work.commit(0.5 * steps.after * sums.load_after);
+  _damped.commit(0.5 * steps.after * _alpha * speed);
+  for (ForceTerm& term : terms)
+    term.work.commit(0.0); // the other half is added when the ghosts' velocities are there
+  contact.commit();
+}
+
+void EnergyBalance::begin_sum(const ContactForces& contact, int bs, const History& history, std::size_t step)
+{
+  _buffer.resize(EnergySums::size + 3 * contact.size());
+  _summed.resize(_buffer.size());
+  const auto values = _local.values();
+  std::copy(values.begin(), values.end(), _buffer.begin());
+  contact.resultants(bs, _buffer.data() + EnergySums::size);
+  _history = history;
+  _step = step;
+  MPI_Iallreduce(_buffer.data(), _summed.data(), int(_buffer.size()), MPI_DOUBLE, MPI_SUM, _comm, &_request);
+}
+
+bool EnergyBalance::end_sum()
+{
+  if (_request == MPI_REQUEST_NULL)
+  {
+    _totals = {};
+    return true;
+  }
+  MPI_Wait(&_request, MPI_STATUS_IGNORE);
+  std::array<double, EnergySums::size> values;
+  std::copy_n(_summed.begin(), values.size(), values.begin());
+  _totals = EnergySums::of(values);
+  _release_share = _totals.recoverable > 0.0 ? std::clamp(_totals.taken / _totals.recoverable, 0.0, 1.0) : 0.0;
+  const Energies now = _totals.energies(_linear);
+  _history.write(_step, now, std::span(_summed).subspan(EnergySums::size));
+  _history = {};
+  // The first step tells what there is at the start; springs that start pressed give theirs back.
+  if (_reference == 0.0)
+    _reference = _totals.speed + std::max(0.0, now.internal) + now.contact;
+  _reference = std::max(_reference, now.external + std::max(0.0, -now.internal));
+  _gain.update(now, -_totals.kinematic);
+  return std::isfinite(_totals.speed) && !(_totals.speed > unstable * _reference) && !(_gain.now > _gain_limit) &&
+         !(_totals.passages > 0.0);
+}
+
+Energies EnergyBalance::energies(const Sums& sums, double support_power, const Steps& steps,
+                                 std::span<const ForceTerm> terms, const ContactForces& contact)
+{
+  _support_work.before = 0.5 * steps.before * support_power;
+  _support_value = _support_work.value();
+  const auto mine = local(sums, steps, terms, contact).values();
+  std::array<double, EnergySums::size> all;
+  MPI_Allreduce(mine.data(), all.data(), int(all.size()), MPI_DOUBLE, MPI_SUM, _comm);
+  return EnergySums::of(all).energies(_linear);
+}
+
+EnergyBalance::Saved EnergyBalance::save() const
+{
+  return {_residual_work.done, _load_work.done, _support_work.done, _damped.done,
+          _reference,          _gain.lowest,    _gain.largest,      _release_share};
+}
+
+void EnergyBalance::restore(const Saved& saved)
+{
+  _residual_work = {saved.residual_work, 0.0};
+  _load_work = {saved.load_work, 0.0};
+  _support_work = {saved.support_work, 0.0};
+  _damped = {saved.damped, 0.0};
+  _reference = saved.reference;
+  _gain.lowest = saved.lowest;
+  _gain.largest = saved.largest;
+  _release_share = saved.release_share;
+}
+} // namespace impact::integrators

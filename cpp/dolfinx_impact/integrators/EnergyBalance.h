@@ -1,0 +1,109 @@
+#pragma once
+#include "ContactForces.h"
+#include "ForceTerm.h"
+#include "History.h"
+#include "PrescribedMotion.h"
+#include "energy.h"
+#include "update.h"
+#include <limits>
+#include <mpi.h>
+#include <span>
+#include <vector>
+
+namespace impact::integrators
+{
+enum class Scheme
+{
+  half_step, ///< seed (3.72)-(3.77), damping lags by half a step
+  classical  ///< seed (3.68)-(3.71), damping at the time level
+};
+
+/// The steps before and after a time level [T].
+struct Steps
+{
+  double before = 0.0; ///< 0 at the start
+  double after = 0.0;
+};
+
+/// Works and energies of a run: docs/explicit.md, "Energies". Sums over ranks are made while the next forces are
+/// computed; they also tell whether the run is stable, so that all ranks know it alike.
+class EnergyBalance
+{
+public:
+  /// @param[in] comm communicator of the run
+  /// @param[in] linear the internal energy is u . F/2; else it is the work of the internal force
+  /// @param[in] alpha factor of mass-proportional damping [1/T]
+  EnergyBalance(MPI_Comm comm, bool linear, Scheme scheme, double alpha)
+      : _comm(comm), _linear(linear), _scheme(scheme), _alpha(alpha)
+  {
+  }
+  ~EnergyBalance();
+  EnergyBalance(const EnergyBalance&) = delete;
+  EnergyBalance& operator=(const EnergyBalance&) = delete;
+
+  /// Works count from zero.
+  void reset();
+
+  /// A step has been made: what this rank contributes at the time level before it, and the works of the step.
+  /// @param[in] sums of the update
+  /// @param[in] power of the support forces
+  /// @param[in] steps before and after the time level
+  /// @param[in,out] terms, contact: their works go into the sums
+  /// @param[in] stop this rank was asked to stop
+  void add_step(const Sums& sums, const PrescribedMotion::Power& power, const Steps& steps, std::span<ForceTerm> terms,
+                ContactForces& contact, bool stop);
+  /// Begin to sum over ranks what the last `add_step` has found. Collective.
+  /// @param[in] history where the row `step` will be written to
+  void begin_sum(const ContactForces& contact, int bs, const History& history, std::size_t step);
+  /// The sums are there. Collective.
+  /// @returns is the run stable? True if no sum was begun
+  bool end_sum();
+  /// Of the last sums: does a contact need a search, was a rank asked to stop? The same on all ranks.
+  bool search_due() const { return _totals.searches_due > 0.0; }
+  bool stop_asked() const { return _totals.stops_asked > 0.0; }
+  /// Part of the energy taken from nodes in kinematic contact that they are given back when they leave, so that in all
+  /// no more is given back than was taken [1].
+  double release_share() const { return _release_share; }
+
+  /// Energies at the present time level, without a step. Collective.
+  /// @param[in] sums of `measure`
+  /// @param[in] support_power with the velocities half a step before [F L/T]
+  Energies energies(const Sums& sums, double support_power, const Steps& steps, std::span<const ForceTerm> terms,
+                    const ContactForces& contact);
+
+  const EnergyGain& gain() const { return _gain; }
+  double gain_limit() const { return _gain_limit; }
+  /// @param[in] limit of EnergyGain::now, beyond which a run counts as unstable [1]
+  void set_gain_limit(double limit) { _gain_limit = limit; }
+
+  /// What a run that goes on needs. The first four add up over ranks, the others are the same on all [F L].
+  struct Saved
+  {
+    double residual_work = 0.0, load_work = 0.0, support_work = 0.0, damped = 0.0;
+    double reference = 0.0, lowest = 0.0, largest = 0.0;
+    double release_share = 0.0; ///< [1]
+  };
+  Saved save() const;
+  void restore(const Saved& saved);
+
+private:
+  EnergySums local(const Sums& sums, const Steps& steps, std::span<const ForceTerm> terms,
+                   const ContactForces& contact);
+
+  MPI_Comm _comm;
+  bool _linear;
+  Scheme _scheme;
+  double _alpha;
+  Work _residual_work, _load_work, _support_work, _damped;
+  double _support_value = 0.0; ///< work of the supports up to the time level
+  EnergySums _local, _totals;
+  std::vector<double> _buffer, _summed; ///< EnergySums, then the contacts' forces
+  MPI_Request _request = MPI_REQUEST_NULL;
+  History _history;
+  std::size_t _step = 0;
+  double _reference = 0.0; ///< energy that was there at the start or put in since
+  double _release_share = 0.0;
+  EnergyGain _gain;
+  double _gain_limit = std::numeric_limits<double>::infinity();
+};
+} // namespace impact::integrators

@@ -1,0 +1,98 @@
+#include "ForceTerm.h"
+#include <algorithm>
+#include <stdexcept>
+
+namespace impact::integrators
+{
+double sum_of_products(std::size_t size, const double* a, const double* b)
+{
+  double sum[4] = {};
+  std::size_t k = 0;
+  for (; k + 4 <= size; k += 4)
+    for (int j = 0; j < 4; ++j)
+      sum[j] += a[k + j] * b[k + j];
+  for (; k < size; ++k)
+    sum[0] += a[k] * b[k];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+void FormForces::check() const
+{
+  if (!inner || !outer)
+    throw std::invalid_argument(std::string("the operator of the ") + (inner ? "outer" : "inner") +
+                                " cells is null: give one without cells where there are none");
+  for (const std::string& name : {displacement, velocity})
+    if (!name.empty() && !inner->has(name) && !outer->has(name))
+      throw std::invalid_argument("no kernel of the forces has a coefficient named '" + name +
+                                  "': give the name in the kernels, or an empty one if they have none");
+}
+
+void FormForces::read(const NodalFields& fields) const
+{
+  for (InternalForce* operation : {inner.get(), outer.get()})
+  {
+    if (!displacement.empty())
+      operation->read(displacement, fields.u.data());
+    if (!velocity.empty())
+      operation->read(velocity, fields.v.data());
+  }
+}
+
+ForceTerm::ForceTerm(FormForces forms, WorkKind kind, const NodalFields& fields)
+    : _forms(std::move(forms)), _kind(kind), _sign(kind == WorkKind::external ? -1.0 : 1.0)
+{
+  if (kind == WorkKind::contact)
+    throw std::invalid_argument("contacts are added by add_contact");
+  _forms.check();
+  resize(fields);
+}
+
+void ForceTerm::resize(const NodalFields& fields)
+{
+  _force.resize(fields.u.size(), 0.0);
+  _forms.read(fields);
+}
+
+void ForceTerm::reset()
+{
+  std::fill(_force.begin(), _force.end(), 0.0);
+  work = {};
+}
+
+double ForceTerm::power(const NodalFields& fields) const
+{
+  return sum_of_products(fields.own, _force.data(), fields.v.data());
+}
+
+void ForceTerm::evaluate(NodalFields& fields, double dt)
+{
+  double* force = _force.data();
+  std::fill(force, force + fields.own, 0.0);
+  for (const auto& operation : {_forms.inner, _forms.outer})
+    operation->assemble({force, fields.own});
+  for (std::size_t i = 0; i < fields.own; ++i)
+    fields.r[i] += _sign * force[i];
+  _position = sum_of_products(fields.own, force, fields.u.data());
+  work.before = 0.5 * dt * power(fields);
+}
+
+void ForceTerm::work_of_step(const NodalFields& fields, double dt)
+{
+  work.done += 0.5 * dt * power(fields);
+}
+
+std::vector<double> ForceTerm::saved_force(NodalFields& fields)
+{
+  // Owners take all of it, here as in the run that continues.
+  fields.halo->reverse(_force.data(), fields.bs);
+  std::fill(_force.begin() + fields.owned, _force.end(), 0.0);
+  return {_force.begin(), _force.begin() + fields.owned};
+}
+
+void ForceTerm::restore(std::span<const double> force, const Work& saved, double position)
+{
+  std::copy(force.begin(), force.end(), _force.begin());
+  work = saved;
+  _position = position;
+}
+} // namespace impact::integrators

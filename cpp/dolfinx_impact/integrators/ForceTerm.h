@@ -1,0 +1,66 @@
+#pragma once
+#include "../operators/InternalForce.h"
+#include "NodalFields.h"
+#include "energy.h"
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace impact::integrators
+{
+using operators::InternalForce;
+
+/// Forces of a form: of the cells that touch no ghost node, and of the others.
+struct FormForces
+{
+  std::shared_ptr<InternalForce> inner, outer; ///< neither is null; an operator may have no cells
+  /// Names of the coefficients that the integrator provides; empty: none. The velocity is that half a step before.
+  std::string displacement, velocity;
+
+  /// @throws std::invalid_argument for an operator that is null, a name that no kernel has
+  void check() const;
+  /// Let the kernels read the fields' displacements and velocities.
+  void read(const NodalFields& fields) const;
+};
+
+/// A force of a form whose work counts to an energy of its own.
+class ForceTerm
+{
+public:
+  /// @throws std::invalid_argument as FormForces::check; for contact, which has no form
+  ForceTerm(FormForces forms, WorkKind kind, const NodalFields& fields);
+
+  WorkKind kind() const { return _kind; }
+  /// The fields have other ghosts.
+  void resize(const NodalFields& fields);
+  /// Start from zero.
+  void reset();
+  /// Forces at the present time level, added to the residual.
+  /// @param[in] dt step that led here [T]
+  void evaluate(NodalFields& fields, double dt);
+  /// The forces of the last time level do work in the step since. To be called before `evaluate`.
+  void work_of_step(const NodalFields& fields, double dt);
+
+  /// Sum over ranks: work up to the present time level [F L].
+  Work work;
+  /// Sum over ranks: displacement times force, with the sign that it has in the residual [F L].
+  double signed_position() const { return _sign * _position; }
+
+  /// For checkpoints: this rank's owned entries, with the ghosts' contributions. Collective.
+  std::vector<double> saved_force(NodalFields& fields);
+  void restore(std::span<const double> force, const Work& work, double position);
+  double position() const { return _position; }
+
+private:
+  double power(const NodalFields& fields) const;
+
+  FormForces _forms;
+  WorkKind _kind;
+  double _sign; ///< in the residual
+  std::vector<double> _force;
+  double _position = 0.0;
+};
+
+/// Sum of a[i] b[i], by four sums: additions do not wait for each other.
+double sum_of_products(std::size_t size, const double* a, const double* b);
+} // namespace impact::integrators

@@ -1,0 +1,36 @@
+#include "energy.h"
+#include <algorithm>
+#include <cmath>
+
+namespace impact::integrators
+{
+Energies EnergySums::energies(bool linear) const
+{
+  const auto work_of = [this](WorkKind kind) { return work[std::size_t(kind)]; };
+  const double terms = -work_of(WorkKind::contact) + work_of(WorkKind::damping) + work_of(WorkKind::viscosity) -
+                       work_of(WorkKind::external);
+  Energies e;
+  e.kinetic = kinetic;
+  e.internal = linear ? position - terms_position : residual_work - terms;
+  e.contact = stored;
+  e.friction = friction;
+  e.impact = -normal;
+  e.damping = damped + work_of(WorkKind::damping);
+  e.viscosity = work_of(WorkKind::viscosity);
+  e.external = load_work + support_work + work_of(WorkKind::external);
+  return e;
+}
+
+void EnergyGain::update(const Energies& e, double taken)
+{
+  const double value = e.kinetic + e.internal + e.contact + std::max(0.0, taken) - e.external;
+  lowest = largest == 0.0 ? value : std::min(lowest, value);
+  // Negative dissipation is energy that was gained: it must not make the scale larger.
+  double size = std::abs(e.kinetic) + std::abs(e.internal) + std::abs(e.external);
+  for (double dissipated : {e.contact, e.friction, e.impact, e.damping, e.viscosity})
+    size += std::max(0.0, dissipated);
+  largest = std::max(largest, size);
+  now = largest > 0.0 ? (value - lowest) / largest : 0.0;
+  most = std::max(most, now);
+}
+} // namespace impact::integrators

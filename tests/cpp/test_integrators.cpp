@@ -1,0 +1,233 @@
+// The collaborators of the explicit integrator, each alone.
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <dolfinx_impact/integrators/ContactNodes.h>
+#include <dolfinx_impact/integrators/EnergyBalance.h>
+#include <dolfinx_impact/integrators/History.h>
+#include <dolfinx_impact/integrators/Loads.h>
+#include <dolfinx_impact/integrators/NodalFields.h>
+#include <dolfinx_impact/integrators/PrescribedMotion.h>
+#include <stdexcept>
+
+using Catch::Approx;
+using namespace impact::integrators;
+
+namespace
+{
+const std::vector<std::int32_t> two_dofs{1, 3};
+
+/// Three owned nodes and no ghosts.
+std::shared_ptr<const dolfinx::common::IndexMap> three_nodes()
+{
+  return std::make_shared<const dolfinx::common::IndexMap>(MPI_COMM_SELF, 3);
+}
+} // namespace
+
+TEST_CASE("loads are values times amplitudes")
+{
+  Loads loads(4);
+  CHECK(loads.forces() == nullptr);
+  CHECK(loads.force(1) == 0.0);
+  const std::vector<double> values{2.0, -1.0}, others{10.0, 20.0};
+  loads.add(two_dofs, values, 0);
+  loads.add(two_dofs, others, -1); // the amplitude is one
+  const double amplitudes[] = {3.0};
+  loads.apply(amplitudes);
+  CHECK(loads.force(0) == 0.0);
+  CHECK(loads.force(1) == 16.0);
+  CHECK(loads.forces()[3] == 17.0);
+  SECTION("they follow their amplitudes")
+  {
+    const double later[] = {-1.0};
+    loads.apply(later);
+    CHECK(loads.force(1) == 8.0);
+  }
+  SECTION("other values hold at the same amplitudes")
+  {
+    loads.set_values(1, std::vector<double>{0.0, 5.0});
+    loads.apply(amplitudes);
+    CHECK(loads.force(1) == 6.0);
+    CHECK(loads.force(3) == 2.0);
+  }
+  SECTION("wrong sizes are refused")
+  {
+    CHECK_THROWS_AS(loads.add(two_dofs, std::vector<double>{1.0}, -1), std::invalid_argument);
+    CHECK_THROWS_AS(loads.set_values(0, std::vector<double>{1.0}), std::invalid_argument);
+    CHECK_THROWS_AS(loads.set_values(2, values), std::out_of_range);
+  }
+}
+
+TEST_CASE("a prescribed motion needs the force that equilibrium lacks")
+{
+  // One mass that is moved from rest at x = 1 to x = 1.3 in a step of 0.1, against a spring's residual of 4.
+  const double dt = 0.1, mass[] = {2.0};
+  double u[] = {1.0}, v[] = {0.5}, r[] = {4.0};
+  PrescribedMotion motion;
+  CHECK_THROWS_AS(motion.add(two_dofs, std::vector<double>{1.0}, 0), std::invalid_argument);
+  motion.add(std::vector<std::int32_t>{0}, std::vector<double>{0.65}, 0);
+  motion.keep(u, v, r);
+  const Loads loads(1);
+  const double amplitudes[] = {2.0};
+  Sums sums;
+  // The update has moved it on at its velocity and has taken the residual.
+  u[0] += dt * v[0];
+  r[0] = 0.0;
+  const PrescribedMotion::Power power = motion.impose(dt, dt, 0.0, amplitudes, mass, loads, u, v, sums);
+  CHECK(u[0] == 1.3);
+  CHECK(v[0] == Approx(3.0).epsilon(1e-15));
+  const double force = 2.0 * (3.0 - 0.5) / dt + 4.0;
+  CHECK(power.before == Approx(force * 0.5).epsilon(1e-14));
+  CHECK(power.after == Approx(force * 3.0).epsilon(1e-14));
+  CHECK(sums.momentum == Approx(2.0 * 0.5 * 3.0).epsilon(1e-14));
+  CHECK(sums.speed == Approx(2.0 * 9.0).epsilon(1e-14));
+  SECTION("its acceleration leads to the next place")
+  {
+    const double next[] = {(1.3 + 0.4) / 0.65};
+    double a[] = {0.0};
+    motion.accelerations(dt, next, u, v, a);
+    CHECK(a[0] == Approx((4.0 - 3.0) / dt).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("energies are sums of works")
+{
+  EnergySums sums;
+  sums.kinetic = 1.0;
+  sums.position = 8.0;
+  sums.terms_position = 3.0;
+  sums.residual_work = 20.0;
+  sums.work = {0.5, 2.0, 4.0, 0.25};
+  sums.damped = 0.125;
+  sums.normal = -7.0;
+  sums.load_work = 100.0;
+  sums.support_work = 10.0;
+  CHECK(sums.energies(true).internal == 5.0);
+  const Energies e = sums.energies(false);
+  CHECK(e.internal == 20.0 - (-0.5 + 2.0 + 4.0 - 0.25));
+  CHECK(e.damping == 2.125);
+  CHECK(e.viscosity == 4.0);
+  CHECK(e.impact == 7.0);
+  CHECK(e.external == 110.25);
+  CHECK(e.values().back() == e.external);
+  CHECK(EnergySums::of(sums.values()).normal == -7.0);
+}
+
+TEST_CASE("energy is gained where it rises above its lowest value")
+{
+  EnergyGain gain;
+  Energies e;
+  e.kinetic = 2.0;
+  gain.update(e, 0.0);
+  CHECK(gain.now == 0.0);
+  e.kinetic = 1.0;
+  e.friction = 1.0;
+  gain.update(e, 0.0);
+  CHECK(gain.now == 0.0);
+  e.kinetic = 1.5; // from nowhere
+  gain.update(e, 0.0);
+  CHECK(gain.now == Approx(0.5 / 2.5).epsilon(1e-14));
+  e.external = 0.5; // no: a load has done it
+  gain.update(e, 0.0);
+  CHECK(gain.now == Approx(0.0).margin(1e-14));
+  CHECK(gain.most == Approx(0.2).epsilon(1e-14));
+}
+
+TEST_CASE("rows of a history")
+{
+  CHECK(History::row_size(2) == Energies::size + 6);
+  std::vector<double> rows(3 * History::row_size(1), -1.0);
+  const History history(rows, 1);
+  Energies e;
+  e.kinetic = 4.0;
+  e.external = 5.0;
+  const double force[] = {1.0, 2.0, 3.0};
+  history.write(1, e, force);
+  const std::size_t first = History::row_size(1);
+  CHECK(rows[first - 1] == -1.0);
+  CHECK(rows[first] == 4.0);
+  CHECK(rows[first + Energies::size - 1] == 5.0);
+  CHECK(rows[first + Energies::size + 2] == 3.0);
+  CHECK(rows[2 * first] == -1.0);
+  History().write(0, e, force); // nothing is kept
+}
+
+TEST_CASE("nodes of contacts have numbers and values of their own")
+{
+  NodalFields fields(three_nodes(), 2);
+  REQUIRE(fields.owned == 6);
+  for (std::size_t i = 0; i < 6; ++i)
+  {
+    fields.u[i] = double(i);
+    fields.v[i] = 10.0 * double(i);
+    fields.mass[i] = 2.0;
+    fields.inverse[i] = 0.5;
+  }
+  ContactNodes nodes;
+  CHECK(nodes.forces(fields).springs == std::vector<double>(6, 0.0));
+  nodes.number(fields, {2, 0, 2}, false);
+  REQUIRE(nodes.size() == 2);
+  CHECK(nodes.numbers()[0] == 0);
+  CHECK(nodes.numbers()[1] == -1);
+  CHECK(nodes.numbers()[2] == 1);
+  CHECK(nodes.mass() == std::vector<double>{2.0, 2.0});
+  CHECK(nodes.gather(fields, 0.1, true) == 0.0);
+  CHECK(nodes.u == std::vector<double>{0.0, 1.0, 4.0, 5.0});
+  CHECK(nodes.du[3] == Approx(5.0).epsilon(1e-15));
+  nodes.springs = {1.0, 0.0, 0.0, -2.0};
+  const ContactNodes::Products products = nodes.add_springs(fields);
+  CHECK(products.position == -10.0);
+  CHECK(products.work == Approx(-10.0).epsilon(1e-15));
+  CHECK(fields.r == std::vector<double>{-1.0, 0.0, 0.0, 0.0, 0.0, 2.0});
+  SECTION("forces go on when other nodes are numbered")
+  {
+    nodes.number(fields, {1, 2}, true);
+    CHECK(nodes.springs == std::vector<double>{0.0, 0.0, 0.0, -2.0});
+    CHECK(nodes.v.size() == 4);
+  }
+  SECTION("the next step takes the forces' work and clears them")
+  {
+    CHECK(nodes.gather(fields, 0.2, true) == Approx(-20.0).epsilon(1e-15));
+    CHECK(nodes.springs == std::vector<double>(4, 0.0));
+  }
+}
+
+TEST_CASE("the balance of a mass on a spring")
+{
+  // m = 1, k = 1, central differences from u = 1 at rest: kinetic energy by v_(n-1/2) v_(n+1/2), so that the total is
+  // constant to round-off.
+  const double dt = 0.1;
+  double u = 1.0, v = 0.0, r = 0.0;
+  const double inverse = 1.0;
+  EnergyBalance balance(MPI_COMM_SELF, true, Scheme::half_step, 0.0);
+  ContactForces none;
+  const int steps = 200;
+  std::vector<double> rows(steps * History::row_size(0));
+  const History history(rows, 0);
+  double last = 0.0;
+  for (int k = 0; k < steps; ++k)
+  {
+    r = u;
+    REQUIRE(balance.end_sum());
+    const Sums sums = update(1, &r, nullptr, &inverse, {1.0, 0.5 * (last + dt), dt}, &u, &v);
+    balance.add_step(sums, {}, {last, dt}, {}, none, false);
+    balance.begin_sum(none, 1, history, k);
+    last = dt;
+  }
+  REQUIRE(balance.end_sum());
+  for (int k = 0; k < steps; ++k)
+  {
+    const double* row = rows.data() + k * History::row_size(0);
+    // At the start v_(-1/2) = -v_(1/2) = dt/2.
+    CHECK(row[0] + row[1] == Approx(0.5 - 0.125 * dt * dt).epsilon(1e-13));
+  }
+  CHECK(balance.gain().most < 1e-13);
+  CHECK_FALSE(balance.stop_asked());
+  SECTION("what is saved goes on")
+  {
+    EnergyBalance other(MPI_COMM_SELF, true, Scheme::half_step, 0.0);
+    other.restore(balance.save());
+    CHECK(other.save().residual_work == balance.save().residual_work);
+    CHECK(other.save().reference == balance.save().reference);
+  }
+}
