@@ -5,7 +5,8 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify matrix bench shell lint format clean lint-here test-here test-units-here test-others-here slow-here
+.PHONY: help demo test verify matrix bench docs shell lint format clean lint-here test-here test-units-here test-others-here \
+  slow-here docs-here
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -27,6 +28,9 @@ matrix: ## every form of the catalogue: our kernels against FFCx's own C kernels
 bench: ## the benchmarks; writes results/bench.json
 	mkdir -p results
 	$(RUN) dolfinx-impact bench --large --json results/bench.json
+
+docs: ## the documentation site, in build/site; works without a network
+	$(RUN) make docs-here
 
 shell: ## an interactive shell inside the environment
 	$(RUN) bash
@@ -67,3 +71,9 @@ test-others-here:
 
 slow-here: # status 5: no slow test was found
 	$(PYTEST) -m "slow and not matrix" $(ARGS) || [ $$? -eq 5 ]
+
+# Warnings are errors. build/docs keeps what a second build need not do again.
+docs-here:
+	mkdir -p build/docs
+	python3 -m sphinx -q -W --keep-going -b html -d build/docs/doctrees docs build/site
+	@echo "docs: build/site/index.html"

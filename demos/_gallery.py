@@ -1,8 +1,10 @@
 """Figures of the documentation: `python3 -m dolfinx_impact.demos._gallery [FOLDER] [NAME...]`, default docs/figures.
 
-Runs the demos (all, or those named) and writes their PNG files, with fewer colours, as demo_<file>.png.
+Runs the demos (all, or those named) and writes their PNG files, with fewer colours, as demo_<file>.png, and what they
+print as demo_<name>.txt.
 """
 
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -27,9 +29,13 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     for name in sys.argv[2:] or cli.demos():
         with tempfile.TemporaryDirectory() as results:
-            status = cli.main(["demo", name, "--output", results])
-            if status:
-                return status
+            command = [sys.executable, "-m", "dolfinx_impact.cli", "demo", name, "--output", results]
+            done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+            if done.returncode:
+                print(done.stdout)
+                return done.returncode
+            lines = done.stdout.replace(results, f"results/{name}").strip().splitlines()
+            (folder / f"demo_{name}.txt").write_text("".join(f"{line.rstrip()}\n" for line in lines))
             for picture in sorted(Path(results).glob("*.png")):
                 target = folder / f"demo_{picture.name}"
                 shrink(picture, target)

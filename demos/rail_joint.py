@@ -3,8 +3,8 @@
 # An elastic wheel rolls at 120 km/h onto a rail joint: a gap of 8 mm in the rail head, rounded rail ends, the rail
 # behind it 0.1 mm higher; joint bars hold the rails together below the head. In the gap the rail gives way and the
 # contact force drops, then the wheel strikes the end of the next rail. Explicit dynamics, central differences, contact
-# of slave nodes by penalty with Coulomb's friction (see `docs/explicit.md`). Most of the peak is due to the step: over
-# the gap alone the force rises to 1.3 times the load only, slowly, and is largest near the end of this way.
+# of slave nodes by penalty with Coulomb's friction (see `docs/explicit/penalty.md`). Most of the peak is due to the
+# step: over the gap alone the force rises to 1.3 times the load only, slowly, and is largest near the end of this way.
 #
 # Run it by `make demo`, or `dolfinx-impact demo rail_joint --ranks 2`; with `--3d` (`make demo ARGS=--3d`) a coarse
 # wheel and rail in space.

@@ -1,8 +1,8 @@
 # # A wheel pressed on a rail, solved twice
 #
 # An elastic wheel of radius 0.46 m stands on an elastic rail. Where they touch, Hertz tells how the pressure is
-# distributed. In this first milestone that pressure is *given*: it acts on both bodies, equal and opposite, while the
-# wheel is held at its bore and the rail at its foot. (In the next one, contact finds it.)
+# distributed. Here that pressure is *given*: it acts on both bodies, equal and opposite, while the wheel is held at its
+# bore and the rail at its foot. (In the demo `wheel_contact`, contact finds it.)
 #
 # The same mesh and the same load go to two programs that share no code:
 #

@@ -1,4 +1,4 @@
-"""Bulk viscosity, which damps shock fronts and the ringing behind them; docs/explicit.md."""
+"""Bulk viscosity, which damps shock fronts and the ringing behind them; docs/explicit/scheme.md."""
 
 import ufl
 

@@ -143,7 +143,7 @@ void impact::bindings::integrators(nb::module_& m)
           [](FormForces* self, nb::object inner, nb::object outer, std::string displacement, std::string velocity)
           { new (self) FormForces(forces(inner, outer, displacement, velocity)); }, nb::arg("inner").none(),
           nb::arg("outer").none(), nb::arg("displacement") = "", nb::arg("velocity") = "");
-  nb::class_<CentralDifference>(m, "CentralDifference", "Explicit integration; docs/explicit.md")
+  nb::class_<CentralDifference>(m, "CentralDifference", "Explicit integration; docs/explicit/scheme.md")
       .def(
           "__init__",
           [](CentralDifference* self, std::shared_ptr<const FunctionSpace> V, const FormForces& internal, bool linear,

@@ -50,7 +50,8 @@ public:
   Vector scalar_load(const Rule& rule, double f) const;                          ///< int f N_i dV of the scalar field
   Vector flux_load(const Rule& facet_rule, const Cells& facets, double q) const; ///< int q N_i dS of the scalar field
 
-  /// Force of the bulk viscosity's pressure q at displacements u and velocities v, int B^T q dV (docs/explicit.md) [F].
+  /// Force of the bulk viscosity's pressure q at displacements u and velocities v, int B^T q dV [F]
+  /// (docs/explicit/scheme.md).
   Vector viscous_force(const Rule& rule, const Vector& u, const Vector& v, double b1, double b2) const;
   /// Highest frequency of a cell alone, with its own part of the lumped mass and the stiffness at rest [1/T].
   double cell_frequency(const Rule& rule, const Rule& mass_rule, const std::string& scheme) const;

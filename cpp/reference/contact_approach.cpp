@@ -3,7 +3,7 @@
 #include <sstream>
 #include <stdexcept>
 
-// What a slave node meets in a step: docs/explicit.md, "Contact by penalty" and "Through the surface".
+// What a slave node meets in a step: docs/explicit/penalty.md, "Closest points" to "Through the surface".
 namespace impact::reference
 {
 namespace

@@ -3,7 +3,7 @@
 #include "explicit.h"
 #include <functional>
 
-/// Node-to-surface contact in explicit dynamics as docs/explicit.md states it, with brute-force closest points.
+/// Node-to-surface contact in explicit dynamics as docs/explicit/penalty.md states it, with brute-force closest points.
 namespace impact::reference
 {
 /// What a slave node meets.

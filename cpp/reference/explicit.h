@@ -2,7 +2,7 @@
 #include "contact.h"
 #include <memory>
 
-/// Central differences as docs/explicit.md states them.
+/// Central differences as docs/explicit/scheme.md states them.
 namespace impact::reference
 {
 /// Step n as contacts see it: it leads from t_n to t_(n+1).

@@ -1,4 +1,4 @@
-"""Energy that an explicit run gains without work: limits and what a user is told; docs/explicit.md, "Energies"."""
+"""Energy that an explicit run gains without work: limits and what a user is told; docs/explicit/energies.md."""
 
 import math
 

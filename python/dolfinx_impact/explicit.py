@@ -26,7 +26,7 @@ from .unique import Unique, claim
 
 
 class ExplicitProblem(Unique, March, Restart):
-    """Motion of bodies under lumped mass by central differences; docs/explicit.md has the equations.
+    """Motion of bodies under lumped mass by central differences; docs/explicit/scheme.md has the equations.
 
     Args:
         u: displacement function; its value is the start and follows the run [L].

@@ -78,7 +78,7 @@ class March:
                 are brought up to date. progress: show a bar on rank 0.
             unsafe: take a dt beyond the stable step all the same, with a warning.
             energy_limits: two numbers, or None for no limits. The energy that the run has gained without the work of
-                loads and supports, relative to the energies so far (docs/explicit.md, "Energies"): beyond the first it
+                loads and supports, relative to the energies so far (docs/explicit/energies.md): beyond the first it
                 warns, once; beyond the second it stops [1].
 
         Raises:
@@ -347,7 +347,7 @@ class March:
     @property
     def energy(self):
         """Energies at the present time: dict of kinetic, internal, contact, friction, impact, damping, viscosity,
-        external, total [F L] and drift [1]; docs/explicit.md."""
+        external, total [F L] and drift [1]; docs/explicit/energies.md."""
         return dict(self._energy)
 
     @property

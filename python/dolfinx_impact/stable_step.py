@@ -1,4 +1,4 @@
-"""Largest steps of explicit integration: seed (3.78)-(3.80), docs/explicit.md."""
+"""Largest steps of explicit integration: seed (3.78)-(3.80), docs/explicit/stable_step.md."""
 
 import math
 import warnings

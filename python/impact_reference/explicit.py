@@ -1,4 +1,4 @@
-"""Central differences as docs/explicit.md states them: the loop, its histories and its stable step."""
+"""Central differences as docs/explicit/scheme.md states them: the loop, its histories and its stable step."""
 
 from dataclasses import dataclass
 
@@ -43,7 +43,7 @@ class _Nodal:
 
 
 class NodalPenalty(_Nodal):
-    """Node-to-surface penalty contact of docs/explicit.md, for `Model.run_explicit`.
+    """Node-to-surface penalty contact of docs/explicit/penalty.md, for `Model.run_explicit`.
 
     slave, master: facets (m, nodes), as in `Contact`; master may be a RigidPlane, RigidSphere or RigidCylinder.
     friction: Coulomb's coefficient [1]. penalty [F/L^3]: None takes stiffnesses from masses and the step. balanced:
@@ -65,7 +65,10 @@ class NodalPenalty(_Nodal):
 
 
 class NodalKinematic(_Nodal):
-    """Kinematic contact of docs/explicit.md, for `Model.run_explicit`; arguments as in NodalPenalty, and sweeps."""
+    """Kinematic contact of docs/explicit/kinematic.md, for `Model.run_explicit`.
+
+    Arguments as in NodalPenalty, and sweeps.
+    """
 
     def __init__(self, slave, master, friction=0.0, sweeps=3, search_distance=None, motion=None):
         super().__init__(slave, master, friction, search_distance, motion)

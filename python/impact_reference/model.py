@@ -217,7 +217,7 @@ class Model:
         return self._model.frequencies(matrices, diagonal, n, fixed)
 
     def run_explicit(self, dt, num_steps=None, **options):
-        """Central differences by docs/explicit.md; returns an `explicit.ExplicitResult`.
+        """Central differences by docs/explicit/scheme.md; returns an `explicit.ExplicitResult`.
 
         dt: a step [T] with num_steps, or an array of steps. Options, all by keyword:
         u0, v0 (num_dofs) [L], [L/T]: initial state, None for zero. fixed_dofs, values: prescribed dofs and their

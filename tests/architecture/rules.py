@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 
-STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "integrators", "output")
+STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "integrators")
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
 LONG = 400  # lines of a file that are worth a look
@@ -170,6 +170,36 @@ def line_counts(root):
     files = [p for p in project_files(root) if p.suffix in SOURCES and p.suffix != ".txt" or p.name == "CMakeLists.txt"]
     files = [p for p in files if p.name not in ("LICENSE",)]
     return {p.relative_to(root): len(text.splitlines()) for p in files if (text := text_of(p)) is not None}
+
+
+LONGEST = 120  # characters of a line of a page; rows of tables are one line each, however long
+
+
+def long_lines(root):
+    """Lines of Markdown pages beyond column 120, tables left out."""
+    complaints = []
+    for path in project_files(root):
+        if path.suffix == ".md":
+            for number, line in enumerate(path.read_text().splitlines(), 1):
+                if len(line) > LONGEST and not line.startswith("|"):
+                    complaints.append(f"{path.relative_to(root)}:{number}: {len(line)} characters")
+    return complaints
+
+
+PAGE = re.compile(r"(?<![\w/])docs/[\w/]+\.md")
+
+
+def missing_pages(root):
+    """Pages of docs/ that a file names and that do not exist."""
+    complaints = []
+    for path in project_files(root):
+        if path.relative_to(root).as_posix() == "tests/architecture/test_rules_complain.py":
+            continue
+        for number, line in enumerate((text_of(path) or "").splitlines(), 1):
+            for name in PAGE.findall(line):
+                if not (pathlib.Path(root) / name).is_file():
+                    complaints.append(f"{path.relative_to(root)}:{number}: {name} does not exist")
+    return complaints
 
 
 def machine_paths(root):

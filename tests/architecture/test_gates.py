@@ -58,7 +58,7 @@ def test_make_test_stops_at_the_gates(checkout):
 
 def test_help_lists_the_commands(checkout):
     text = subprocess.run(["make"], cwd=checkout, capture_output=True, text=True).stdout
-    for target in ("demo", "test", "verify", "bench", "shell", "lint", "format", "clean"):
+    for target in ("demo", "test", "verify", "bench", "docs", "shell", "lint", "format", "clean"):
         assert f"make {target}" in text
 
 

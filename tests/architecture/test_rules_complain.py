@@ -111,6 +111,16 @@ def test_line_counts(tree):
     assert {str(p): n for p, n in counts.items()} == {"a.py": 401, "Makefile": 1}
 
 
+def test_long_lines_of_pages_complain(tree):
+    root = tree({"docs/a.md": "x" * 120 + "\n" + "x" * 121 + "\n|" + "x" * 200 + "|\n", "a.py": "x" * 200})
+    assert rules.long_lines(root) == ["docs/a.md:2: 121 characters"]
+
+
+def test_missing_pages_complain(tree):
+    root = tree({"docs/a.md": "text\n", "a.py": "# docs/a.md\n# docs/b.md, and build/docs/c.md\n"})
+    assert rules.missing_pages(root) == ["a.py:2: docs/b.md does not exist"]
+
+
 BAD_PATHS = ["/wo" + "rk/x/y", "see /ro" + "ot/.cache", '"/wo' + 'rk/main"', "/home/" + "ada/src", "cd /Us" + "ers/ada"]
 BAD_PATHS += ["wget https://deb.debian" + ".org/debian"]
 

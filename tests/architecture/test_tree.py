@@ -56,6 +56,14 @@ def test_files_stay_readable(checkout, record_property):
     assert median < rules.LONG / 2
 
 
+def test_lines_of_pages_end_at_120_columns(checkout):
+    assert rules.long_lines(checkout) == []
+
+
+def test_pages_that_are_named_exist(checkout):
+    assert rules.missing_pages(checkout) == []
+
+
 def test_no_machine_paths(checkout):
     assert rules.machine_paths(checkout) == []
 

@@ -17,7 +17,11 @@ def test_the_script_runs(ranks, readme, mpirun, tmp_path):
     script = tmp_path / "first.py"
     script.write_text(source)
     output = mpirun(ranks, script)
-    assert re.search(r"sag -\d+\.\d+ um, beam theory -\d+\.\d+ um, 1 iteration", output)
+    assert re.search(r"peak pressure \d+ MPa, Hertz \d+ MPa", output)
+
+
+def test_contact_comes_first_and_the_environment_after(readme):
+    assert readme.index("di.ContactPair") < readme.index("## The environment") < readme.index("## The command")
 
 
 def test_links_and_pictures_are_there(readme, checkout):
@@ -39,7 +43,7 @@ def test_folders_are_there(readme, checkout):
 
 def test_make_targets_exist(readme, checkout):
     targets = re.findall(r"^([a-z-]+):.*##", (checkout / "Makefile").read_text(), re.MULTILINE)
-    named = set(re.findall(r"\bmake (demo|test|verify|bench|shell)\b", readme))
+    named = set(re.findall(r"\bmake (demo|test|verify|bench|docs|shell)\b", readme))
     assert {"demo", "test"} <= named <= set(targets)
 
 

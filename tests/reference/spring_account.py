@@ -1,4 +1,4 @@
-"""The accounts of one node's spring, docs/explicit.md, "Energy of the springs", written once more: roots of
+"""The accounts of one node's spring, docs/explicit/penalty.md, "Energy of the springs", written once more: roots of
 polynomials in place of formulas."""
 
 import numpy as np

@@ -25,7 +25,7 @@ def test_mass_that_bounces_once(kappa, num_steps):
         # The cell's own energy: 1e-9 times the square of displacements up to 20.
         assert np.isclose(e["impact"][-1], e["kinetic"][0] - run.v_half[-1, free] ** 2 / 2, rtol=0, atol=5e-7)
         gains.append(-e["impact"][-1] / e["kinetic"][0])
-    # docs/explicit.md, "What closing between two steps costs": the largest gain.
+    # docs/explicit/accuracy.md, "What closing between two steps costs": the largest gain.
     assert min(gains) < 0 and max(gains) < (0.0045 if kappa == 0.5 else 0.00005)
 
 

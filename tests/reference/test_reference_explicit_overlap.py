@@ -59,7 +59,7 @@ def test_mass_on_a_spring_step_by_step():
     "kappa, lowest, highest, rms, num_steps", [(0.5, -1.2, 0.4, 0.8, 12), (0.1, -0.06, 0.0, None, 20)]
 )
 def test_energy_of_closing_between_two_steps(kappa, lowest, highest, rms, num_steps):
-    """The table at the end of docs/explicit.md, in per cent: 400 places of the first touch between two steps."""
+    """docs/explicit/accuracy.md, "What closing between two steps costs", in per cent."""
     change = []
     for k in range(400):
         _, free, run = flight(kappa, 1 + (k + 0.5) / 400, num_steps)

@@ -29,7 +29,8 @@ STEEL = di.LinearElastic(207e9, 0.0, 7800.0, "plane_strain")
 ALUMINIUM = di.LinearElastic(70e9, 0.0, 2700.0, "plane_strain")
 GAP = 1e-6
 # A node that closes or opens between two steps gains or loses up to k dt^2/4 of the kinetic energy of what meets there,
-# per mass (docs/explicit.md): the halves of the last cells, 1/200 of the energy, k dt^2 = 1/3 of their reduced mass.
+# per mass (docs/explicit/penalty.md): the halves of the last cells, 1/200 of the energy, k dt^2 = 1/3 of their reduced
+# mass.
 # Once in, once out. The rest is round-off.
 DRIFT = {"Penalty": 2 / 12 / 200, "Kinematic": 1e-12}
 

@@ -1,5 +1,5 @@
 """A bar that falls on a rigid floor and bounces: what repeated impacts cost. `python test_impact_bounces.py` prints the
-table of docs/explicit.md, "What an impact costs".
+table of docs/explicit/accuracy.md, "What an impact costs".
 
 Wave solution of the first impact, with the speed V and the weight small (g L < V c/2): contact lasts 2 L/c, its impulse
 turns the velocity of the mass centre round to V; the bar comes back after 2 V/g.

@@ -113,8 +113,8 @@ def test_bar_on_a_wall(name, method):
     for name, value in (("begin", found["begin"]), ("end", found["end"]), ("impulse", (found["rebound"] + 1) / 2)):
         assert value == pytest.approx(expected[name][0], abs=expected[name][1]), name
     assert found["mean"] == pytest.approx(1.0, rel=0.01)  # the benchmarks' own limit
-    # Closing or opening between two steps costs a node up to kappa/4 of its kinetic energy (docs/explicit.md): the last
-    # half of a cell, 1/200 of all, once in and once out.
+    # Closing or opening between two steps costs a node up to kappa/4 of its kinetic energy (docs/explicit/accuracy.md):
+    # the last half of a cell, 1/200 of all, once in and once out.
     assert found["drift"] < (2 * 0.5 / 4 / 200 if method == "Penalty" else 1e-12)
     # A row of masses and springs thrown at a wall: its force is the integral of J1(s)/s up to 2 c t/h, the largest at
     # the first zero of J1; a step that is not small against h/c and a spring in the contact make it smaller.

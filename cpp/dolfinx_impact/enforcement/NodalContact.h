@@ -17,7 +17,7 @@ struct NodalState
   double dt = 0.0;                      ///< step that led here [T]
 };
 
-/// Energies of a contact on this rank; see docs/explicit.md.
+/// Energies of a contact on this rank; see docs/explicit/energies.md.
 struct ContactEnergy
 {
   double stored = 0.0;         ///< in springs, now [F L]
@@ -32,7 +32,7 @@ struct ContactEnergy
 struct Passage
 {
   std::int32_t node = -1; ///< number in the space; -1: none
-  double facets = 0.0;    ///< how far it came through the surface in the step, in facets (docs/explicit.md) [1]
+  double facets = 0.0;    ///< how far it came through the surface in the step, in facets (docs/explicit/penalty.md) [1]
 };
 
 /// A contact as the explicit integrator sees it. Forces are on slave and master nodes, equal and opposite.

@@ -59,7 +59,7 @@ struct NodalSprings
   std::vector<double> stiffness;     ///< [F/L]
 };
 
-/// Explicit contact of the slave's nodes with the master's surface or a rigid obstacle (docs/explicit.md).
+/// Explicit contact of the slave's nodes with the master's surface or a rigid obstacle (docs/explicit/penalty.md).
 class NodeToSurface : public NodalContact
 {
 public:

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-/// Kinematic contact, docs/explicit.md.
+/// Kinematic contact, docs/explicit/kinematic.md.
 namespace impact::enforcement
 {
 namespace
@@ -167,7 +167,7 @@ void NodeToSurface::add_masses(const double* inverse_mass)
 }
 
 /// Normal forces of the nodes that leave the master: each gives back at most the energy taken from it since it closed,
-/// by no more impulse than contact has had in its last steps (docs/explicit.md, Release).
+/// by no more impulse than contact has had in its last steps (docs/explicit/kinematic.md, "Release").
 template <int D>
 void NodeToSurface::release(const double* du, const double* inverse_mass, double h, double dt, double share)
 {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-// Which nodes come through the surface: docs/explicit.md, "Through the surface".
+// Which nodes come through the surface: docs/explicit/penalty.md, "Through the surface".
 namespace impact::enforcement
 {
 using search::Projection;

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-/// Springs of explicit penalty contact that never give back more than they took (docs/explicit.md, "Energy of the
-/// springs").
+/// Springs of explicit penalty contact that never give back more than they took (docs/explicit/penalty.md, "Energy of
+/// the springs").
 namespace impact::enforcement
 {
 /// The spring of a slave node after the last step. All zero: it was open and owes nothing.

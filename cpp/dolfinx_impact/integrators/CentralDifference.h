@@ -18,8 +18,8 @@ namespace impact::integrators
 {
 using operators::FunctionSpace;
 
-/// Explicit integration with lumped mass; docs/explicit.md has the equations. A step is: exchange ghosts, kernels,
-/// contact, exchange forces, update. Cells without ghosts are computed while ghosts travel.
+/// Explicit integration with lumped mass; docs/explicit/scheme.md has the equations. A step is: exchange ghosts,
+/// kernels, contact, exchange forces, update. Cells without ghosts are computed while ghosts travel.
 class CentralDifference
 {
 public:

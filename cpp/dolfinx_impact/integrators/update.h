@@ -3,8 +3,8 @@
 
 namespace impact::integrators
 {
-/// Sums over degrees of freedom that energies are made of; see docs/explicit.md. Velocities are those half a step
-/// before (old) and after (new).
+/// Sums over degrees of freedom that energies are made of; see docs/explicit/energies.md. Velocities are those half a
+/// step before (old) and after (new).
 struct Sums
 {
   double momentum = 0.0;    ///< m v_old v_new

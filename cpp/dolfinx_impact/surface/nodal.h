@@ -6,7 +6,7 @@ namespace impact::surface
 {
 /// What nodes of a surface get from its facets; sums over this rank's facets, at the numbers that facets.nodes has.
 /// Areas: the facet's area by shape functions (degree 1) or in proportion to the integrals of their squares over the
-/// reference facet (degree 2); docs/explicit.md.
+/// reference facet (degree 2); docs/explicit/penalty.md.
 /// @param[in] axisymmetric times 2 pi R
 /// @param[in,out] areas one value per node [L^2; in the plane L]
 void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double>& areas);

@@ -1,4 +1,4 @@
-"""Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit.md."""
+"""Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit/penalty.md."""
 
 import math
 

@@ -46,8 +46,8 @@ class Penalty:
         quadrature_degree: on slave facets; None: 2 degree + 2.
         balanced: in explicit problems, once in each direction with half the stiffness.
 
-    In explicit problems (docs/explicit.md) the slave's nodes are the points, and "auto" is a stiffness from nodal
-    masses and the step; `tangential`, `augmented` and `quadrature_degree` are for static ones.
+    In explicit problems (docs/explicit/penalty.md) the slave's nodes are the points, and "auto" is a stiffness from
+    nodal masses and the step; `tangential`, `augmented` and `quadrature_degree` are for static ones.
 
     Raises:
         TypeError, ValueError: a penalty that is no positive number.

@@ -1,4 +1,4 @@
-"""Penalty springs of explicit contact as a stiffness matrix; docs/explicit.md, Stiffness."""
+"""Penalty springs of explicit contact as a stiffness matrix; docs/explicit/penalty.md, "Stiffness"."""
 
 import numpy as np
 from dolfinx.common import IndexMap

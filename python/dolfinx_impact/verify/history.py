@@ -1,5 +1,8 @@
-"""Level history: explicit runs of 500 steps on both sides, docs/explicit.md; every step's state and energies. Every run
-with contact is repeated from other starts, with other steps, so that no lucky number hides a rule that differs."""
+"""Level history: explicit runs of 500 steps on both sides, docs/explicit/scheme.md; every step's state and energies.
+
+Every run with contact is repeated from other starts, with other steps, so that no lucky number hides a rule that
+differs.
+"""
 
 from dataclasses import dataclass, field, replace
 

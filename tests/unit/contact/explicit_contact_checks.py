@@ -193,7 +193,7 @@ def check_free_bodies_keep_their_momentum():
                 assert problem.contact[0].dissipated > 0.02 * problem.energy_history[0, 1], (closed, size)
                 assert np.abs(end[0] - start[0]).max() <= 1e-12 * start[2]
                 assert np.abs(end[1] - start[1]).max() <= 1e-12 * start[3], (method, size)
-                # Kinematic: works as in docs/explicit.md. Penalty: a hundredth for each node that closes and opens.
+                # Kinematic: works as in docs/explicit/energies.md. Penalty: a hundredth for each node that closes.
                 drift = abs(problem.energy["drift"])
                 assert drift <= (1e-12 if method is di.Kinematic else 0.02), (method, size, drift)
 

@@ -66,7 +66,7 @@ def test_a_face_on_a_vertex_of_the_master(method):
 
 def rebounds(kappa=0.5, places=400):
     """Kinetic energies after over before of a mass that meets a spring, k = kappa m/dt^2, at places of the first touch
-    between two steps; with the mean overlap of a step, docs/explicit.md."""
+    between two steps; with the mean overlap of a step, docs/explicit/accuracy.md."""
     g, v = np.linspace(0.0, 1.0, places, endpoint=False) + 2.0, np.full(places, -1.0)  # steps, m = 1
     for _ in range(40):  # a half period is pi/sqrt(kappa), 4.4 steps
         r = np.abs(v)
@@ -77,7 +77,7 @@ def rebounds(kappa=0.5, places=400):
 
 
 def test_rebound_of_a_mass():
-    """What docs/explicit.md says of it."""
+    """What docs/explicit/accuracy.md says of it."""
     found = rebounds() - 1
     assert found.min() == pytest.approx(-0.012, abs=5e-4) and found.max() == pytest.approx(0.004, abs=5e-4)  # digits
     assert np.sqrt(np.mean(found**2)) == pytest.approx(0.008, abs=5e-4)

@@ -8,7 +8,7 @@ from plane_bodies import Bodies
 import dolfinx_impact as di
 
 SEED = 5  # the same stacks in every run: each was looked at
-DEBT = 0.05  # of the kinetic energy at the start: what springs may owe, docs/explicit.md, "Bound"
+DEBT = 0.05  # of the kinetic energy at the start: what springs may owe, docs/explicit/penalty.md, "Bound"
 
 
 def stack(number):

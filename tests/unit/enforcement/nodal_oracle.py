@@ -1,4 +1,4 @@
-"""Penalty contact of nodes in plain NumPy from docs/explicit.md, node by node; closest points by a full search."""
+"""Penalty contact in plain NumPy from docs/explicit/penalty.md, node by node; closest points by a full search."""
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def width(facets, f, X):
 
 
 def closest(facets, X, x, normals, reach):
-    """A full search, and the rule for nodes just beside the rim (docs/explicit.md); beside: farther than that."""
+    """A full search, and the rule at the rim (docs/explicit/penalty.md, "At the rim"); beside: farther than that."""
     p = _cpp.search.SurfaceSearch(facets).project(np.ascontiguousarray(x), np.ascontiguousarray(normals), reach)
     ends, dim = rim(facets), x.shape[1]
     corners = set().union(*ends)
