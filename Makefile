@@ -75,5 +75,6 @@ slow-here: # status 5: no slow test was found
 # Warnings are errors. build/docs keeps what a second build need not do again.
 docs-here:
 	mkdir -p build/docs
-	python3 -m sphinx -q -W --keep-going -b html -d build/docs/doctrees docs build/site
+	python3 -m sphinx -q -W --keep-going -b html -d build/docs/doctrees docs build/docs/html
+	@ln -sfn docs/html build/site
 	@echo "docs: build/site/index.html"

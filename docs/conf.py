@@ -51,6 +51,7 @@ myst_update_mathjax = False  # that is for MathJax 3; Debian has 2
 default_role = "code"  # of single back quotes in docstrings
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
 
@@ -130,18 +131,18 @@ def copy_mathjax(app, error):
                 copy(MATHJAX / part, target / part)
 
 
-def entries(section, obj, text):
-    """Entries of a section of a docstring, one a line: exceptions, or parameters of the signature."""
+def entry_of(section, obj):
+    """Pattern of how an entry of a docstring's section begins: an exception, a parameter, or an attribute."""
     if section in ("Raises", "Warns"):
         name = r"[A-Z]\w*(?:Error|Warning|Interrupt)"
-        begin = rf"(?:{name}, )*{name}: "
+    elif section == "Attributes":
+        name = r"[a-z_]\w*"
     else:
         try:
-            names = [re.escape(parameter) for parameter in inspect.signature(obj).parameters]
+            name = "(?:" + "|".join(map(re.escape, inspect.signature(obj).parameters)) + ")"
         except (TypeError, ValueError):
-            names = []
-        begin = rf"(?:(?:{'|'.join(names) or '$.'})(?:, )?)+: "
-    return re.split(rf"(?<![^.\]\s])\s+(?={begin})", text)
+            name = r"[a-z_]\w*"
+    return rf"(?:{name}, )*{name}: "
 
 
 def plain_docstring(app, what, name, obj, options, lines):
@@ -152,11 +153,15 @@ def plain_docstring(app, what, name, obj, options, lines):
     text = re.sub(r"([|*])", r"\\\1", "\n".join(lines))
 
     def one_a_line(match):
-        body = " ".join(line.strip() for line in match[3].splitlines())
-        return f"{match[1]}:\n" + "".join(f"    {entry}\n" for entry in entries(match[2], obj, body))
+        begin = entry_of(match[1], obj)
+        body = ""
+        for line in match[2].splitlines():
+            body += ("\n" if re.match(rf" {{4}}{begin}", line) else " ") + line.strip()
+        body = re.sub(rf"(?<=[.\]]) (?={begin})", "\n", body.strip())
+        return f"{match[1]}:\n" + "".join(f"    {entry}\n" for entry in body.split("\n"))
 
-    text = re.sub(r"^((Args|Raises|Warns)):\n((?: +\S.*\n?)+)", one_a_line, text + "\n", flags=re.MULTILINE)
-    lines[:] = text.split("\n")
+    sections = r"^(Args|Attributes|Raises|Warns):\n((?: +\S.*\n?)+)"
+    lines[:] = re.sub(sections, one_a_line, text + "\n", flags=re.MULTILINE).split("\n")
 
 
 def setup(app):
