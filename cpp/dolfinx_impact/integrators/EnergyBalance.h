@@ -25,7 +25,7 @@ struct Steps
   double after = 0.0;
 };
 
-/// Works and energies of a run: docs/explicit.md, "Energies". Sums over ranks are made while the next forces are
+/// Works and energies of a run: docs/explicit/energies.md. Sums over ranks are made while the next forces are
 /// computed; they also tell whether the run is stable, so that all ranks know it alike.
 class EnergyBalance
 {

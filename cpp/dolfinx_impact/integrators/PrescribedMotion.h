@@ -7,7 +7,7 @@
 
 namespace impact::integrators
 {
-/// Displacements prescribed as values times amplitudes, and the support forces that they need: docs/explicit.md,
+/// Displacements prescribed as values times amplitudes, and the support forces that they need: docs/explicit/scheme.md,
 /// "Prescribed motion". The degrees of freedom have no inverse mass, so that `update` moves them on as they move; then
 /// `impose` brings them where they are to be.
 class PrescribedMotion

@@ -27,7 +27,7 @@ struct Work
   }
 };
 
-/// Energies at a time level, sums over ranks [F L]; docs/explicit.md, "Energies".
+/// Energies at a time level, sums over ranks [F L]; docs/explicit/energies.md.
 struct Energies
 {
   double kinetic = 0.0;
