@@ -1,6 +1,8 @@
 #include "arrays.h"
-#include "dolfinx_impact/enforcement/NodeToSurface.h"
+#include "dolfinx_impact/enforcement/KinematicContact.h"
+#include "dolfinx_impact/enforcement/PenaltyContact.h"
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 using namespace impact::enforcement;
@@ -12,12 +14,6 @@ using impact::surface::FunctionSpace;
 namespace
 {
 using namespace impact::bindings;
-
-NodeToSurfaceOptions options(double friction, double penalty, double kappa, bool balanced, bool kinematic, int sweeps,
-                             double search_distance, bool axisymmetric)
-{
-  return {friction, penalty, kappa, balanced, kinematic, sweeps, search_distance, axisymmetric};
-}
 
 /// Arrays over the nodes of the Halo, checked.
 template <typename T>
@@ -53,10 +49,12 @@ nb::dict results(const NodeToSurface& self)
   out["pressure"] = copy(r.pressure, {n});
   out["traction"] = copy(r.traction, {n, gdim});
   out["slip"] = copy(r.slip, {n, gdim});
-  out["stiffness"] = copy(self.stiffness(), {n});
+  const auto* springs = dynamic_cast<const PenaltyContact*>(&self);
+  out["stiffness"] = springs ? copy(springs->stiffness(), {n}) : take(std::vector<double>(n, 0.0));
   return out;
 }
 
+/// Columns of a checkpoint, by name; a row for each owned slave node.
 nb::dict history(const NodeToSurface& self)
 {
   const NodalHistory h = self.history();
@@ -64,12 +62,45 @@ nb::dict history(const NodeToSurface& self)
   nb::dict out;
   out["tangential"] = copy(h.tangential, {n, gdim});
   out["slip"] = copy(h.slip, {n, gdim});
-  out["springs"] = copy(h.springs, {n, 5});
-  out["closed"] = copy(h.closed, {n});
-  out["facet"] = copy(h.facet, {n});
   out["xi"] = copy(h.xi, {n, 2});
-  out["taken"] = copy(h.taken, {n});
-  out["pulse"] = copy(h.pulse, {n});
+  return out;
+}
+
+void add_state(const NodeToSurface& self, nb::dict& out)
+{
+  const NodalHistory h = self.history();
+  out["closed"] = copy(h.closed, {h.closed.size()});
+  out["facet"] = copy(h.facet, {h.facet.size()});
+}
+
+/// Names and members of a spring.
+constexpr std::array<std::pair<const char*, double Spring::*>, 5> spring_members{
+    {{"spring_force", &Spring::force},
+     {"spring_compliance", &Spring::compliance},
+     {"spring_gap", &Spring::gap},
+     {"spring_surplus", &Spring::surplus},
+     {"spring_tangential_surplus", &Spring::tangential_surplus}}};
+
+nb::dict penalty_history(const PenaltyContact& self)
+{
+  nb::dict out = history(self);
+  for (const auto& [name, member] : spring_members)
+  {
+    std::vector<double> column;
+    for (const Spring& spring : self.springs())
+      column.push_back(spring.*member);
+    out[name] = take(std::move(column));
+  }
+  add_state(self, out);
+  return out;
+}
+
+nb::dict kinematic_history(const KinematicContact& self)
+{
+  nb::dict out = history(self);
+  out["taken"] = copy(self.taken(), {self.taken().size()});
+  out["pulse"] = copy(self.pulse(), {self.pulse().size()});
+  add_state(self, out);
   return out;
 }
 
@@ -82,10 +113,29 @@ std::vector<T> entries(const nb::dict& dict, const char* name)
 
 void set_history(NodeToSurface& self, const nb::dict& dict)
 {
-  self.set_history({entries<double>(dict, "tangential"), entries<double>(dict, "slip"),
-                    entries<double>(dict, "springs"), entries<std::int8_t>(dict, "closed"),
-                    entries<std::int64_t>(dict, "facet"), entries<double>(dict, "xi"), entries<double>(dict, "taken"),
-                    entries<double>(dict, "pulse")});
+  self.set_history({entries<double>(dict, "tangential"), entries<double>(dict, "slip"), entries<double>(dict, "xi"),
+                    entries<std::int8_t>(dict, "closed"), entries<std::int64_t>(dict, "facet")});
+}
+
+void set_penalty_history(PenaltyContact& self, const nb::dict& dict)
+{
+  set_history(self, dict);
+  std::vector<Spring> springs(self.springs().size());
+  for (const auto& [name, member] : spring_members)
+  {
+    const std::vector<double> column = entries<double>(dict, name);
+    if (column.size() != springs.size())
+      throw std::invalid_argument(std::string("the history belongs to other nodes: ") + name);
+    for (std::size_t i = 0; i < springs.size(); ++i)
+      springs[i].*member = column[i];
+  }
+  self.set_springs(std::move(springs));
+}
+
+void set_kinematic_history(KinematicContact& self, const nb::dict& dict)
+{
+  set_history(self, dict);
+  self.set_taken(entries<double>(dict, "taken"), entries<double>(dict, "pulse"));
 }
 
 nb::dict counters(const NodeToSurface& self)
@@ -117,10 +167,10 @@ nb::dict energies(const ContactEnergy& e)
 }
 
 /// Numbers of nodes are global.
-nb::dict springs(NodeToSurface& self, const Halo& halo, const Values& u)
+nb::dict springs(PenaltyContact& self, const Halo& halo, const Values& u)
 {
   const std::size_t gdim = self.candidates().gdim();
-  NodalSprings s = self.springs(over(halo, u, int(gdim), "u"));
+  NodalSprings s = self.springs_at(over(halo, u, int(gdim), "u"));
   const auto global = [&](const std::vector<std::int32_t>& nodes)
   {
     std::vector<std::int64_t> numbers(nodes.size());
@@ -138,29 +188,26 @@ nb::dict springs(NodeToSurface& self, const Halo& halo, const Values& u)
 }
 
 template <typename Master>
-void construct(NodeToSurface* self, const FunctionSpace& V, const Facets& slave, const Master& master, double friction,
-               double penalty, double kappa, bool balanced, bool kinematic, int sweeps, double search_distance,
-               bool axisymmetric)
+void construct_penalty(PenaltyContact* self, const FunctionSpace& V, const Facets& slave, const Master& master,
+                       double friction, double penalty, double kappa, bool balanced, double search_distance,
+                       bool axisymmetric)
 {
-  new (self) NodeToSurface(
-      V, slave, master, options(friction, penalty, kappa, balanced, kinematic, sweeps, search_distance, axisymmetric));
+  new (self) PenaltyContact(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, balanced});
+}
+
+template <typename Master>
+void construct_kinematic(KinematicContact* self, const FunctionSpace& V, const Facets& slave, const Master& master,
+                         double friction, int sweeps, double search_distance, bool axisymmetric)
+{
+  new (self) KinematicContact(V, slave, master, {{friction, search_distance, axisymmetric}, sweeps});
 }
 } // namespace
 
 void impact::bindings::nodal(nb::module_& m)
 {
-  const NodeToSurfaceOptions d;
   nb::class_<NodalContact>(m, "NodalContact", "Contact as the explicit integrator sees it");
   nb::class_<NodeToSurface, NodalContact>(m, "NodeToSurface",
-                                          "Explicit contact of slave nodes with a surface; all arrays are copies")
-      .def("__init__", &construct<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
-           nb::arg("friction") = d.friction, nb::arg("penalty") = d.penalty, nb::arg("kappa") = d.kappa,
-           nb::arg("balanced") = d.balanced, nb::arg("kinematic") = d.kinematic, nb::arg("sweeps") = d.sweeps,
-           nb::arg("search_distance") = d.search_distance, nb::arg("axisymmetric") = d.axisymmetric)
-      .def("__init__", &construct<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
-           nb::arg("friction") = d.friction, nb::arg("penalty") = d.penalty, nb::arg("kappa") = d.kappa,
-           nb::arg("balanced") = d.balanced, nb::arg("kinematic") = d.kinematic, nb::arg("sweeps") = d.sweeps,
-           nb::arg("search_distance") = d.search_distance, nb::arg("axisymmetric") = d.axisymmetric)
+                                          "Slave nodes against a surface, step after step; all arrays are copies")
       .def(
           "search", [](NodeToSurface& self, Values u, Values du)
           { self.search({u.data(), u.size()}, {du.data(), du.size()}); }, nb::arg("u"), nb::arg("du"),
@@ -196,42 +243,12 @@ void impact::bindings::nodal(nb::module_& m)
           { return self.used(state(halo, self.candidates().gdim(), u, du, inverse_mass, dt)); }, nb::arg("halo"),
           nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"))
       .def(
-          "add_forces",
-          [](NodeToSurface& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt,
-             MutableValues f, int times)
-          {
-            const int gdim = self.candidates().gdim();
-            const NodalState now = state(halo, gdim, u, du, inverse_mass, dt);
-            double* forces = over(halo, f, gdim, "f");
-            for (int i = 0; i < times; ++i)
-              self.add_forces(now, forces);
-          },
-          nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"),
-          nb::arg("f").noconvert(), nb::arg("times") = 1,
-          "Add the forces to f (a view is changed); several times for timing")
-      .def(
-          "correct",
-          [](NodeToSurface& self, const Halo& halo, MutableValues u, Values du, Values inverse_mass, double h,
-             double dt, MutableValues f, double share)
-          {
-            const int gdim = self.candidates().gdim();
-            const std::vector<double> rest(u.size(), 0.0);
-            self.correct(over(halo, u, gdim, "u"), over(halo, du, gdim, "du"), rest.data(),
-                         over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share, over(halo, f, gdim, "f"));
-          },
-          nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),
-          nb::arg("dt"), nb::arg("f").noconvert(), nb::arg("share") = 1.0,
-          "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
-      .def(
-          "look", [](NodeToSurface& self, const Halo& halo, Values u)
-          { self.look(over(halo, u, self.candidates().gdim(), "u")); }, nb::arg("halo"), nb::arg("u"),
+          "update_gaps", [](NodeToSurface& self, const Halo& halo, Values u)
+          { self.update_gaps(over(halo, u, self.candidates().gdim(), "u")); }, nb::arg("halo"), nb::arg("u"),
           "Bring the gaps of open nodes up to date")
-      .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
-           "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
       .def("keep_normals", &NodeToSurface::keep_normals, nb::arg("keep"),
            "For tests of tests: judge facing by the normals of the last search")
       .def("set_obstacle", &NodeToSurface::set_obstacle, nb::arg("displacement"), nb::arg("increment"))
-      .def_prop_ro("kinematic", &NodeToSurface::kinematic)
       .def_prop_ro(
           "nodes",
           [](const NodeToSurface& self)
@@ -251,8 +268,6 @@ void impact::bindings::nodal(nb::module_& m)
           "force", [](const NodeToSurface& self)
           { return take(std::vector<double>(self.force(), self.force() + self.candidates().gdim())); },
           nb::rv_policy::move)
-      .def_prop_ro(
-          "other", [](NodeToSurface& self) { return self.other(); }, nb::rv_policy::reference_internal)
       .def("results", &results)
       .def("energy", [](const NodeToSurface& self) { return energies(self.energy()); })
       .def(
@@ -273,7 +288,61 @@ void impact::bindings::nodal(nb::module_& m)
             return nb::make_tuple(p.node, p.facets);
           },
           "Local number (-1: none) of the slave node that went through the master fastest, facets per step")
-      .def("counters", &counters)
-      .def("history", &history)
-      .def("set_history", &set_history, nb::arg("history"));
+      .def("counters", &counters);
+
+  const PenaltyContactOptions p;
+  nb::class_<PenaltyContact, NodeToSurface>(m, "PenaltyContact", "Springs between slave nodes and the master")
+      .def("__init__", &construct_penalty<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
+           nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
+           nb::arg("balanced") = p.balanced, nb::arg("search_distance") = p.search_distance,
+           nb::arg("axisymmetric") = p.axisymmetric)
+      .def("__init__", &construct_penalty<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
+           nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
+           nb::arg("balanced") = p.balanced, nb::arg("search_distance") = p.search_distance,
+           nb::arg("axisymmetric") = p.axisymmetric)
+      .def(
+          "add_forces",
+          [](PenaltyContact& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt,
+             MutableValues f, int times)
+          {
+            const int gdim = self.candidates().gdim();
+            const NodalState now = state(halo, gdim, u, du, inverse_mass, dt);
+            double* forces = over(halo, f, gdim, "f");
+            for (int i = 0; i < times; ++i)
+              self.add_forces(now, forces);
+          },
+          nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"),
+          nb::arg("f").noconvert(), nb::arg("times") = 1,
+          "Add the forces to f (a view is changed); several times for timing")
+      .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
+           "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
+      .def_prop_ro(
+          "other", [](PenaltyContact& self) { return self.other(); }, nb::rv_policy::reference_internal)
+      .def("history", &penalty_history)
+      .def("set_history", &set_penalty_history, nb::arg("history"));
+
+  const KinematicContactOptions k;
+  nb::class_<KinematicContact, NodeToSurface>(m, "KinematicContact", "Forces that correct a predicted step")
+      .def("__init__", &construct_kinematic<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
+           nb::arg("friction") = k.friction, nb::arg("sweeps") = k.sweeps,
+           nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric)
+      .def("__init__", &construct_kinematic<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
+           nb::arg("friction") = k.friction, nb::arg("sweeps") = k.sweeps,
+           nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric)
+      .def(
+          "correct",
+          [](KinematicContact& self, const Halo& halo, MutableValues u, Values du, Values inverse_mass, double h,
+             double dt, MutableValues f, double share)
+          {
+            const int gdim = self.candidates().gdim();
+            const std::vector<double> rest(u.size(), 0.0);
+            self.correct(
+                {over(halo, du, gdim, "du"), rest.data(), over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share},
+                over(halo, u, gdim, "u"), over(halo, f, gdim, "f"));
+          },
+          nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),
+          nb::arg("dt"), nb::arg("f").noconvert(), nb::arg("share") = 1.0,
+          "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
+      .def("history", &kinematic_history)
+      .def("set_history", &set_kinematic_history, nb::arg("history"));
 }

@@ -10,7 +10,6 @@ from .interrupts import Interrupts
 from .march import Plan
 from .signature import functions_of_time, supports
 
-LEDGER = ("taken", "pulse")  # of a node in contact
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
 TABLES = ("works", "common")  # of numbers that the integrator saves by name: adding up over ranks, the same on all
 NUMBERS = ("time", "beyond", "step", "safe", "nominal", "largest", "total_start")
@@ -46,7 +45,7 @@ class Restart:
         nodal, ranks = {}, {table: np.array(list(state[table].values())) for table in TABLES}
         for k, contact in enumerate(self.contact):
             for j, side in enumerate(contact.sides()):
-                nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history(), bs))
+                nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history()))
                 ranks[f"contact{k}_{j}"] = np.array([side.own_energy()[name] for name in ENERGY])
         plan, totals = self._plan, {}
         for k, contact in enumerate(self.contact):
@@ -94,7 +93,7 @@ class Restart:
             path,
             self,
             arrays={name: bs for name in saved["arrays"]},
-            nodal={**{name: 2 * bs + 9 + len(LEDGER) for name, _ in sides}, **results},
+            nodal={**{name: sum(_widths(side.history()).values()) for name, side in sides}, **results},
             ranks={**{table: len(saved[table]) for table in TABLES}, **{name: len(ENERGY) for name, _ in sides}},
             attributes=[
                 *NUMBERS, "plan", "functions of time", *TABLES, *(f"contact{k}" for k in range(len(self.contact))),
@@ -150,7 +149,9 @@ class Restart:
         want(common["last_step"] >= 0.0 and common["contact_step"] > 0.0, "steps of ranks/common")
         want(0.0 <= common["release_share"] <= 1.0, "what releases give back is no part")
         facets = 8 * self.space.mesh.topology.index_map(self.space.mesh.topology.dim).size_global
-        read["histories"] = [_unpack(rows, self.space.dofmap.index_map_bs, facets, want) for rows in read["histories"]]
+        read["histories"] = [
+            _unpack(rows, side.history(), facets, want) for rows, side in zip(read["histories"], read["sides"])
+        ]
         for k, contact in enumerate(self.contact):
             totals, known = np.asarray(a[f"contact{k}"]), contact.seen()[1]
             want(totals.shape == known.shape and np.all(np.isfinite(totals)), f"contact{k} is {totals!r}")
@@ -205,33 +206,33 @@ def _plan(values, want, time, step):
     return plan
 
 
-def _pack(history, bs):
-    """History of a contact's nodes as one table."""
-    n = len(history["closed"])
-    columns = [history["tangential"].reshape(n, bs), history["slip"].reshape(n, bs), history["xi"].reshape(n, 2)]
-    columns += [history["springs"].reshape(n, 5)]
-    columns += [history[name][:, None] for name in LEDGER]
-    columns += [history["closed"].astype(float)[:, None], history["facet"].astype(float)[:, None]]
-    return np.hstack(columns)
+def _widths(history):
+    """Columns of each array of a contact's history, by name."""
+    return {name: math.prod(values.shape[1:]) for name, values in history.items()}
 
 
-def _unpack(rows, bs, facets, want):
-    """Back from `_pack`, looked at. Args: facets: numbers of facets are less than this."""
-    whole = np.ascontiguousarray
-    xi, springs = rows[:, 2 * bs : 2 * bs + 2], rows[:, 2 * bs + 2 : 2 * bs + 7]
-    closed, facet = rows[:, -2], rows[:, -1]
+def _pack(history):
+    """History of a contact's nodes as one table: its arrays side by side, in their order."""
+    widths = _widths(history)
+    return np.hstack([values.astype(float).reshape(len(values), widths[name]) for name, values in history.items()])
+
+
+def _unpack(rows, like, facets, want):
+    """Back from `_pack`, looked at.
+
+    Args:
+        like: a history of the contact, with the names, shapes and types. facets: numbers of facets are less than this.
+    """
+    ends = np.cumsum(list(_widths(like).values()))
+    columns = dict(zip(like, np.split(rows, ends[:-1], axis=1)))
+    closed, facet, xi = (columns[name] for name in ("closed", "facet", "xi"))
     want(np.all(np.isin(closed, (-1.0, 0.0, 1.0))), "a contact's nodes have a state that does not exist")
     want(
         np.all((facet % 1 == 0) & (facet >= -1) & (facet < facets)), "a contact's nodes are on facets that do not exist"
     )
     want(np.all((xi >= -XI_MARGIN) & (xi <= 1.0 + XI_MARGIN)), "a contact's nodes are beside their facets")
-    want(np.all(np.isfinite(rows[:, 2 * bs + 2 : -2])), "energies or impulses of a contact's nodes are no numbers")
+    want(np.all(np.isfinite(rows)), "forces, energies or impulses of a contact's nodes are no numbers")
     return {
-        "tangential": whole(rows[:, :bs]),
-        "slip": whole(rows[:, bs : 2 * bs]),
-        "xi": whole(xi),
-        "springs": whole(springs),
-        **{name: whole(rows[:, 2 * bs + 7 + k]) for k, name in enumerate(LEDGER)},
-        "closed": whole(closed.astype(np.int8)),
-        "facet": whole(facet.astype(np.int64)),
+        name: np.ascontiguousarray(columns[name].reshape(values.shape).astype(values.dtype))
+        for name, values in like.items()
     }

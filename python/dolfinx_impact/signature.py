@@ -149,4 +149,5 @@ def _contact(contact, mesh):
         master = f"master {master}, {_facets(mesh, pair.facet_tags, master)}"
     slave = f"slave {pair.slave}, {_facets(mesh, pair.facet_tags, pair.slave)}"
     options = ", ".join(f"{name} {value!r}" for name, value in sorted(contact.options.items()))
-    return f"{slave}, {master}, friction {pair.friction!r}, search distance {pair.search_distance!r}, {options}"
+    limits = f"friction {pair.friction!r}, search distance {pair.search_distance!r}"
+    return f"{slave}, {master}, {limits}, {contact._law.__name__}, {options}"

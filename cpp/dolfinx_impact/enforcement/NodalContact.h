@@ -35,7 +35,8 @@ struct Passage
   double facets = 0.0;    ///< how far it came through the surface in the step, in facets (docs/explicit/penalty.md) [1]
 };
 
-/// A contact as the explicit integrator sees it. Forces are on slave and master nodes, equal and opposite.
+/// What the explicit integrator asks of any contact: candidates, the nodes it acts on, energies. Forces are on slave
+/// and master nodes, equal and opposite. A contact is a SpringForces or a StepCorrection as well: that is how it acts.
 class NodalContact
 {
 public:
@@ -62,33 +63,49 @@ public:
   virtual double used(const NodalState& state) const = 0;
 
   /// The next searches do not depend on what was before: a run that goes on from a checkpoint makes the same ones.
-  virtual void forget() = 0;
+  virtual void forget_search() = 0;
 
-  /// Penalty: forces in the present configuration, added to f (over the Halo's nodes; ghosts are sent on by the
-  /// caller). Called once per step: updates the friction history. No allocation.
-  virtual void add_forces(const NodalState& state, double* f) = 0;
-
-  /// Kinematic: corrects a predicted configuration. Collective. No allocation.
-  /// @param[in,out] u predicted displacements, ghosts valid; on return corrected, ghosts valid [L]
-  /// @param[in] du predicted increments of the step (over the Halo's nodes)
-  /// @param[in] before increments of the step before, which work counts half of (over the Halo's nodes)
-  /// @param[in] h a force f moves a node by h*f/m in the step [T^2]
-  /// @param[in] dt step [T]
-  /// @param[in] share part of the recoverable energy that nodes which leave the master may be given back [1]
-  /// @param[in,out] f complete on owned nodes: forces are added [F]
-  virtual void correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
-                       double dt, double share, double* f) = 0;
-  /// Does it act by add_forces (false) or by correct (true)?
-  virtual bool kinematic() const = 0;
-
-  /// Bring the gaps of open nodes, which are looked at as seldom as can be, up to date in the results.
+  /// Bring the gaps of open nodes, which are evaluated as seldom as can be, up to date in the results.
   /// @param[in] u displacements of the Halo's nodes [L]
-  virtual void look(const double* u) = 0;
+  virtual void update_gaps(const double* u) = 0;
 
   virtual ContactEnergy energy() const = 0;
   /// The node that went through fastest, of this rank, since the contact was made or forgot its history.
   virtual Passage passage() const = 0;
   /// Sum of the forces on this rank's slave nodes in the last step [F].
   virtual const double* force() const = 0;
+};
+
+/// A contact that acts by springs: forces in the present configuration, which are part of the residual.
+class SpringForces
+{
+public:
+  virtual ~SpringForces() = default;
+  /// Add the forces to f (over the Halo's nodes; the caller sends ghosts on). Called once per step: it updates the
+  /// history of friction. No allocation.
+  virtual void add_forces(const NodalState& state, double* f) = 0;
+};
+
+/// What a predicted step shows to contacts that correct it: arrays over the nodes of the Halo, entry node*gdim + c.
+struct PredictedStep
+{
+  const double* du = nullptr;           ///< increments of the step as predicted [L]
+  const double* du_before = nullptr;    ///< increments of the step before, which work counts half of [L]
+  const double* inverse_mass = nullptr; ///< zero where prescribed [1/M]
+  double h = 0.0;                       ///< a force f moves a node by h*f/m in the step [T^2]
+  double dt = 0.0;                      ///< step [T]
+  double release_share = 1.0;           ///< part of the recoverable energy that nodes which leave may be given back [1]
+};
+
+/// A contact that acts by correcting a predicted configuration: kinematic contact.
+class StepCorrection
+{
+public:
+  virtual ~StepCorrection() = default;
+  /// Collective. No allocation.
+  /// @param[in] step as predicted, ghosts valid
+  /// @param[in,out] u predicted displacements, ghosts valid; on return corrected, ghosts valid [L]
+  /// @param[in,out] f complete on owned nodes: forces are added [F]
+  virtual void correct(const PredictedStep& step, double* u, double* f) = 0;
 };
 } // namespace impact::enforcement

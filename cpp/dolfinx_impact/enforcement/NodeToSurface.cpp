@@ -1,17 +1,37 @@
 #include "NodeToSurface.h"
 #include "../search/linear_facet.h"
-#include "friction.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <numeric>
+#include <stdexcept>
+#include <string>
 
 namespace impact::enforcement
 {
+using search::Projection;
+
 namespace
 {
 using surface::FacetElement;
 using surface::FacetShape;
+
+constexpr double shallow = 0.05; ///< of the facet: as deep a node may be met at first, as it may be beside the rim
+constexpr int most_parts = 1000; ///< of a step's way: nodes that move by more than 500 facets are found out somewhere
+
+const NodeToSurfaceOptions& checked(const NodeToSurfaceOptions& o)
+{
+  for (double value : {o.friction, o.search_distance})
+    if (!std::isfinite(value) || !(value >= 0.0))
+      throw std::invalid_argument("friction and search distance of a contact are finite and not negative");
+  return o;
+}
+
+/// Below the surface, not beside its rim.
+bool is_below(const Projection& at)
+{
+  return at.gap < 0.0 && at.rim != Projection::Rim::beside && at.rim != Projection::Rim::below;
+}
 
 void shape_values(const FacetElement& element, const double* xi, double* phi)
 {
@@ -25,6 +45,104 @@ void shape_values(const FacetElement& element, const double* xi, double* phi)
     search::linear::values<FacetShape::interval>(xi, phi);
 }
 } // namespace
+
+NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave,
+                             const surface::Facets* master, const gap::Rigid* rigid,
+                             const NodeToSurfaceOptions& options)
+    : _options(checked(options)), _gdim(slave.gdim), _rigid(rigid != nullptr), _obstacle(rigid ? *rigid : gap::Rigid{}),
+      _candidates(V, slave, master, options.search_distance, options.axisymmetric), _tracking(_gdim, _candidates.X())
+{
+  if (rigid && rigid->gdim != _gdim)
+    throw std::invalid_argument("the rigid master has another dimension than the slave");
+  const std::size_t n = _candidates.nodes().size(), vector = n * _gdim;
+  _results = {std::vector<ContactStatus>(n, ContactStatus::open),
+              std::vector<double>(n, std::numeric_limits<double>::infinity()),
+              std::vector<double>(vector, 0.0),
+              std::vector<double>(n, 0.0),
+              std::vector<double>(vector, 0.0),
+              std::vector<double>(vector, 0.0)};
+  _tangential.assign(vector, 0.0);
+  _closed.assign(n, 0);
+  for (double area : _candidates.areas())
+    _per_area.push_back(1.0 / area);
+}
+
+void NodeToSurface::search(std::span<const double> u, std::span<const double> du)
+{
+  _candidates.search(u, du, deepest());
+}
+
+std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
+{
+  // Owners have all their nodes, also those that only slaves of other ranks push.
+  _needed.assign(_candidates.watched().begin(), _candidates.watched().end());
+  if (!_rigid)
+  {
+    _areas = _candidates.master_areas(all);
+    _facets = _candidates.numbered(all);
+    _around = _candidates.around(all);
+    for (const surface::Facets* facets : {&_facets, &_around})
+      _needed.insert(_needed.end(), facets->nodes.begin(), facets->nodes.end());
+  }
+  std::sort(_needed.begin(), _needed.end());
+  _needed.erase(std::unique(_needed.begin(), _needed.end()), _needed.end());
+  return _needed;
+}
+
+void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+{
+  _halo = &halo;
+  _candidates.number(numbers);
+  _inverse_mass.clear();
+  for (std::int32_t node : _candidates.numbers())
+    _inverse_mass.push_back(1.0 / mass[node]);
+  if (_rigid)
+    return;
+  std::vector<double> areas(halo.num_nodes(), 0.0);
+  for (std::int32_t& node : _facets.nodes)
+  {
+    areas[numbers[node]] = _areas[node];
+    node = numbers[node];
+  }
+  for (std::int32_t& node : _around.nodes)
+    node = numbers[node];
+  _tracking.reset(std::move(_facets), _candidates.numbers(), std::move(_around), _candidates.distance());
+  const auto masters = _tracking.master_nodes();
+  for (std::size_t k = 0; k < masters.size(); ++k)
+  {
+    search::MasterNode& master = _tracking.masters()[k];
+    master.du[3] = 1.0 / mass[masters[k]];
+    master.x[3] = areas[masters[k]] / mass[masters[k]];
+  }
+}
+
+void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment)
+{
+  _obstacle.displacement = displacement;
+  _obstacle_increment = increment;
+}
+
+NodalHistory NodeToSurface::history() const
+{
+  return {_tangential, _results.slip, _tracking.held_xi(), _closed, {_tracking.held().begin(), _tracking.held().end()}};
+}
+
+void NodeToSurface::set_history(const NodalHistory& history)
+{
+  const std::size_t n = num_nodes(), vector = n * _gdim;
+  if (history.tangential.size() != vector || history.slip.size() != vector || history.closed.size() != n ||
+      history.facet.size() != n || history.xi.size() != 2 * n)
+    throw std::invalid_argument("the history belongs to other nodes: this rank has " + std::to_string(n) +
+                                " slave nodes, found " + std::to_string(history.closed.size()));
+  _tangential = history.tangential;
+  _results.slip = history.slip;
+  _closed = history.closed;
+  _passage = {};
+  _tracking.set_held(history.facet, history.xi);
+}
+
+// --- what a node meets
+// ------------------------------------------------------------------------------------------------
 
 search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, const double* du, double back) const
 {
@@ -40,48 +158,36 @@ search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, co
   return out;
 }
 
-void NodeToSurface::open(std::size_t i, const search::Projection& at, const double* u)
+void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
 {
   _results.gap[i] = at.gap;
   if (!_rigid)
     _tracking.release(i, at, u);
   if (_results.status[i] == ContactStatus::open && _closed[i] != 1)
     return; // it was before: all is zero
+  lose(i);
   _results.status[i] = ContactStatus::open;
   _results.pressure[i] = 0.0;
-  _stiffness[i] = 0.0;
-  // What is stored still, in a node that has not left through the surface, is lost.
-  Spring& spring = _springs[i];
-  double squared = 0.0;
-  for (int c = 0; c < _gdim; ++c)
-  {
-    squared += _tangential[i * _gdim + c] * _tangential[i * _gdim + c];
-    _results.traction[i * _gdim + c] = _results.slip[i * _gdim + c] = _tangential[i * _gdim + c] = 0.0;
-  }
-  if (!_options.kinematic)
-  {
-    _energy.normal -= normal_release(spring, 0.0);
-    _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance);
-  }
+  for (std::vector<double>* values : {&_results.traction, &_results.slip, &_tangential})
+    std::fill_n(values->data() + i * _gdim, _gdim, 0.0);
   if (_closed[i] == 1)
     _closed[i] = 0;
 }
 
-bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, Touch& touch)
+bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, bool keeps, Touch& touch)
 {
   touch.i = i;
   touch.node = _candidates.numbers()[i];
   touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u, du);
-  search::Projection& at = touch.at;
-  if (_closed[i] != came_in && (_rigid || _tracking.step() > 0.5 * _candidates.smallest()) && passes(touch, u, du))
+  Projection& at = touch.at;
+  if (_closed[i] != marked && (_rigid || _tracking.step() > 0.5 * _candidates.smallest()) && passes(touch, u, du))
   {
     open(i, at, u);
     return false;
   }
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
-  // One that leaves the surface is looked at once more: its last force has worked on the way.
-  const bool leaves = _closed[i] == 1 && !_options.kinematic && std::isfinite(at.gap);
-  if (barred(touch, u, du) || (!(at.gap < reach) && !leaves))
+  const bool kept = keeps && _closed[i] == 1 && std::isfinite(at.gap);
+  if (is_marked(touch, u, du) || (!(at.gap < reach) && !kept))
   {
     open(i, at, u);
     return false;
@@ -97,218 +203,112 @@ bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, doub
   return true;
 }
 
-/// Reciprocal of the contact stiffness.
-inline double NodeToSurface::compliance(const Touch& touch, double dt) const
-{
-  const double per_area = _per_area[touch.i];
-  if (_options.penalty > 0.0)
-    return per_area / (_share * _options.penalty);
-  double own = _inverse_mass[touch.i], masters = 0.0;
-  for_nodes(touch.num,
-            [&](int j)
-            {
-              const double weight = std::abs(touch.phi[j]);
-              const search::MasterNode& master = _tracking.masters()[touch.corners[j]];
-              own += weight * inverse_mass(master);
-              masters += weight * area_per_mass(master);
-            });
-  return dt * dt * (own + masters * per_area) / (_share * _options.kappa);
-}
-
-namespace
-{
-/// Mean of max(-g, 0) over gaps from g - |r|/2 to g + |r|/2.
-double mean_overlap(double g, double r)
-{
-  const double half = 0.5 * std::abs(r);
-  return g >= half ? 0.0 : g <= -half ? -g : (half - g) * (half - g) / (4.0 * half);
-}
-
-/// Part of the way from gap g - r to g that lies below zero.
-double part_below(double g, double r)
-{
-  if (g < 0.0)
-    return r < 0.0 ? std::min(1.0, g / r) : 1.0;
-  return r > g ? 1.0 - g / r : 0.0;
-}
-} // namespace
-
-/// A node leaves the surface: half of its last force's work is done on the way.
-/// @param[in] motion of the node against the master in the step [L]
-template <int D>
-void NodeToSurface::leave(std::size_t i, const double* n, double change, const double* motion)
-{
-  Spring& spring = _springs[i];
-  double* t = _tangential.data() + i * D;
-  _energy.normal -= normal_release(spring, change);
-  double along = 0.0, squared = 0.0, left = 0.0, work = 0.0;
-  for (int c = 0; c < D; ++c)
-    along += n[c] * t[c];
-  for (int c = 0; c < D; ++c)
-  {
-    const double turned = t[c] - along * n[c];
-    squared += t[c] * t[c];
-    left += turned * turned;
-    work += turned * motion[c];
-    t[c] = 0.0;
-  }
-  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keeps its size when the normal turns
-  _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
-}
-
-/// The force of a node that is near the master.
-template <int D>
-void NodeToSurface::add_node(Touch& touch, const NodalState& state, double* f)
-{
-  const std::size_t i = touch.i;
-  const search::Projection& at = touch.at;
-  const double* n = at.normal;
-  constexpr int W = search::padded<D>;
-  double motion[W] = {}, r = 0.0, way_squared = 0.0;
-  for (int c = 0; c < D; ++c)
-    motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
-  const search::MasterNode* masters = _tracking.masters();
-  for_nodes(touch.num,
-            [&](int j)
-            {
-              for (int c = 0; c < W; ++c)
-                motion[c] -= touch.phi[j] * masters[touch.corners[j]].du[c];
-            });
-  for (int c = 0; c < D; ++c)
-  {
-    r += n[c] * motion[c];
-    way_squared += motion[c] * motion[c];
-  }
-  // Who passes beside an edge is not pushed.
-  const double overlap = at.gap >= 0.0 && at.rim == search::Projection::Rim::beside ? 0.0 : mean_overlap(at.gap, r);
-  Spring& spring = _springs[i];
-  const bool begins = _closed[i] != 1;
-  double change = begins ? r : at.gap - spring.gap;
-  if (change * change > 4.0 * way_squared) // another facet is the nearest now: nothing has moved so far
-    change = std::copysign(2.0 * std::sqrt(way_squared), change);
-  double* t = _tangential.data() + i * D;
-  if (!(overlap > 0.0))
-  {
-    if (!begins)
-      leave<D>(i, n, change, motion);
-    return open(i, at, state.u);
-  }
-  if (!_rigid)
-    _tracking.hold(i, at);
-
-  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
-  _energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, change, begins);
-  const double normal_force = spring.force;
-  double force[W] = {}, tangential_squared = 0.0;
-  for (int c = 0; c < D; ++c)
-    force[c] = normal_force * n[c];
-  ContactStatus status = ContactStatus::slip;
-  if (_options.friction > 0.0)
-  {
-    const double part = part_below(at.gap, r), limit = _options.friction * normal_force;
-    double trial[D], turned[D], slip[D], stored = 0.0;
-    for (int c = 0; c < D; ++c)
-    {
-      stored += 0.5 * t[c] * t[c] * last_compliance;
-      motion[c] -= r * n[c];
-      slip[c] = part * motion[c];
-    }
-    bool slips = coulomb<D>(n, k, per_k, limit, t, slip, trial), changed = false;
-    for (int c = 0; c < D; ++c)
-      turned[c] = trial[c] + k * part * motion[c];
-    _energy.friction +=
-        tangential_step<D>(spring.tangential_surplus, turned, stored, motion, k, per_k, limit, t, changed);
-    for (int c = 0; c < D; ++c)
-    {
-      if (changed)
-        slip[c] = part * motion[c] + (t[c] - turned[c]) * per_k;
-      tangential_squared += t[c] * t[c];
-      force[c] += t[c];
-      _results.slip[i * D + c] += slip[c];
-    }
-    if (!slips && !changed)
-      status = ContactStatus::stick;
-  }
-  const double per_area = _per_area[i];
-  for (int c = 0; c < D; ++c)
-  {
-    f[std::size_t(touch.node) * D + c] += force[c];
-    _force[c] += force[c];
-    _results.traction[i * D + c] = force[c] * per_area;
-  }
-  Sum* sums = _master_force.data();
-  for_nodes(touch.num,
-            [&](int j)
-            {
-              for (int c = 0; c < W; ++c)
-                sums[touch.corners[j]].force[c] -= touch.phi[j] * force[c];
-            });
-  // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
-  const surface::Facets& master = _tracking.master();
-  if (turns() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
-                  master.geometry.degree != master.displacement.degree))
-  {
-    double x[D], r[FacetElement::max_nodes * D];
-    for (int c = 0; c < D; ++c)
-      x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
-    Couple couple;
-    couple.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x, r);
-    couple.forces<D>(touch.num, r, force,
-                     [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
-  }
-  _closed[i] = 1;
-  _stiffness[i] = k;
-  _results.status[i] = status;
-  _results.gap[i] = at.gap;
-  _results.pressure[i] = normal_force * per_area;
-  _energy.stored += spring.stored() + 0.5 * tangential_squared * per_k;
-}
-
-template <int D>
-void NodeToSurface::add_all(const NodalState& state, double* f)
-{
-  Touch touch;
-  // No gap changes by more than this in a step.
-  const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracking.step();
-  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
-    if ((_rigid || !_tracking.asleep(i)) && meets(i, state.u, state.du, reach, touch))
-      add_node<D>(touch, state, f);
-  // Zero again for the next step.
-  const auto masters = _tracking.master_nodes();
-  for (std::size_t k = 0; k < masters.size(); ++k)
-    for (int c = 0; c < D; ++c)
-      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
-}
-
-void NodeToSurface::look(const double* u)
+void NodeToSurface::update_gaps(const double* u)
 {
   if (_rigid || !_halo)
     return;
   const double moved = _tracking.moved(u);
-  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
+  for (std::size_t i = 0; i < num_nodes(); ++i)
     if (_closed[i] != 1)
     {
-      const search::Projection at = _tracking.look(i, u, moved);
+      const Projection at = _tracking.look(i, u, moved);
       _results.gap[i] = at.gap;
       std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
     }
 }
 
-void NodeToSurface::add_forces(const NodalState& state, double* f)
+// --- through the surface
+// ----------------------------------------------------------------------------------------------
+
+/// Is a node marked: below the surface without having come through it, from beside the rim or found deep inside? A node
+/// without master keeps its mark, as nothing tells on which side it is.
+bool NodeToSurface::is_marked(const Touch& touch, const double* u, const double* du)
 {
-  _force.fill(0.0);
-  _energy.stored = 0.0;
-  if (!_rigid)
+  const Projection& at = touch.at;
+  std::int8_t& closed = _closed[touch.i];
+  if (_rigid || !std::isfinite(at.gap))
+    return closed == marked;
+  const double diameter = _tracking.diameter(at.facet);
+  if (at.rim == Projection::Rim::below)
+    closed = marked;
+  else if (at.rim == Projection::Rim::beside || !(at.gap < 0.0))
+    closed = closed == marked ? 0 : closed;
+  else if (closed == 0 && -at.gap > shallow * diameter)
   {
-    _candidates.advance(state.dt);
-    _tracking.advance(state.u, state.du);
+    const Projection before = _tracking.locate_before(touch.i, u, du);
+    const bool met = std::isfinite(before.gap) && before.rim != Projection::Rim::below;
+    const double depth = 0.5 * diameter;
+    if (!met || (-at.gap > depth && !(before.gap > -depth)))
+    {
+      closed = marked;
+      _implausible += -at.gap > depth;
+    }
   }
-  _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
-  if (_other)
-  {
-    _other->add_forces(state, f);
+  return closed == marked;
+}
+
+Projection NodeToSurface::point_before(std::size_t i, const double* u, const double* du, double back) const
+{
+  return _rigid ? rigid_point(i, u, du, back) : _tracking.locate_before(i, u, du, back);
+}
+
+void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const double* du, double* motion) const
+{
+  const std::size_t node = _candidates.numbers()[i];
+  for (int c = 0; c < _gdim; ++c)
+    motion[c] = du[node * _gdim + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+  if (_rigid)
+    return;
+  const surface::Facets& master = _tracking.master();
+  double phi[surface::FacetElement::max_nodes];
+  master.displacement.values(at.xi, phi);
+  for (int j = 0; j < master.displacement.num_nodes(); ++j)
     for (int c = 0; c < _gdim; ++c)
-      _force[c] -= _other->_force[c];
+      motion[c] -= phi[j] * du[std::size_t(master.nodes_of(at.facet)[j]) * _gdim + c];
+}
+
+bool NodeToSurface::passes(Touch& touch, const double* u, const double* du)
+{
+  const std::size_t i = touch.i;
+  const bool open = _closed[i] == 0;
+  const double smallest = _candidates.smallest();
+  double motion[3];
+  const auto length = [&] { return std::sqrt(std::inner_product(motion, motion + _gdim, motion, 0.0)); };
+  if (_rigid)
+  {
+    relative_motion(i, touch.at, du, motion);
+    if (!(length() > 0.5 * smallest))
+      return false;
   }
+  const Projection before = point_before(i, u, du, 1.0);
+  if ((open && !(before.gap > 0.0)) || !std::isfinite(before.gap))
+    return false;
+  relative_motion(i, before, du, motion);
+  const double way = length();
+  if (!(way > 0.5 * smallest))
+    return false;
+  const int parts = int(std::min(std::ceil(2.0 * way / smallest), double(most_parts)));
+  Projection first = touch.at;
+  double back = 0.0;
+  for (int k = 1; k < parts && back == 0.0; ++k)
+    if (const Projection at = point_before(i, u, du, 1.0 - double(k) / parts); is_below(at))
+    {
+      first = at;
+      back = 1.0 - double(k) / parts;
+    }
+  if (!is_below(first))
+    return false;
+  const double along = std::inner_product(motion, motion + _gdim, first.normal, 0.0);
+  const double diameter = _rigid ? smallest : _tracking.diameter(first.facet), facets = -along / diameter;
+  if (open && facets > 1.0)
+  {
+    if (facets > _passage.facets)
+      _passage = {_candidates.nodes()[i], facets};
+    return true;
+  }
+  first.gap += back * along;
+  if (back > 0.0 && first.gap < 0.0 && !(is_below(touch.at) && touch.at.gap < first.gap + 0.5 * diameter))
+    touch.at = first;
+  return false;
 }
 } // namespace impact::enforcement

@@ -10,8 +10,13 @@ using common::Stopwatch;
 
 void ContactForces::add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
 {
-  (contact->kinematic() ? _kinematic : _springs) = true;
-  _contacts.push_back({std::move(contact), columns, {}});
+  auto* springs = dynamic_cast<enforcement::SpringForces*>(contact.get());
+  auto* correction = dynamic_cast<enforcement::StepCorrection*>(contact.get());
+  if (!springs && !correction)
+    throw std::invalid_argument("a contact has to act: by SpringForces or by StepCorrection");
+  _springs = _springs || springs;
+  _kinematic = _kinematic || correction;
+  _contacts.push_back({std::move(contact), springs, correction, columns, {}});
   _search_due = true;
 }
 
@@ -122,9 +127,9 @@ void ContactForces::evaluate(NodalFields& fields)
     return;
   const Stopwatch watch(_seconds);
   for (Contact& c : _contacts)
-    if (!c.contact->kinematic())
+    if (c.springs)
     {
-      c.contact->add_forces(state(), _nodes.springs.data());
+      c.springs->add_forces(state(), _nodes.springs.data());
       _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
     }
   const ContactNodes::Products products = _nodes.add_springs(fields);
@@ -162,10 +167,10 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
     n.kinematic[k] = 0.0;
   }
   for (Contact& c : _contacts)
-    if (c.contact->kinematic())
+    if (c.correction)
     {
-      c.contact->correct(n.u.data(), n.du.data(), n.du_before.data(), n.inverse.data(), h * dt, dt, release_share,
-                         n.kinematic.data());
+      c.correction->correct({n.du.data(), n.du_before.data(), n.inverse.data(), h * dt, dt, release_share}, n.u.data(),
+                            n.kinematic.data());
       _obstacle_work += half_work(c, c.obstacle.increment_before, fields.bs);
     }
   const int bs = fields.bs;
@@ -206,7 +211,7 @@ void ContactForces::add_energies(EnergySums& sums) const
     sums.friction += energy.friction;
     sums.normal += energy.normal;
     sums.passages += c.contact->passage().node >= 0;
-    if (c.contact->kinematic())
+    if (c.correction)
     {
       sums.kinematic += energy.normal;
       sums.taken -= energy.normal + energy.later_normal;
@@ -227,7 +232,7 @@ void ContactForces::resultants(int bs, double* out) const
 void ContactForces::update_gaps()
 {
   for (Contact& c : _contacts)
-    c.contact->look(_nodes.u.data());
+    c.contact->update_gaps(_nodes.u.data());
 }
 
 std::pair<int, enforcement::Passage> ContactForces::passage() const
@@ -250,7 +255,7 @@ std::vector<ContactForces::Obstacle> ContactForces::obstacles() const
 void ContactForces::forget_searches()
 {
   for (Contact& c : _contacts)
-    c.contact->forget();
+    c.contact->forget_search();
   _search_due = true;
 }
 
@@ -267,7 +272,7 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   {
     _contacts[k].obstacle = obstacles[k];
     _contacts[k].contact->set_obstacle(obstacles[k].displacement, obstacles[k].increment);
-    _contacts[k].contact->forget();
+    _contacts[k].contact->forget_search();
   }
 }
 } // namespace impact::integrators

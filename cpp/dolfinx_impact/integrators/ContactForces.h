@@ -26,6 +26,7 @@ public:
 
   /// @param[in] contact the contact
   /// @param[in] columns of the amplitudes with the displacement of a rigid master; -1: it stays
+  /// @throws std::invalid_argument for a contact that is neither SpringForces nor StepCorrection
   void add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
   bool empty() const { return _contacts.empty(); }
   std::size_t size() const { return _contacts.size(); }
@@ -103,6 +104,8 @@ private:
   struct Contact
   {
     std::shared_ptr<enforcement::NodalContact> contact;
+    enforcement::SpringForces* springs;      ///< the same contact, or null
+    enforcement::StepCorrection* correction; ///< the same contact, or null
     std::array<int, 3> columns;
     Obstacle obstacle;
   };

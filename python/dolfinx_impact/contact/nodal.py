@@ -37,7 +37,7 @@ class Kinematic:
         raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")
 
     def _bind_explicit(self, problem):
-        return NodalResult(self.pair, problem, kinematic=True, sweeps=self.sweeps)
+        return NodalResult(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
 
 
 GAPS = ("gap", "normal")
@@ -54,7 +54,7 @@ class NodalResult(ContactOutput):
     initial = None
     _known = None  # gaps, when they were asked for since `look`
 
-    def __init__(self, pair, problem, penalty=None, **options):
+    def __init__(self, pair, problem, law, **options):
         self.pair, self.problem, self.V = pair, problem, problem.space
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
@@ -68,20 +68,11 @@ class NodalResult(ContactOutput):
         if pair.rigid:
             self.obstacle.displacement = pair.master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)
-        self.penalty, self.options = penalty, dict(options, penalty=penalty)
-        self.make = lambda **changes: _cpp.nodal.NodeToSurface(
-            V._cpp_object,
-            slave,
-            self.obstacle if pair.rigid else master,
-            friction=pair.friction,
-            penalty=penalty or 0.0,
-            search_distance=pair.search_distance or 0.0,
-            axisymmetric=problem.axisymmetric,
-            **{**options, **changes},
-        )
+        self._law, self.options = law, options
+        self._surfaces = slave, self.obstacle if pair.rigid else master
         facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
         self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest, at rest
-        self._cpp = self.make()
+        self._cpp = self.make(law, **options)
         self.nodes, self.weight = self._cpp.nodes, self._cpp.areas
         self._X = self._cpp.X.reshape(-1, self.gdim)
         self.motion = None
@@ -90,9 +81,31 @@ class NodalResult(ContactOutput):
             moving = Amplitude(motion, f"motion of the rigid master of {pair.name}", size=3)
             self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)
 
+    def make(self, law, **options):
+        """A C++ contact of this pair by a law: PenaltyContact, KinematicContact. Collective."""
+        pair = self.pair
+        return law(
+            self.V._cpp_object,
+            *self._surfaces,
+            friction=pair.friction,
+            search_distance=pair.search_distance or 0.0,
+            axisymmetric=self.problem.axisymmetric,
+            **options,
+        )
+
+    @property
+    def penalty(self):
+        """Pressure per penetration that was given [F/L^3]; 0: stiffness from masses and step, or none."""
+        return self.options.get("penalty", 0.0)
+
+    @property
+    def kinematic(self):
+        return self._law is _cpp.nodal.KinematicContact
+
     def sides(self):
         """The C++ contact, and for balanced contact that of the other direction."""
-        return [self._cpp] + ([self._cpp.other] if self._cpp.other is not None else [])
+        other = None if self.kinematic else self._cpp.other
+        return [self._cpp] if other is None else [self._cpp, other]
 
     def forget(self):
         """Friction and energies begin anew, all nodes open."""
@@ -143,7 +156,7 @@ class NodalResult(ContactOutput):
         deep = int(self._cpp.counters()["implausible"])  # kinematic contact looks at gaps in steps
         if self.problem.step == 0 and self.pair.rigid:
             deep = self._deep_in_obstacle()
-        elif self.problem.step == 0 and self._cpp.kinematic:
+        elif self.problem.step == 0 and self.kinematic:
             deep = self._deep_by_springs()
         deep = self.comm.allreduce(deep, MPI.SUM)
         if deep:
@@ -154,7 +167,7 @@ class NodalResult(ContactOutput):
 
     def _deep_by_springs(self):
         """How many nodes springs in place of the steps' correction would find too deep. Collective."""
-        twin, halo, u = searched(self, self.problem.u.x.array, kinematic=False)
+        twin, halo, u = searched(self, self.problem.u.x.array, _cpp.nodal.PenaltyContact)
         zero = np.zeros_like(u)
         twin.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
         return int(twin.counters()["implausible"])

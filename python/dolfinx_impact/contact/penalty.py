@@ -70,7 +70,8 @@ class Penalty:
     def _bind_explicit(self, problem):
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
-        return NodalResult(self.pair, problem, penalty=self.penalty, balanced=self.balanced)
+        law = _cpp.nodal.PenaltyContact
+        return NodalResult(self.pair, problem, law, penalty=self.penalty or 0.0, balanced=self.balanced)
 
     def _bind(self, problem):
         if self.balanced:

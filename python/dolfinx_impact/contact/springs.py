@@ -7,10 +7,14 @@ from petsc4py import PETSc
 from .. import _cpp
 
 
-def searched(contact, u, **changes):
-    """A contact like this one but for changed options, with the candidates of a configuration; its Halo, u over that.
-    The contact that runs is left alone. Collective."""
-    made, V = contact.make(**changes), contact.V
+def searched(contact, u, law, **options):
+    """A contact of the same pair, with the candidates of a configuration; its Halo, u over that. The contact that runs
+    is left alone. Collective.
+
+    Args:
+        contact: NodalResult. u: owned displacements [L]. law, options: of the contact, see NodalResult.make.
+    """
+    made, V = contact.make(law, **options), contact.V
     if contact.motion is not None:
         made.set_obstacle(contact.motion.sample([contact.problem.time])[0].tolist(), [0.0] * 3)
     own, bs = V.dofmap.index_map, V.dofmap.index_map_bs
@@ -41,7 +45,7 @@ def stiffness(contacts, V, u):
     matrix = PETSc.Mat().createAIJ((size, size), comm=V.mesh.comm)
     matrix.setUp()
     for contact in contacts:
-        made, halo, values = searched(contact, u)
+        made, halo, values = searched(contact, u, _cpp.nodal.PenaltyContact, **contact.options)
         for side in [made] + ([made.other] if made.other is not None else []):
             _add(matrix, side.springs(halo, values), bs, contact.pair.friction > 0)
     matrix.assemble()

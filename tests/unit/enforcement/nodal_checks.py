@@ -39,11 +39,11 @@ def check_forces():
             results = []
             for model in models:
                 u, du = smooth(model.x, 0.02), smooth(model.x, 0.02) - smooth(model.x, 0.02, -0.2)
-                if model.contact.kinematic:
+                if model.kinematic:
                     results.append(model.correct(u, du))
                 else:
                     results.append((model.forces(u, du), u))
-                f = results[-1][1 if model.contact.kinematic else 0]
+                f = results[-1][1 if model.kinematic else 0]
                 total = model.comm.allreduce(f.sum(axis=0))
                 size = model.comm.allreduce(np.abs(f).sum())
                 assert size > 0 and np.abs(total).max() < 1e-13 * size

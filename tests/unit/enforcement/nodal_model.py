@@ -16,11 +16,12 @@ import pairs  # noqa: E402
 class Nodal:
     """A contact with nodal masses; arrays over the nodes of its Halo. `master` None: that of the pair."""
 
-    def __init__(self, V, slave, master, dt=1e-3, mass=None, **options):
+    def __init__(self, V, slave, master, dt=1e-3, mass=None, kinematic=False, **options):
         self.V, self.dim, self.dt, self.comm = V, V.mesh.geometry.dim, dt, V.mesh.comm
         self.map = V.dofmap.index_map
         self.num = self.map.size_local
-        self.contact = _cpp.nodal.NodeToSurface(V._cpp_object, slave, master, **options)
+        law = _cpp.nodal.KinematicContact if kinematic else _cpp.nodal.PenaltyContact
+        self.kinematic, self.contact = kinematic, law(V._cpp_object, slave, master, **options)
         x = V.tabulate_dof_coordinates()[: self.num]
         self.x = x[:, : self.dim].copy()
         # Masses that do not depend on numbering or ranks.
@@ -138,7 +139,7 @@ class Driver:
             f = self.load - self.stiffness * self.u - 10.0 * mass * self.v
             search = self.first or m.again()
             self.first = False
-            if m.contact.kinematic:
+            if m.kinematic:
                 v = self.v + dt * f / mass
                 new, contact = m.correct(self.u + dt * v, dt * v, search=search)
                 self.v = (new - self.u) / dt

@@ -102,7 +102,7 @@ def test_gaps_of_sleeping_nodes_on_request(cell):
     for moved in (u, u + 1e-3 * np.sin(3 * model.x)):  # the second: nodes moved since, as kinematic contact does
         fresh = two_bodies(cell, gap=0.05)
         fresh.forces(moved)
-        model.contact.look(model.halo, model.spread(moved).reshape(-1))
+        model.contact.update_gaps(model.halo, model.spread(moved).reshape(-1))
         for name in ("gap", "normal"):
             expected, found = fresh.contact.results()[name], model.contact.results()[name]
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)  # round-off of places of size one

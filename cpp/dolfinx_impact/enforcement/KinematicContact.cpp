@@ -1,10 +1,11 @@
+#include "KinematicContact.h"
 #include "../common/vectors.h"
-#include "NodeToSurface.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
-/// Kinematic contact, docs/explicit/kinematic.md.
 namespace impact::enforcement
 {
 namespace
@@ -12,24 +13,71 @@ namespace
 constexpr double held = 1e-9;        ///< moved by less than this of what it moves elsewhere, a node does not move
 constexpr double over_relaxed = 1.5; ///< every second sweep: what alternates from node to node needs more
 constexpr double fading = 0.95;      ///< of the impulse that a release may have, from step to step
+
+const KinematicContactOptions& checked(const KinematicContactOptions& o)
+{
+  if (o.sweeps < 1)
+    throw std::invalid_argument("kinematic contact takes one sweep or more, found " + std::to_string(o.sweeps));
+  return o;
+}
 } // namespace
 
-void NodeToSurface::number_kinematic(operators::Halo& halo)
+KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surface::Facets& slave,
+                                   const surface::Facets& master, const KinematicContactOptions& options)
+    : KinematicContact(V, slave, &master, nullptr, options)
 {
+}
+
+KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surface::Facets& slave,
+                                   const gap::Rigid& master, const KinematicContactOptions& options)
+    : KinematicContact(V, slave, nullptr, &master, options)
+{
+}
+
+KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surface::Facets& slave,
+                                   const surface::Facets* master, const gap::Rigid* rigid,
+                                   const KinematicContactOptions& options)
+    : NodeToSurface(V, slave, master, rigid, checked(options)), _sweeps(options.sweeps),
+      _num_masters(master ? master->displacement.num_nodes() : 0)
+{
+  const std::size_t n = num_nodes(), vector = n * _gdim;
+  _taken.assign(n, 0.0);
+  _pulse.assign(n, 0.0);
+  _closed_now.resize(n);
+  _phi.resize(n * _num_masters);
+  for (std::vector<double>* a : {&_motion, &_nodal_force})
+    a->assign(vector, 0.0);
+  _couples.resize(n);
+  _arms.resize(vector * _num_masters);
+  _along.assign(n, 0.0);
+  _across.assign(n, 0.0);
+}
+
+void KinematicContact::set_taken(std::vector<double> taken, std::vector<double> pulse)
+{
+  if (taken.size() != num_nodes() || pulse.size() != num_nodes())
+    throw std::invalid_argument("energies and impulses belong to other nodes: this rank has " +
+                                std::to_string(num_nodes()) + " slave nodes, found " + std::to_string(taken.size()));
+  _taken = std::move(taken);
+  _pulse = std::move(pulse);
+}
+
+void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+{
+  NodeToSurface::number(halo, numbers, mass);
   const std::size_t num = halo.num_nodes();
   _touched.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _touched.insert(_touched.end(), _tracking.master().nodes.begin(), _tracking.master().nodes.end());
   std::sort(_touched.begin(), _touched.end());
   _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());
   _weight.assign(num, 0.0);
-  _sum.assign(num * _gdim, 0.0);
-  _moved.assign(num * _gdim, 0.0);
-  _before.assign(num * _gdim, 0.0);
+  for (std::vector<double>* values : {&_sum, &_moved, &_before})
+    values->assign(num * _gdim, 0.0);
 }
 
 /// Values at closed node q less those at its master point.
 template <int D>
-void NodeToSurface::relative(std::size_t q, const double* values, double* out) const
+void KinematicContact::relative(std::size_t q, const double* values, double* out) const
 {
   const Closed& closed = _closed_now[q];
   const double* phi = _phi.data() + q * _num_masters;
@@ -45,8 +93,9 @@ void NodeToSurface::relative(std::size_t q, const double* values, double* out) c
 
 /// Closed nodes of the predicted configuration, and those that leave the master after having been closed.
 template <int D>
-void NodeToSurface::predict(const double* u, const double* du, const double* before)
+void KinematicContact::predict(const PredictedStep& step, const double* u)
 {
+  const double *du = step.du, *before = step.du_before;
   _num_closed = 0;
   Touch touch;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
@@ -54,7 +103,7 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
     if (!_rigid && _tracking.asleep(i))
       continue;
     const bool may_release = _taken[i] > 0.0; // so it was among the closed nodes of the step before
-    if (!meets(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, touch))
+    if (!meets(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, false, touch))
     {
       _taken[i] = _pulse[i] = 0.0;
       continue;
@@ -105,7 +154,7 @@ void NodeToSurface::predict(const double* u, const double* du, const double* bef
 
 /// Forces on the masters of closed node q for a unit force on it along the normal, [j*D + c].
 template <int D>
-void NodeToSurface::reaction(std::size_t q, double* out) const
+void KinematicContact::reaction(std::size_t q, double* out) const
 {
   const double* n = _closed_now[q].normal;
   for (int j = 0; j < _num_masters; ++j)
@@ -118,7 +167,7 @@ void NodeToSurface::reaction(std::size_t q, double* out) const
 
 /// How much a force of the sweep moves: the sums of the rows of the bodies' response, along the normal and across it.
 template <int D>
-void NodeToSurface::add_masses(const double* inverse_mass)
+void KinematicContact::add_masses(const double* inverse_mass)
 {
   if (!_rigid)
   {
@@ -169,8 +218,9 @@ void NodeToSurface::add_masses(const double* inverse_mass)
 /// Normal forces of the nodes that leave the master: each gives back at most the energy taken from it since it closed,
 /// by no more impulse than contact has had in its last steps (docs/explicit/kinematic.md, "Release").
 template <int D>
-void NodeToSurface::release(const double* du, const double* inverse_mass, double h, double dt, double share)
+void KinematicContact::release(const PredictedStep& step)
 {
+  const double *du = step.du, *inverse_mass = step.inverse_mass, h = step.h, dt = step.dt;
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
@@ -199,7 +249,7 @@ void NodeToSurface::release(const double* du, const double* inverse_mass, double
           moves += push * push / size * _weight[node] * inverse_mass[node * D + c];
       }
     }
-    const double taken = share * _taken[closed.i], most = _pulse[closed.i] * dt / h;
+    const double taken = step.release_share * _taken[closed.i], most = _pulse[closed.i] * dt / h;
     const double force =
         taken > 0.0 ? std::min(most, 2.0 * taken / (way + std::sqrt(way * way + 2.0 * h * moves * taken))) : 0.0;
     for (int c = 0; c < D; ++c)
@@ -210,7 +260,7 @@ void NodeToSurface::release(const double* du, const double* inverse_mass, double
 /// Forces of the sweep, within what contact can bear.
 /// @param[in] factor of what the masses call for
 template <int D>
-void NodeToSurface::solve_forces(double h, double factor)
+void KinematicContact::solve_forces(double h, double factor)
 {
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
@@ -251,7 +301,7 @@ void NodeToSurface::solve_forces(double h, double factor)
 
 /// What the forces move.
 template <int D>
-void NodeToSurface::apply(const double* inverse_mass, double h)
+void KinematicContact::apply(const double* inverse_mass, double h)
 {
   for (std::int32_t node : _touched)
     std::fill_n(_sum.data() + std::size_t(node) * D, D, 0.0);
@@ -286,7 +336,7 @@ void NodeToSurface::apply(const double* inverse_mass, double h)
 
 /// Results and work of the step: half with the motion before it, half with that of it.
 template <int D>
-void NodeToSurface::record(double h, double dt)
+void KinematicContact::record(double h, double dt)
 {
   _force.fill(0.0);
   _energy.normal += _energy.later_normal;
@@ -342,16 +392,15 @@ void NodeToSurface::record(double h, double dt)
 }
 
 template <int D>
-void NodeToSurface::correct_all(double* u, const double* du, const double* before, const double* inverse_mass, double h,
-                                double dt, double share, double* f)
+void KinematicContact::correct_all(const PredictedStep& step, double* u, double* f)
 {
-  predict<D>(u, du, before);
-  add_masses<D>(inverse_mass);
-  release<D>(du, inverse_mass, h, dt, share);
-  for (int sweep = 0; sweep < _options.sweeps; ++sweep)
+  predict<D>(step, u);
+  add_masses<D>(step.inverse_mass);
+  release<D>(step);
+  for (int sweep = 0; sweep < _sweeps; ++sweep)
   {
-    solve_forces<D>(h, sweep % 2 ? over_relaxed : 1.0);
-    apply<D>(inverse_mass, h);
+    solve_forces<D>(step.h, sweep % 2 ? over_relaxed : 1.0);
+    apply<D>(step.inverse_mass, step.h);
   }
   for (std::int32_t node : _touched)
     if (node < _halo->num_owned())
@@ -362,18 +411,16 @@ void NodeToSurface::correct_all(double* u, const double* du, const double* befor
         f[k] += _sum[k];
       }
   _halo->forward(u, D);
-  record<D>(h, dt);
+  record<D>(step.h, step.dt);
 }
 
-void NodeToSurface::correct(double* u, const double* du, const double* before, const double* inverse_mass, double h,
-                            double dt, double share, double* f)
+void KinematicContact::correct(const PredictedStep& step, double* u, double* f)
 {
   if (!_rigid)
   {
-    _candidates.advance(dt);
-    _tracking.advance(u, du);
+    _candidates.advance(step.dt);
+    _tracking.advance(u, step.du);
   }
-  _gdim == 2 ? correct_all<2>(u, du, before, inverse_mass, h, dt, share, f)
-             : correct_all<3>(u, du, before, inverse_mass, h, dt, share, f);
+  _gdim == 2 ? correct_all<2>(step, u, f) : correct_all<3>(step, u, f);
 }
 } // namespace impact::enforcement
