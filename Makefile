@@ -54,11 +54,12 @@ lint-here:
 	[ $$status = 0 ] || echo "lint: stopped; 'make format' mends what formatters can" >&2; \
 	exit $$status
 
-# Two halves side by side, on two cores; then, one after the other, the tests that need the machine for themselves.
+# Two halves side by side, on two cores; then, one after the other, the tests that need the machine for themselves. What
+# fails does not keep the others from running.
 test-here:
 ifeq ($(strip $(ARGS)),)
-	$(MAKE) -j2 test-units-here test-others-here
-	$(PYTEST) -m "alone and not slow" --durations=30
+	@status=0; $(MAKE) -k -j2 test-units-here test-others-here || status=1; \
+	$(PYTEST) -m "alone and not slow" --durations=30 || status=1; exit $$status
 else
 	$(PYTEST) -m "not slow" $(ARGS)
 endif

@@ -8,7 +8,7 @@ from . import arguments, checkpoint
 from .collective import agree, attempt, guard
 from .interrupts import Interrupts
 from .march import Plan
-from .signature import functions_of_time, supports
+from .signature import functions_of_time, short, supports
 
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
 TABLES = ("works", "common")  # of numbers that the integrator saves by name: adding up over ranks, the same on all
@@ -58,7 +58,7 @@ class Restart:
             **totals,
             "time": self.time, "beyond": self._beyond, "step": self.step, "safe": self._safe, "nominal": self._nominal,
             "largest": self._largest, "total_start": self._total_start, "plan": np.array(plan, dtype=float),
-            "functions of time": table, **{table: ", ".join(state[table]) for table in TABLES},
+            "functions of time": table, **{table: short(", ".join(state[table])) for table in TABLES},
         }  # fmt: skip
         checkpoint.write(path, self, arrays, nodal, ranks, attributes)
 
@@ -140,7 +140,7 @@ class Restart:
         read["plan"] = _plan(a["plan"], want, time, step)
         for table in TABLES:
             names = read["names"][table]
-            want(str(a[table]) == ", ".join(names), f"{table} are {a[table]!r}")
+            want(str(a[table]) == short(", ".join(names)), f"{table} are {a[table]!r}")
             read[table] = dict(zip(names, read[table].tolist()))
         common = read["common"]
         numbers = [value for name, value in common.items() if name != "contact_step"]  # infinite where nothing limits

@@ -47,7 +47,7 @@ def signature(problem, x):
         out[f"sums of load {k}"] = comm.allreduce(
             np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]), MPI.SUM
         )
-    return {name: _short(value) if isinstance(value, str) else value for name, value in out.items()}
+    return {name: short(value) if isinstance(value, str) else value for name, value in out.items()}
 
 
 def supports(problem):
@@ -69,7 +69,7 @@ def functions_of_time(problem, time, beyond):
     return problem._table(times).ravel()
 
 
-def _short(text):
+def short(text):
     if len(text) <= LONG:
         return text
     return f"{text[: LONG // 10]}... (checksum {hashlib.blake2b(text.encode(), digest_size=16).hexdigest()})"
