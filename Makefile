@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # The commands a person types. Every one enters the environment by env/run, which makes what is missing.
 SHELL := /bin/sh
 RUN := env/run

@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: MIT
 """Figures of impact_bars: called on rank 0 with plain arrays."""
 
 import numpy as np
 
-from dolfinx_impact import plots
+from dolfinx_impact.io import plots
 from dolfinx_impact.theory import waves
 
 STYLES = {"penalty": plots.COLOURS[0], "kinematic": plots.COLOURS[1]}

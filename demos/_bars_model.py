@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bars of impact_bars: meshes, runs, what they are compared with."""
 
 from dataclasses import dataclass
@@ -8,7 +9,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
-from dolfinx_impact.gather import gather_rows
+from dolfinx_impact.io.gather import gather_rows
 from dolfinx_impact.theory import waves
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Figures of the documentation: `python3 -m dolfinx_impact.demos._gallery [FOLDER] [NAME...]`, default docs/figures.
 
 Runs the demos (all, or those named) and writes their PNG files, with fewer colours, as demo_<file>.png, and what they

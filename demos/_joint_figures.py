@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: MIT
 """Figures of rail_joint: called on rank 0 with plain arrays and gathered fields."""
 
 import numpy as np
 
-from dolfinx_impact import plots
+from dolfinx_impact.io import plots
 
 MM = 1e3
 

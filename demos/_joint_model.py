@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Model of rail_joint: wheel, rails and their state of rolling, in the plane or in space."""
 
 import numpy as np
@@ -7,8 +8,9 @@ from dolfinx.mesh import compute_midpoints, meshtags
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes, operators
-from dolfinx_impact.results import vertex_average
+from dolfinx_impact import meshes
+from dolfinx_impact.assembly import operators
+from dolfinx_impact.io.run_folder import vertex_average
 
 RADIUS, BORE, HUB = 0.46, 0.1, 0.15  # of the wheel, its bore, its hub with all that is fixed to it [m]
 E, NU, DENSITY = 207e9, 0.3, 7800.0  # steel [Pa], [1], [kg/m^3]

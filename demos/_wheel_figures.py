@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: MIT
 """Figures of wheel_on_rail: called on rank 0 with gathered fields."""
 
 import numpy as np
 
-from dolfinx_impact import plots
+from dolfinx_impact.io import plots
 
 CMAP = "viridis"
 

@@ -21,9 +21,9 @@ from dolfinx.nls.petsc import NewtonSolver
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import plots
-from dolfinx_impact.gather import gather_field
-from dolfinx_impact.results import RunFolder
+from dolfinx_impact.io import plots
+from dolfinx_impact.io.gather import gather_field
+from dolfinx_impact.io.run_folder import RunFolder
 
 comm = MPI.COMM_WORLD
 n = 4 if os.environ.get("IMPACT_DEMO_FAST") == "1" else 10

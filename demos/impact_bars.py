@@ -18,7 +18,7 @@ from mpi4py import MPI
 import dolfinx_impact as di
 from dolfinx_impact.demos import _bars_figures as figures
 from dolfinx_impact.demos._bars_model import Case, Impact
-from dolfinx_impact.results import RunFolder
+from dolfinx_impact.io.run_folder import RunFolder
 
 comm = MPI.COMM_WORLD
 fast = os.environ.get("IMPACT_DEMO_FAST") == "1"

@@ -18,8 +18,8 @@ from mpi4py import MPI
 import dolfinx_impact as di
 from dolfinx_impact.demos import _joint_figures as figures
 from dolfinx_impact.demos._joint_model import E, NU, RADIUS, Rolling
-from dolfinx_impact.gather import gather_field
-from dolfinx_impact.results import RunFolder
+from dolfinx_impact.io.gather import gather_field
+from dolfinx_impact.io.run_folder import RunFolder
 
 comm, started = MPI.COMM_WORLD, time.perf_counter()
 fast = os.environ.get("IMPACT_DEMO_FAST") == "1"  # coarse cells, a shorter way, for tests

@@ -21,10 +21,10 @@ from mpi4py import MPI
 from scipy.special import j1, jvp
 
 import dolfinx_impact as di
-from dolfinx_impact import plots
+from dolfinx_impact.io import plots
 from dolfinx_impact.forms import ale, elasticity, quadrature
-from dolfinx_impact.gather import gather_field, together
-from dolfinx_impact.results import RunFolder, vertex_average
+from dolfinx_impact.io.gather import gather_field, together
+from dolfinx_impact.io.run_folder import RunFolder, vertex_average
 
 comm = MPI.COMM_WORLD
 fast = os.environ.get("IMPACT_DEMO_FAST") == "1"

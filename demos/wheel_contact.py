@@ -15,9 +15,10 @@ from dolfinx import fem
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes, plots
-from dolfinx_impact.gather import gather_rows
-from dolfinx_impact.results import RunFolder
+from dolfinx_impact import meshes
+from dolfinx_impact.io import plots
+from dolfinx_impact.io.gather import gather_rows
+from dolfinx_impact.io.run_folder import RunFolder
 
 comm, started = MPI.COMM_WORLD, time.perf_counter()
 fast = os.environ.get("IMPACT_DEMO_FAST") == "1"  # a coarse mesh, for tests

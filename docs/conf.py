@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Configuration of the documentation site: `make docs`, which works without a network.
 
 Doxygen writes XML of the C++ headers first, breathe shows it. MathJax is Debian's and is copied into the site.

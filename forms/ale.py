@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rolling in the ALE frame: a body that turns with a given spin on a mesh that does not; seed (3.49)-(3.57), corrected.
 
 w = Omega x (X - centre) is the velocity of the material through the mesh, A = Grad N . w the convective derivative of

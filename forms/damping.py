@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rayleigh damping C = alpha M + beta K, the damping term of seed (3.67)."""
 
 from . import elasticity, inertia

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Internal virtual work, its tangent and its energy for the laws of materials.py; seed (3.17)-(3.30)."""
 
 import ufl

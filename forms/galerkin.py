@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Weighted residuals, seed (3.31)-(3.37), for a Poisson-type problem: the first check of Galerkin's method itself.
 
 Strong form: H(u) = div(k grad u) + f = 0 in the domain, J(u) = q - k grad u . n = 0 on the flux boundary.

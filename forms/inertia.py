@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Inertia: consistent mass, its action and the vector of nodal quadrature; the inertia term of seed (3.46),
 corrected."""
 

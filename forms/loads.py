@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """External virtual work: body force, dead traction, pressure that follows the surface; seed (3.25), (3.27), (3.46)."""
 
 import ufl

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Isotropic laws under four hypotheses, in UFL.
 
 A law is a small object: parameters E, nu (numbers, UFL constants or coefficients) and a hypothesis; it gives energy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Degrees of the quadrature rules the forms use by default; one place, so that both routes of a kernel agree."""
 
 SIMPLICES = ("triangle", "tetrahedron")

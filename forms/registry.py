@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The forms by name, and the one table of what is compiled ahead of time.
 
 `build` gives any form of the catalogue for any cell, degree, geometry degree and hypothesis, with the names of its

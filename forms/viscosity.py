@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bulk viscosity, which damps shock fronts and the ringing behind them; docs/explicit/scheme.md."""
 
 import ufl

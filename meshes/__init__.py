@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Parametric gmsh recipes for contact problems.
 
     from dolfinx_impact import meshes

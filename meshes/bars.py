@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Two bars in line, for impact."""
 
 from .blocks import brick

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Plain blocks: one, and one on another (patch tests, bars, friction)."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The small meshes kept in meshes/files with their checksums: what made them, and where they are.
 
 `python -m dolfinx_impact.meshes.committed` writes them again (another gmsh may number the nodes differently) together

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Pictures of the recipes: `xvfb-run -a python -m dolfinx_impact.meshes.figures [FOLDER]`, default results/meshes."""
 
 import sys

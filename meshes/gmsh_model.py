@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """From a block layout to a meshed gmsh model with named physical groups; the only file that calls gmsh."""
 
 from collections import Counter

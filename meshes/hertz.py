@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Round on flat, graded to the contact: cylinder on half-plane (also the axisymmetric sphere), sphere on half-space.
 
 The contact point is the origin. A fine zone of half-width `core` with cells of size `h` is surrounded by blocks whose

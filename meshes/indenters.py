@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Indenters with an edge or a tip: punch with a square (or rounded) corner, wedge, cone."""
 
 import math

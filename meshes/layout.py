@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Block layouts: what a recipe returns. Points with cell sizes, arcs, four- or eight-cornered blocks; no gmsh in here.
 
 A block is a quadrilateral (2D) or a hexahedron (3D) given by its corners; opposite edges have the same number of cells,

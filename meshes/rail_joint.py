@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rail joint: two rail ends with a gap, an end post in it, and a wheel above if wanted."""
 
 import math

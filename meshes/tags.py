@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The tag table: a physical name has the same number in every recipe and in every committed mesh.
 
 Bodies are cell tags, surfaces are facet tags (edges in 2D). A facet carries one tag. The vertical axis is the last one

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Wheel on rail: in the longitudinal plane, and in 3D with a rail of standard height and a crowned head.
 
 x is the rolling direction, y (3D) the transverse one, the last axis is vertical; the contact point is the origin, the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Shared by all tests: one printed seed, a guarded mpirun, hypothesis without chance, a time limit on every test."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The same checks in the test's own process and on several ranks: a module's functions check_*.
 
 As a script, on_ranks.py MODULE.py runs them on the ranks of COMM_WORLD and prints "passed: NAME" on rank 0 after each.

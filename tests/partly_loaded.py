@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Integrals of shape functions over the part of a flat facet outside a strip low < x < high: loads that end in facets.
 
 Facets are given by their nodes' first coordinates (num_nodes, 1 or 2): intervals, triangles, or rectangles along axes.

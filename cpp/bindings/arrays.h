@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 // Arrays in and out: views that are checked, results that own their memory.
 #include "module.h"
 #include <stdexcept>
 #include <utility>
 
-namespace impact::bindings
+namespace dolfinx_impact::bindings
 {
 namespace nb = nanobind;
 typedef nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Indices;
@@ -34,4 +35,4 @@ auto copy(const std::vector<T>& values, std::vector<std::size_t> shape)
 {
   return take(std::vector<T>(values), std::move(shape));
 }
-} // namespace impact::bindings
+} // namespace dolfinx_impact::bindings

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "dolfinx_impact/common/machine.h"
 #include "module.h"
 #include <dolfinx/fem/Form.h>
@@ -25,7 +26,7 @@ private:
 };
 } // namespace
 
-void impact::bindings::bench(nb::module_& m)
+void dolfinx_impact::bindings::bench(nb::module_& m)
 {
   m.def("triad_bandwidth", &common::triad_bandwidth, "Memory bandwidth of one core [B/s]");
   m.def("peak_flops", &common::peak_flops, "Double-precision operations of one core [1/s]");

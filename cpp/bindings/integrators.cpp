@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/common/machine.h"
 #include "dolfinx_impact/integrators/CentralDifference.h"
 
 namespace nb = nanobind;
-using namespace impact::integrators;
-using impact::bindings::Indices;
-using impact::bindings::MutableValues;
-using impact::bindings::Values;
+using namespace dolfinx_impact::integrators;
+using dolfinx_impact::bindings::Indices;
+using dolfinx_impact::bindings::MutableValues;
+using dolfinx_impact::bindings::Values;
 
 namespace
 {
@@ -43,7 +44,7 @@ bool interrupted(const nb::object& asked)
 nb::object row(const Energies& e)
 {
   const auto values = e.values();
-  return nb::cast(impact::bindings::take(std::vector<double>(values.begin(), values.end())));
+  return nb::cast(dolfinx_impact::bindings::take(std::vector<double>(values.begin(), values.end())));
 }
 
 using Saved = CentralDifference::Saved;
@@ -92,7 +93,7 @@ nb::dict to_dict(Saved s)
   each_work(s, [&works](const std::string& name, double value) { works[name.c_str()] = value; });
   each_common(s, [&common](const std::string& name, double value) { common[name.c_str()] = value; });
   const auto add = [&arrays](const std::string& name, std::vector<double>& values)
-  { arrays[name.c_str()] = nb::cast(impact::bindings::take(std::move(values))); };
+  { arrays[name.c_str()] = nb::cast(dolfinx_impact::bindings::take(std::move(values))); };
   add("u", s.u);
   add("v", s.v);
   add("r", s.r);
@@ -129,7 +130,7 @@ Saved from_dict(const CentralDifference& run, const nb::dict& arrays, const nb::
 }
 } // namespace
 
-void impact::bindings::integrators(nb::module_& m)
+void dolfinx_impact::bindings::integrators(nb::module_& m)
 {
   m.def("release_memory", &common::release_memory, "Give memory that set-up no longer needs back to the system");
   nb::enum_<Scheme>(m, "Scheme").value("half_step", Scheme::half_step).value("classical", Scheme::classical);

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "dolfinx_impact/kernels/KernelTable.h"
 #include "dolfinx_impact/kernels/check.h"
 #include "module.h"
 #include <stdexcept>
 
 namespace nb = nanobind;
-using namespace impact::kernels;
+using namespace dolfinx_impact::kernels;
 
 namespace
 {
@@ -37,7 +38,7 @@ typedef nb::ndarray<const double, nb::c_contig, nb::device::cpu> In;
 typedef nb::ndarray<double, nb::c_contig, nb::device::cpu> InOut;
 } // namespace
 
-void impact::bindings::kernels(nb::module_& m)
+void dolfinx_impact::bindings::kernels(nb::module_& m)
 {
   nb::class_<Kernel>(m, "Kernel", "A compiled integral")
       .def_prop_ro("name", [](const Kernel& s) { return s.k->name; })

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "module.h"
 #include <dolfinx/mesh/Mesh.h>
 
@@ -15,23 +16,23 @@ NB_MODULE(_cpp, m)
         ", whose types the installed DOLFINx does not share. Build it again against the nanobind that "
         "DOLFINx was built with: pip install --no-build-isolation --force-reinstall .");
   nb::module_ kernels = m.def_submodule("kernels", "Kernels generated from UFL forms");
-  impact::bindings::kernels(kernels);
+  dolfinx_impact::bindings::kernels(kernels);
   nb::module_ operators = m.def_submodule("operators", "Kernels applied over the cells of a mesh");
-  impact::bindings::operators(operators);
+  dolfinx_impact::bindings::operators(operators);
   nb::module_ surface = m.def_submodule("surface", "Facets of surfaces, their shape functions and normals");
-  impact::bindings::surface(surface);
+  dolfinx_impact::bindings::surface(surface);
   nb::module_ gap = m.def_submodule("gap", "Gaps between slave and master, and their integrals");
-  impact::bindings::mortar(gap);
+  dolfinx_impact::bindings::mortar(gap);
   nb::module_ search = m.def_submodule("search", "Which facets can meet, and closest points");
-  impact::bindings::search(search);
+  dolfinx_impact::bindings::search(search);
   nb::module_ linear = m.def_submodule("linear", "PETSc matrices from entries");
-  impact::bindings::triplets(linear);
+  dolfinx_impact::bindings::triplets(linear);
   nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
-  impact::bindings::penalty(penalty);
+  dolfinx_impact::bindings::penalty(penalty);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
-  impact::bindings::integrators(integrators);
+  dolfinx_impact::bindings::integrators(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
-  impact::bindings::nodal(nodal);
+  dolfinx_impact::bindings::nodal(nodal);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
-  impact::bindings::bench(bench);
+  dolfinx_impact::bindings::bench(bench);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 // The one header for nanobind and DOLFINx's casters (their names changed after 0.9).
 #include <nanobind/nanobind.h>
@@ -9,7 +10,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-namespace impact::bindings
+namespace dolfinx_impact::bindings
 {
 void kernels(nanobind::module_& m);
 void operators(nanobind::module_& m);
@@ -21,4 +22,4 @@ void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);
 void bench(nanobind::module_& m);
-} // namespace impact::bindings
+} // namespace dolfinx_impact::bindings

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "dolfinx_impact/gap/mortar.h"
 #include "arrays.h"
 #include "dolfinx_impact/gap/FacetShape.h"
@@ -5,12 +6,12 @@
 #include "dolfinx_impact/gap/Rigid.h"
 #include "dolfinx_impact/search/pairs.h"
 
-using namespace impact::gap;
-using impact::surface::Facets;
+using namespace dolfinx_impact::gap;
+using dolfinx_impact::surface::Facets;
 
 namespace
 {
-using namespace impact::bindings;
+using namespace dolfinx_impact::bindings;
 typedef nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Flags;
 
 SegmentRule rule(const Facets& slave, const Values& points, const Values& weights)
@@ -34,7 +35,7 @@ void check_nodal(const Facets& facets, std::size_t size, int block)
 }
 } // namespace
 
-void impact::bindings::mortar(nb::module_& m)
+void dolfinx_impact::bindings::mortar(nb::module_& m)
 {
   nb::class_<Shape>(m, "Shape", "Surface of a rigid obstacle of any form");
   nb::class_<HeightField, Shape>(m, "HeightField", "A cubic spline over a plane")
@@ -82,7 +83,7 @@ void impact::bindings::mortar(nb::module_& m)
             std::vector<double> gap(num), normal(num * gdim), hessian(num * gdim * gdim);
             for (std::size_t i = 0; i < num; ++i)
             {
-              const RigidPoint p = impact::gap::evaluate(self, x.data() + i * gdim);
+              const RigidPoint p = dolfinx_impact::gap::evaluate(self, x.data() + i * gdim);
               gap[i] = p.gap;
               for (std::size_t a = 0; a < gdim; ++a)
               {
@@ -112,7 +113,7 @@ void impact::bindings::mortar(nb::module_& m)
       "segment",
       [](const Facets& slave, const Facets& master, Values points, Values weights, double reach, bool axisymmetric)
       {
-        const auto near = impact::search::near_facets(slave, master, reach);
+        const auto near = dolfinx_impact::search::near_facets(slave, master, reach);
         return segment(slave, master, near.pairs, near.offsets, rule(slave, points, weights), reach, axisymmetric);
       },
       nb::arg("slave"), nb::arg("master"), nb::arg("points"), nb::arg("weights"), nb::arg("reach"),

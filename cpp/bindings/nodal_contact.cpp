@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/KinematicContact.h"
 #include "dolfinx_impact/enforcement/PenaltyContact.h"
@@ -5,15 +6,15 @@
 #include <array>
 #include <numeric>
 
-using namespace impact::enforcement;
-using impact::gap::Rigid;
-using impact::operators::Halo;
-using impact::surface::Facets;
-using impact::surface::FunctionSpace;
+using namespace dolfinx_impact::enforcement;
+using dolfinx_impact::gap::Rigid;
+using dolfinx_impact::operators::Halo;
+using dolfinx_impact::surface::Facets;
+using dolfinx_impact::surface::FunctionSpace;
 
 namespace
 {
-using namespace impact::bindings;
+using namespace dolfinx_impact::bindings;
 
 /// Arrays over the nodes of the Halo, checked.
 template <typename T>
@@ -203,7 +204,7 @@ void construct_kinematic(KinematicContact* self, const FunctionSpace& V, const F
 }
 } // namespace
 
-void impact::bindings::nodal(nb::module_& m)
+void dolfinx_impact::bindings::nodal(nb::module_& m)
 {
   nb::class_<NodalContact>(m, "NodalContact", "Contact as the explicit integrator sees it");
   nb::class_<NodeToSurface, NodalContact>(m, "NodeToSurface",

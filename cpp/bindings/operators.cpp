@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
@@ -7,7 +8,7 @@
 #include <dolfinx/la/Vector.h>
 
 namespace nb = nanobind;
-using namespace impact::operators;
+using namespace dolfinx_impact::operators;
 
 namespace
 {
@@ -48,7 +49,7 @@ void bind_halo(nb::module_& m)
 }
 } // namespace
 
-void impact::bindings::operators(nb::module_& m)
+void dolfinx_impact::bindings::operators(nb::module_& m)
 {
   bind_halo(m);
   nb::class_<Integral>(m, "Integral", "A kernel, where it acts and its constants (copied)")

@@ -1,16 +1,17 @@
+// SPDX-License-Identifier: MIT
 #include "dolfinx_impact/enforcement/Penalty.h"
 #include "arrays.h"
 #include <algorithm>
 
-using namespace impact::enforcement;
-using impact::gap::Points;
-using impact::gap::Rigid;
-using impact::search::SurfaceSearch;
-using impact::surface::Facets;
+using namespace dolfinx_impact::enforcement;
+using dolfinx_impact::gap::Points;
+using dolfinx_impact::gap::Rigid;
+using dolfinx_impact::search::SurfaceSearch;
+using dolfinx_impact::surface::Facets;
 
 namespace
 {
-using namespace impact::bindings;
+using namespace dolfinx_impact::bindings;
 typedef nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> Rows;
 typedef nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Globals;
 
@@ -67,18 +68,18 @@ void bind_points(nb::module_& m)
           {
             if (points.shape(0) != weights.size() || points.shape(1) != std::size_t(slave.geometry.tdim()))
               throw std::invalid_argument("a rule: points of shape (number, dimension of the facet), as many weights");
-            new (self) Points(impact::gap::make_points(slave, {points.data(), points.size()},
+            new (self) Points(dolfinx_impact::gap::make_points(slave, {points.data(), points.size()},
                                                        {weights.data(), weights.size()}, axisymmetric));
           },
           nb::arg("slave"), nb::arg("points"), nb::arg("weights"), nb::arg("axisymmetric") = false)
       .def(
           "update", [](Points& self, const Facets& slave, const SurfaceSearch& master, double reach, bool keep)
-          { impact::gap::update(self, slave, master, reach, keep); }, nb::arg("slave"), nb::arg("master"),
+          { dolfinx_impact::gap::update(self, slave, master, reach, keep); }, nb::arg("slave"), nb::arg("master"),
           nb::arg("reach"), nb::arg("keep") = false,
           "Gaps against a deformable master; keep: points over a common edge stay on their facet")
       .def(
           "update_rigid", [](Points& self, const Facets& slave, const Rigid& master)
-          { impact::gap::update(self, slave, master); }, nb::arg("slave"), nb::arg("master"))
+          { dolfinx_impact::gap::update(self, slave, master); }, nb::arg("slave"), nb::arg("master"))
       .def_prop_ro("size", &Points::size)
       .def_prop_rw(
           "margin", [](const Points& p) { return copy(p.margin, {p.size()}); },
@@ -150,7 +151,7 @@ void bind_state(nb::module_& m)
 }
 } // namespace
 
-void impact::bindings::penalty(nb::module_& m)
+void dolfinx_impact::bindings::penalty(nb::module_& m)
 {
   bind_points(m);
   bind_state(m);

@@ -1,15 +1,16 @@
+// SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/search/BoxTree.h"
 #include "dolfinx_impact/search/Exchange.h"
 #include "dolfinx_impact/search/boxes.h"
 #include "dolfinx_impact/search/project.h"
 
-using namespace impact::search;
-using impact::surface::Facets;
+using namespace dolfinx_impact::search;
+using dolfinx_impact::surface::Facets;
 
 namespace
 {
-using impact::bindings::Values;
+using dolfinx_impact::bindings::Values;
 
 typedef nanobind::ndarray<const double, nanobind::ndim<2>, nanobind::c_contig, nanobind::device::cpu> Points;
 
@@ -29,12 +30,12 @@ nanobind::dict projections(const std::vector<Projection>& found, std::size_t gdi
     normal.insert(normal.end(), p.normal, p.normal + gdim);
   }
   nanobind::dict out;
-  out["status"] = impact::bindings::take(std::move(status));
-  out["entity"] = impact::bindings::take(std::move(entity));
-  out["facet"] = impact::bindings::take(std::move(facet));
-  out["xi"] = impact::bindings::take(std::move(xi), {found.size(), 2});
-  out["gap"] = impact::bindings::take(std::move(gap));
-  out["normal"] = impact::bindings::take(std::move(normal), {found.size(), gdim});
+  out["status"] = dolfinx_impact::bindings::take(std::move(status));
+  out["entity"] = dolfinx_impact::bindings::take(std::move(entity));
+  out["facet"] = dolfinx_impact::bindings::take(std::move(facet));
+  out["xi"] = dolfinx_impact::bindings::take(std::move(xi), {found.size(), 2});
+  out["gap"] = dolfinx_impact::bindings::take(std::move(gap));
+  out["normal"] = dolfinx_impact::bindings::take(std::move(normal), {found.size(), gdim});
   return out;
 }
 
@@ -44,7 +45,7 @@ std::span<const double> view(const Values& values)
 }
 } // namespace
 
-void impact::bindings::search(nb::module_& m)
+void dolfinx_impact::bindings::search(nb::module_& m)
 {
   nb::class_<BoxTree>(m, "BoxTree", "Bounding-volume hierarchy; a box is gdim lower, then gdim upper bounds")
       .def(
@@ -104,7 +105,7 @@ void impact::bindings::search(nb::module_& m)
   nb::class_<Exchange>(m, "Exchange", "A rank's slave facets and the master facets of all ranks within reach of them")
       .def(
           "__init__",
-          [](Exchange* self, const impact::surface::FunctionSpace& V, const Facets& slave, const Facets& master,
+          [](Exchange* self, const dolfinx_impact::surface::FunctionSpace& V, const Facets& slave, const Facets& master,
              double reach) { new (self) Exchange(V, slave, master, reach); },
           nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("reach"),
           "Collective. reach: master facets are kept whose boxes come within it of the box around all slave facets of "

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "dolfinx_impact/surface/Surface.h"
 #include "arrays.h"
 #include "dolfinx_impact/surface/normals.h"
 
-using namespace impact::surface;
+using namespace dolfinx_impact::surface;
 
 namespace
 {
@@ -18,7 +19,7 @@ FacetShape shape(const std::string& name)
 }
 } // namespace
 
-void impact::bindings::surface(nb::module_& m)
+void dolfinx_impact::bindings::surface(nb::module_& m)
 {
   nb::class_<FacetElement>(m, "FacetElement", "Lagrange element of degree 1 or 2 on a reference facet")
       .def(

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include <caster_petsc.h>
 #include <petscmat.h>
 
-void impact::bindings::triplets(nb::module_& m)
+void dolfinx_impact::bindings::triplets(nb::module_& m)
 {
   m.def(
       "add_triplets",

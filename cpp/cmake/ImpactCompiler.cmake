@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Flags shared by every target of ours. Never -ffast-math or -Ofast: NaN checks and complementarity tests depend on IEEE.
 add_library(impact_flags INTERFACE)
 target_compile_options(impact_flags INTERFACE -Wall -Wextra)

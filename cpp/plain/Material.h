@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <string>
 
-namespace impact::plain
+namespace impact_plain
 {
 /// Parameters of an isotropic solid.
 struct Material
@@ -12,4 +13,4 @@ struct Material
   double nu = 0.0;                    ///< Poisson's ratio [1]
   double density = 0.0;               ///< [M/L^3]
 };
-} // namespace impact::plain
+} // namespace impact_plain

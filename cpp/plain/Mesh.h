@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <cstdint>
 #include <string>
 #include <vector>
 
 /// Plain data, shared by the DOLFINx side and the hand-written solver: structs of named arrays, no functions.
-namespace impact::plain
+namespace impact_plain
 {
 /// Cells and node positions in flat arrays.
 /// Node i is points[gdim*i ... gdim*i + gdim-1]; cell c is cells[n*c ... n*c + n-1] with n nodes per cell. The order of
@@ -18,4 +19,4 @@ struct Mesh
   std::vector<std::int64_t> cells;
   std::vector<std::int32_t> cell_tags; ///< one per cell, or empty
 };
-} // namespace impact::plain
+} // namespace impact_plain

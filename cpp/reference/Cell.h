@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <Eigen/Dense>
 #include <array>
@@ -5,7 +6,7 @@
 #include <vector>
 
 /// The hand-written solver: classical finite elements on Eigen matrices, independent of the FEniCS side on purpose.
-namespace impact::reference
+namespace impact_reference
 {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
@@ -67,4 +68,4 @@ std::vector<int> facet_nodes(CellType cell, int degree, int facet);
 /// Own number of the facet that has these local nodes (any order; only vertices count).
 /// @throws std::invalid_argument if no facet has exactly these vertices
 int find_facet(CellType cell, const std::vector<int>& nodes);
-} // namespace impact::reference
+} // namespace impact_reference

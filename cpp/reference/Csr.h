@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "numbering.h"
 #include <span>
 
-namespace impact::reference
+namespace impact_reference
 {
 /// Square sparse matrix by rows; the column indices of a row increase.
 struct Csr
@@ -37,4 +38,4 @@ public:
 private:
   std::vector<std::int64_t> offsets_, neighbours_;
 };
-} // namespace impact::reference
+} // namespace impact_reference

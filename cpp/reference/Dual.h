@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <Eigen/Dense>
 #include <cmath>
 
-namespace impact::reference
+namespace impact_reference
 {
 /// A number with its derivatives by N variables (forward automatic differentiation; Griewank & Walther 2008, ch. 3).
 /// Contact is coded once, on a scalar type T: with T = double it gives values, with T = Dual<N> exact tangents.
@@ -107,4 +108,4 @@ Vec<double> values(const Vec<T>& a)
 {
   return {value(a[0]), value(a[1]), value(a[2])};
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Csr.h"
 #include "element.h"
 #include "ordering.h"
 #include <map>
 
-namespace impact::reference
+namespace impact_reference
 {
 /// A body (or several) of hand-written elements. Vectors of degrees of freedom are node-major over field().points with
 /// the component fastest. Integration rules are arguments: whoever calls decides.
@@ -16,7 +17,7 @@ public:
   /// @param degree polynomial degree of the field, 1 or 2
   /// @throws std::invalid_argument for anything geometry(), check() or the element routines refuse, for a tag without a
   /// material and for materials of different hypotheses
-  Model(const plain::Mesh& mesh, const std::map<int, Material>& materials, int degree);
+  Model(const impact_plain::Mesh& mesh, const std::map<int, Material>& materials, int degree);
 
   const Geometry& geometry() const { return geometry_; }
   const Field& field() const { return field_; }
@@ -86,4 +87,4 @@ private:
   Hypothesis hypothesis_;
   bool linear_;
 };
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "quadrature.h"
 #include "shape.h"
 #include <cstdint>
 
-namespace impact::reference
+namespace impact_reference
 {
 /// Everything an integrand needs at one integration point.
 struct Sample
@@ -76,4 +77,4 @@ private:
 
 /// Outward normal times area density: x_xi turned clockwise in the plane, x_xi cross x_eta in space.
 Vector area_vector(const Matrix& tangent);
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "bindings.h"
 #include "contact_solve.h"
 
 namespace nb = nanobind;
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -218,4 +219,4 @@ void bind_contact(nb::module_& m)
                                            {steps, iterations, tolerance}));
            });
 }
-} // namespace impact::reference
+} // namespace impact_reference

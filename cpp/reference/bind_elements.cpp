@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "bindings.h"
 
 namespace nb = nanobind;
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -83,4 +84,4 @@ void bind_elements(nb::module_& m)
   m.def("element_flux_load", [](const Cell& c, const Matrix& X, int facet, double q)
         { return traction(c.facet_sampler(), X, facet, Vector::Constant(1, q)); });
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "bindings.h"
 #include "contact_explicit.h"
 
 namespace nb = nanobind;
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -131,4 +132,4 @@ void bind_explicit(nb::module_& m)
         [](const Integers& indptr, const Integers& indices, V data, const std::vector<Csr*>& springs, V mass,
            Dofs fixed) { return highest_frequency(csr(indptr, indices, data), springs, mass, fixed); });
 }
-} // namespace impact::reference
+} // namespace impact_reference

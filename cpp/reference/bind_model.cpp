@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "bindings.h"
 
 namespace nb = nanobind;
 
-namespace impact::reference
+namespace impact_reference
 {
 void bind_model(nb::module_& m)
 {
@@ -24,7 +25,7 @@ void bind_model(nb::module_& m)
                throw std::invalid_argument("a " + cell + " of geometry degree " + std::to_string(geometry_degree) +
                                            " has " + std::to_string(nodes) + " nodes, but cells has " +
                                            std::to_string(cells.cols()) + " columns");
-             const plain::Mesh mesh{cell,
+             const impact_plain::Mesh mesh{cell,
                                     geometry_degree,
                                     int(points.cols()),
                                     {points.data(), points.data() + points.size()},
@@ -75,4 +76,4 @@ void bind_model(nb::module_& m)
              return nb::make_tuple(r.u, r.reactions, r.iterations, r.residuals);
            });
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact_rigid.h"
 #include "solve.h"
@@ -10,7 +11,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-namespace impact::reference
+namespace impact_reference
 {
 using Integers = Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>;
 
@@ -46,4 +47,4 @@ void bind_elements(nanobind::module_& m);
 void bind_model(nanobind::module_& m);
 void bind_contact(nanobind::module_& m);
 void bind_explicit(nanobind::module_& m);
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "Cell.h"
 #include <algorithm>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -189,4 +190,4 @@ int find_facet(CellType cell, const std::vector<int>& nodes)
       return int(f);
   throw std::invalid_argument(std::string("no facet of the ") + to_string(cell) + " has the given local nodes");
 }
-} // namespace impact::reference
+} // namespace impact_reference

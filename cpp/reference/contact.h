@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact_projection.h"
 #include "contact_rigid.h"
@@ -6,7 +7,7 @@
 #include <optional>
 
 /// Contact as docs/contact.md states it, with brute-force search and tangents by automatic differentiation.
-namespace impact::reference
+namespace impact_reference
 {
 /// What both discretisations start from. Forces act on the right-hand side, tractions on the slave.
 struct ContactPair
@@ -87,4 +88,4 @@ ContactHistory no_history(const ContactPair& pair, std::int64_t num_points);
 
 /// Degrees of freedom of a facet.
 std::vector<std::int64_t> facet_dofs(const Surface& surface, const Facet& facet);
-} // namespace impact::reference
+} // namespace impact_reference

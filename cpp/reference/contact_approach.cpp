@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "contact_explicit.h"
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
 // What a slave node meets in a step: docs/explicit/penalty.md, "Closest points" to "Through the surface".
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -167,4 +168,4 @@ void Approach::refuse(std::int64_t node, const Vec<double>& x, double facets) co
           << facets << " facets in one step: take steps of " << 0.9 / facets * dt_ << " or less";
   throw std::runtime_error(message.str());
 }
-} // namespace impact::reference
+} // namespace impact_reference

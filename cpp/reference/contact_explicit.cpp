@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "contact_explicit.h"
 #include <set>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 void put(Matrix& rows, std::int64_t row, const Vec<double>& v)
 {
@@ -208,4 +209,4 @@ ContactAnswer no_contact(const NodePairs& pairs)
           rows,
           std::vector<ContactStatus>(count, ContactStatus::open)};
 }
-} // namespace impact::reference
+} // namespace impact_reference

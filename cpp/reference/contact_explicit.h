@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact_projection.h"
 #include "explicit.h"
 #include <functional>
 
 /// Node-to-surface contact in explicit dynamics as docs/explicit/penalty.md states it, with brute-force closest points.
-namespace impact::reference
+namespace impact_reference
 {
 /// What a slave node meets.
 struct Meeting
@@ -232,4 +233,4 @@ private:
   std::vector<Account> accounts_;
   double taken_ = 0;
 };
-} // namespace impact::reference
+} // namespace impact_reference

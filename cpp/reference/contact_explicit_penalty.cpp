@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "contact_explicit.h"
 #include <algorithm>
 
-namespace impact::reference
+namespace impact_reference
 {
 NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty)
     : friction_(friction), penalty_(penalty), part_(1.0 / double(directions.size()))
@@ -245,4 +246,4 @@ Entries NodalPenalty::springs(const Vector& u) const
   }
   return entries;
 }
-} // namespace impact::reference
+} // namespace impact_reference

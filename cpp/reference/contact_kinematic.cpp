@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 #include "contact_explicit.h"
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -209,4 +210,4 @@ void NodalKinematic::corrected(const ContactStep& step, const Vector& next)
     }
   }
 }
-} // namespace impact::reference
+} // namespace impact_reference

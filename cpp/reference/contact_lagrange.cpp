@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "contact_solve.h"
 #include <algorithm>
 #include <set>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -356,4 +357,4 @@ ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const 
                        [&](const ContactPair& now, ContactState& state, const detail::Target& target,
                            ContactSolution& solution) { return saddle.step(now, state, target, solution); });
 }
-} // namespace impact::reference
+} // namespace impact_reference

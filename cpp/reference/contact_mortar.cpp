@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "contact_mortar.h"
 #include "contact_segments.h"
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -308,4 +309,4 @@ Mortar mortar(const ContactPair& pair, const Rule& rule, Basis basis, const Vect
   }
   return out;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact.h"
 #include <map>
 
-namespace impact::reference
+namespace impact_reference
 {
 /// Derivatives of a vector of one node: degree of freedom and derivative by it, in any order, to be added up.
 using Slope = std::vector<std::pair<std::int64_t, Vec<double>>>;
@@ -63,4 +64,4 @@ void normals(const ContactPair& pair, const Vector& u, Mortar& out);
 void against_obstacle(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u,
                       const ContactHistory& history, const Matrix& z, Mortar& out);
 } // namespace detail
-} // namespace impact::reference
+} // namespace impact_reference

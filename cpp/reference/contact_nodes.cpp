@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "contact_mortar.h"
 #include <numbers>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -180,4 +181,4 @@ void against_obstacle(const ContactPair& pair, const Rule& rule, Basis basis, co
   }
 }
 } // namespace detail
-} // namespace impact::reference
+} // namespace impact_reference

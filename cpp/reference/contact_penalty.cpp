@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "contact.h"
 #include <Eigen/Sparse>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -287,4 +288,4 @@ Penalty penalty(const ContactPair& pair, const Rule& rule, const Vector& u, doub
   return with_variables(pair.slave,
                         [&](auto n) { return Evaluation<n>(pair, rule, u, history).run(chi, chi_t, multiplier); });
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "contact_solve.h"
 #include <algorithm>
 #include <map>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -167,4 +168,4 @@ ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const R
                        [&](const ContactPair& now, ContactState& state, const detail::Target& target,
                            ContactSolution& solution) { return solver.step(now, state, target, solution); });
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "contact_projection.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -279,4 +280,4 @@ Foot Projector::closest(const Vec<double>& x, const Vec<double>& normal) const
     return {};
   return best;
 }
-} // namespace impact::reference
+} // namespace impact_reference

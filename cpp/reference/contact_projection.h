@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact_surface.h"
 
-namespace impact::reference
+namespace impact_reference
 {
 /// Where a point is nearest to a facet: in its interior, on an edge or at a vertex.
 struct Foot
@@ -94,4 +95,4 @@ Projection<T> Projector::follow(const Foot& foot, const std::vector<Vec<T>>& u, 
   const T distance = norm(d);
   return {foot.sign * distance, (foot.sign / distance) * d, s.f};
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact_surface.h"
 
-namespace impact::reference
+namespace impact_reference
 {
 /// A rigid obstacle; it may be moved, not turned.
 struct Rigid
@@ -41,4 +42,4 @@ GapNormal<T> gap_and_normal(const Rigid& rigid, const Vec<double>& displacement,
   const T r = norm(d);
   return {r - rigid.radius, (1.0 / r) * d};
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 #include "contact_segments.h"
 
-namespace impact::reference
+namespace impact_reference
 {
 std::array<std::array<double, 2>, 2> inverse_slope(const Spot<double>& spot, const Plane<double>& plane)
 {
@@ -39,4 +40,4 @@ Local carry_back(const Surface& s, const Facet& facet, const std::vector<Vec<dou
   throw std::domain_error("a point of a contact segment has no place on its facet: the facet stands upright on the "
                           "slave facet's plane or is folded");
 }
-} // namespace impact::reference
+} // namespace impact_reference

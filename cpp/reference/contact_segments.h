@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact_surface.h"
 #include <algorithm>
 #include <stdexcept>
 
 /// Where a slave and a master facet overlap, seen along the slave facet's normal at its centre.
-namespace impact::reference
+namespace impact_reference
 {
 template <typename T>
 using Flat = std::array<T, 2>; ///< coordinates in the plane; the second is zero in 2D
@@ -163,4 +164,4 @@ std::array<T, 2> carry_back(const Surface& s, const Facet& facet, const std::vec
       result[a] -= inverse[a][b] * (now[b] - y[b]);
   return result;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "contact_solve.h"
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace detail
 {
@@ -129,4 +130,4 @@ ContactSolution march(const System& system, const ContactState& start, const Con
   return solution;
 }
 } // namespace detail
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact_mortar.h"
 #include "solve.h"
 #include <functional>
 
-namespace impact::reference
+namespace impact_reference
 {
 /// What drives a contact problem.
 struct ContactLoads
@@ -106,4 +107,4 @@ struct Target
 using Step = std::function<bool(const ContactPair&, ContactState&, const Target&, ContactSolution&)>;
 ContactSolution march(const System& system, const ContactState& start, const ContactOptions& options, const Step& step);
 } // namespace detail
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "contact_surface.h"
 #include <algorithm>
 #include <set>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 Surface surface(const Model& model, const Cells& facets, const std::string& name)
 {
@@ -56,4 +57,4 @@ std::vector<Vec<double>> gather(const Surface& surface, const Facet& facet, cons
       result[k][c] = u(surface.gdim * facet.nodes[k] + c);
   return result;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Dual.h"
 #include "Model.h"
@@ -5,7 +6,7 @@
 
 /// Surfaces made of facets of a model, on a scalar type T. In the plane a facet is an interval and its second tangent
 /// is e_z, so that area vectors, normals and projections are those of space.
-namespace impact::reference
+namespace impact_reference
 {
 constexpr int max_facet_nodes = 9;
 
@@ -194,4 +195,4 @@ auto with_variables(const Surface& s, F&& f)
     return f(std::integral_constant<int, 54>{});
   }
 }
-} // namespace impact::reference
+} // namespace impact_reference

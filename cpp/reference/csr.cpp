@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "Csr.h"
 #include <algorithm>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 Vector Csr::dot(const Vector& x) const
 {
@@ -70,4 +71,4 @@ void Pattern::add(Csr& matrix, int block, const std::vector<std::int64_t>& nodes
     }
   }
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "element.h"
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -176,4 +177,4 @@ Matrix stress(const Sampler& sampler, const Matrix& X, const Material& material,
   }
   return result;
 }
-} // namespace impact::reference
+} // namespace impact_reference

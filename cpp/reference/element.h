@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Sampler.h"
 #include "material.h"
@@ -5,7 +6,7 @@
 /// Element matrices and vectors. X are the geometry nodes of one cell, shape (num_geometry_nodes, gdim) [L]. Degrees of
 /// freedom are node-major, the component runs fastest: u0x u0y (u0z) u1x ... All of them throw std::invalid_argument
 /// for a bad material, a wrong array shape, NaN, or an inverted cell (`cell` is the number named in the message).
-namespace impact::reference
+namespace impact_reference
 {
 /// Strain-displacement matrix of small strain, eps = B u, seed (3.18); shape (num_strains, gdim num_nodes) [1/L].
 Matrix strain_matrix(Hypothesis hypothesis, const Sample& sample);
@@ -95,4 +96,4 @@ struct Ale
 /// @throws std::invalid_argument in an axisymmetric problem or for a wrong number of components
 Ale ale(const Sampler& sampler, const Matrix& X, const Material& material, const Vector& spin, const Vector& centre,
         std::int64_t cell = 0);
-} // namespace impact::reference
+} // namespace impact_reference

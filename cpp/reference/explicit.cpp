@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "explicit.h"
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -352,4 +353,4 @@ ExplicitHistory run_explicit(const Model& model, const ExplicitData& data)
   check(model, data);
   return Run(model, data).run();
 }
-} // namespace impact::reference
+} // namespace impact_reference

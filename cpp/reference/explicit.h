@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "contact.h"
 #include <memory>
 
 /// Central differences as docs/explicit/scheme.md states them.
-namespace impact::reference
+namespace impact_reference
 {
 /// Step n as contacts see it: it leads from t_n to t_(n+1).
 struct ContactStep
@@ -120,4 +121,4 @@ ExplicitHistory run_explicit(const Model& model, const ExplicitData& data);
 /// degrees of freedom, Lanczos' method beyond [1/T].
 double highest_frequency(const Csr& K, const std::vector<Csr*>& springs, const Vector& mass,
                          const std::vector<std::int64_t>& fixed_dofs);
-} // namespace impact::reference
+} // namespace impact_reference

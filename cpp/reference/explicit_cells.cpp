@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "Model.h"
 #include <Eigen/Eigenvalues>
 #include <numbers>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -93,4 +94,4 @@ double Model::passage() const
   }
   return shortest / field_.degree;
 }
-} // namespace impact::reference
+} // namespace impact_reference

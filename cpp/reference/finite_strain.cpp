@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "material.h"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -123,4 +124,4 @@ Stress second_piola(const Material& material, const Matrix3& F)
   }
   return s;
 }
-} // namespace impact::reference
+} // namespace impact_reference

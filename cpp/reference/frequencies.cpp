@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "solve.h"
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
@@ -5,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -110,4 +111,4 @@ Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Ve
   }
   throw std::runtime_error("subspace iteration did not converge in 500 iterations: ask for a few more frequencies");
 }
-} // namespace impact::reference
+} // namespace impact_reference

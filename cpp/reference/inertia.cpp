@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "element.h"
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -116,4 +117,4 @@ Ale ale(const Sampler& sampler, const Matrix& X, const Material& material, const
   }
   return {expand(G, d), expand(W, d), load};
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "element.h"
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -105,4 +106,4 @@ Follower follower_pressure(const FacetSampler& sampler, const Matrix& X, const V
   }
   return result;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "material.h"
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -91,4 +92,4 @@ Matrix elasticity_matrix(const Material& m)
   }
   return D;
 }
-} // namespace impact::reference
+} // namespace impact_reference

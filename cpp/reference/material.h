@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Cell.h"
 #include "plain/Material.h"
 
-namespace impact::reference
+namespace impact_reference
 {
-using plain::Material;
+using impact_plain::Material;
 
 /// Kinematic hypothesis. Plane problems have thickness 1; axisymmetric ones have x = r, y = z and are integrated over
 /// the full circumference (weight 2 pi r), so their forces and masses are totals.
@@ -52,4 +53,4 @@ Stress second_piola(const Material& material, const Eigen::Matrix3d& F);
 
 /// Stress of a linear elastic material in the same form, for the small strain of F.
 Stress small_strain(const Material& material, const Eigen::Matrix3d& F);
-} // namespace impact::reference
+} // namespace impact_reference

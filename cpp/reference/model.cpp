@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "Model.h"
 #include <algorithm>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
-Model::Model(const plain::Mesh& mesh, const std::map<int, Material>& materials, int degree)
+Model::Model(const impact_plain::Mesh& mesh, const std::map<int, Material>& materials, int degree)
     : geometry_(reference::geometry(mesh)), field_(number_field(geometry_, degree)), pattern_(field_),
       facets_(geometry_)
 {
@@ -281,4 +282,4 @@ Vector Model::flux_load(const Rule& facet_rule, const Cells& facets, double q) c
   }
   return result;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "bindings.h"
 #include <cstdio>
 
 namespace nb = nanobind;
-using namespace impact::reference;
+using namespace impact_reference;
 
 NB_MODULE(_reference, m)
 {

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "numbering.h"
 #include "shape.h"
 #include <algorithm>
 #include <map>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -16,7 +17,7 @@ std::string text(std::int64_t number)
 }
 } // namespace
 
-Geometry geometry(const plain::Mesh& mesh)
+Geometry geometry(const impact_plain::Mesh& mesh)
 {
   const CellType cell = cell_type(mesh.cell_type);
   if (cell == CellType::interval)
@@ -148,4 +149,4 @@ FacetPlace FacetIndex::find(const Key& nodes) const
                                 ": give geometry node numbers of whole facets");
   return place->second;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,14 +1,15 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Cell.h"
 #include "plain/Mesh.h"
 #include <cstdint>
 #include <unordered_map>
 
-namespace impact::reference
+namespace impact_reference
 {
 using Cells = Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Geometry of a model after its checks: the same numbers as plain::Mesh, as matrices.
+/// Geometry of a model after its checks: the same numbers as impact_plain::Mesh, as matrices.
 struct Geometry
 {
   CellType cell;
@@ -19,7 +20,7 @@ struct Geometry
 
 /// @throws std::invalid_argument for an unknown cell or degree, gdim that is not the cell's dimension, a wrong number
 /// of nodes per cell, a node out of range or repeated in a cell, a point no cell uses, or NaN
-Geometry geometry(const plain::Mesh& mesh);
+Geometry geometry(const impact_plain::Mesh& mesh);
 
 /// Nodes of a Lagrange field on the geometry.
 struct Field
@@ -59,4 +60,4 @@ private:
   std::vector<bool> is_vertex_;
   std::unordered_map<std::vector<std::int64_t>, FacetPlace, Hash> places_;
 };
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "ordering.h"
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -89,4 +90,4 @@ Nodes free_numbers(const Nodes& order, int block, const Nodes& fixed_dofs)
         numbers[block * node + a] = count++;
   return numbers;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "quadrature.h"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -146,4 +147,4 @@ Purpose purpose(const std::string& name)
       return static_cast<Purpose>(i);
   throw std::invalid_argument("unknown purpose '" + name + "': use stiffness, finite_strain, mass, load or facet");
 }
-} // namespace impact::reference
+} // namespace impact_reference

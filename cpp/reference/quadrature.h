@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Cell.h"
 
-namespace impact::reference
+namespace impact_reference
 {
 /// Points (num_points, tdim) and weights (num_points) on a reference cell; the weights sum to its volume.
 struct Rule
@@ -47,4 +48,4 @@ std::string default_rule(Purpose purpose, CellType cell, int degree, int geometr
 
 /// Purpose of a name: "stiffness", "finite_strain", "mass", "load", "facet".
 Purpose purpose(const std::string& name);
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "quadrature.h"
 #include <algorithm>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -106,4 +107,4 @@ Rule simplex_table(CellType cell, int degree)
   }
   return {Eigen::Map<Matrix>(points.data(), weights.size(), d), Eigen::Map<Vector>(weights.data(), weights.size())};
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "rigid.h"
 #include <numeric>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -100,4 +101,4 @@ std::string free_rigid_motions(const Model& model, const std::vector<bool>& fixe
   }
   return text;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "Sampler.h"
 #include <cmath>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -103,4 +104,4 @@ Vector area_vector(const Matrix& t)
     return Eigen::Vector2d(t(1, 0), -t(0, 0));
   return Eigen::Vector3d(t.col(0)).cross(Eigen::Vector3d(t.col(1)));
 }
-} // namespace impact::reference
+} // namespace impact_reference

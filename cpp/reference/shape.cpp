@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "shape.h"
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -87,4 +88,4 @@ Shapes shape_functions(CellType cell, int degree, const Matrix& points)
   }
   return s;
 }
-} // namespace impact::reference
+} // namespace impact_reference

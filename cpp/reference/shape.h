@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Cell.h"
 
-namespace impact::reference
+namespace impact_reference
 {
 /// Shape functions tabulated at points.
 struct Shapes
@@ -15,4 +16,4 @@ struct Shapes
 /// @param points reference coordinates, shape (num_points, tdim)
 /// @throws std::invalid_argument for a wrong degree or a wrong number of columns
 Shapes shape_functions(CellType cell, int degree, const Matrix& points);
-} // namespace impact::reference
+} // namespace impact_reference

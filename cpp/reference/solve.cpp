@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "solve.h"
 #include "rigid.h"
 #include <Eigen/SparseCholesky>
@@ -6,7 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -172,4 +173,4 @@ StaticSolution solve_static(const Model& model, const Rule& rule, const std::vec
     solution.reactions(dof) = out_of_balance(dof);
   return solution;
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Model.h"
 #include <Eigen/Sparse>
 
-namespace impact::reference
+namespace impact_reference
 {
 /// Result of a static analysis.
 struct StaticSolution
@@ -45,4 +46,4 @@ Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Ve
 
 /// Rows and columns of the free degrees of freedom.
 Eigen::SparseMatrix<double> reduce(const Csr& matrix, const std::vector<std::int64_t>& numbers);
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "explicit.h"
 #include <Eigen/Eigenvalues>
 #include <stdexcept>
 
-namespace impact::reference
+namespace impact_reference
 {
 namespace
 {
@@ -71,4 +72,4 @@ double highest_frequency(const Csr& K, const std::vector<Csr*>& springs, const V
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
 }
-} // namespace impact::reference
+} // namespace impact_reference

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // An elastic block without Python: kernels from the package's table, the force f(u) without a matrix, the tangent K in
 // a PETSc matrix, and the check that K u = f(u). Runs on any number of ranks.
 #include <basix/finite-element.h>
@@ -19,7 +20,7 @@
 #include <vector>
 
 using namespace dolfinx;
-using namespace impact;
+using namespace dolfinx_impact;
 
 namespace
 {

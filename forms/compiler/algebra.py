@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Second stage: scalar algebra on FFCx's factorised graph.
 
 Every scalar is a pair (number, node): number times node, node None standing for 1. Nodes are shared (hash-consed), sums

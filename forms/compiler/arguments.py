@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The element tensor: weighted factors times tables of test and trial functions, added to A."""
 
 import ffcx.codegeneration.lnodes as L

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Build driver: writes the C++ sources of the registry's table into a folder, and the table itself.
 
 Usage: python3 -m forms.compiler.build --list | --output DIR
@@ -33,9 +34,9 @@ def table_source(names):
     out += [f'extern "C" const impact_kernel {n};' for n in names]
     listed = ",\n  ".join("&" + n for n in names)
     out.append(
-        f"namespace impact::kernels\n{{\nextern const impact_kernel* const generated_table[] = {{\n  {listed}}};"
+        f"namespace dolfinx_impact::kernels\n{{\nextern const impact_kernel* const generated_table[] = {{\n  {listed}}};"
     )
-    out.append(f"extern const std::size_t generated_table_size = {len(names)};\n}} // namespace impact::kernels\n")
+    out.append(f"extern const std::size_t generated_table_size = {len(names)};\n}} // namespace dolfinx_impact::kernels\n")
     return "\n".join(out)
 
 

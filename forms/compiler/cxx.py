@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Last stage: LNodes -> C++ templated on the scalar type T (double, or a vector of doubles with one cell per lane)."""
 
 import ffcx.codegeneration.lnodes as L

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Writes the C++ source of a set of kernels: one template per integral, its instances, and what it says about
 itself."""
 
@@ -24,7 +25,7 @@ HEADER = """\
 """
 
 TEMPLATE = """
-namespace impact::kernels::generated
+namespace dolfinx_impact::kernels::generated
 {{
 // {title}
 template <typename T>
@@ -33,15 +34,15 @@ inline void {symbol}(T* __restrict A, const T* __restrict w, const double* __res
 {{
   (void)w, (void)c, (void)coordinate_dofs, (void)entity;
 {body}}}
-}} // namespace impact::kernels::generated
+}} // namespace dolfinx_impact::kernels::generated
 """
 
 INSTANCE = """
 #if IMPACT_LANES == {lanes} || (IMPACT_LANES == 0{guard})
 extern "C" void {symbol}_{lanes}(double* A, const double* w, const double* c, const double* x, int entity)
 {{
-  typedef impact::kernels::Lanes<{lanes}>::type T;
-  impact::kernels::generated::{symbol}<T>(reinterpret_cast<T*>(A), reinterpret_cast<const T*>(w), c,
+  typedef dolfinx_impact::kernels::Lanes<{lanes}>::type T;
+  dolfinx_impact::kernels::generated::{symbol}<T>(reinterpret_cast<T*>(A), reinterpret_cast<const T*>(w), c,
                                           reinterpret_cast<const T*>(x), entity);
 }}
 #endif

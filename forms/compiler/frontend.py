@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """First stage: UFL form or expression -> FFCx's intermediate representation, with explicit options.
 
 FFCx's own command line reads private option files of the machine; here every option is written down, so that a kernel

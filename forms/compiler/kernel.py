@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Writes one integral as an LNodes tree: tables, values at the points, pointwise algebra, element tensor.
 
 Signature of the kernel (see kernels/Kernel.h for the layout of the arrays when T has several lanes):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Third stage: shared scalar expressions -> LNodes declarations, each placed at the level it depends on.
 
 Products become chains whose common heads are shared (factors used most come first), negative powers become one

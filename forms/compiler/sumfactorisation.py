@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """LNodes for sum factorisation: lattice values of a field -> values at the points of a product rule, and back."""
 
 import itertools

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Sum factorisation on quadrilaterals and hexahedra.
 
 A table of a Lagrange element at the points of a product rule is a product of 1D tables. FFCx's own option needs special

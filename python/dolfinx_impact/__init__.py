@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Contact-impact for DOLFINx: UFL forms compiled to verified C++ kernels.
 
 The classes a user composes are here; the stages they stand on are modules of their own (jit, operators, materials,
@@ -17,14 +18,14 @@ from .contact import (
     RigidSphere,
     RigidSurface,
 )
-from .explicit import ExplicitProblem
-from .jit import cache_folder, compile_expression, compile_form
+from .dynamics.explicit import ExplicitProblem
+from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
-from .mass import lumped_mass
+from .assembly.lumped_mass import lumped_mass
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
-from .mesh_input import check_mesh, read_mesh
-from .operators import Energy, InternalForce, PointValues, Tangent
-from .problem import StaticProblem
+from .io.mesh_reader import check_mesh, read_mesh
+from .assembly.operators import Energy, InternalForce, PointValues, Tangent
+from .statics.problem import StaticProblem
 
 __version__ = "0.1.0"
 

@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: MIT
 """Functions of time: of loads, prescribed motion and rigid obstacles."""
 
 import numpy as np
 
-from .collective import comm_of, guard
+from .common.collective import comm_of, guard
 from .materials import _number
 
 

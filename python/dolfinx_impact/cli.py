@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The command `dolfinx-impact`: verify, demo, bench, info."""
 
 import argparse
@@ -113,8 +114,8 @@ def kernels_by_form():
 def info(arguments):
     """Print versions, kernels, SIMD width and caches; returns 0."""
     from . import _cpp
-    from .jit import cache_folder
-    from .results import versions
+    from .assembly.jit import cache_folder
+    from .io.run_folder import versions
 
     print("versions")
     for name, version in versions().items():
@@ -177,7 +178,7 @@ def main(argv=None):
 
         return verify_main(argv[1:])
     if argv[:1] == ["bench"]:
-        from .bench import main as bench_main
+        from .bench.run import main as bench_main
 
         return bench_main(argv[1:])
     arguments = _parser().parse_args(argv)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Loads with checked input; their virtual work is in forms/loads.py."""
 
 import numpy as np
@@ -5,8 +6,8 @@ import ufl
 from dolfinx import default_scalar_type, fem
 from dolfinx.mesh import exterior_facet_indices
 
-from . import operators
-from .collective import comm_of, guard
+from .assembly import operators
+from .common.collective import comm_of, guard
 from .forms import loads, quadrature
 from .materials import _number
 

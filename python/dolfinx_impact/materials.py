@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Materials with checked parameters; their physics is in forms/materials.py."""
 
 import math
@@ -6,7 +7,7 @@ import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
 
-from .collective import comm_of, guard
+from .common.collective import comm_of, guard
 from .forms import materials as laws
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The hand-written finite element solver: NumPy in, NumPy out, no FEniCS inside.
 
 Classical elements (B^T D B, own shape functions, own quadrature tables, own node order) against which the kernels

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Contact as docs/contact.md states it: brute-force search, exact tangents, two discretisations and their solvers.
 
 Signs: the normal points out of the master, the gap is positive when open, pressures are positive in compression and are

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Matrices and vectors of one element.
 
 Common arguments: `cell_type` "triangle", "quadrilateral", "tetrahedron" or "hexahedron"; `X` the geometry nodes in own

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Central differences as docs/explicit/scheme.md states them: the loop, its histories and its stable step."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Whole models: assembly, statics, natural frequencies."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Cells, shape functions and integration rules.
 
 Every integral of this package gets its points and weights from `quadrature` and the name of its default rule from

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A sparse matrix small enough not to need SciPy."""
 
 import numpy as np

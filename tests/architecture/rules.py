@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The rules of the tree as functions of a folder that return complaints, so that a broken tree can be shown to them."""
 
 import ast
@@ -144,7 +145,7 @@ def unsafe_flags(root):
     flags = ("-f" + "fast-math", "-O" + "fast", "-f" + "finite-math-only", "-f" + "associative-math")
     complaints = []
     for path in project_files(root):
-        if path.relative_to(root).as_posix() == "python/dolfinx_impact/bench.py":
+        if path.relative_to(root).as_posix() == "python/dolfinx_impact/bench/run.py":
             continue
         builds = path.suffix in (".cmake", ".json", ".toml", ".sh", ".py", "") or path.name == "CMakeLists.txt"
         text = text_of(path) if builds else None

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The gates of `make lint` stop a broken file; the helpers of conftest stop a broken run."""
 
 import pathlib

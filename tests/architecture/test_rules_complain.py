@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A rule that cannot complain proves nothing: each is shown a tree that breaks it, and one that does not."""
 
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """docs/theory.md: a row for each of the 83 equations, and every file, name and verify row it mentions is there."""
 
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The rules of docs/architecture.md on this checkout."""
 
 import statistics

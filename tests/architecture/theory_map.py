@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Reader and checker of docs/theory.md."""
 
 import re

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Tangent with a coefficient and boundary conditions, energies, and refusals, through the C++ interface alone.
 #include <array>
 #include <basix/finite-element.h>
@@ -15,7 +16,7 @@
 #include <string>
 
 using namespace dolfinx;
-using namespace impact;
+using namespace dolfinx_impact;
 using Function = fem::Function<double>;
 
 namespace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The C++ library: found by CMake as a user finds it; the demo and a test program built, and run on 1 to 3 ranks."""
 
 import os

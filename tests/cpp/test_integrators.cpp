@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The collaborators of the explicit integrator, each alone.
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
@@ -11,7 +12,7 @@
 #include <stdexcept>
 
 using Catch::Approx;
-using namespace impact::integrators;
+using namespace dolfinx_impact::integrators;
 
 namespace
 {

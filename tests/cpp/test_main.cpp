@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Catch2's tests between MPI_Init and MPI_Finalize.
 #include <catch2/catch_session.hpp>
 #include <mpi.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Kernels of sabotaged forms stay out of the user's cache."""
 
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the tests of level contact share: runs of patches and solutions, and wrong answers of the hand-written side."""
 
 import impact_reference

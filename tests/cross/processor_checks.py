@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What one process computes at its SIMD width, with its BLAS kernels; writes an .npz file: processor_checks.py FILE"""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the tests of verify share: how to break something, and what a report must say afterwards."""
 
 import numpy as np

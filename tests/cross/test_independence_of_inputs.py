@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The random cells of level element are what it says: distorted, curved, not inverted, all different, repeatable."""
 
 import impact_reference

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Results do not depend on the processor beyond round-off: other SIMD widths of the kernels, other kernels of BLAS."""
 
 import os

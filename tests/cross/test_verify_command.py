@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The command: exit status, what it restricts to, what it writes."""
 
 import json

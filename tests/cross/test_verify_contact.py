@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level contact: healthy, and broken on either side."""
 
 import impact_reference
@@ -7,9 +8,9 @@ from contact_sabotage import PATCH, failed, of_theirs, patches, solutions, times
 from sabotage import assert_healthy
 
 from dolfinx_impact.contact import mortar
-from dolfinx_impact.contact.geometry import RigidGeometry
-from dolfinx_impact.contact.mortar import MortarGeometry
-from dolfinx_impact.contact.penalty import PenaltyContact
+from dolfinx_impact.contact.mortar.geometry import RigidGeometry
+from dolfinx_impact.contact.mortar.mortar import MortarGeometry
+from dolfinx_impact.contact.penalty.penalty import PenaltyContact
 from dolfinx_impact.verify import contact, contact_bodies, contact_patch
 from dolfinx_impact.verify.report import Report
 

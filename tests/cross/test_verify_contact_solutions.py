@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level contact, whole solutions: broken on either side."""
 
 import numpy as np
@@ -6,8 +7,8 @@ from contact_sabotage import failed, of_theirs, solutions
 from sabotage import assert_healthy
 
 from dolfinx_impact import contact as contact_package
-from dolfinx_impact.contact.lagrange import LagrangeContact
-from dolfinx_impact.contact.penalty import PenaltyContact
+from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
+from dolfinx_impact.contact.penalty.penalty import PenaltyContact
 from dolfinx_impact.verify import contact_static
 from dolfinx_impact.verify.report import Report
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level derivative: Taylor remainders tell a tangent from something that only looks like one."""
 
 import numpy as np

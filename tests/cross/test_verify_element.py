@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level element: the healthy state passes, and every kind of fault on either side is caught."""
 
 import impact_reference

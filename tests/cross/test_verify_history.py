@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level history of `verify`: explicit runs agree, and every kind of fault on one side is seen."""
 
 import copy
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 import dolfinx_impact as di
-from dolfinx_impact.contact.nodal import NodalResult
+from dolfinx_impact.contact.explicit.nodal import NodalResult
 from dolfinx_impact.verify import cross_check, history
 from dolfinx_impact.verify.report import Report
 
@@ -180,9 +181,9 @@ def test_another_contact_stiffness_is_seen(monkeypatch):
 
 
 def test_another_mass_is_seen(monkeypatch):
-    from dolfinx_impact import mass
+    from dolfinx_impact.assembly import lumped_mass
 
-    right = mass.cell_masses
+    right = lumped_mass.cell_masses
     monkeypatch.setattr(mass, "cell_masses", lambda *a, **k: [(c, m * SMALL) for c, m in right(*a, **k)])
     assert {"displacement", "kinetic energy"} <= failed(case_of("quadrilateral", "shaken"))
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level operator: assembled matrices and vectors, healthy and broken on either side."""
 
 import impact_reference
@@ -5,7 +6,7 @@ import numpy as np
 import pytest
 from sabotage import assert_caught, assert_healthy, one_entry, scaled
 
-from dolfinx_impact import mass
+from dolfinx_impact.assembly import lumped_mass
 from dolfinx_impact.forms import elasticity, loads, materials
 from dolfinx_impact.verify import bodies, operator
 from dolfinx_impact.verify.report import Report
@@ -107,7 +108,7 @@ def test_a_broken_hand_written_tangent(monkeypatch):
 
 
 def test_our_lumped_mass_loses_mass(monkeypatch):
-    right = mass.lumped_mass
+    right = lumped_mass.lumped_mass
 
     def wrong(*args, **kwargs):
         diagonal = right(*args, **kwargs)

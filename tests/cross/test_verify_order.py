@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level order: rates of convergence, of both sides and both norms, each broken in turn."""
 
 import impact_reference

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level ranks: the real processes on a part of the cases, healthy and with faults that show on several ranks only."""
 
 import json

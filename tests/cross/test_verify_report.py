@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rows and reports: what passes, what never does, and what is written to JSON."""
 
 import json

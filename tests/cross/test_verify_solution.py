@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Levels solution and spectrum: healthy, and broken on either side."""
 
 import impact_reference
@@ -6,7 +7,7 @@ import pytest
 import ufl
 from sabotage import assert_caught, assert_healthy, scaled
 
-from dolfinx_impact import problem
+from dolfinx_impact.statics import problem
 from dolfinx_impact.forms import elasticity, materials, quadrature
 from dolfinx_impact.verify import bodies, solution, spectrum
 from dolfinx_impact.verify.report import Report

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The limit of a step with springs of given stiffness is the same on both sides."""
 
 import impact_reference

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A user's own UFL file against the hand-written solver: good, subtly wrong, and of no use."""
 
 import textwrap

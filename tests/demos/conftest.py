@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The command, in a process of its own that does not outlive the test."""
 
 import os

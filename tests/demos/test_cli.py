@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The command dolfinx-impact: lists, exit statuses, info; verify and bench are handed on with their arguments."""
 
 import signal

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Every demo runs, on one rank and on two, and leaves its files; every demo is a page that ends with an assert."""
 
 import ast

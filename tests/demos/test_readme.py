@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What README.md shows: its script runs, its pictures, links and folders are there, its commands exist."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Run folders, gathered fields, pictures."""
 
 import json
@@ -9,9 +10,9 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from dolfinx_impact import plots
-from dolfinx_impact.gather import gather_field, gather_mesh
-from dolfinx_impact.results import RunFolder, vertex_average
+from dolfinx_impact.io import plots
+from dolfinx_impact.io.gather import gather_field, gather_mesh
+from dolfinx_impact.io.run_folder import RunFolder, vertex_average
 
 
 def test_parameters_and_table(tmp_path):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What pages say is true: their scripts run, the places they name exist, every stage and every demo has its page."""
 
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The site: it builds without a warning, without a network, and shows what it should."""
 
 import html.parser

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Pairs of bodies for the contact tests of the hand-written solver."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A body with a tip over a unit body, every node prescribed: single states of explicit contact, written by hand."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Small structured meshes for the tests of the hand-written solver, in its own node order."""
 
 import itertools

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The accounts of one node's spring, docs/explicit/penalty.md, "Energy of the springs", written once more: roots of
 polynomials in place of formulas."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The hand-written solver shares nothing with what it verifies."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Closed-form solutions: the hand-written solver is judged alone, not only against the generated kernels."""
 
 import impact_reference as ir

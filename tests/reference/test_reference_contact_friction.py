@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Frictional equilibrium of the hand-written solver against hand calculations and published values."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Closest points, gaps and normals of the hand-written contact, against SciPy's optimisers and closed forms."""
 
 import impact_reference as ir

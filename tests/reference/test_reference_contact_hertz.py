@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Curved contact of the hand-written solver: Hertz's lines and points, the press fit, large sliding."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Mortar integrals of the hand-written contact: partitions, areas, exactness, normals and derivatives."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Contact patch tests of the hand-written solver, BENCHMARKS P-1 to P-4, on meshes that do not match."""
 
 import impact_reference as ir

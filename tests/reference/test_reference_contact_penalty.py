@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Penalty contact of the hand-written solver: tangents, balances and Coulomb's law at single states."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The explicit loop of the hand-written solver, without contact: recurrences, limits, dispersion, invariants."""
 
 import impact_reference as ir

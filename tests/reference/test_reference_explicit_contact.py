@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Node-to-surface penalty contact in explicit dynamics of the hand-written solver against closed forms."""
 
 import impact_reference as ir

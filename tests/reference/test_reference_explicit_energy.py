@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The energy of springs and of nodes that leave, in explicit contact of the hand-written solver: what contact has not
 taken it does not give."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Kinematic contact of the hand-written solver where slaves are heavier than masters."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Kinematic contact in explicit dynamics of the hand-written solver against closed forms."""
 
 import impact_reference as ir

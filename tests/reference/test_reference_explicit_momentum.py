@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Linear and angular momentum in explicit contact of the hand-written solver, over the master and beside its rim."""
 
 import impact_reference as ir

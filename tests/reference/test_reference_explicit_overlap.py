@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The overlap of a step in explicit penalty contact of the hand-written solver: closing between two steps, the rim."""
 
 from fractions import Fraction

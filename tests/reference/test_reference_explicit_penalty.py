@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Single states of explicit penalty contact: stiffness by the formula, Coulomb's law with history, rigid masters."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Stable steps and bulk viscosity of the hand-written solver against closed forms."""
 
 import impact_reference as ir

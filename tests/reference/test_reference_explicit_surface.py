@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Who closes in explicit contact of the hand-written solver: through the surface only."""
 
 import impact_reference as ir

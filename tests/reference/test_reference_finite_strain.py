@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Finite strain laws: derivatives, invariance, closed forms; follower pressure."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Mass, inertia, lumping, damping, ALE matrices, scalar fields."""
 
 import impact_reference as ir

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Numbering, assembly, several materials, sparse matrices, and what bad input is answered."""
 
 import time

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Patch tests, constant strain and rigid motions for every cell, degree, geometry degree and hypothesis."""
 
 import impact_reference as ir

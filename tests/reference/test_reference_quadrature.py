@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Every integration rule against every monomial it claims to integrate."""
 
 import itertools

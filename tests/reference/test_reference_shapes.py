@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Shape functions, node order and facets of the hand-written elements."""
 
 import impact_reference as ir

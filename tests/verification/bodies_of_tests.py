@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Meshes, tags and supports that the closed-form checks share."""
 
 import numpy as np

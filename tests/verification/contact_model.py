@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A body on a mesh recipe with supports, loads and one contact, and the checks every result of contact must pass."""
 
 import math

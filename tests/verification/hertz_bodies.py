@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's contacts as finite elements: bodies, loads, and how far pressure, width and force are from the theory.
 
 The theory is taken at the force that was measured: the finite size of the bodies then enters only through the shape of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bodies that fly at each other: velocities at the start, momenta, and the history of a contact's force."""
 
 import numpy as np

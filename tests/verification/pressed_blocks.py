@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A block pressed on another one by the displacement of a uniform stress: supports, exact values, errors."""
 
 import numpy as np
@@ -6,7 +7,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
-from dolfinx_impact.operators import PointValues
+from dolfinx_impact.assembly.operators import PointValues
 
 E = 1.0e6
 

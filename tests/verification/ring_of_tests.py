@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Mesh of a quarter of a shaft in a ring that is too small for it; not one of the package's recipes."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Cantilever with a parabolic shear at its end, plane stress (Timoshenko & Goodier, Theory of Elasticity, art. 21)."""
 
 import numpy as np

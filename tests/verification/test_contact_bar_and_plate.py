@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Friction problems with known answers: a bar pulled along a plane, and the plate of Feijoo (GRECO, SSNV128)."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A coarse slave under a fine, round master, degree 2, by penalty: points go to and fro over the master's kinks."""
 
 import numpy as np

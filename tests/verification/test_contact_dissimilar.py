@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Two materials: Goodman's contact without slip."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Round bodies that are held by nothing but the contact, loaded by a force from the first touch, against Hertz.
 
 They touch at a node, where no quadrature point lies: the nearest points are taken as touching in the first iteration.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A block pressed on a rigid plane or on another block and pushed along it: stick, onset of slip, sliding, and back."""
 
 import numpy as np

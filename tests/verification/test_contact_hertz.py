@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's contacts, BENCHMARKS A: peak pressure, width and pressure distribution, conditions of contact, iterations.
 
 The number of facets across the half-width decides: the edge of contact lies anywhere inside the last one. Tolerances

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Indenters with a corner or a tip on a half-plane and a half-space: flat punch, circular punch, wedge, cone."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A soft block pressed by a rigid cylinder to thirty per cent of its height: Newton's method stays quadratic."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """NAFEMS R0094: the cylinder roller (benchmark 1) and the rounded punch (benchmark 2)."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bodies that partly stick: Cattaneo and Mindlin in the plane."""
 
 import math

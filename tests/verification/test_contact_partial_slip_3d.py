@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Cattaneo and Mindlin's sphere, pressed, pushed, and pushed to and fro: shift, stick radius, work of the slip."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Contact patch test, BENCHMARKS P: a uniform stress passes through surfaces whose meshes do not match.
 
 Multipliers on a mortar with exact segments pass to round-off. A penalty lets the surfaces overlap by p/chi and passes

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Friction at nodes whose displacement is prescribed in part: blocks pushed by a whole side, planes of symmetry."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Shaft pressed into a ring (Lame): the interference is an overlap of the meshes, as a shrink fit is computed."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Free rolling of rollers of different materials; Bentall and Johnson 1967."""
 
 import math

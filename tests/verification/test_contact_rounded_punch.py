@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A flat punch with rounded edges on a half-plane: Ciavarella, Hills and Monno (1998), by RigidSurface.
 
 Half-width a of the flat part, radius R of the edges, half-width b of the contact, P per length. Without friction a

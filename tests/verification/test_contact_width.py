@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The width of a contact is told to a twentieth of a facet, wherever between the nodes its edge lies."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Reactions balance the loads, in force and in moment."""
 
 import numpy as np

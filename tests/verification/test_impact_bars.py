@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Two bars, end on: the exact solution of the wave equation; benchmark I-4, Hughes et al. 1976, seed (3.82).
 
 L2 errors over both steel bars at two thirds of the contact, of stress relative to rho c v and of velocity relative to

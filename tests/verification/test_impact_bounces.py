@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A bar that falls on a rigid floor and bounces: what repeated impacts cost. `python test_impact_bounces.py` prints the
 table of docs/explicit/accuracy.md, "What an impact costs".
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Friction in explicit contact against rigid bodies under Coulomb's law: benchmark G-3 and oblique impact."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A sphere's impact against Hertz 1882, benchmark I-5: peak force and duration within 3 %; axisymmetric.
 
 Steel, radius 10 mm. By symmetry the impact of two spheres at 1 m/s is that of one on a rigid plane at 0.5 m/s.

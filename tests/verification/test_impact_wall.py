@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A bar on a rigid wall: benchmarks I-1 (Carpenter, Taylor, Katona 1991 = Ansys VM265; code_aster SDNV100) and I-2
 (Doyen, Ern, Piperno 2011), seed (3.82); yield velocities of seed (3.83), I-6.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Thick cylinder under internal pressure (Lame; Timoshenko & Goodier, Theory of Elasticity, art. 28), plane strain."""
 
 import numpy as np

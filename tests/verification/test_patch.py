@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Patch test: a linear displacement on the boundary is the solution inside, on distorted and curved meshes."""
 
 import numpy as np
@@ -6,7 +7,7 @@ from bodies_of_tests import block, every_boundary_dof
 from dolfinx import fem
 
 from dolfinx_impact import LinearElastic, NeoHookean, StaticProblem, StVenantKirchhoff
-from dolfinx_impact.operators import PointValues
+from dolfinx_impact.assembly.operators import PointValues
 
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 GRADIENT = np.array([[0.03, 0.02, -0.01], [-0.015, 0.02, 0.01], [0.01, -0.02, 0.025]])

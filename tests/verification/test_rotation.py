@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Finite-strain laws do not notice a rotation: by a quarter turn there is neither force nor energy."""
 
 import numpy as np
@@ -6,7 +7,8 @@ import ufl
 from bodies_of_tests import block
 from dolfinx import fem
 
-from dolfinx_impact import LinearElastic, NeoHookean, StVenantKirchhoff, operators
+from dolfinx_impact import LinearElastic, NeoHookean, StVenantKirchhoff
+from dolfinx_impact.assembly import operators
 
 # Round-off of F: entries of size 1 with errors of 1e-16 times the sum over a gradient's nodes.
 FORCE, ENERGY = 1e-13, 1e-14

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Uniaxial stretch of a bar with free sides: lateral stretch and force against the scalar closed form of the law."""
 
 import numpy as np

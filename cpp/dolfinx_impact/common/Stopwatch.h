@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <chrono>
 
-namespace impact::common
+namespace dolfinx_impact::common
 {
 /// Adds the time from its construction to its end to a sum.
 class Stopwatch
@@ -17,4 +18,4 @@ private:
   double& _seconds;
   std::chrono::steady_clock::time_point _begin = std::chrono::steady_clock::now();
 };
-} // namespace impact::common
+} // namespace dolfinx_impact::common

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 
 /// A function compiled for AVX2 and FMA as well, chosen when the library is loaded.

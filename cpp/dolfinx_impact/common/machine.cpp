@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "machine.h"
 #include <cstdlib> // defines __GLIBC__ where that is the C library
 #if defined(__GLIBC__)
@@ -8,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace impact::common
+namespace dolfinx_impact::common
 {
 namespace
 {
@@ -81,4 +82,4 @@ void release_memory()
   malloc_trim(0);
 #endif
 }
-} // namespace impact::common
+} // namespace dolfinx_impact::common

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 
 /// What this processor can do, measured: the scale that benchmarks are shown against.
-namespace impact::common
+namespace dolfinx_impact::common
 {
 /// Memory bandwidth of one core, bytes per second: best of several runs of a[i] = b[i] + s c[i] on arrays far larger
 /// than the caches; three arrays counted (McCalpin's STREAM triad).
@@ -13,4 +14,4 @@ double peak_flops();
 
 /// Give memory that set-up no longer needs back to the system, where the C library can.
 void release_memory();
-} // namespace impact::common
+} // namespace dolfinx_impact::common

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 
-namespace impact
+namespace dolfinx_impact
 {
 /// Scalar product of vectors of n components.
 inline double dot(const double* a, const double* b, int n)
@@ -10,4 +11,4 @@ inline double dot(const double* a, const double* b, int n)
     sum += a[c] * b[c];
   return sum;
 }
-} // namespace impact
+} // namespace dolfinx_impact

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/Facets.h"
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// Calls each(j) for the nodes of a facet; unrolled for the most common number.
 template <typename Each>
@@ -105,4 +106,4 @@ struct Couple
     }
   }
 };
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "KinematicContact.h"
 #include "../common/vectors.h"
 #include <algorithm>
@@ -6,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 namespace
 {
@@ -423,4 +424,4 @@ void KinematicContact::correct(const PredictedStep& step, double* u, double* f)
   }
   _gdim == 2 ? correct_all<2>(step, u, f) : correct_all<3>(step, u, f);
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Couple.h"
 #include "NodeToSurface.h"
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 struct KinematicContactOptions : NodeToSurfaceOptions
 {
@@ -77,4 +78,4 @@ private:
   std::vector<std::int32_t> _touched;
   std::vector<double> _weight, _sum, _moved, _before;
 };
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

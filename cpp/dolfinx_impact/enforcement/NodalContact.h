@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../operators/Halo.h"
 #include <array>
@@ -5,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// What the explicit integrator shows to contacts: arrays over the nodes of the Halo they were numbered by, entry
 /// node*gdim + c.
@@ -108,4 +109,4 @@ public:
   /// @param[in,out] f complete on owned nodes: forces are added [F]
   virtual void correct(const PredictedStep& step, double* u, double* f) = 0;
 };
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

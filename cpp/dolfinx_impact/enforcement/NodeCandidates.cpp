@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "NodeCandidates.h"
 #include "../common/vectors.h"
 #include "../surface/nodal.h"
@@ -7,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 namespace
 {
@@ -303,4 +304,4 @@ double NodeCandidates::used(const NodalState& state) const
   }
   return _room > 0.0 ? 2 * std::sqrt(motion) / _room : 1.0;
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

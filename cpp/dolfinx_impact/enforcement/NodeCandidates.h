@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../operators/Halo.h"
 #include "../search/NodeTracking.h"
@@ -6,7 +7,7 @@
 #include "NodalContact.h"
 #include <memory>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// The slave nodes that a rank owns, whether or not it has a facet at them, and the master facets of all ranks that
 /// come near: searched anew only when the bodies have moved so much against each other that others could come near.
@@ -83,4 +84,4 @@ private:
   bool _fresh = true, _known = false; ///< _known: where the nodes were at an earlier search
   std::int64_t _searches = 0;
 };
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "NodeToSurface.h"
 #include "../search/linear_facet.h"
 #include <algorithm>
@@ -7,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 using search::Projection;
 
@@ -311,4 +312,4 @@ bool NodeToSurface::passes(Touch& touch, const double* u, const double* du)
     touch.at = first;
   return false;
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

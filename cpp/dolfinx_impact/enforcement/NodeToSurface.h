@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../gap/Rigid.h"
 #include "NodalContact.h"
@@ -7,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// What every contact of nodes with a surface is told.
 struct NodeToSurfaceOptions
@@ -145,4 +146,4 @@ private:
   std::vector<double> _areas;
   std::int64_t _implausible = 0;
 };
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

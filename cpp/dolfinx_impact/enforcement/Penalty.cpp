@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "Penalty.h"
 #include "friction.h"
 #include "variation.h"
@@ -5,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 namespace
 {
@@ -325,4 +326,4 @@ void advance(const PenaltyState& state, PenaltyHistory& history)
   history.traction = state.tangential;
   history.slip = state.slip;
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../gap/points.h"
 #include <array>
@@ -5,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// Penalty method at the slave's quadrature points (docs/contact.md; seed (3.48), corrected), augmented or not, with or
 /// without Coulomb's friction (seed (3.43)).
@@ -95,4 +96,4 @@ void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const
 
 /// The state is the last converged one from now on. (`gap` is for the caller to set.)
 void advance(const PenaltyState& state, PenaltyHistory& history);
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "PenaltyContact.h"
 #include "Couple.h"
 #include "friction.h"
@@ -8,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 using surface::FacetElement;
 
@@ -392,4 +393,4 @@ NodalSprings PenaltyContact::springs_at(const double* u)
   }
   return out;
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

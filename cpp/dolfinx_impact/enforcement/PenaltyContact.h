@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "NodeToSurface.h"
 #include "spring.h"
 #include <memory>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 struct PenaltyContactOptions : NodeToSurfaceOptions
 {
@@ -90,4 +91,4 @@ private:
   std::vector<double> _stiffness;
   std::vector<Spring> _springs;
 };
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

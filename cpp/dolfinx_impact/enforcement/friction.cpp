@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "friction.h"
 #include "../common/vectors.h"
 #include <algorithm>
 #include <cmath>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 namespace
 {
@@ -67,4 +68,4 @@ void linearise(const Friction& p, const FrictionResult& result, int num, const d
       d_traction[c * num + j] = d_trial[c];
   }
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

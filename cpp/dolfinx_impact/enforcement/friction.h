@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <cmath>
 
 /// Sixth stage: gaps turned into forces.
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// Coulomb's law at a point with a tangential stiffness, over one step (docs/contact.md, seed (3.43)).
 struct Friction
@@ -76,4 +77,4 @@ FrictionResult evaluate(const Friction& point);
 /// @param[out] d_traction gdim x num, row-major
 void linearise(const Friction& point, const FrictionResult& result, int num, const double* d_pressure,
                const double* d_normal, const double* d_increment, double* d_traction);
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <algorithm>
 #include <cmath>
 
 /// Springs of explicit penalty contact that never give back more than they took (docs/explicit/penalty.md, "Energy of
 /// the springs").
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// The spring of a slave node after the last step. All zero: it was open and owes nothing.
 struct Spring
@@ -114,4 +115,4 @@ double tangential_step(double& owed, const double* turned, double stored, const 
   owed = std::min(0.0, owed + taken);
   return taken;
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

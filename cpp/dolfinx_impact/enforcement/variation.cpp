@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "variation.h"
 #include <algorithm>
 #include <cmath>
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 namespace
 {
@@ -186,4 +187,4 @@ Variation vary(const gap::Points& points, const surface::Facets& slave, const su
   vary_on_facet(c, points.gap[q], n, points.status[q] == ProjectionStatus::converged, v);
   return v;
 }
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../gap/points.h"
 
-namespace impact::enforcement
+namespace dolfinx_impact::enforcement
 {
 /// How gap, normal and place on the master of one point vary with the displacements. Everything depends on them through
 /// D = u_s - u_m(xi) and its derivatives D,r along the k parameters that are free (2 on a facet, 1 on an edge or in the
@@ -26,4 +27,4 @@ Variation vary(const gap::Points& points, const surface::Facets& slave, const su
 /// Shape functions of D alone: slave's nodes, then minus the master's. @returns their number
 int relative_shape(const gap::Points& points, const surface::Facets& slave, const surface::Facets* master,
                    std::size_t q, double* shape);
-} // namespace impact::enforcement
+} // namespace dolfinx_impact::enforcement

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "FacetShape.h"
 #include <algorithm>
 #include <array>
@@ -7,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 namespace
 {
@@ -267,4 +268,4 @@ RigidPoint FacetShape::closest(const double* given) const
           sign * ((a == b ? 1.0 : 0.0) - along[a] * along[b] - out.normal[a] * out.normal[b]) / distance;
   return out;
 }
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

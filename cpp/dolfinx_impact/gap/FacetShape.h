@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../search/BoxTree.h"
 #include "Shape.h"
@@ -5,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 /// Surface of straight facets: segments in the plane, triangles in space. Inside and outside are told by the normals of
 /// facets, edges and vertices (at vertices weighted by the facets' angles: Baerentzen and Aanaes 2005). A point beside
@@ -50,4 +51,4 @@ private:
   std::vector<Facet> _facets;
   search::BoxTree _tree;
 };
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "HeightField.h"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 namespace
 {
@@ -185,4 +186,4 @@ RigidPoint HeightField::closest(const double* x) const
           out.hessian[3 * c + d] -= dual[k][c] * A[k][i] * tangent[i][d];
   return out;
 }
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Shape.h"
 #include <array>
 #include <vector>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 /// Surface z = h(a) over a line or a rectangle of a plane, h a cubic spline on a uniform grid; beyond the grid it goes
 /// on straight. The normal and its derivative are those of the spline: twice differentiable, gaps are continuous with
@@ -43,4 +44,4 @@ private:
   Grid _grid;
   std::vector<double> _coefficients;
 };
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "Rigid.h"
 #include <cmath>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 RigidPoint evaluate(const Rigid& rigid, const double* x)
 {
@@ -48,4 +49,4 @@ RigidPoint evaluate(const Rigid& rigid, const double* x)
     }
   return out;
 }
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Shape.h"
 #include <array>
 #include <memory>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 /// A rigid obstacle as master.
 struct Rigid
@@ -27,4 +28,4 @@ struct Rigid
 
 /// @param[in] x gdim coordinates. In the plane a cylinder is a circle; its axis points out of the plane.
 RigidPoint evaluate(const Rigid& rigid, const double* x);
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 
 /// Fifth stage: gaps between slave and master, and their integrals.
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 /// Signed distance of a point and its derivatives.
 struct RigidPoint
@@ -20,4 +21,4 @@ public:
   /// Signed distance from the surface's closest point to x, gdim coordinates. No allocation.
   virtual RigidPoint closest(const double* x) const = 0;
 };
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "mortar.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 using surface::FacetElement;
 using surface::FacetPoint;
@@ -383,4 +384,4 @@ Entries turning_tangent(const Facets& slave, std::span<const double> sums, std::
     }
   return out;
 }
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

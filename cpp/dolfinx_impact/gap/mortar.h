@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "segments.h"
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 /// Matrix entries of this rank; rows and columns number nodes as the facets do. Entries at the same place add up.
 struct Entries
@@ -59,4 +60,4 @@ Entries sliding_tangent(const surface::Facets& slave, const surface::Facets& mas
 /// @returns entries (gdim*node + component, gdim*node + component) of the slave's own block, per force on node i:
 /// d(force_i n_i)/du, negative
 Entries turning_tangent(const surface::Facets& slave, std::span<const double> sums, std::span<const double> force);
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "points.h"
 #include <algorithm>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 namespace
 {
@@ -89,4 +90,4 @@ void update(Points& points, const surface::Facets& slave, const Rigid& master)
       std::copy_n(p.hessian + 3 * a, gdim, points.hessian.data() + (q * gdim + a) * gdim);
   }
 }
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../search/project.h"
 #include "Rigid.h"
 #include <span>
 #include <vector>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 /// Quadrature points of a slave surface with what is known about the gap there, in flat arrays: facet after facet, the
 /// same rule on each.
@@ -46,4 +47,4 @@ void update(Points& points, const surface::Facets& slave, const search::SurfaceS
 
 /// Positions and gaps for a rigid master.
 void update(Points& points, const surface::Facets& slave, const Rigid& master);
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "segments.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 using surface::FacetElement;
 using surface::FacetPoint;
@@ -295,4 +296,4 @@ Segments whole_facets(const Facets& slave, const SegmentRule& rule, bool axisymm
     }
   return out;
 }
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

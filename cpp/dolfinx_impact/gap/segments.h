@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/normals.h"
 #include <span>
 #include <vector>
 
-namespace impact::gap
+namespace dolfinx_impact::gap
 {
 /// Quadrature points on the segments of mortar contact: where a slave facet faces a master facet (docs/contact.md).
 /// Points of one slave facet follow each other; facets in their order.
@@ -34,4 +35,4 @@ Segments segment(const surface::Facets& slave, const surface::Facets& master, st
 /// The same points on whole slave facets, without a master (-1): for rigid obstacles.
 /// @param[in] rule on the reference facet
 Segments whole_facets(const surface::Facets& slave, const SegmentRule& rule, bool axisymmetric);
-} // namespace impact::gap
+} // namespace dolfinx_impact::gap

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "CentralDifference.h"
 #include <algorithm>
 #include <cmath>
@@ -5,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
@@ -333,4 +334,4 @@ Halo::Traffic CentralDifference::traffic() const
   out += _contact.traffic();
   return out;
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "ContactForces.h"
 #include "EnergyBalance.h"
@@ -14,7 +15,7 @@
 #include <vector>
 
 /// Seventh stage: time stepping.
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 using operators::FunctionSpace;
 
@@ -147,4 +148,4 @@ private:
   bool _stop = false, _stopped = false;         ///< this rank is asked to stop; the ranks have agreed on it
   std::chrono::steady_clock::time_point _asked; ///< when `asked` was called last
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

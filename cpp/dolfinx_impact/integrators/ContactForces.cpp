@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "ContactForces.h"
 #include "../common/Stopwatch.h"
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 using common::Stopwatch;
 
@@ -275,4 +276,4 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
     _contacts[k].contact->forget_search();
   }
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../enforcement/NodalContact.h"
 #include "ContactNodes.h"
@@ -9,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 /// All contacts of a run: their candidates, rigid masters that move, and their forces. Springs act at a time level and
 /// are part of the residual; kinematic contact corrects what an update has predicted.
@@ -124,4 +125,4 @@ private:
   std::int64_t _num_searches = 0;
   double _seconds = 0.0;
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "ContactNodes.h"
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 void ContactNodes::number(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic_contact)
 {
@@ -161,4 +162,4 @@ Halo::Traffic ContactNodes::traffic() const
     out += _halo->traffic();
   return out;
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../enforcement/NodalContact.h"
 #include "NodalFields.h"
@@ -5,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 /// The nodes that contacts act on, numbered one after the other, and their values: what contacts do to them in every
 /// step stays in the cache.
@@ -70,4 +71,4 @@ private:
   Forces _kept; ///< until nodes are numbered
   Halo::Traffic _traffic;
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "EnergyBalance.h"
 #include <algorithm>
 #include <cmath>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 namespace
 {
@@ -133,4 +134,4 @@ void EnergyBalance::restore(const Saved& saved)
   _gain.largest = saved.largest;
   _release_share = saved.release_share;
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

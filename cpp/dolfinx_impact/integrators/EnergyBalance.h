@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "ContactForces.h"
 #include "ForceTerm.h"
@@ -10,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 enum class Scheme
 {
@@ -106,4 +107,4 @@ private:
   EnergyGain _gain;
   double _gain_limit = std::numeric_limits<double>::infinity();
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

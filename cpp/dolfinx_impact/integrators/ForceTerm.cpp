@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "ForceTerm.h"
 #include <algorithm>
 #include <stdexcept>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 double sum_of_products(std::size_t size, const double* a, const double* b)
 {
@@ -95,4 +96,4 @@ void ForceTerm::restore(std::span<const double> force, const Work& saved, double
   work = saved;
   _position = position;
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../operators/InternalForce.h"
 #include "NodalFields.h"
@@ -6,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 using operators::InternalForce;
 
@@ -63,4 +64,4 @@ private:
 
 /// Sum of a[i] b[i], by four sums: additions do not wait for each other.
 double sum_of_products(std::size_t size, const double* a, const double* b);
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "History.h"
 #include <algorithm>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 void History::write(std::size_t step, const Energies& energies, std::span<const double> forces) const
 {
@@ -11,4 +12,4 @@ void History::write(std::size_t step, const Energies& energies, std::span<const 
   const auto values = energies.values();
   std::copy(forces.begin(), forces.end(), std::copy(values.begin(), values.end(), row.begin()));
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

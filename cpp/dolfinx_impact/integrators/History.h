@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "energy.h"
 #include <cstddef>
 #include <span>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 /// Rows of a run's history in the caller's memory, one for each step: the Energies before the step in their order, then
 /// three components of each contact's force.
@@ -25,4 +26,4 @@ private:
   std::span<double> _values;
   std::size_t _row_size = Energies::size;
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

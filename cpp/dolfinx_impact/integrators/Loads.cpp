@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "Loads.h"
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 namespace
 {
@@ -45,4 +46,4 @@ void Loads::apply(const double* amplitudes)
     for (std::size_t k = 0; k < load.dofs.size(); ++k)
       _forces[load.dofs[k]] += load.applied * load.values[k];
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <cstdint>
 #include <span>
 #include <vector>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 /// External nodal forces: arrays of values, each times an amplitude that is a function of time.
 class Loads
@@ -44,4 +45,4 @@ private:
   std::vector<Load> _loads;
   std::vector<double> _forces;
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

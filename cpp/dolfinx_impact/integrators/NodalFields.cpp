@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "NodalFields.h"
 #include <algorithm>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 NodalFields::NodalFields(std::shared_ptr<const dolfinx::common::IndexMap> map, int bs)
     : bs(bs), owned(std::size_t(map->size_local()) * bs), own(owned + std::size_t(map->num_ghosts()) * bs),
@@ -64,4 +65,4 @@ Halo::Traffic NodalFields::traffic() const
   out += halo->traffic();
   return out;
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

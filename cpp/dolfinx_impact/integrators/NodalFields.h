@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../operators/Halo.h"
 #include <cstdint>
@@ -5,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 using operators::Halo;
 
@@ -46,4 +47,4 @@ private:
   std::vector<double> _old_ghosts; ///< displacements of ghosts at the time level before
   Halo::Traffic _traffic;          ///< of Halos that are no more
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "PrescribedMotion.h"
 #include <stdexcept>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 void PrescribedMotion::add(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
 {
@@ -76,4 +77,4 @@ void PrescribedMotion::accelerations(double dt, const double* amplitudes, const 
       a[i] = ((group.displacement(k, amplitudes) - u[i]) / dt - v[i]) / dt;
     }
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

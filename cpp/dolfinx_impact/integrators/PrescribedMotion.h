@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Loads.h"
 #include "update.h"
@@ -5,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 /// Displacements prescribed as values times amplitudes, and the support forces that they need: docs/explicit/scheme.md,
 /// "Prescribed motion". The degrees of freedom have no inverse mass, so that `update` moves them on as they move; then
@@ -66,4 +67,4 @@ private:
   };
   std::vector<Group> _groups;
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

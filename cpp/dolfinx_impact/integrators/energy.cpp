@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "energy.h"
 #include <algorithm>
 #include <cmath>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 Energies EnergySums::energies(bool linear) const
 {
@@ -33,4 +34,4 @@ void EnergyGain::update(const Energies& e, double taken)
   now = largest > 0.0 ? (value - lowest) / largest : 0.0;
   most = std::max(most, now);
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <array>
 #include <bit>
 #include <cstddef>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 /// Which energy the work of a force counts to.
 enum class WorkKind
@@ -88,4 +89,4 @@ struct EnergyGain
   /// @param[in] taken by kinematic contact so far, which may give it back when nodes leave [F L]
   void update(const Energies& energies, double taken);
 };
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

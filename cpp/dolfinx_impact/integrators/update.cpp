@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "update.h"
 #include "../common/clones.h"
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 namespace
 {
@@ -78,4 +79,4 @@ Sums measure(std::size_t n, const double* r, const double* load, const double* i
   }
   return s;
 }
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <cstddef>
 
-namespace impact::integrators
+namespace dolfinx_impact::integrators
 {
 /// Sums over degrees of freedom that energies are made of; see docs/explicit/energies.md. Velocities are those half a
 /// step before (old) and after (new).
@@ -37,4 +38,4 @@ Sums update(std::size_t n, double* r, const double* load, const double* inverse_
 /// The same sums without the update, v_new being what it would be.
 Sums measure(std::size_t n, const double* r, const double* load, const double* inverse_mass, const Coefficients& c,
              const double* u, const double* v);
-} // namespace impact::integrators
+} // namespace dolfinx_impact::integrators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 
 /// What a generated kernel says about itself. Plain C, so that kernels built with the package and kernels compiled at

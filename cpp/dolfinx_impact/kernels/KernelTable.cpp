@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "KernelTable.h"
 #include <cstddef>
 #include <cstdlib>
 #include <dlfcn.h>
 #include <stdexcept>
 
-namespace impact::kernels
+namespace dolfinx_impact::kernels
 {
 extern const impact_kernel* const generated_table[];
 extern const std::size_t generated_table_size;
@@ -124,4 +125,4 @@ impact_tabulate tabulate(const impact_kernel& kernel, int width)
 {
   return kernel.tabulate[slot(width)];
 }
-} // namespace impact::kernels
+} // namespace dolfinx_impact::kernels

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Kernel.h"
 #include <span>
@@ -5,7 +6,7 @@
 #include <vector>
 
 /// First stage: kernels generated from UFL forms, built with the package or loaded at run time.
-namespace impact::kernels
+namespace dolfinx_impact::kernels
 {
 /// Kernels built with the package, in the order of forms/registry.py.
 std::span<const impact_kernel* const> table();
@@ -43,4 +44,4 @@ int processor_width();
 
 /// The function for a width that `width` returned.
 impact_tabulate tabulate(const impact_kernel& kernel, int width);
-} // namespace impact::kernels
+} // namespace dolfinx_impact::kernels

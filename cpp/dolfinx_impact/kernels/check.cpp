@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "check.h"
 #include <basix/finite-element.h>
 #include <dolfinx/fem/DofMap.h>
@@ -5,7 +6,7 @@
 #include <dolfinx/mesh/cell_types.h>
 #include <stdexcept>
 
-namespace impact::kernels
+namespace dolfinx_impact::kernels
 {
 namespace
 {
@@ -52,4 +53,4 @@ void check_space(const impact_kernel& kernel, const impact_element& element,
         std::string("kernel ") + kernel.name + ": the " + what +
         " needs transformations of its degrees of freedom; only Lagrange-type spaces are supported");
 }
-} // namespace impact::kernels
+} // namespace dolfinx_impact::kernels

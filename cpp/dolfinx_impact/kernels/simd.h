@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <cmath>
 #include <type_traits>
 
 /// What generated kernels need of their scalar type T: double, or a vector of doubles that holds one cell per lane.
 /// The vectors are the compiler's own (GCC and Clang vector extensions): arithmetic and comparison work as on double.
-namespace impact::kernels
+namespace dolfinx_impact::kernels
 {
 template <int N>
 struct Lanes
@@ -203,4 +204,4 @@ inline T max(T a, T b)
   return a > b ? a : b;
 }
 } // namespace math
-} // namespace impact::kernels
+} // namespace dolfinx_impact::kernels

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "Batches.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
@@ -6,7 +7,7 @@
 #include <dolfinx/mesh/cell_types.h>
 #include <stdexcept>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 namespace
 {
@@ -199,4 +200,4 @@ double Batches::run(double* b) const
   }
   return sum;
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../kernels/Kernel.h"
 #include "gather.h"
@@ -11,7 +12,7 @@
 #include <vector>
 
 /// Second stage: kernels applied over the cells of a mesh.
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 using Mesh = dolfinx::mesh::Mesh<double>;
 using FunctionSpace = dolfinx::fem::FunctionSpace<double>;
@@ -88,4 +89,4 @@ private:
   std::vector<double> _constants;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand
 };
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

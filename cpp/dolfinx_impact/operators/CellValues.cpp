@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "CellValues.h"
 #include "../kernels/check.h"
 #include <algorithm>
 #include <dolfinx/fem/DofMap.h>
 #include <stdexcept>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V,
                        const std::map<std::string, std::shared_ptr<const Function>>& coefficients)
@@ -42,4 +43,4 @@ void CellValues::gather(std::int32_t cell)
         _w[_kernel.coefficients[c].offset + i * map.bs() + b] = values[std::size_t(dofs[i]) * map.bs() + b];
   }
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Batches.h"
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 /// What a kernel reads of one cell at a time: values of coefficients and coordinates of nodes.
 class CellValues
@@ -26,4 +27,4 @@ private:
   std::vector<std::shared_ptr<const Function>> _functions; ///< in the kernel's order
   std::vector<double> _w, _nodes;
 };
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "Halo.h"
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 namespace
 {
@@ -143,4 +144,4 @@ void Halo::reverse_end(double* values, int bs)
     for (int c = 0; c < bs; ++c)
       values[std::size_t(_owned[i]) * bs + c] += _owned_buffer[i * bs + c];
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

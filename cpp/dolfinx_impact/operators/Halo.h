@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,7 +8,7 @@
 #include <mpi.h>
 #include <vector>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 /// Exchange of nodal values between a rank and its neighbours, without allocation: arrays values[node*bs + c] over the
 /// nodes of an IndexMap, owned first, then ghosts. One message per neighbour and direction, by persistent requests.
@@ -72,4 +73,4 @@ private:
   std::array<std::array<std::vector<MPI_Request>, max_bs + 1>, 2> _requests;
   Traffic _traffic;
 };
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "InternalForce.h"
 #include <algorithm>
 #include <dolfinx/fem/DofMap.h>
 #include <functional>
 #include <stdexcept>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 InternalForce::InternalForce(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
                              const std::vector<Integral>& integrals,
@@ -56,4 +57,4 @@ double InternalForce::flops() const
     count += batches.kernel().flops * batches.num_cells();
   return count;
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

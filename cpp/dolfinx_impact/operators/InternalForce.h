@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Batches.h"
 #include <dolfinx/la/Vector.h>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 /// A vector f(u) of a form of rank 1, computed cell by cell without a matrix, several cells at once; or, for a form of
 /// rank 0, its value. Materials that differ by cell tag are integrals of their own.
@@ -62,4 +63,4 @@ private:
   std::shared_ptr<const FunctionSpace> _test;
   std::vector<Batches> _batches;
 };
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

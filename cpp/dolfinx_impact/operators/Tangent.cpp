@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "Tangent.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
@@ -7,7 +8,7 @@
 #include <dolfinx/la/petsc.h>
 #include <stdexcept>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 namespace
 {
@@ -93,4 +94,4 @@ void Tangent::assemble(const std::vector<std::shared_ptr<const dolfinx::fem::Dir
   MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY);
   MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY);
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Batches.h"
 #include <dolfinx/fem/Constant.h>
@@ -5,7 +6,7 @@
 #include <dolfinx/fem/Form.h>
 #include <petscmat.h>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 /// A DOLFINx form of rank 2 made of this project's kernels: matrix assembly, sparsity and boundary conditions are
 /// DOLFINx's. From Python, dolfinx.fem.form does the same with FFCx's own C kernels.
@@ -36,4 +37,4 @@ private:
   dolfinx::fem::Form<double> _form;
   Mat _matrix;
 };
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "frequency.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
@@ -9,7 +10,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 namespace
 {
@@ -94,4 +95,4 @@ std::vector<double> cell_frequencies(const Integral& stiffness, const FunctionSp
     out[e] = std::max(0.0, spectra[3 * e + 1]);
   return out;
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "lump.h"
 #include <map>
@@ -5,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 /// Extreme eigenvalues of M_e^-1 A_e of every cell or facet, A_e the symmetric part of its matrix, M_e the cell's part
 /// of a lumped mass.
@@ -31,4 +32,4 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
 std::vector<double> cell_frequencies(const Integral& stiffness, const FunctionSpace& V,
                                      const std::map<std::string, std::shared_ptr<const Function>>& coefficients,
                                      std::span<const double> masses);
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "gather.h"
 #include "gather_x86.h"
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 namespace
 {
@@ -154,4 +155,4 @@ scatter_function scatter(int lanes, int bs)
     return fast;
   return lanes == 8 ? pick_scatter<8>(bs) : lanes == 4 ? pick_scatter<4>(bs) : pick_scatter<1>(bs);
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <cstddef>
 #include <cstdint>
 
 /// Moves values between nodes (arrays as DOLFINx keeps them) and the lanes of a batch of cells.
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 /// w[(node*bs + component)*lanes + lane] = u[stride*dofs[node*lanes + lane] + component]
 typedef void (*gather_function)(const double* u, const std::int32_t* dofs, int num_nodes, double* w);
@@ -23,4 +24,4 @@ gather_function gather(int lanes, int bs, int stride);
 scatter_function scatter(int lanes, int bs);
 
 clear_function clear(int lanes);
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 // Gather and scatter of nodes with two and three components by register transposes. Writing a vector lane by lane and
 // reading it back whole stalls the processor (the stores cannot be forwarded), so lanes are put together in registers
@@ -6,7 +7,7 @@
 #include <cstdint>
 #include <immintrin.h>
 
-namespace impact::operators::x86
+namespace dolfinx_impact::operators::x86
 {
 #define IMPACT_AVX2 __attribute__((target("avx2,fma"))) inline
 #define IMPACT_AVX512 __attribute__((target("avx2,fma,avx512f,avx512dq,avx512vl"))) inline
@@ -128,5 +129,5 @@ IMPACT_AVX2 void scatter_whole(const double* __restrict A, const std::int32_t* _
       add_lanes<BS>(b, dofs + half, _mm256_load_pd(A + half), _mm256_load_pd(A + W + half), z);
     }
 }
-} // namespace impact::operators::x86
+} // namespace dolfinx_impact::operators::x86
 #endif

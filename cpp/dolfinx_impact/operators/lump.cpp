@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "lump.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
@@ -6,7 +7,7 @@
 #include <dolfinx/fem/DofMap.h>
 #include <stdexcept>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 namespace
 {
@@ -105,4 +106,4 @@ std::vector<double> cell_masses_nodal(const Integral& nodal, const Integral& row
   }
   return masses;
 }
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Batches.h"
 #include <map>
 #include <memory>
 #include <string>
 
-namespace impact::operators
+namespace dolfinx_impact::operators
 {
 /// Coefficients of kernels by their names, ghosts up to date: a density that varies.
 using Coefficients = std::map<std::string, std::shared_ptr<const Function>>;
@@ -31,4 +32,4 @@ void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> di
 /// @param[in] V displacement space
 /// @param[in,out] diagonal owned and ghost entries; this rank's contributions are added
 void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, std::span<double> diagonal);
-} // namespace impact::operators
+} // namespace dolfinx_impact::operators

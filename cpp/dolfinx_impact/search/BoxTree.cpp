@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "BoxTree.h"
 #include <algorithm>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 BoxTree::BoxTree(int gdim, std::span<const double> boxes) : _gdim(gdim), _boxes(boxes.begin(), boxes.end())
 {
@@ -102,4 +103,4 @@ bool BoxTree::overlap(const double* a, const double* b) const
       return false;
   return true;
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <array>
 #include <cstdint>
@@ -5,7 +6,7 @@
 #include <vector>
 
 /// Fourth stage: which slave facets and master facets can meet, and where a point is closest to a surface.
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Bounding-volume hierarchy of axis-parallel boxes in flat arrays. A box is 2*gdim numbers: its lower corner, then its
 /// upper corner. Queries allocate nothing; what they find goes to a visitor.
@@ -131,4 +132,4 @@ void BoxTree::nearest_in(const double* x, double squared_limit, Visitor& visit) 
       squared_limit = visit(_order[node.first]);
   }
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "Exchange.h"
 #include "travel.h"
 #include <algorithm>
 #include <functional>
 #include <stdexcept>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -105,4 +106,4 @@ void Exchange::move(std::span<const double> u)
   surface::move(_slave, values.data());
   surface::move(_master, values.data());
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

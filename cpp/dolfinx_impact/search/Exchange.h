@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/Surface.h"
 #include <dolfinx/common/IndexMap.h>
@@ -5,7 +6,7 @@
 #include <memory>
 #include <span>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// The facets of a pair as this rank needs them: its own slave facets, and all master facets, its own or of other
 /// ranks, whose boxes come within `reach` of the box of its slave facets. Master facets travel only between ranks whose
@@ -46,4 +47,4 @@ private:
   surface::Facets _slave, _master;
   std::unique_ptr<dolfinx::la::Vector<double>> _values; ///< over the map; also the buffer of what travels
 };
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "NodeNormals.h"
 #include "../common/vectors.h"
 #include "../surface/normals.h"
@@ -5,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 using surface::FacetElement;
 using surface::FacetShape;
@@ -196,4 +197,4 @@ double NodeNormals::evaluate(std::size_t i, const double* u, const double* du, d
     return general(i, u, du, normal, back);
   return _facets.gdim == 2 ? linear<2>(i, u, du, normal, back) : linear<3>(i, u, du, normal, back);
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/Facets.h"
 #include <limits>
 #include <span>
 #include <vector>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// How fast a unit normal can turn.
 ///
@@ -67,4 +68,4 @@ private:
   std::vector<Place> _places; ///< of other facets: with the node's position in the facet
   std::vector<double> _phi;   ///< shape functions of displacements at geometry nodes
 };
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "NodeTracking.h"
 #include "boxes.h"
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -283,4 +284,4 @@ void NodeTracking::set_held(std::span<const std::int64_t> ids, std::span<const d
   find_held();
   wake_all();
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

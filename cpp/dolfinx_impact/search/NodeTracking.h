@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "NodeNormals.h"
 #include "project.h"
@@ -8,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// A node of the master: what is done with it step by step finds all of it in one line of the cache.
 struct alignas(64) MasterNode
@@ -246,4 +247,4 @@ private:
   std::vector<std::int64_t> _held;
   mutable Counters _counters;
 };
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "boxes.h"
 #include <algorithm>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -61,4 +62,4 @@ void bounding_boxes(const surface::Facets& facets, std::vector<double>& boxes)
     }
   }
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

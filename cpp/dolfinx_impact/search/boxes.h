@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/Facets.h"
 #include <vector>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Boxes around facets at their current positions. A curved facet may reach beyond its nodes: its box is that of the
 /// control points of the same polynomial in Bernstein form, whose hull contains it.
@@ -13,4 +14,4 @@ void bounding_boxes(const surface::Facets& facets, std::vector<double>& boxes);
 /// @param[in] x positions of its nodes, x[i*gdim + c] [L]
 /// @param[out] control as many points, in the order of the nodes
 void control_points(const surface::FacetElement& element, int gdim, const double* x, double* control);
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "curve_projection.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -85,4 +86,4 @@ bool project_on_curve(int gdim, const double* a, const double* b, const double* 
   }
   return std::isfinite(best);
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Closest point on a curve x(t) of degree 1 or 2 between two nodes, at which the distance is stationary.
 /// @param[in] gdim 2 or 3
@@ -11,4 +12,4 @@ namespace impact::search
 /// @returns false if there is none: then the nearest point is an end
 bool project_on_curve(int gdim, const double* a, const double* b, const double* middle, const double* point,
                       double margin, double& t);
-} // namespace impact::search
+} // namespace dolfinx_impact::search

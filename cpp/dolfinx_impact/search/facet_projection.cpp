@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "facet_projection.h"
 #include "curve_projection.h"
 #include <algorithm>
@@ -5,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -240,4 +241,4 @@ Bend bend(const FacetElement& element, int gdim, const double* nodes)
   }
   return {std::sqrt(radius), largest > 0.0 ? least / largest : std::numeric_limits<double>::infinity()};
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/FacetElement.h"
 #include <cmath>
 #include <cstdint>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Where on its facet a closest point lies.
 enum class ProjectionStatus : std::int8_t
@@ -70,4 +71,4 @@ Bend bend(const surface::FacetElement& element, int gdim, const double* nodes);
 
 /// Corners at the ends of an edge of a facet of dimension 2; in a facet of dimension 1 edge 0 is the facet.
 const int* edge_corners(surface::FacetShape shape, int edge);
-} // namespace impact::search
+} // namespace dolfinx_impact::search

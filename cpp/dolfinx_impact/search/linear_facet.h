@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "facet_projection.h"
 #include <algorithm>
@@ -5,7 +6,7 @@
 
 /// Closest points on facets of degree 1, inlined: what node-to-surface contact does for every node near the master in
 /// every step. The results are those of project_on_facet. X[i][c] are the positions of a facet's nodes.
-namespace impact::search::linear
+namespace dolfinx_impact::search::linear
 {
 using surface::FacetShape;
 
@@ -297,4 +298,4 @@ inline bool project(const double* const* X, const double* point, const double* s
   out.entity = -1;
   return true;
 }
-} // namespace impact::search::linear
+} // namespace dolfinx_impact::search::linear

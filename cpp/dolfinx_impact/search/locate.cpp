@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "../common/vectors.h"
 #include "NodeTracking.h"
 #include "linear_facet.h"
 #include <algorithm>
 #include <cmath>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -354,4 +355,4 @@ bool NodeTracking::from_list(std::size_t i, const double* u, const double* du, P
   finish(x, best_normal, best, at, {facets, std::size_t(node.count)}, out);
   return true;
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

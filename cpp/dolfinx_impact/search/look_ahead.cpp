@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "NodeTracking.h"
 #include "linear_facet.h"
 #include <algorithm>
 #include <cmath>
 
 // Nodes that stay over their facets, many at a time.
-namespace impact::search
+namespace dolfinx_impact::search
 {
 using surface::FacetShape;
 
@@ -107,4 +108,4 @@ void NodeTracking::take_block(const std::int32_t* nodes)
       out.at.normal[c] = _block.normal[c][l];
   }
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "../common/vectors.h"
 #include "NodeTracking.h"
 #include "linear_facet.h"
@@ -6,7 +7,7 @@
 #include <cmath>
 
 // What a facet is to a node: positions, projection, normal, box, what the rim makes of them.
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -189,4 +190,4 @@ bool NodeTracking::mean_normal(const FacetProjection& at, std::int32_t facet, Co
   };
   return search::mean_normal(_master, at, facet, each_near, normal_at, normal);
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #include "pairs.h"
 #include "BoxTree.h"
 #include "boxes.h"
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 Pairs near_facets(const surface::Facets& slave, const surface::Facets& master, double reach)
 {
@@ -27,4 +28,4 @@ Pairs near_facets(const surface::Facets& slave, const surface::Facets& master, d
   }
   return out;
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

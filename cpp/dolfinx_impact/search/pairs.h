@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/Facets.h"
 #include <vector>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Which master facets each slave facet may meet: pairs[offsets[f] ... offsets[f+1]-1], ascending.
 struct Pairs
@@ -13,4 +14,4 @@ struct Pairs
 /// @param[in] slave, master at their current positions
 /// @param[in] reach distance within which boxes count as near [L]
 Pairs near_facets(const surface::Facets& slave, const surface::Facets& master, double reach);
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "project.h"
 #include "../common/vectors.h"
 #include "boxes.h"
@@ -5,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -128,4 +129,4 @@ bool SurfaceSearch::mean_normal(const FacetProjection& at, std::int32_t facet, d
   { std::copy_n(surface::evaluate(m, f, m.x_of(f), xi).normal, 3, n); };
   return search::mean_normal(m, at, facet, [&](auto&& visit) { _tree.overlapping(box, visit); }, normal_at, normal);
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

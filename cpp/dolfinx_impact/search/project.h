@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/normals.h"
 #include "BoxTree.h"
 #include "facet_projection.h"
 #include <limits>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Closest point of a surface to a point.
 struct Projection
@@ -63,4 +64,4 @@ private:
   std::vector<Bend> _bend;
   std::vector<double> _size; ///< diagonals of their boxes [L]
 };
-} // namespace impact::search
+} // namespace dolfinx_impact::search

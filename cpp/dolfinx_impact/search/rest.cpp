@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #include "../common/vectors.h"
 #include "NodeTracking.h"
 #include <algorithm>
 #include <cmath>
 
 // Nodes that sleep: how long no negative gap can come.
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -154,4 +155,4 @@ void NodeTracking::wake_all()
   std::fill(_turn_wake.begin(), _turn_wake.end(), never);
   _least_wake = never;
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

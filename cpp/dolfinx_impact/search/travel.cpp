@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "travel.h"
 #include "BoxTree.h"
 #include "boxes.h"
@@ -7,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -207,4 +208,4 @@ Travellers send_to_owners(MPI_Comm comm, const Travellers& mine)
   const dolfinx::MPI::Comm neighbours(graph, false);
   return send(neighbours.comm(), mine, chosen, counts, sources.size());
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

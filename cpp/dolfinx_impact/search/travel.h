@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/Facets.h"
 #include <mpi.h>
 #include <span>
 #include <vector>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Facets on their way between ranks: nodes by their global numbers, with their owners.
 struct Travellers
@@ -24,4 +25,4 @@ Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surf
 /// Send each of this rank's facets to every rank (this one included) that owns one of its nodes. Collective.
 /// @returns the facets of all ranks that have a node of this one, sorted by id
 Travellers send_to_owners(MPI_Comm comm, const Travellers& mine);
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../common/vectors.h"
 #include "../surface/Facets.h"
 #include "facet_projection.h"
 #include <algorithm>
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Position of a node among the corners of a facet, or -1.
 inline int corner(const surface::Facets& facets, std::size_t f, std::int32_t node)
@@ -93,4 +94,4 @@ bool mean_normal(const surface::Facets& m, const FacetProjection& at, std::int32
       });
   return edge || element.tdim() == 1 ? meeting < 2 : umbrella.open();
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

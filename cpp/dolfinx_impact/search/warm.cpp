@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "warm.h"
 #include "../common/clones.h"
 #include "linear_facet.h"
 
 // Compiled without contraction of multiplications and additions: all instruction sets give the same numbers.
-namespace impact::search
+namespace dolfinx_impact::search
 {
 namespace
 {
@@ -119,4 +120,4 @@ void warm_closest_points(FacetShape shape, WarmBlock& block)
     return quadrilaterals(block);
   }
 }
-} // namespace impact::search
+} // namespace dolfinx_impact::search

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "../surface/FacetElement.h"
 
-namespace impact::search
+namespace dolfinx_impact::search
 {
 /// Points over facets of degree 1, several at a time: from where they were in the last step. Layout: entry [...][lane].
 struct WarmBlock
@@ -22,4 +23,4 @@ struct WarmBlock
 
 /// Fills gap, distance, normal and over. The numbers are those of linear::project and linear::normal, to the last bit.
 void warm_closest_points(surface::FacetShape shape, WarmBlock& block);
-} // namespace impact::search
+} // namespace dolfinx_impact::search

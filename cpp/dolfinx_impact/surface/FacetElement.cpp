@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 #include "FacetElement.h"
 
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 namespace
 {
@@ -169,4 +170,4 @@ bool FacetElement::inside(const double* xi, double margin) const
     return xi[0] + xi[1] <= 1 + margin;
   return xi[0] <= 1 + margin && xi[1] <= 1 + margin;
 }
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

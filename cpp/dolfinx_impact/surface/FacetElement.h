@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include <array>
 #include <span>
 
 /// Third stage: the surfaces of bodies, their shape functions, nodes and normals.
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 enum class FacetShape
 {
@@ -43,4 +44,4 @@ struct FacetElement
   /// Is xi inside the reference facet, widened by `margin`?
   bool inside(const double* xi, double margin = 0.0) const;
 };
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

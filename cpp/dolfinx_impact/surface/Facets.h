@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "FacetElement.h"
 #include <cstdint>
 #include <vector>
 
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 /// Facets of a surface in flat arrays, with what contact needs of them. The same struct holds a rank's own facets and
 /// candidates received from other ranks.
@@ -36,4 +37,4 @@ struct Facets
 /// @param[in,out] facets
 /// @param[in] u nodal displacements, u[node*gdim + c], numbered as facets.nodes [L]
 void move(Facets& facets, const double* u);
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

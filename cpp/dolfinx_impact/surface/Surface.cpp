@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "Surface.h"
 #include "normals.h"
 #include <algorithm>
@@ -5,7 +6,7 @@
 #include <dolfinx/mesh/Mesh.h>
 #include <stdexcept>
 
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 namespace
 {
@@ -156,4 +157,4 @@ Facets make_surface(const FunctionSpace& V, std::span<const std::int32_t> facets
   out.x = out.X;
   return out;
 }
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Facets.h"
 #include <dolfinx/fem/FunctionSpace.h>
 #include <memory>
 #include <span>
 
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 using FunctionSpace = dolfinx::fem::FunctionSpace<double>;
 
@@ -14,4 +15,4 @@ using FunctionSpace = dolfinx::fem::FunctionSpace<double>;
 /// @returns facets whose nodes number the blocks of V's dofmap (owned, then ghosts), at rest (x = X)
 /// @throws std::invalid_argument for another space or cells that are not supported, or a facet inside the body
 Facets make_surface(const FunctionSpace& V, std::span<const std::int32_t> facets);
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

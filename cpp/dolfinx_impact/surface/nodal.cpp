@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 #include "nodal.h"
 #include "normals.h"
 #include <basix/quadrature.h>
 #include <numbers>
 
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 namespace
 {
@@ -62,4 +63,4 @@ void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double
         areas[facets.nodes_of(f)[i]] += area * (share.empty() ? phi[i] : share[i]);
     }
 }
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Facets.h"
 #include <vector>
 
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 /// What nodes of a surface get from its facets; sums over this rank's facets, at the numbers that facets.nodes has.
 /// Areas: the facet's area by shape functions (degree 1) or in proportion to the integrals of their squares over the
@@ -10,4 +11,4 @@ namespace impact::surface
 /// @param[in] axisymmetric times 2 pi R
 /// @param[in,out] areas one value per node [L^2; in the plane L]
 void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double>& areas);
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

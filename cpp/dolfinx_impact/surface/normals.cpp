@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: MIT
 #include "normals.h"
 #include <cmath>
 
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 namespace
 {
@@ -77,4 +78,4 @@ void move(Facets& facets, const double* u)
           x[i * gdim + c] += phi[i][k] * u[nodes[k] * gdim + c];
   }
 }
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 #pragma once
 #include "Facets.h"
 
 /// The one owner of the sign of normals.
-namespace impact::surface
+namespace dolfinx_impact::surface
 {
 /// A point of a facet with everything that follows from its position.
 struct FacetPoint
@@ -20,4 +21,4 @@ FacetPoint evaluate(const Facets& facets, std::size_t f, const double* x, const 
 
 /// Sign that makes the facet's own normal point out of a body whose cell has this centre.
 std::int8_t orientation(const FacetElement& element, int gdim, const double* X, const double* cell_centre);
-} // namespace impact::surface
+} // namespace dolfinx_impact::surface

@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: MIT
 """Contact: pairs of surfaces, rigid obstacles, and how contact is enforced. What is discretised: docs/contact.md."""
 
-from .lagrange import Lagrange
-from .nodal import Kinematic
+from .mortar.lagrange import Lagrange
+from .explicit.nodal import Kinematic
 from .pair import ContactPair, ContactStatus
-from .penalty import Penalty
+from .penalty.penalty import Penalty
 from .rigid import RigidCylinder, RigidPlane, RigidSphere
 from .rigid_surface import RigidSurface
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """PETSc matrices from entries, and nodal values over the ranks."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The two surfaces of a pair as they move, and the master facets near a rank's slave facets."""
 
 import numpy as np

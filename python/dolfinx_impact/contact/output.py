@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: MIT
 """What a contact tells: totals over the ranks, fields."""
 
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
-from ..collective import guard
+from ..common.collective import guard
 
 
 class ContactOutput:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Pairs of surfaces that may touch, with checked input."""
 
 import enum
@@ -7,8 +8,8 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 
 from .. import _cpp
-from ..arguments import LARGEST_DEGREE, integer
-from ..collective import comm_of, guard
+from ..common.arguments import LARGEST_DEGREE, integer
+from ..common.collective import comm_of, guard
 from ..loads import _tag, check_tag, facet_tags_of
 from ..materials import _number
 from .matrices import NodalSum

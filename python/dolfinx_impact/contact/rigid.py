@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rigid obstacles as masters."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rigid obstacles of any form: heights over a plane, facets, the boundary of a mesh."""
 
 import hashlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Closed forms of classical contact theory: what a computation is compared with.
 
 Seed 3.2.1 and 3.4 as corrected in docs/theory.md, and the textbook answers around them. Linear elastic half-spaces and

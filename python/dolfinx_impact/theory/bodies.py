@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The elastic constants of two bodies in contact."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Checks of what users give, shared by all closed forms."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Profiles of two bodies near the first point of contact and the gap between them, seed (3.1)-(3.3)."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Winkler's elastic foundation: independent springs on a rigid base, seed (3.9)-(3.12)."""
 
 import math

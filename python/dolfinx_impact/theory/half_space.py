@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Surface displacement of a half-space, or half-plane, under any pressure: seed (3.6), corrected, by quadrature.
 
 It shares nothing with the closed forms of the contacts, so these can be checked by it.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's line and point contacts, seed (3.4)-(3.8) for bodies of revolution and cylinders; Johnson 4.2."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's contact of bodies with different principal curvatures, seed (3.3)-(3.8), corrected.
 
 The integrals of (3.8) are Carlson's symmetric elliptic integrals: neither circle nor needle is a special case of them.

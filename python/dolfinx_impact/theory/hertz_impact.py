@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Impact of spheres: Hertz's contact law as a spring between rigid masses; Johnson 11.4."""
 
 import functools

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Stress waves of an impact, seed (3.82), (3.83), corrected; Johnson 11.1 and 11.5."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Blunt wedge and cone, seed (3.14), corrected; Johnson 5.2."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Partial slip under a tangential load smaller than friction: Cattaneo 1938, Mindlin 1949; Johnson 7.2."""
 
 import math

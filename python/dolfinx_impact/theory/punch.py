@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rigid flat punches on an elastic half-plane or half-space, seed (3.13), corrected; Johnson 2.8 and 3.4."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What all results have in common: they can draw themselves."""
 
 from abc import ABC, abstractmethod
@@ -21,7 +22,7 @@ class Result(ABC):
         Returns:
             The axes.
         """
-        from ..plots import COLOURS, pyplot  # matplotlib is loaded by those who draw only
+        from ..io.plots import COLOURS, pyplot  # matplotlib is loaded by those who draw only
 
         if ax is None:
             ax = pyplot().subplots(figsize=(5.5, 3.6), layout="constrained")[1]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Steady rolling of cylinders with creep: Carter 1926; Johnson 8.3."""
 
 import math

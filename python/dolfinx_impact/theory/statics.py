@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Small contact problems whose answers fit on a line: a press fit and a bar pulled over a rough plane."""
 
 from dataclasses import dataclass

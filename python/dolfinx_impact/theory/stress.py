@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Stresses at a point of a half-plane or on the axis of a half-space."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Waves in bars after an impact, and what springs, lumped masses and central differences make of their fronts.
 
 Johnson 11.1; seed (3.82). A computation of an impact is judged by these: the solution jumps, so that its error has an

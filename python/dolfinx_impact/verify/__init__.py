@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Cross-verification of the UFL side against the hand-written solver, level by level.
 
 `cross_check` compares forms of the catalogue; `run.main` is the command line. Modules are imported on first use, so

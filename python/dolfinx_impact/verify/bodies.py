@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The same body on both sides: a DOLFINx mesh and space, and the hand-written model, matched by nodes."""
 
 import impact_reference

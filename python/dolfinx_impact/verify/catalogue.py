@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the hand-written solver offers for each form of the catalogue, and which rule makes the two comparable."""
 
 import impact_reference as ref

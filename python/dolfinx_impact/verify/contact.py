@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level contact: gaps, forces, tangents and mortar integrals on random facing patches, then whole solutions."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Two bodies in one mesh, one above the other, on both sides; integration rules handed over."""
 
 import basix

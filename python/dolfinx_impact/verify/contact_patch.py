@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level contact, a state given: what the two sides make of the same displacements, penalties and multipliers."""
 
 import numpy as np
@@ -6,8 +7,8 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
 from .. import _cpp, contact
-from ..contact.mortar import MortarGeometry
-from ..problem import StaticProblem
+from ..contact.mortar.mortar import MortarGeometry
+from ..statics.problem import StaticProblem
 from . import bodies
 from .contact_bodies import rule
 

@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: MIT
 """Level ranks, contact: a block pressed on another one and pulled sideways, by the methods of the UFL side."""
 
 import numpy as np
 from dolfinx import fem
 
 from .. import contact, meshes
-from ..problem import StaticProblem
+from ..statics.problem import StaticProblem
 from .contact_bodies import steel
 
 CASES = (

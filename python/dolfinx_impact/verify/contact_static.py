@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level contact, solutions: the same bodies, supports, obstacles and load steps on both sides."""
 
 from dataclasses import dataclass
@@ -7,7 +8,7 @@ import numpy as np
 from dolfinx import fem, mesh
 
 from .. import contact
-from ..problem import StaticProblem
+from ..statics.problem import StaticProblem
 from . import bodies, operator
 from .contact_bodies import BOTTOM, SLAVE, TOP, TwoBodies, rule, two_bodies
 from .contact_patch import Rows, same_points

@@ -1,10 +1,12 @@
+# SPDX-License-Identifier: MIT
 """Level f: each tangent is the derivative of its residual, each residual of its energy (Taylor remainders)."""
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
-from .. import materials, operators
+from .. import materials
+from ..assembly import operators
 from ..forms import loads, quadrature
 from . import bodies
 

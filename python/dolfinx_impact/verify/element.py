@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level a: element matrices and vectors on random, distorted and curved cells, at every SIMD width."""
 
 import multiprocessing
@@ -7,7 +8,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..forms import registry
-from ..jit import compile_form
+from ..assembly.jit import compile_form
 from . import catalogue, nodes
 
 TOLERANCE = 1e-12

@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: MIT
 """Level ranks, explicit dynamics: a block thrown obliquely at another one, with friction, 1,000 steps."""
 
 import numpy as np
 from dolfinx import fem
 
 from .. import contact, meshes
-from ..explicit import ExplicitProblem
+from ..dynamics.explicit import ExplicitProblem
 from ..loads import Traction
 from ..materials import NeoHookean
 

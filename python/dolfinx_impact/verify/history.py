@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level history: explicit runs of 500 steps on both sides, docs/explicit/scheme.md; every step's state and energies.
 
 Every run with contact is repeated from other starts, with other steps, so that no lucky number hides a rule that
@@ -12,9 +13,9 @@ from dolfinx import fem, mesh
 
 from .. import contact, materials
 from ..amplitude import PrescribedMotion
-from ..explicit import ExplicitProblem
+from ..dynamics.explicit import ExplicitProblem
 from ..loads import BodyForce
-from ..march import ENERGIES
+from ..dynamics.time_stepping import ENERGIES
 from . import bodies, operator
 from .contact_bodies import BOTTOM, SLAVE, TwoBodies, two_bodies
 

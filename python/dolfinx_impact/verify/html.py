@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: MIT
 """One HTML page of a verification run, with the figures beside it."""
 
 from html import escape
 from pathlib import Path
 
-from ..hdf5 import write_whole
+from ..io.hdf5 import write_whole
 from .report import case
 
 STYLE = """

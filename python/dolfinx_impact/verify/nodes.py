@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Node orders of the two sides, matched by the positions of the nodes on the reference cell."""
 
 from functools import lru_cache

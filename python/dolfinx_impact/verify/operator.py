@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level b: assembled matrices and vectors on real meshes, matched node by node."""
 
 import basix
@@ -6,7 +7,8 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from .. import mass, materials, operators
+from ..assembly import lumped_mass, operators
+from .. import materials
 from ..forms import elasticity, inertia, loads, quadrature
 from . import bodies
 
@@ -115,7 +117,7 @@ def _masses(report, name, body, steel):
         operators.Tangent(inertia.mass(du, v, steel.density_constant(domain), hypothesis, dx)).assemble()
     )
     _row(report, body, "mass", f"M on {name}", M, body.matrix_to_ours(body.model.mass()))
-    diagonal = mass.lumped_mass(V, steel).array
+    diagonal = lumped_mass.lumped_mass(V, steel).array
     expected = body.to_ours(body.model.mass(lumped=True))
     _row(report, body, "lumped_mass", f"diagonal on {name}", diagonal, expected)
     f = np.arange(1.0, body.gdim + 1)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level e: orders of convergence against a manufactured solution, both solvers: p + 1 in L2, p in H1."""
 
 import impact_reference
@@ -7,7 +8,7 @@ from dolfinx import fem
 
 from .. import materials
 from ..forms import loads, quadrature
-from ..problem import StaticProblem
+from ..statics.problem import StaticProblem
 from . import bodies
 
 TOLERANCE = 0.1

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level g: the UFL side on several ranks gives what it gives on one.
 
 Run as a module under mpirun it writes the values of one number of ranks; `run` starts it for each and compares.
@@ -76,8 +77,9 @@ def _values():
     from dolfinx import fem, mesh
     from mpi4py import MPI
 
-    from .. import loads, mass, materials, operators
-    from ..problem import StaticProblem
+    from .. import loads, materials
+    from ..assembly import lumped_mass, operators
+    from ..statics.problem import StaticProblem
 
     comm = MPI.COMM_WORLD
     out = contact_ranks.values(comm, _gather) | explicit_ranks.values(comm, _gather)
@@ -102,7 +104,7 @@ def _values():
             energy = operators.Energy(operators.strain_energy_form(u, material)).value()
             out[f"{cell}|{degree}|{hypothesis}|{law}.energy"] = [energy]
         steel = materials.LinearElastic(1.0, 0.3, 1.0, hypothesis)
-        out[f"{cell}|{degree}|{hypothesis}|lumped_mass"] = _gather(V, mass.lumped_mass(V, steel).array)
+        out[f"{cell}|{degree}|{hypothesis}|lumped_mass"] = _gather(V, lumped_mass.lumped_mass(V, steel).array)
         tags = _ends(domain, dim)
         clamped = fem.locate_dofs_topological(V, dim - 1, tags.find(1))
         w = fem.Function(V, name="u")

@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: MIT
 """Rows of differences, and what is made of them: console table, JSON, exit status."""
 
 import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from ..hdf5 import write_whole
+from ..io.hdf5 import write_whole
 
 LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "ranks", "user")
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """`dolfinx-impact verify`: runs the levels, prints the table, writes JSON, figures and a page; 0 if all passed."""
 
 import argparse

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Level c: static problems solved by both sides; displacements and reactions."""
 
 import basix
@@ -7,7 +8,7 @@ from mpi4py import MPI
 
 from .. import loads, materials
 from ..forms import quadrature
-from ..problem import StaticProblem
+from ..statics.problem import StaticProblem
 from . import bodies
 
 TOLERANCE = 1e-9

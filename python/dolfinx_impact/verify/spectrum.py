@@ -1,10 +1,12 @@
+# SPDX-License-Identifier: MIT
 """Level d: rigid modes and lowest natural frequencies; SLEPc on the UFL side against the other's own."""
 
 import numpy as np
 import ufl
 from slepc4py import SLEPc
 
-from .. import materials, operators
+from .. import materials
+from ..assembly import operators
 from ..forms import elasticity, inertia, quadrature
 from . import bodies
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A user's own UFL file against a named operator of the hand-written solver."""
 
 import runpy
@@ -10,7 +11,7 @@ from mpi4py import MPI
 from ..forms import registry
 from ..forms.compiler import frontend
 from ..forms.materials import HYPOTHESES
-from ..jit import compile_form
+from ..assembly.jit import compile_form
 from . import bodies, catalogue, element, nodes
 
 # Names a user may give for an operator -> names by rank of the form.

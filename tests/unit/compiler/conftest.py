@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The comparison with FFCx (tests/unit/kernels/kernel_oracle.py) serves these tests too."""
 
 import pathlib

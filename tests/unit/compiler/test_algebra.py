@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Pointwise algebra: canonical sums, common factors, shared reciprocals; and the schedule that writes them."""
 
 import ffcx.codegeneration.lnodes as L

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Forms of the catalogue that are not compiled ahead of time: generated C++ against FFCx's C, name by name."""
 
 import itertools

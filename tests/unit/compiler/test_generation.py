@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The generated text: the same every time and in every process; counts of operations; descriptors that say the
 truth."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Tables of symmetric rules as a shared row plus one entry per point (forms/compiler/tensor.py: split_rows)."""
 
 import basix

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Sum factorisation: 1D factors are verified against the tables, and columns are reduced without changing them."""
 
 import basix

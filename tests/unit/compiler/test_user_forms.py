@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A user's own forms: our kernels equal FFCx's where we support them, and there is an error where we do not."""
 
 import concurrent.futures

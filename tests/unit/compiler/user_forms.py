@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Forms a user might write, on symbolic meshes: what the catalogue does not exercise."""
 
 import basix.ufl

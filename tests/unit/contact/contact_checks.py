@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Contact problems whose bodies are cut by the ranks, against the same problem on one rank. See
 on_ranks.py."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Frictional impact of bodies that are cut by the ranks, against the same run on one rank, and what it must keep. See
 on_ranks.py."""
 

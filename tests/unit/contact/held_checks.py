@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bodies that only contact holds, on any partition of the mesh; see on_ranks.py."""
 
 import numpy as np

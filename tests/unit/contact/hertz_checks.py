@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's contacts on gmsh meshes whose cells are given to the ranks at random, so that the contact zone is split,
 against one rank. See on_ranks.py."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bodies that move by large parts of a facet in a step: held back up to one facet, an error beyond. See on_ranks.py."""
 
 import numpy as np

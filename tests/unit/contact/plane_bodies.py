@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rectangles that fly at each other, in one mesh: for edge cases of explicit contact."""
 
 import basix.ufl

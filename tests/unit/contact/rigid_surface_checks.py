@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rigid surfaces of any form as masters: the same results as with the closed forms they equal. See on_ranks.py."""
 
 import numpy as np

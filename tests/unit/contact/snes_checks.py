@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Problems solved by PETSc's nonlinear methods against the package's own. See on_ranks.py."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The stable step with springs of given stiffness, serial and cut by the ranks. See on_ranks.py."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """States before anything is loaded, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import logging

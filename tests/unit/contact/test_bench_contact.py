@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: MIT
 """The benchmark of static contact, on a small model."""
 
 import pytest
 
-from dolfinx_impact import bench, bench_contact
+from dolfinx_impact.bench import run as bench, contact as bench_contact
 
 pytestmark = pytest.mark.alone
 

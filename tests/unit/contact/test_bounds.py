@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Methods that do not converge end, and say what did not and what to do."""
 
 import numpy as np
@@ -7,9 +8,9 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
-from dolfinx_impact.contact.facets import MARGIN, WIDEST, FacetKeeper
-from dolfinx_impact.contact.lagrange import LagrangeContact
-from dolfinx_impact.steps import Increment
+from dolfinx_impact.contact.penalty.facets import MARGIN, WIDEST, FacetKeeper
+from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
+from dolfinx_impact.statics.load_steps import Increment
 
 
 class Blocks:
@@ -68,7 +69,7 @@ def test_cut_backs_and_augmentations_are_whole_numbers(value):
 def test_increments_of_round_off_are_refused(monkeypatch):
     """Cut back for ever, an increment gets no smaller than what can be added to the way."""
     blocks = Blocks(di.Lagrange)
-    monkeypatch.setattr("dolfinx_impact.newton.Newton.run", lambda *args: Increment().failed("no"))
+    monkeypatch.setattr("dolfinx_impact.statics.newton.Newton.run", lambda *args: Increment().failed("no"))
     with pytest.raises(RuntimeError, match="round-off: ask for fewer cut_backs"):
         blocks.problem.solve(cut_backs=10000)
 

@@ -1,12 +1,13 @@
+# SPDX-License-Identifier: MIT
 """Frames of constrained directions and the transformation that condenses multipliers, against dense algebra."""
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
-from dolfinx_impact.contact import condense
+from dolfinx_impact.contact.mortar import condensation
 from dolfinx_impact.contact.matrices import matrix
-from dolfinx_impact.linear import LinearSystem
+from dolfinx_impact.statics.linear_solver import LinearSystem
 
 
 @pytest.mark.parametrize("gdim", (2, 3))
@@ -18,7 +19,7 @@ def test_frames(gdim, rng):
     fixed[10:30, 0] = True
     fixed[30:40, gdim - 1] = True
     fixed[40:] = True
-    frames, place, length = condense.frames_at(normals, fixed)
+    frames, place, length = condensation.frames_at(normals, fixed)
     assert np.allclose(np.einsum("nab,nac->nbc", frames, frames), np.eye(gdim), atol=1e-13)
     assert np.all(place[40:] == -1) and np.all(place[:40] >= 0)
     for i in range(40):
@@ -54,18 +55,18 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
         A[:size, size + j] = -np.kron(row, normals[j] + tilt[j])
         A[size + j, :size] = np.kron(row / D[j], normals[j])
     exact = np.linalg.solve(A, np.concatenate([f, -gap]))
-    frames, place, length = condense.frames_at(normals, np.zeros((2, 2), dtype=bool))
+    frames, place, length = condensation.frames_at(normals, np.zeros((2, 2), dtype=bool))
     constrained = np.zeros((2, 2), dtype=bool)
     constrained[[0, 1], place] = True
     known = np.zeros((2, 2))
     known[[0, 1], place] = -gap
-    rows = condense.Constraints(
+    rows = condensation.Constraints(
         np.array([0, 1]), np.array([0, 1]), frames, frames, constrained, known, tilt, place,
         np.array([0, 2, 4]), np.array([2, 3, 3, 4]),
         np.array([0.3, 0.4, 0.5, 0.8]) / np.array([0.7, 0.7, 1.3, 1.3]),
     )  # fmt: skip
     comm = MPI.COMM_SELF
-    transformation = condense.Transformation(comm, size, 0, gdim, [rows])
+    transformation = condensation.Transformation(comm, size, 0, gdim, [rows])
     assert transformation.symmetric != slips
     i, j = np.indices((size, size))
     P = matrix(comm, size, i.ravel(), j.ravel(), K.ravel())

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Contact between bodies on 1 to 4 ranks."""
 
 import contact_checks

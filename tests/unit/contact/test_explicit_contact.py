@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Explicit contact where it is awkward: edges, corners, thin and fast bodies, several pairs; bodies cut by ranks."""
 
 import explicit_contact_checks

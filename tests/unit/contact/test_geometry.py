@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Matrices of the nodal geometry against plain loops over the nodes."""
 
 import numpy as np

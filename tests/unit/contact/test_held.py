@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bodies that only contact holds, on 1 to 3 ranks."""
 
 import held_checks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's contacts on 1 to 4 ranks."""
 
 import hertz_checks

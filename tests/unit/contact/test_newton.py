@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How a Newton iteration settles contact: ways to one result, kept factors, active sets that go to and fro."""
 
 from functools import partial
@@ -8,8 +9,9 @@ from contact_checks import pressed
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import bench_contact, linear, newton
-from dolfinx_impact.contact.lagrange import LagrangeContact
+from dolfinx_impact.bench import contact as bench_contact
+from dolfinx_impact.statics import linear_solver, newton
+from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 
 # Newton's tolerance, 1e-12 of the largest force, over the part of the forces that one node carries, and over how much
 # less a node that slips resists.
@@ -86,7 +88,7 @@ def test_responses_of_the_bodies_lead_to_the_same_active_set(cell, monkeypatch):
     """Settled on the dense problem of the nodes that change, and by linear solutions one after the other."""
     fast = Ball(cell)
     assert all(sum(c) > 1 for c in fast.report.contact_changes)
-    monkeypatch.setattr(linear.LinearSolver, "factors", lambda self, system: None)
+    monkeypatch.setattr(linear_solver.LinearSolver, "factors", lambda self, system: None)
     assert_same(fast.answer, Ball(cell).answer)
 
 
@@ -103,15 +105,15 @@ def test_wrong_responses_are_mended_by_the_next_solution(monkeypatch):
 def test_factors_are_kept_while_they_serve(monkeypatch):
     """One linear law, few changes: fewer factorisations than linear solutions; and each pays where none is kept."""
     solvers = []
-    make = linear.LinearSolver.__init__
+    make = linear_solver.LinearSolver.__init__
 
     def watched(self, *args, **kwargs):
         make(self, *args, **kwargs)
         solvers.append(self)
 
-    monkeypatch.setattr(linear.LinearSolver, "__init__", watched)
+    monkeypatch.setattr(linear_solver.LinearSolver, "__init__", watched)
     kept = pressed(MPI.COMM_SELF, 3, di.Lagrange, rtol=RTOL)
-    monkeypatch.setattr(linear.LinearSolver, "_serves", lambda *args: False)
+    monkeypatch.setattr(linear_solver.LinearSolver, "_serves", lambda *args: False)
     fresh = pressed(MPI.COMM_SELF, 3, di.Lagrange, rtol=RTOL)
     assert solvers[0].num_set_ups < solvers[1].num_set_ups
     assert_same(kept, fresh)

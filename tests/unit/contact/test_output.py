@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Contact arrays as fields in files for ParaView."""
 
 import h5py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bad pairs are refused with a reason; obstacles know their gaps, normals and curvatures."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Nodes on their way through the master: held back, or told; bodies on several ranks."""
 
 import numpy as np

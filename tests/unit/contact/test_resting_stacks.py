@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Blocks that have been dropped on each other come to rest and stay so: contact does not pump them."""
 
 import numpy as np

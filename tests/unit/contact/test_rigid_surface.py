@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rigid surfaces as masters in static and explicit problems."""
 
 import numpy as np

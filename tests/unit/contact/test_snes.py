@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """SNES by options on 1 and 2 ranks."""
 
 import snes_checks

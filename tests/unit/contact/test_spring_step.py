@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Springs of a given penalty set the stable step."""
 
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What is refused, told and removed before anything is loaded, on 1 to 3 ranks."""
 
 import start_checks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bodies that tumble over each other, so that nodes lose and find their masters; on 1, 2, 3 ranks: facing_checks.py"""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Explicit contact of pairs whose cells are spread over the ranks at random, against one rank that has everything.
 See on_ranks.py."""
 

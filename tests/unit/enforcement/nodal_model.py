@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Explicit contact of two bodies, or of one with an obstacle, step by step; on the ranks of a communicator."""
 
 import pathlib

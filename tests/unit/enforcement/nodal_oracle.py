@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Penalty contact in plain NumPy from docs/explicit/penalty.md, node by node; closest points by a full search."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Gaps, forces and tangents of a pair whose cells are spread over the ranks at random, against those of one rank that
 has everything. See on_ranks.py."""
 

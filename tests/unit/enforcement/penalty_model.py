@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Penalty contact of a pair as functions of the displacements, for tests; on the ranks of a communicator."""
 
 import pathlib

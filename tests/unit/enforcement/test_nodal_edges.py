@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What happens at the ends of surfaces, in fast and in unlikely motions; checkpoints."""
 
 import numpy as np

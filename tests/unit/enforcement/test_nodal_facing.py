@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Facing is judged in the present configuration: nothing depends on when candidates are searched."""
 
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Kinematic contact: gaps closed, momentum kept, forces that only press."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Node-to-surface penalty: forces against plain NumPy, what must be conserved, the bound of the stiffness."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Explicit contact does not depend on the number of ranks."""
 
 import nodal_checks

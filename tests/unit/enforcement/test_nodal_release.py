@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Nodes that leave kinematic contact: the energy given back is bounded in arbitrary states, momentum is kept."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What contact adds to the square of the highest frequency."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Closest points followed over many steps against a full search in each; how rarely anything is searched."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Penalty forces: balance, energy, tangent by finite differences; every facet, degree, obstacle and status."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Newton's method on a small static problem converges quadratically, also with friction and sliding over edges."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Penalty contact does not depend on the number of ranks."""
 
 import penalty_checks

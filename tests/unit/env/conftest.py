@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A checkout of its own for env/run, with stand-ins for the programs that would change the machine."""
 
 import os

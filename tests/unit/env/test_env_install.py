@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """env/inside: the package is installed when a source, the list or the Python changed, once, and never half."""
 
 import os

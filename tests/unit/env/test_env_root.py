@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """env/run's root route: built once, under a lock, never half; and what it says when it cannot be built."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """env/run: which route is taken, what passes through, and what is said when there is no route."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the catalogue holds, and what it says about the rest."""
 
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Slave quadrature points: weights against measured areas, gaps against closed forms."""
 
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Surfaces of rigid obstacles: closest points against closed forms and brute force, derivatives by differences."""
 
 import numpy as np

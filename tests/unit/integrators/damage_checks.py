@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Checkpoints that are damaged, foreign or impossible: refused on all ranks, nothing is changed. See on_ranks.py."""
 
 import os
@@ -9,7 +10,7 @@ from mpi4py import MPI
 from restart_checks import COMM, block_on_block, folder, mesh_of, state
 
 import dolfinx_impact as di
-from dolfinx_impact import checkpoint, seal
+from dolfinx_impact.io import checkpoint, seal
 
 LAST = COMM.rank == COMM.size - 1
 FLIPS = 500

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Explicit runs whose bodies are cut by the ranks, against the same run on one rank. See on_ranks.py."""
 
 import warnings

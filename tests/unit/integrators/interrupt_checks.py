@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Ctrl-C and exceptions while steps are being taken: all ranks stop after the same step. See on_ranks.py."""
 
 import os
@@ -10,8 +11,8 @@ from dolfinx import fem, mesh
 from restart_checks import COMM, block_on_block, folder, state
 
 import dolfinx_impact as di
-from dolfinx_impact import march
-from dolfinx_impact.interrupts import Interrupts
+from dolfinx_impact.dynamics import time_stepping
+from dolfinx_impact.common.interrupts import Interrupts
 
 LAST = COMM.rank == COMM.size - 1
 VARIANTS = ({}, {"kind": di.Kinematic}, {"law": di.NeoHookean, "balanced": True})
@@ -94,7 +95,7 @@ def check_ctrl_c_within_a_piece():
 def check_left_in_a_callback_and_gone_on():
     """By Ctrl-C or an exception on one rank, at a step at which stiffness is looked at again: what is left goes on as
     if nothing had been, and so does its checkpoint."""
-    wanted, march.RECHECK = march.RECHECK, 20
+    wanted, time_stepping.RECHECK = time_stepping.RECHECK, 20
     try:
         for variant in VARIANTS[1:]:
             whole = block_on_block(**variant)
@@ -116,7 +117,7 @@ def check_left_in_a_callback_and_gone_on():
                 assert problem.step == whole.step
                 np.testing.assert_allclose(left, state(whole), rtol=1e-6, atol=1e-7)
     finally:
-        march.RECHECK = wanted
+        time_stepping.RECHECK = wanted
 
 
 def check_a_function_of_time_that_fails():

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Residuals of a user's own in explicit runs: what they read follows the run, on any number of ranks.
 See on_ranks.py."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What explicit runs write while they run. See on_ranks.py."""
 
 import numpy as np
@@ -6,7 +7,7 @@ from mpi4py import MPI
 from restart_checks import COMM, block_on_block, folder
 
 import dolfinx_impact as di
-from dolfinx_impact import recorder as recorder_module
+from dolfinx_impact.dynamics import recorder as recorder_module
 
 
 def check_histories_and_frames():

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Checkpoints of explicit runs: written, read and continued. See on_ranks.py."""
 
 import contextlib
@@ -12,7 +13,8 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import checkpoint, meshes
+from dolfinx_impact.io import checkpoint
+from dolfinx_impact import meshes
 
 COMM = MPI.COMM_WORLD
 

@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: MIT
 """The benchmark of explicit dynamics, on small models."""
 
 import numpy as np
 import pytest
 
-from dolfinx_impact import bench, bench_explicit
+from dolfinx_impact.bench import run as bench, explicit as bench_explicit
 
 pytestmark = pytest.mark.alone
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Damaged and foreign checkpoints on 1, 2 and 3 ranks."""
 
 import damage_checks

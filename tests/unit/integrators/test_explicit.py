@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The explicit integrator against what is known of central differences; T-1 to T-7 of the benchmarks."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Recorders and results where no room is left: the same error on all ranks, files that can be read, a clean end."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rows of histories in a bounded amount of memory."""
 
 import numpy as np
@@ -5,7 +6,7 @@ import own_residual_checks
 import pytest
 from mpi4py import MPI
 
-from dolfinx_impact.history import History
+from dolfinx_impact.dynamics.history import History
 
 
 @pytest.mark.parametrize("chunk", (1, 3, 7, 100))

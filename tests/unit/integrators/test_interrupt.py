@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Ctrl-C on 1, 2 and 3 ranks."""
 
 import interrupt_checks

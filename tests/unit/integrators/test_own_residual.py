@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Residuals of a user's own in explicit runs: what follows the run, and what is refused."""
 
 import numpy as np
@@ -221,7 +222,8 @@ def test_two_spaces_of_one_kind_are_one():
 
 def test_operators_and_names_that_are_not_there():
     """What the C++ library says to forces without an operator, or with a coefficient that no kernel has."""
-    from dolfinx_impact import _cpp, operators
+    from dolfinx_impact import _cpp
+    from dolfinx_impact.assembly import operators
 
     b = Body(COMM)
     parts = [operators.InternalForce(b.elastic(), part=p)._cpp_object for p in ("inner", "outer")]
@@ -247,7 +249,8 @@ def test_operators_and_names_that_are_not_there():
 
 def test_contact_without_its_step_is_told():
     """C++: set_contact_step was forgotten, or is no step."""
-    from dolfinx_impact import _cpp, operators
+    from dolfinx_impact import _cpp
+    from dolfinx_impact.assembly import operators
 
     b = Body(COMM)
     parts = [operators.InternalForce(b.elastic(), part=p)._cpp_object for p in ("inner", "outer")]

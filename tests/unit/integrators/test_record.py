@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Recorder on 1 and 2 ranks."""
 
 import record_checks

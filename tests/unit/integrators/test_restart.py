@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Checkpoints on ranks, across numbers of ranks, and under a process that is killed."""
 
 import os

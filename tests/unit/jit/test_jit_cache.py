@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The run-time route: what is compiled, what is found again, and what happens when the cache or the compiler is not
 fit."""
 
@@ -13,7 +14,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import jit
+from dolfinx_impact.assembly import jit
 
 
 @pytest.fixture

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """FFCx's own C kernels beside ours: generation, compilation, and random cells to compare them on.
 
 Both sides are compiled here with little optimisation: what is compared is the code the two generators write.

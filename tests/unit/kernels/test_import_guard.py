@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The compiled module refuses to load beside a DOLFINx whose types it does not share, and says what to do."""
 
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Every kernel built with the package equals FFCx's own C kernel, in every vector width and on every local facet."""
 
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Loads: their resultants in closed form, their derivatives, and what is refused."""
 
 import numpy as np

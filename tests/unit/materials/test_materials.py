@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Parameters of materials: bounds, messages, and the physics behind the numbers."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bad mesh files, written by hand, and the words an error about each must contain."""
 
 from pathlib import Path

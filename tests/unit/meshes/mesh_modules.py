@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The modules under test, installed or straight from the checkout, and what the tests here measure with."""
 
 import importlib
@@ -12,14 +13,14 @@ CHECKOUT = Path(__file__).resolve().parents[3]
 
 try:
     meshes = importlib.import_module("dolfinx_impact.meshes")
-    mesh_input = importlib.import_module("dolfinx_impact.mesh_input")
+    mesh_input = importlib.import_module("dolfinx_impact.io.mesh_reader")
 except ImportError:  # the package is not built: the sources themselves
     sys.path.insert(0, str(CHECKOUT))
     package = types.ModuleType("dolfinx_impact")
     package.__path__ = [str(CHECKOUT / "python" / "dolfinx_impact")]
     sys.modules["dolfinx_impact"] = package
     meshes = importlib.import_module("meshes")
-    mesh_input = importlib.import_module("dolfinx_impact.mesh_input")
+    mesh_input = importlib.import_module("dolfinx_impact.io.mesh_reader")
 committed = importlib.import_module(meshes.__name__ + ".committed")
 wheel_rail = importlib.import_module(meshes.__name__ + ".wheel_rail")
 

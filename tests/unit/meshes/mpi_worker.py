@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Run by test_mpi.py on several ranks: recipes and bad files must behave the same on every rank. Prints "agreed"."""
 
 import sys

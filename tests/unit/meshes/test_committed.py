@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The committed meshes: unchanged, small, readable, and still what their recipe makes."""
 
 import pytest

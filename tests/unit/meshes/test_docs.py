@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """docs/meshes.md says what the code does: tag numbers, recipes, default numbers of cells."""
 
 import re

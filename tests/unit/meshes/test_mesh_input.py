@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """read_mesh and check_mesh: good files, and what is said about bad ones."""
 
 import warnings

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Recipes and reading on several ranks: the same meshes, the same errors everywhere, and nothing hangs."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Every recipe: valid cells, the right size, all promised tags, curved nodes on the true surface; bad parameters."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Nodal values travel between owners and ghosts, whatever the number of values per node. See on_ranks.py."""
 
 import numpy as np

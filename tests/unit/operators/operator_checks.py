@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Operators against DOLFINx's own assembly, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import dolfinx.fem.petsc as petsc

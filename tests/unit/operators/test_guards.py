@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A kernel refuses what it was not compiled for; operators refuse forms and data that do not fit, on all ranks
 alike."""
 

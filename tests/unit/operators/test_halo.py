@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Exchange of nodal values."""
 
 import halo_checks

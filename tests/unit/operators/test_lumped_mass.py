@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Lumped masses: the whole mass in every direction, nothing negative, and row sums where row sums are asked for."""
 
 import operator_checks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Matrix-free operators equal DOLFINx's assembly on 1, 2 and 3 ranks."""
 
 import operator_checks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Guards of public calls on the ranks of COMM_WORLD: errors of one rank, values that differ; see on_ranks.py."""
 
 import numpy as np
@@ -6,7 +7,7 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from dolfinx_impact.collective import agree, attempt, channel, comm_of, describe, guard, same
+from dolfinx_impact.common.collective import agree, attempt, channel, comm_of, describe, guard, same
 
 COMM = MPI.COMM_WORLD
 LAST = COMM.size - 1

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Every public call that communicates, with an argument that is wrong, or another one, on the last rank only.
 
 As a script, on several ranks: each case must raise on all ranks, the same error, of the type and with the word that the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Static problems with known or foreign solutions, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import dolfinx.fem.petsc as petsc

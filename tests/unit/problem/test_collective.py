@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Guards of public calls on 1, 2 and 3 ranks."""
 
 import collective_checks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """An argument that is wrong on one rank is an error on all of them, for every public call; see one_wrong_rank.py."""
 
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Static problems on 1, 2 and 3 ranks, and what StaticProblem refuses."""
 
 import problem_checks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Wrong calls of the public interface, as users make them: the type of the error and a word of its text."""
 
 import copy

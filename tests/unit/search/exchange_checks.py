@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What Exchange brings to a rank, against the whole surface gathered on it. See
 on_ranks.py."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Two bodies, parted at random between the ranks, with the facets of their contact surfaces."""
 
 import numpy as np

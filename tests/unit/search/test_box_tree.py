@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """BoxTree against all boxes, one by one."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Facets and values travel to the ranks that need them, and only those."""
 
 import exchange_checks

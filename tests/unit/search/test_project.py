@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Closest points: against dense sampling and SciPy's minimiser on bent facets of every kind, and by hand on edges."""
 
 import basix.ufl

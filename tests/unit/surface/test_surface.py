@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Facets of surfaces: shape functions against Basix, nodes and positions against DOLFINx, normals out of the body."""
 
 import basix

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Integrals of half-plane theory, done by quadrature that knows nothing of the closed forms."""
 
 import math

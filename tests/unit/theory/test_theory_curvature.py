@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Profiles and relative curvatures, seed (3.1)-(3.3), corrected."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Dundurs' constants, contact without slip and free rolling, seed (3.15), (3.16), corrected."""
 
 import math

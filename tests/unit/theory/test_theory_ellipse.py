@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's elliptical contact, seed (3.7), (3.8), corrected."""
 
 import math

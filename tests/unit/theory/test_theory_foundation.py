@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Winkler's foundation, seed (3.9)-(3.12), corrected."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Partial slip, Carter's rolling and the pulled bar."""
 
 import math

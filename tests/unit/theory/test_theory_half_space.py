@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The contact conditions, seed (3.4) and (3.5), from pressures put through the integrals (3.6), corrected."""
 
 import math

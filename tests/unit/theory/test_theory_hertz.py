@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Hertz's line and point contacts: numbers, stresses against point-load integrals, scaling."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Waves, yield velocities and Hertz's impact, seed (3.82), (3.83), corrected."""
 
 import math

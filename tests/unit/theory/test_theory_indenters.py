@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Wedge and cone, seed (3.14), corrected."""
 
 import math

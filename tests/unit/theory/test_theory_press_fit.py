@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Press fit of a shaft in a ring."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Flat punches, seed (3.13), corrected: loads, the integral equations of the half-plane, the edge."""
 
 import math

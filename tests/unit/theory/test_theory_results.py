@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What all functions of the theory have in common: units, refusals, frozen results, pictures."""
 
 import dataclasses
@@ -145,7 +146,7 @@ VARIANTS = {
 @pytest.mark.parametrize("name, changes", [(n, {}) for n in RESULTS] + list(VARIANTS.items()))
 def test_pictures(name, changes):
     """Axes with labels that carry units, curves with finite points; axes that are given are used."""
-    from dolfinx_impact.plots import pyplot
+    from dolfinx_impact.io.plots import pyplot
 
     plt = pyplot()
     figure, ax = plt.subplots()

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Waves after the impact of bars, and the error of their fronts: conservation, limits, a bar computed in ten lines."""
 
 import numpy as np

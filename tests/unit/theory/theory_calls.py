@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """One good call of every function of dolfinx_impact.theory, with the dimensions of what goes in and comes out.
 
 A dimension is a pair (exponent of force, exponent of length); in these functions time enters by speeds and densities

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""Rigid motions that neither supports nor contact prevent, found before the linear solver breaks."""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+AXES = "xyz"
+
+
+def bodies(V):
+    """Number of the connected part of the mesh each node belongs to (owned and ghosts), and how many there are.
+
+    Collective.
+    """
+    comm, index_map = V.mesh.comm, V.dofmap.index_map
+    num = index_map.size_local + index_map.num_ghosts
+    cells = V.dofmap.list
+    rows, cols = np.repeat(cells[:, 0], cells.shape[1]), cells.ravel()
+    count, local = connected_components(coo_matrix((np.ones(len(rows)), (rows, cols)), shape=(num, num)), False)
+    offsets = np.concatenate([[0], np.cumsum(comm.allgather(count))])
+    label = local + offsets[comm.rank]
+    # Parts of different ranks are one where they share a node: ghosts tell their owners.
+    ghosts = comm.allgather((index_map.ghosts, label[index_map.size_local :]))
+    low, high = index_map.local_range
+    edges = [np.empty((0, 2), dtype=np.int64)]
+    for nodes, labels in ghosts:
+        mine = (nodes >= low) & (nodes < high)
+        edges.append(np.column_stack([label[nodes[mine] - low], labels[mine]]))
+    edges = np.concatenate(comm.allgather(np.concatenate(edges)))
+    shape = (offsets[-1], offsets[-1])
+    _, number = connected_components(coo_matrix((np.ones(len(edges)), edges.T), shape=shape), False)
+    number = number[label]
+    used = np.unique(np.concatenate(comm.allgather(np.unique(number))))  # nodes without cells make parts of no body
+    return np.searchsorted(used, number), len(used)
+
+
+class RigidMotions:
+    """Unit rigid motions of all bodies, as fields over positions; turns are scaled by the body's size. Collective.
+
+    Args:
+        V: displacement space. u: displacements (array over owned and ghost dofs), about which motions are small [L].
+        axisymmetric: x is the radius.
+
+    Attributes:
+        body: number of the body of each node (owned and ghosts). x: (nodes, gdim) their present positions [L].
+        centres: (bodies, gdim) mean positions [L]. names: of the motions of one body. count: of the bodies.
+    """
+
+    def __init__(self, V, u, axisymmetric):
+        comm, gdim = V.mesh.comm, V.mesh.geometry.dim
+        self.gdim = gdim
+        self.body, self.count = bodies(V)
+        self.num_owned = V.dofmap.index_map.size_local
+        self.x = V.tabulate_dof_coordinates()[:, :gdim] + u.reshape(-1, gdim)
+        x, own = self.x[: self.num_owned], self.body[: self.num_owned]
+        sums = np.zeros((self.count, gdim + 1))
+        for c in range(gdim):
+            sums[:, c] = np.bincount(own, weights=x[:, c], minlength=self.count)
+        sums[:, gdim] = np.bincount(own, minlength=self.count)
+        sums = np.sum(comm.allgather(sums), axis=0)
+        self.centres = sums[:, :gdim] / sums[:, gdim, None]
+        size = np.zeros(self.count)
+        np.maximum.at(size, own, np.linalg.norm(x - self.centres[own], axis=1))
+        self.size = np.max(comm.allgather(size), axis=0)
+        axes = range(1 if axisymmetric else 0, gdim)
+        self._moves = np.array([np.eye(gdim)[a] for a in axes])
+        self._turns = () if axisymmetric else ((0, 1),) if gdim == 2 else ((1, 2), (2, 0), (0, 1))
+        self.names = [f"move along {AXES[a]}" for a in axes]
+        self.names += [f"turn about {AXES[3 - a - b]}" for a, b in self._turns]
+
+    @property
+    def size_of_all(self):
+        """Number of motions of all bodies together."""
+        return self.count * len(self.names)
+
+    def fields(self, body, x):
+        """Motions of the points' own bodies: (points, motions of a body, gdim)."""
+        out = np.zeros((len(x), len(self.names), self.gdim))
+        out[:, : len(self._moves)] = self._moves
+        arm = (x - self.centres[body]) / np.maximum(self.size[body], 1e-300)[:, None]
+        for k, (a, b) in enumerate(self._turns, len(self._moves)):
+            out[:, k, a], out[:, k, b] = -arm[:, b], arm[:, a]
+        return out
+
+    def rows(self, body, x, vectors):
+        """Work of unit forces on all motions: (points, size_of_all).
+
+        Args:
+            body: (n) whose points they are. x: (n, gdim) where they act [L]. vectors: (n, gdim) unit forces.
+        """
+        out = np.zeros((len(x), self.count, len(self.names)))
+        out[np.arange(len(x)), body] = np.einsum("nma,na->nm", self.fields(body, x), vectors)
+        return out.reshape(len(x), self.size_of_all)
+
+    def everywhere(self, number):
+        """One of the motions of all bodies at the owned nodes, (n, gdim)."""
+        b, k = divmod(number, len(self.names))
+        own = self.body[: self.num_owned]
+        values = self.fields(own, self.x[: self.num_owned])[:, k]
+        return np.where((own == b)[:, None], values, 0.0)
+
+
+def free_motions(V, fixed, contacts, u, axisymmetric=False):
+    """Sentences about the rigid motions that supports and active contacts leave. Collective.
+
+    Bodies that nothing holds but that nearly touch are held by it: their contacts are told to `touch_nearest()`.
+
+    Args:
+        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: with `held_rows(motions)`,
+            arrays of what contact prevents, a row per point and direction, a column per motion of RigidMotions, and
+            `touch_nearest()`; both collective. u: present displacements (array over owned and ghost dofs) [L].
+
+    Returns:
+        list of str, empty if everything is held; the same on all ranks, and the same on any number of them.
+    """
+    comm, gdim = V.mesh.comm, V.mesh.geometry.dim
+    motions = RigidMotions(V, u, axisymmetric)
+    supports = np.zeros((motions.size_of_all, motions.size_of_all))
+    dofs = np.flatnonzero(fixed[: motions.num_owned * gdim])
+    for part in np.array_split(dofs, max(1, len(dofs) // 10000)):
+        nodes = part // gdim
+        r = motions.rows(motions.body[nodes], motions.x[nodes], np.eye(gdim)[part % gdim])
+        supports += r.T @ r
+
+    def free():
+        gram = supports + sum(r.T @ r for contact in contacts for r in contact.held_rows(motions))
+        gram = np.sum(comm.allgather(gram), axis=0)
+        values, vectors = np.linalg.eigh(gram)
+        return vectors[:, values < 1e-10 * max(values[-1], 1.0)]
+
+    loose = free()
+    if loose.shape[1] > 0 and any([c.touch_nearest() for c in contacts]):
+        loose = free()
+    if loose.shape[1] == 0:
+        return []
+    sentences = []
+    for b, part in enumerate(loose.reshape(motions.count, len(motions.names), -1)):
+        strength = np.linalg.norm(part, axis=1)
+        found = [n for n, s in zip(motions.names, strength) if s > 1e-3]
+        if found:
+            where = ", ".join(f"{v:.4g}" for v in motions.centres[b])
+            sentences.append(f"the body around ({where}) is free to {', to '.join(found)}")
+    return sentences

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""Cost of a static contact solve, as a multiple of one linear solve of the same bodies tied together.
+
+Both in the same process, with the same linear solver and tolerance: a round body pressed on a flat one from first touch
+in one step, without friction, to a contact whose pressure is Hertz's.
+"""
+
+import time
+
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+
+from .. import StaticProblem, materials, meshes
+from ..statics import newton
+from ..contact.mortar.lagrange import Lagrange
+from ..contact.pair import ContactPair
+
+RTOL = 1e-10
+# (name, cell, mesh size at the contact, of the largest cells): half-width 1, bodies of size 12, radius 50
+CASES = (
+    ("30k unknowns", "quadrilateral", 0.075, 1.0),
+    ("30k unknowns", "hexahedron", 0.16, 12.0),
+)
+LARGE = (
+    ("300k unknowns", "quadrilateral", 0.023, 0.29),
+    ("300k unknowns", "hexahedron", 0.056, 12.0),
+)
+
+
+class Pressed:
+    """A quarter (2D: half) of a ball (cylinder) on a block, its top moved down.
+
+    Args:
+        friction: 0, or more: then everything sticks as soon as it is closed.
+    """
+
+    def __init__(self, cell, h, coarse, friction=0.0):
+        solid = cell == "hexahedron"
+        recipe = "sphere_on_half_space" if solid else "cylinder_on_half_plane"
+        sizes = {"radius": 50.0, "a": 1.0, "h": h, "width": 12.0, "height": 12.0, "coarse": coarse}
+        model = meshes.make(recipe, MPI.COMM_SELF, **sizes, **({"core": 1.3, "symmetry": "quarter"} if solid else {}))
+        gdim = model.mesh.geometry.dim
+        self.V = V = fem.functionspace(model.mesh, ("Lagrange", 1, (gdim,)))
+        self.num_unknowns = gdim * V.dofmap.index_map.size_global
+        down = -0.02 if solid else -0.03
+
+        def hold(name, component, value=0.0):
+            facets = model.facet_tags.find(model.tags[name])
+            dofs = fem.locate_dofs_topological(V.sub(component), gdim - 1, facets)
+            return fem.dirichletbc(value, dofs, V.sub(component))
+
+        bcs = [hold("bottom", c) for c in range(gdim)] + [hold("top", gdim - 1, down)]
+        bcs += [hold(f"symmetry_{axis}", c) for c, axis in enumerate("xy"[: gdim - 1])]
+        law = materials.LinearElastic(568.0, 0.3, hypothesis="3d" if solid else "plane_strain")
+        tags = model.tags["slave_surface"], model.tags["master_surface"]
+        pair = ContactPair(model.facet_tags, slave=tags[0], master=tags[1], friction=friction)
+        self.problem = StaticProblem(fem.Function(V), law, bcs=bcs, contact=[Lagrange(pair)])
+
+
+def tied_seconds(model):
+    """One linear solve with every slave node tied to what it faces: residual, stiffness, condensation, solution."""
+    problem, contact = model.problem, model.problem.contact[0]
+    solver = newton.Newton(problem, RTOL, 0.0, 1)
+    contact.begin(problem.u.x.array, None)
+    target = problem.u.x.array.copy()
+    for bc in problem.bcs:
+        bc.set(target)
+    start = time.perf_counter()
+    residual = problem._assemble_residual().array.copy()
+    contact.update(problem.u.x.array)
+    contact.active[:] = contact.usable
+    contact.opening = np.zeros(len(contact.nodes))
+    K = problem._tangent.assemble()
+    diagonal = K.getDiagonal()
+    mean = float(np.abs(diagonal.array).mean())
+    fault, *_ = solver._one_solution(K, [], [], True, residual, target[: solver.num_owned], mean, RTOL)
+    seconds = time.perf_counter() - start
+    if fault:
+        raise RuntimeError(f"the tied problem: {fault}")
+    return seconds
+
+
+def contact_rows(row, cases=CASES):
+    """Rows: contact solve against tied solve; share of contact (search, integrals, assembly) in the contact solve.
+
+    Args:
+        row: function (name, cell, ranks, value, unit, baseline) -> dict.
+    """
+    rows = []
+    for name, cell, h, coarse in cases:
+        tied = tied_seconds(Pressed(cell, h, coarse, friction=1.0))
+        model = Pressed(cell, h, coarse)
+        start = time.perf_counter()
+        report = model.problem.solve(rtol=RTOL)
+        seconds = time.perf_counter() - start
+        label = f"{cell} P1, {model.num_unknowns} unknowns"
+        rows.append(row("static contact solve / tied linear solve", label, 1, seconds, "s", tied))
+        rows.append(row("  of which contact", label, 1, report.seconds["contact"], "s", seconds))
+        rows.append(row("  Newton iterations, nodes in contact", label, 1, sum(report.iterations), "",
+                        report.active_set_sizes[-1][-1]))  # fmt: skip
+    return rows

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: MIT
+"""Checks of what users hand to problems: of one rank, without communication, for use under a guard (collective.py).
+
+Each raises TypeError for an argument of another kind, ValueError for a value that does not fit; the text says what was
+found and what to do.
+"""
+
+import os
+
+import numpy as np
+from dolfinx import fem
+
+from ..materials import MaterialMap, _Material, _number
+from ..assembly.residual import check_residual
+
+ROUND_OFF = 1e-12  # of the mesh's extent: coordinates below it are zero
+LARGEST_DEGREE = 60  # of quadrature: rules of higher degree have thousands of points on every facet, more in cells
+RULES = ("default", "Gauss-Jacobi", "Gauss-Legendre", "GL", "Gauss-Lobatto-Legendre", "GLL", "Xiao-Gimbutas", "vertex",
+         "custom", "gauss_jacobi", "gll", "xiao_gimbutas")  # fmt: skip
+
+
+def integer(name, value, low, high=None, unit=""):
+    """A checked integer, `low` to `high`."""
+    if isinstance(value, (bool, np.bool_, str, bytes)) or np.ndim(value) != 0:
+        raise TypeError(f"{name} is {value!r}: give {_range(low, high)}{unit}")
+    try:
+        whole = int(value)
+        fits = whole == value
+    except TypeError:
+        raise TypeError(f"{name} is {value!r}: give {_range(low, high)}{unit}") from None
+    except (ValueError, OverflowError):  # nan, inf
+        fits = False
+    if not fits or whole < low or (high is not None and whole > high):
+        raise ValueError(f"{name} is {value!r}: give {_range(low, high)}{unit}")
+    return whole
+
+
+def tolerance(name, value):
+    """A relative or absolute tolerance of a solution."""
+    number = _number(name, value)
+    if number < 0.0 or (name == "rtol" and number >= 1.0):
+        raise ValueError(f"{name} is {number}: give {'a number from 0 to 1' if name == 'rtol' else 'zero or more'}")
+    return number
+
+
+def _range(low, high):
+    if high is not None:
+        return f"an integer from {low} to {high}"
+    return {0: "an integer, zero or positive", 1: "a positive integer"}.get(low, f"an integer, {low} or more")
+
+
+def sequence(name, value, what):
+    """The items of a list or tuple as a list."""
+    if isinstance(value, (list, tuple)):
+        return list(value)
+    hint = "leave it out, or give ()" if value is None else f"put it into a list, {name}=[...]"
+    raise TypeError(f"{name} must be a list of {what}, found {type(value).__name__}: {hint}")
+
+
+def function(name, u):
+    """A real function of double precision."""
+    if not isinstance(u, fem.Function):
+        hint = ": make a function of it, fem.Function(V)" if isinstance(u, fem.FunctionSpace) else ""
+        raise TypeError(f"{name} must be a Function of dolfinx.fem, found {type(u).__name__}{hint}")
+    double_precision(name, u.x.array)
+
+
+def function_space(name, V):
+    """A space on a mesh of double precision."""
+    if not isinstance(V, fem.FunctionSpace):
+        raise TypeError(f"{name} must be a dolfinx.fem.FunctionSpace, found {type(V).__name__}")
+    double_precision(f"the mesh of {name}", V.mesh.geometry.x)
+
+
+def double_precision(name, array):
+    """An array of float64; the kernels compute with no other numbers."""
+    kind = getattr(array, "dtype", None)
+    if kind != np.float64:
+        hint = "make mesh and functions with dtype=numpy.float64"
+        raise TypeError(f"{name} has numbers of type {kind}: float64 is needed; {hint}")
+
+
+def displacement(u, solid=True):
+    """A displacement: a vector function of a Lagrange space with a component per direction of a 2D or 3D mesh.
+
+    Args:
+        u: what a user gave. solid: of a material or in contact; False: of a residual of the user's own, whose unknowns
+            may be others.
+    """
+    function("u", u)
+    V, mesh = u.function_space, u.function_space.mesh
+    double_precision("the mesh of u", mesh.geometry.x)
+    tdim, gdim = mesh.topology.dim, mesh.geometry.dim
+    if not np.all(np.isfinite(mesh.geometry.x)):
+        raise ValueError("the mesh of u has nodes whose coordinates are not finite numbers: read or make it again")
+    if not solid:
+        return
+    if tdim < 2:
+        raise ValueError(f"the mesh of u has dimension {tdim}: bodies are meshed in 2D or 3D")
+    if tdim != gdim:
+        raise ValueError(
+            f"the mesh of u is a surface: cells of dimension {tdim} in {gdim} dimensions; shells and membranes are not "
+            "supported, use a residual of your own without contact, or mesh the volume"
+        )
+    element = V.ufl_element()
+    needed = f'fem.functionspace(mesh, ("Lagrange", degree, ({gdim},)))'
+    if V.value_shape != (gdim,):
+        what = "a scalar" if V.value_shape == () else f"values of shape {tuple(V.value_shape)}"
+        raise ValueError(f"u is {what}: a displacement on this mesh has {gdim} components; use {needed}")
+    # Mixed elements have no family; vector-valued families have blocks of one.
+    lagrange = element.block_size == gdim and element.family_name == "P" and not element.discontinuous
+    if not lagrange:
+        kind = (
+            "discontinuous" if element.block_size == gdim and element.family_name == "P" else "not of Lagrange's kind"
+        )
+        raise ValueError(f"the space of u is {kind} ({element}): a displacement needs a continuous one; use {needed}")
+
+
+def problem(u, given_material, residual, bcs, loads, contact, axisymmetric=False, explicit=False):
+    """What static and explicit problems have in common; values that must be the same on all ranks, as a dict."""
+    if (given_material is None) == (residual is None):
+        raise ValueError("give either a material or a residual of your own")
+    contact = sequence("contact", contact, "contacts")
+    displacement(u, solid=residual is None or bool(contact))
+    V, mesh = u.function_space, u.function_space.mesh
+    tdim = mesh.topology.dim
+    if residual is None:
+        material(given_material)
+        if given_material.cell_tags is not None:
+            tags("MaterialMap", given_material.cell_tags, mesh, tdim)
+        radii(given_material.hypothesis_on(mesh), mesh)
+    else:
+        check_residual(residual, u)
+        radii("axisymmetric" if axisymmetric else None, mesh)
+    for bc in sequence("bcs", bcs, "DirichletBC"):
+        boundary_values("bcs", getattr(bc, "bc", bc) if explicit else bc, V)
+    for load in sequence("loads", loads, "loads"):
+        if not hasattr(load, "form"):
+            raise TypeError(f"loads must hold Traction, BodyForce, FollowerPressure, found {type(load).__name__}")
+        if not explicit and getattr(load, "amplitude", None) is not None:
+            raise ValueError(
+                f"{type(load).__name__} has an amplitude, a function of time: that is for explicit problems; static "
+                "ones go to the present value of the load in steps"
+            )
+        if hasattr(load, "facet_tags"):
+            tags(type(load).__name__, load.facet_tags, mesh, tdim - 1)
+    for c in contact:
+        if hasattr(c, "facet_tags"):
+            ways = ("Penalty", "Kinematic") if explicit else ("Lagrange", "Penalty")
+            hint = " or ".join(f"contact=[di.{way}(pair)]" for way in ways)
+            raise TypeError(f"contact holds a ContactPair: say how it is enforced, {hint}")
+        if not hasattr(c, "_bind") or isinstance(c, type):
+            found = c.__name__ if isinstance(c, type) else type(c).__name__
+            raise TypeError(f"contact must hold Lagrange, Penalty or Kinematic of pairs, found {found}")
+        tags(c.pair.name, c.pair.facet_tags, mesh, tdim - 1)
+    return {
+        "material": given_material,
+        "residual": residual,
+        "u among the coefficients": None if residual is None else [f is u for f in residual.coefficients()],
+        "bcs": [value_of(bc) for bc in bcs],
+        "loads": list(loads),
+        "contact": contact,
+        "axisymmetric": axisymmetric,
+    }
+
+
+def measures(form):
+    """Quadrature that a user asked for in the measures of a form."""
+    for integral in form.integrals():
+        degree = integral.metadata().get("quadrature_degree")
+        if degree not in (None, -1, "auto", "default"):
+            integer("quadrature_degree", degree, 0, LARGEST_DEGREE)
+        rule = integral.metadata().get("quadrature_rule")
+        if rule not in (None, *RULES):
+            raise ValueError(f"quadrature_rule is {rule!r}: use one of {', '.join(RULES)}")
+
+
+def material(m):
+    """A material or a MaterialMap."""
+    if isinstance(m, (_Material, MaterialMap)):
+        return
+    if isinstance(m, type) and issubclass(m, (_Material, MaterialMap)):
+        raise TypeError(f"material is the class {m.__name__}: make a material of it, {m.__name__}(E=..., nu=..., ...)")
+    found = repr(m) if isinstance(m, str) else type(m).__name__
+    raise TypeError(
+        f"material must be a material, found {found}: for example LinearElastic(E=..., nu=..., density=...)"
+    )
+
+
+def radii(hypothesis, mesh):
+    """Of an axisymmetric body: x is the radius."""
+    if hypothesis != "axisymmetric":
+        return
+    x = mesh.geometry.x
+    lowest = float(np.min(x[:, 0], initial=np.inf))
+    if lowest < -ROUND_OFF * float(np.max(np.abs(x), initial=0.0)):
+        number = int(np.count_nonzero(x[:, 0] < 0.0))
+        raise ValueError(
+            f"axisymmetric: x is the radius, but {number} nodes of the mesh have x < 0, down to {lowest:g}: move the "
+            "mesh, or mesh the half with x >= 0 only"
+        )
+
+
+def tags(name, found, mesh, dim):
+    """MeshTags of a dimension on a mesh."""
+    if not hasattr(found, "find") or not hasattr(found, "topology"):
+        raise TypeError(f"{name} must be dolfinx MeshTags, found {type(found).__name__}")
+    if found.dim != dim:
+        what = "cells" if dim == mesh.topology.dim else "facets"
+        raise ValueError(f"{name} needs tags of {what} (dimension {dim}), found tags of dimension {found.dim}")
+    if found.topology is not mesh.topology._cpp_object:
+        raise ValueError(f"{name}: the tags are of another mesh than u: make them on u.function_space.mesh")
+
+
+def boundary_values(name, bc, V):
+    """A DirichletBC on V, on a part of V, or on an equal space of the same mesh."""
+    if not hasattr(bc, "dof_indices"):
+        raise TypeError(f"{name} must hold DirichletBC objects of dolfinx, found {type(bc).__name__}")
+    space = getattr(bc.function_space, "_cpp_object", bc.function_space)
+    if space.mesh is not V.mesh._cpp_object:
+        raise ValueError(f"{name}: a boundary condition is of another mesh than u: make it on u.function_space")
+    own, other = V.dofmap, space.dofmap
+    equal = (own.index_map.size_global, own.index_map_bs) == (other.index_map.size_global, other.index_map_bs)
+    if not V._cpp_object.contains(space) and not equal:
+        raise ValueError(f"{name}: a boundary condition is on another space than u: make it on u.function_space")
+
+
+def value_of(bc):
+    """The constant of a boundary condition, or what kind of value it has: to be compared between ranks."""
+    value = getattr(bc, "bc", bc).g
+    return [getattr(value, "value", type(value).__name__), getattr(bc, "amplitude", None)]
+
+
+def reference_points(points, tdim, cell):
+    """Points in a reference cell, given by dimension and name, as an array of shape (num_points, tdim)."""
+    try:
+        points = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"points must be numbers of shape (num_points, {tdim}), found {points!r:.60}") from None
+    if points.ndim != 2 or points.shape[1] != tdim:
+        raise ValueError(f"points have shape {points.shape}: (num_points, {tdim}) is needed, coordinates in the {cell}")
+    simplex = cell in ("interval", "triangle", "tetrahedron")
+    limits = [points, 1.0 - points] + ([1.0 - points.sum(axis=1, keepdims=True)] if simplex else [])
+    lowest = np.min([np.min(limit, axis=1, initial=np.inf) for limit in limits], axis=0)
+    outside = np.flatnonzero(~(lowest > -1e-9))  # nan as well
+    if len(outside) and cell != "prism":
+        raise ValueError(
+            f"the point {points[outside[0]].tolist()} lies outside the reference {cell}, whose coordinates go from 0 "
+            "to 1: points are given in each cell, not in space"
+        )
+    return np.ascontiguousarray(points)
+
+
+def options(given):
+    """A dict of PETSc options, or None."""
+    if given is None:
+        return
+    if not isinstance(given, dict):
+        raise TypeError(f"options must be a dict of PETSc options, found {type(given).__name__}: {given!r:.60}")
+    for key in given:
+        if not isinstance(key, str) or not key or key.startswith("-"):
+            raise ValueError(f"options: {key!r} is no name of a PETSc option: write it without dash and prefix")
+
+
+def path(name, value):
+    """Name of a file or folder."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{name} must be the name of a file, found {type(value).__name__}")
+    if not os.fspath(value):
+        raise ValueError(f"{name} is empty: give the name of a file")

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""Penalty springs of explicit contact as a stiffness matrix; docs/explicit/penalty.md, "Stiffness"."""
+
+import numpy as np
+from dolfinx.common import IndexMap
+from petsc4py import PETSc
+
+from ... import _cpp
+
+
+def searched(contact, u, law, **options):
+    """A contact of the same pair, with the candidates of a configuration; its Halo, u over that. The contact that runs
+    is left alone. Collective.
+
+    Args:
+        contact: NodalResult. u: owned displacements [L]. law, options: of the contact, see NodalResult.make.
+    """
+    made, V = contact.make(law, **options), contact.V
+    if contact.motion is not None:
+        made.set_obstacle(contact.motion.sample([contact.problem.time])[0].tolist(), [0.0] * 3)
+    own, bs = V.dofmap.index_map, V.dofmap.index_map_bs
+    num = own.size_local * bs
+    made.search(np.ascontiguousarray(u[:num]), np.zeros(0))
+    ghosts = np.concatenate([own.ghosts, made.remote_nodes])
+    owners = np.concatenate([own.owners, made.remote_owners]).astype(np.int32)
+    halo = _cpp.operators.Halo(IndexMap(V.mesh.comm, own.size_local, ghosts, owners))
+    values, mass = np.zeros(halo.num_nodes * bs), np.ones(halo.num_nodes)  # given stiffness does not ask for masses
+    values[:num] = u[:num]
+    halo.forward(values, bs)
+    made.number(halo, mass)
+    return made, halo, values
+
+
+def stiffness(contacts, V, u):
+    """Matrix of all springs of given stiffness at nodes that have a master, closed or not; None if there are none.
+    Collective.
+
+    Args:
+        contacts: NodalResults. V: displacement space. u: owned displacements [L].
+    """
+    contacts = [c for c in contacts if c.penalty]
+    if not contacts:
+        return None
+    bs, own = V.dofmap.index_map_bs, V.dofmap.index_map
+    size = (own.size_local * bs, own.size_global * bs)
+    matrix = PETSc.Mat().createAIJ((size, size), comm=V.mesh.comm)
+    matrix.setUp()
+    for contact in contacts:
+        made, halo, values = searched(contact, u, _cpp.nodal.PenaltyContact, **contact.options)
+        for side in [made] + ([made.other] if made.other is not None else []):
+            _add(matrix, side.springs(halo, values), bs, contact.pair.friction > 0)
+    matrix.assemble()
+    return matrix
+
+
+def _add(matrix, springs, bs, sticking):
+    """Springs act along the normal; with friction, which may stick, in all directions."""
+    for node, masters, phi, n, k in zip(
+        *(springs[name] for name in ("nodes", "masters", "phi", "normal", "stiffness"))
+    ):
+        weights = np.concatenate([[1.0], -phi])
+        directions = np.eye(bs) if sticking else np.outer(n, n)
+        dofs = (bs * np.concatenate([[node], masters])[:, None] + np.arange(bs)).reshape(-1).astype(PETSc.IntType)
+        matrix.setValues(dofs, dofs, k * np.kron(np.outer(weights, weights), directions), PETSc.InsertMode.ADD_VALUES)

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Contact by dual Lagrange multipliers: mortar integrals, condensation, friction."""

@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: MIT
+"""Nodal gaps, normals and weights of a contact by multipliers, and those against rigid obstacles."""
+
+import copy
+
+import basix
+import numpy as np
+
+from ... import _cpp
+from ..matrices import NodalSum, global_dofs, matrix
+from ..body_size import body_size
+from ..initial_penetration import InitialGap, check_side, nearly_touching
+
+# A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
+LEAST = 1e-2
+# Prescribed displacements are the same up to this part of them: fractions of a way are rounded.
+EQUAL = 1e-9
+# Part of a rim node's length that is in contact, by the ratio r of pressures: polynomial, highest power first, and the
+# most it can be, where the next node begins to touch. Measured on Hertz's line contact between elastic bodies, the edge
+# everywhere between the nodes (13 loads; quadrilaterals, and triangles of degree 2); left is 0.04 of a facet at most.
+# On surfaces in space: nodal means of a pressure that falls like the root of the distance from the edge give r = 0.07,
+# 0.28, 0.58 for the edge half a facet before, at, and half a facet behind the node.
+RIM = {(1, "corner"): (0.72, 1.0, 0.25), (1, "middle"): (1.0,), (2, "corner"): (1.65, 0.4), (2, "middle"): (1.15, 0.3)}
+RIM_MOST = {(1, "corner"): 1.25, (1, "middle"): 1.0, (2, "corner"): 1.6, (2, "middle"): 1.2}
+
+
+def quadrature_rule(shape, degree):
+    """Points (flat) and weights of a rule on a reference facet."""
+    points, weights = basix.make_quadrature(getattr(basix.CellType, shape), degree)
+    return np.ascontiguousarray(points).ravel(), np.ascontiguousarray(weights)
+
+
+def block_entries(row_dofs, col_dofs, blocks):
+    """Rows, columns and values of dense blocks: degrees of freedom (n, a) and (n, b), values (n, a, b)."""
+    rows, cols = np.broadcast_arrays(row_dofs[:, :, None], col_dofs[:, None, :])
+    return rows.ravel(), cols.ravel(), np.ravel(blocks)
+
+
+class SurfaceGeometry:
+    """Common part: the slave's nodes on this rank and what belongs to each.
+
+    Attributes:
+        basis: Multipliers. nodes: (n) owned nodes of the slave surface that a multiplier may live at.
+        numbers: (n) their global numbers. participates: (n) mask of those where one does.
+        weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n) integral of the multiplier's
+        function over the part of the surface that faces a master [L^2]; gaps and slips are means over it.
+        gap: (n) [L]. normal: (n, gdim). fixed: (n, gdim) prescribed components. locked: (n, gdim) those along which the
+        motion against the master is prescribed to be zero in this increment.
+        tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment.
+    """
+
+    def __init__(self, spec, V, axisymmetric, fixed, basis):
+        self.prescribed, self.driven = fixed, np.zeros(len(fixed))
+        self.pair, self.V, self.axisymmetric = spec.pair, V, axisymmetric
+        self.basis = getattr(_cpp.gap.Multipliers, basis)
+        self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
+        self.slave, self.master = self.pair.surfaces(V)
+        self.index_map = V.dofmap.index_map
+        self.sum = NodalSum(self.index_map, 1)
+        self.start = np.zeros(self.gdim * (self.index_map.size_local + self.index_map.num_ghosts))
+        self.start_displacement = np.zeros(3)
+        self.displacement = np.zeros(3)
+        element = self.slave.displacement
+        # Exact for the shape functions on flat, affine facets, with the radius as weight.
+        points, weights = quadrature_rule(element.shape, 2 * element.degree + 2)
+        self.whole = _cpp.gap.whole_facets(self.slave, points, weights, axisymmetric)
+        full = np.zeros(len(self.sum._vector.array))
+        np.add.at(full, self.slave.nodes, _cpp.gap.cover(self.slave, self.whole, self.basis))
+        share = self.sum(full).ravel()
+        area = np.bincount(self.whole.slave, weights=self.whole.weight, minlength=self.slave.size)
+        around = np.zeros(len(full))
+        np.add.at(around, self.slave.nodes, area[:, None])
+        around = self.sum(around).ravel()
+        owned = share[: self.index_map.size_local]
+        # On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
+        # multipliers live at the midpoints of the edges; linear ones live at the corners.
+        self.nodes = np.flatnonzero(owned > LEAST * around[: len(owned)])
+        self.numbers = self.index_map.local_to_global(self.nodes.astype(np.int32))
+        self.share, self.area = owned[self.nodes], around[self.nodes]
+        self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
+        self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
+        self.size = body_size(V.mesh)
+        self.tolerance = 1e-12 * self.size
+        self.offset = np.zeros(len(self.nodes))
+
+    def _look(self):
+        """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
+        self.update(self.start)
+        self.initial = InitialGap(self.pair, self.V, self.slave, self.master, self.points, self.gap)
+        self.offset = self.initial.offset
+
+    def begin(self, u, displacement, target=None):
+        """An increment starts at u; the rigid master is to go to `displacement`, prescribed degrees of freedom to
+        `target` (None: they stay)."""
+        self.start = np.array(u)
+        self.driven = np.zeros_like(self.start) if target is None else np.where(self.prescribed, target - u, 0.0)
+        if displacement is not None:
+            self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
+
+    def save(self):
+        """Where the increment starts, as a dict of copies."""
+        return {name: getattr(self, name).copy() for name in ("start", "start_displacement", "displacement")}
+
+    def restore(self, state):
+        """Back to a saved state."""
+        for name, value in state.items():
+            setattr(self, name, value.copy())
+
+    def _move(self, u):
+        u = np.ascontiguousarray(u)
+        self.u = u
+        self.slave.move(u)
+        self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
+
+    def ahead(self):
+        """What prescribed components of the slave's nodes have yet to move in this increment, (n, gdim) [L]."""
+        left = (self.driven - np.where(self.prescribed, self.u - self.start, 0.0)).reshape(-1, self.gdim)[self.nodes]
+        return np.where(self.fixed, left, 0.0)
+
+    def same(self, a, b):
+        """Are prescribed displacements the same but for round-off?"""
+        return np.abs(a - b) <= EQUAL * np.maximum(np.abs(a), np.abs(b)) + 1e-2 * self.tolerance
+
+    def spread(self, rows, means):
+        """Means over the cover of some nodes, in terms of the diagonal of D."""
+        factor = self.cover[rows] / self.weight[rows]
+        return means[rows] * (factor if means.ndim == 1 else factor[:, None])
+
+    def look_ahead(self, u):
+        """Gap and slip at other displacements u (array over owned and ghost dofs); this state stays. Collective."""
+        there = copy.copy(self)
+        there._matrix = None
+        there.update(u)
+        slip = there.slip()
+        if there._matrix is not None:
+            there._matrix.destroy()
+        return there.gap, slip
+
+    def tangential(self, jump):
+        """Part of relative displacements along the surface, (n, gdim)."""
+        return jump - np.einsum("na,nb,nb->na", self.normal, self.normal, jump)
+
+    def slip(self):
+        """Tangential displacement of slave against master in this increment, (n, gdim) [L]. Collective."""
+        moved = self.jump((self.u - self.start)[: self.gdim * self.index_map.size_local])
+        return self.tangential(moved - (self.displacement - self.start_displacement)[: self.gdim])
+
+    def nearest(self):
+        """Nodes to be closed where nothing touches but the bodies nearly do, mask (n), or None: they are apart.
+        Collective."""
+        size = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)[:, None], self.slave.nodes.shape[1], 1)
+        sums, counts = (np.zeros(len(self.sum._vector.array)) for _ in range(2))
+        np.add.at(sums, self.slave.nodes, size)
+        np.add.at(counts, self.slave.nodes, 1.0)
+        sums, counts = (self.sum(a).ravel()[self.nodes] for a in (sums, counts))
+        gap = nearly_touching(self.comm, self.gap, sums / counts)
+        return None if gap is None else self.gap < gap
+
+    def springs(self, rows, blocks):
+        """Matrix of springs between nodes and what they face on the master. Collective.
+
+        Args:
+            rows: of the nodes. blocks: (len(rows), gdim, gdim) stiffness [F/L].
+        """
+        pointers, columns, values = self.master_rows(rows)
+        counts = np.diff(pointers) + 1  # each node and the nodes it faces, with their parts in the jump
+        starts = np.cumsum(counts) - counts
+        nodes, jump = np.empty(counts.sum(), dtype=np.int64), np.ones(counts.sum())
+        others = np.setdiff1d(np.arange(len(nodes)), starts, assume_unique=True)
+        nodes[starts] = self.index_map.local_to_global(self.nodes[rows].astype(np.int32))
+        nodes[others], jump[others] = columns, -values
+        # All pairs (a, b) of entries of the same row.
+        row = np.repeat(np.arange(len(rows)), counts**2)
+        pair = np.arange(len(row)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
+        a, b = starts[row] + pair // counts[row], starts[row] + pair % counts[row]
+        dofs = self.gdim * nodes[:, None] + np.arange(self.gdim)
+        entries = block_entries(dofs[a], dofs[b], (jump[a] * jump[b])[:, None, None] * blocks[row])
+        return matrix(self.comm, self.gdim * self.index_map.size_local, *entries)
+
+    def covered(self, pressure, active):
+        """Part of each node's area that is in contact, (n). Collective.
+
+        Inside the contact it is 1. At its rim the edge of the contact lies somewhere between the nodes, and the
+        pressure tells where: r is the node's pressure over that of its neighbours further inside; RIM says what of the
+        area belongs to it. More than 1: the contact reaches into the area of an open node beyond.
+        """
+        size = self.index_map.size_local + self.index_map.num_ghosts
+        p, touching, known = np.zeros(size), np.zeros(size), np.zeros(size)
+        p[self.nodes], touching[self.nodes], known[self.nodes] = pressure, active, 1.0
+        p, touching, known = (self.sum.forward(a).ravel() for a in (p, touching, known))
+        nodes = self.slave.nodes
+        rim = np.any((known[nodes] > 0) & (touching[nodes] == 0), axis=1) if len(nodes) else np.zeros(0, dtype=bool)
+        outermost = np.repeat(rim[:, None], nodes.shape[1], 1)
+        if self.gdim == 2:  # an end of a facet whose midpoint touches lies further inside
+            outermost[:, :2] &= np.all(touching[nodes[:, 2:]] == 0, axis=1)[:, None]
+        larger = p[nodes][:, None, :] > p[nodes][:, :, None]  # [facet, node, neighbour]
+        sums = [
+            outermost,
+            larger.sum(axis=2),
+            (larger * p[nodes][:, None, :]).sum(axis=2),
+        ]
+        on_rim, count, total = (
+            self.sum(np.bincount(nodes.ravel(), weights=np.ravel(v), minlength=size)).ravel()[self.nodes] for v in sums
+        )
+        ratio = pressure * count / np.where(total > 0, total, 1.0)
+        part = self._rim_part(ratio)
+        return np.where((on_rim > 0) & (total > 0), part, 1.0) * active
+
+    def _rim_part(self, ratio):
+        """Part of the area of nodes at the rim that is in contact, from the ratio of their pressures."""
+        if self.gdim == 3:
+            return np.clip((ratio - 0.07) / 0.51, 0.0, 1.0)
+        degree = self.slave.displacement.degree
+        middle = np.zeros(len(self.sum._vector.array))
+        np.add.at(middle, self.slave.nodes[:, 2:], 1.0)
+        middle = self.sum(middle).ravel()[self.nodes] > 0.0
+        corners, middles = (
+            np.minimum(np.polyval(RIM[degree, at], ratio), RIM_MOST[degree, at]) for at in ("corner", "middle")
+        )
+        return np.where(middle, middles, corners)
+
+    def jump_rows(self, motions, held):
+        """Displacements against the master of some nodes in all rigid motions, (gdim, held nodes, motions). Collective.
+
+        Args:
+            motions: held.RigidMotions. held: index of the nodes.
+        """
+        rows = np.zeros((self.gdim, len(held), motions.size_of_all))
+        surfaces = [s for s in (self.slave, self.master) if s is not None]
+        touched = np.zeros(motions.count, dtype=np.int32)
+        touched[np.concatenate([motions.body[s.nodes.ravel()] for s in surfaces])] = 1
+        touched = np.sum(self.comm.allgather(touched), axis=0) > 0
+        for number in np.flatnonzero(np.repeat(touched, len(motions.names))):
+            rows[:, :, number] = self.jump(motions.everywhere(number).ravel())[held].T
+        return rows
+
+    def diagonal_stiffness(self, K):
+        """Mean diagonal entries of each slave node's block and of the blocks opposite to it (zero: rigid), (n), (n)
+        [F/L]. Collective."""
+        diagonal = K.getDiagonal()
+        values = np.abs(diagonal.array.reshape(-1, self.gdim)).mean(axis=1)
+        diagonal.destroy()
+        return values[self.nodes], self._facing(values)
+
+
+class RigidGeometry(SurfaceGeometry):
+    """The slave's nodes against an obstacle whose gap is known in closed form."""
+
+    def __init__(self, spec, V, axisymmetric, fixed):
+        super().__init__(spec, V, axisymmetric, fixed, "dual")
+        self.obstacle = self.pair.master._obstacle(self.gdim)
+        self.weight = self.cover = self.share
+        self.participates = np.ones(len(self.nodes), dtype=bool)
+        check_side(self.pair, V, self.slave, self.obstacle)
+        self._look()
+
+    def update(self, u):
+        """Gaps and normals at u. Collective."""
+        self._move(u)
+        self.obstacle.displacement = self.displacement.tolist()
+        self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
+        self.gap = self.gap + self.offset
+        moved = self.driven.reshape(-1, self.gdim)[self.nodes]
+        along = (self.displacement - self.start_displacement)[: self.gdim]
+        self.locked = self.fixed & self.same(moved, along)
+
+    def _facing(self, values):
+        return np.zeros(len(self.nodes))
+
+    def jump(self, moved):
+        """Displacements of the nodes against an obstacle at rest, (n, gdim), of increments over owned dofs."""
+        return moved.reshape(-1, self.gdim)[self.nodes]
+
+    def master_rows(self, rows):
+        """No master nodes."""
+        return np.zeros(len(rows) + 1, dtype=int), np.empty(0, dtype=int), np.empty(0)
+
+    def stiffness(self, multiplier, traction, active):
+        """The normal turns where a node slides over a curved obstacle: matrix of - D lambda d n/dx, or None.
+        Collective."""
+        rows = np.flatnonzero(active & (multiplier != 0.0))
+        blocks = -(self.weight * multiplier)[rows, None, None] * self.hessian[rows]
+        if not self.comm.allreduce(int(np.any(blocks))):
+            return None
+        dofs = global_dofs(self.index_map, self.nodes[rows], self.gdim)
+        return matrix(self.comm, self.gdim * self.index_map.size_local, *block_entries(dofs, dofs, blocks))
+
+    def forces(self, traction):
+        """Nodal forces on the slave, array over owned dofs [F]."""
+        out = np.zeros((self.index_map.size_local, self.gdim))
+        out[self.nodes] = self.weight[:, None] * traction
+        return out.ravel()

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Explicit dynamics: time stepping, stable step, energies, restart and output of a run."""

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: MIT
+"""What an explicit run writes while it runs: fields for ParaView, histories in HDF5."""
+
+import time
+
+import numpy as np
+from mpi4py import MPI
+
+from ..common import arguments
+from ..io import hdf5
+from ..io.frames import Frames
+from ..io.run_folder import RunFolder
+
+UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
+FIELDS = ("displacement", "velocity", "acceleration")
+ROWS = 100_000  # of histories that wait in memory at most
+INTERVAL = 1.0  # s of wall-clock time: opening the file takes milliseconds, as long as several steps of a small model
+
+
+def check_arguments(problem, path, fields, every, points, points_every):
+    """Arguments of a Recorder, on this rank; fields as a tuple and points as an array (n, gdim), or None."""
+    if path is not None:
+        arguments.path("path", path)
+    if isinstance(fields, str):
+        raise TypeError(f"fields must be a list of names, found the text {fields!r}: put it into a list")
+    unknown = [f for f in fields if f not in FIELDS]
+    if unknown:
+        raise ValueError(f"fields {unknown} are unknown: use some of {', '.join(FIELDS)}")
+    for name, number in (("every", every), ("points_every", points_every)):
+        arguments.integer(name, number, 1, unit=" of steps")
+    if points is None:
+        return tuple(fields), None
+    gdim = problem.space.mesh.geometry.dim
+    try:
+        points = np.atleast_2d(np.asarray(points, dtype=float))
+    except (TypeError, ValueError):
+        raise TypeError(f"points must be numbers of shape (n, {gdim}), found {points!r:.60}") from None
+    if points.ndim != 2 or points.shape[1] < gdim:
+        raise ValueError(f"points have {points.shape[-1]} coordinates: {gdim} are needed")
+    if not np.all(np.isfinite(points)):
+        raise ValueError("points have coordinates that are not finite: give places in the body")
+    return tuple(fields), points
+
+
+class Recorder:
+    """Writes frames and histories of an ExplicitProblem into a folder; made by ExplicitProblem.record.
+
+    Files: fields.bp (ParaView 5.12 or newer), history.h5: `time`, energies and contact forces `force_0`, ... of every
+    step; `points/time` and `points/displacement`, `points/velocity`, shape (frames, points, gdim). Datasets have units
+    as attributes: T, L, F stand for the units of time, length and force of the problem's numbers. Histories are written
+    with frames, once a second at most, after 100,000 steps, with checkpoints, when `advance` ends by an exception, and
+    by `close`. On a disk that is full `advance` ends with a RuntimeError after a step; what was written before can be
+    read, what was not is kept and written when there is room.
+
+    Attributes:
+        seconds: wall-clock time that frames, samples and histories have taken while the problem ran.
+    """
+
+    def __init__(self, problem, path, fields, every, points, points_every):
+        self.problem, self.every, self.points_every = problem, int(every), int(points_every)
+        self._nodes = [] if points is None else self._nearest(points)
+        self.folder = RunFolder(path, comm=problem.comm, name="explicit")
+        functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
+        self._fields = [functions[f] for f in fields]
+        for name, f in functions.items():
+            f.name = name
+        self._writer = None
+        if self._fields:
+            self._writer = Frames(self.folder, "fields.bp", self._fields)
+        self._samples, self._rows, self._waiting, self._frame = [], [], 0, -1
+        self._open()
+        self._flushed = time.monotonic()
+        self.seconds = 0.0
+        self.after()
+
+    def _nearest(self, points):
+        """For each point the node nearest to it: (rank, number there). Collective."""
+        V, comm = self.problem.space, self.problem.comm
+        x = V.tabulate_dof_coordinates()[: V.dofmap.index_map.size_local, : V.mesh.geometry.dim]
+        out = []
+        for p in points[:, : x.shape[1]]:
+            distance = np.linalg.norm(x - p, axis=1)
+            node = int(np.argmin(distance)) if len(x) else -1
+            _, rank = comm.allreduce((float(distance[node]) if len(x) else np.inf, comm.rank), MPI.MINLOC)
+            out.append((rank, node))
+        return out
+
+    def _open(self):
+        """History file with growing datasets, on rank 0."""
+        from .time_stepping import ENERGIES
+
+        def fill(file):
+            gdim, grow = self.problem.space.mesh.geometry.dim, {"chunks": True}
+            names = {"time": "T", **{name: "F L" for name in ENERGIES}}
+            for name, unit in names.items():
+                file.create_dataset(name, (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = unit
+            for k, contact in enumerate(self.problem.contact):
+                d = file.create_dataset(f"force_{k}", (0, gdim), maxshape=(None, gdim), dtype=float, **grow)
+                d.attrs["units"], d.attrs["contact"] = "F", contact.pair.name
+            if self._nodes:
+                shape = (0, len(self._nodes), gdim)
+                file.create_dataset("points/time", (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = "T"
+                for name in ("displacement", "velocity"):
+                    d = file.create_dataset(f"points/{name}", shape, maxshape=(None, *shape[1:]), dtype=float, **grow)
+                    d.attrs["units"] = UNITS[name]
+
+        self.folder._write("history.h5", lambda: hdf5.create(self.folder.file("history.h5"), fill))
+
+    def steps_left(self):
+        """Steps until something is to be written."""
+        step = self.problem.step
+        waits = [self.every - step % self.every]
+        if self._nodes:
+            waits.append(self.points_every - step % self.points_every)
+        return min(waits)
+
+    def take(self, rows):
+        """Rows of steps, to be written by and by."""
+        self._rows.append(rows)
+        self._waiting += len(rows)
+
+    def after(self):
+        """Write what is due after a step. Collective."""
+        p, begin = self.problem, time.perf_counter()
+        frame, sample = p.step % self.every == 0, bool(self._nodes) and p.step % self.points_every == 0
+        if (frame or sample) and p.step != self._frame:
+            p._copy_motion()
+            self._frame = p.step
+            if sample:
+                self._sample()
+            if frame:
+                if self._writer is not None:
+                    self._writer.write(p.time)
+                if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
+                    self.flush()
+            self.seconds += time.perf_counter() - begin
+        if self._waiting > ROWS:
+            self.flush()
+            self.seconds += time.perf_counter() - begin
+
+    def _sample(self):
+        p, values = self.problem, []
+        for rank, node in self._nodes:
+            gdim = p.space.mesh.geometry.dim
+            mine = [f.x.array.reshape(-1, gdim)[node].copy() if p.comm.rank == rank else None
+                    for f in (p.u, p.velocity)]  # fmt: skip
+            values.append(p.comm.bcast(mine, root=rank))
+        self._samples.append((p.time, np.array(values)))
+
+    def flush(self):
+        """Write histories so far. Collective.
+
+        Raises:
+            RuntimeError: no room; on all ranks. What was written before is there, the rest is kept for the next time.
+        """
+        from .time_stepping import ENERGIES
+
+        p, samples, rows = self.problem, self._samples, self._rows
+
+        def work(file):
+            if rows:
+                table = np.vstack(rows)
+                gdim = p.space.mesh.geometry.dim
+                for k, name in enumerate(("time", *ENERGIES)):
+                    _append(file[name], table[:, k])
+                for k in range(len(p.contact)):
+                    first = 1 + len(ENERGIES) + 3 * k
+                    _append(file[f"force_{k}"], table[:, first : first + gdim])
+            if samples:
+                values = np.array([v for _, v in samples])
+                _append(file["points/time"], np.array([t for t, _ in samples]))
+                for k, name in enumerate(("displacement", "velocity")):
+                    _append(file[f"points/{name}"], values[:, :, k])
+
+        self.folder._write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
+        self._rows, self._waiting, self._samples, self._flushed = [], 0, [], time.monotonic()
+
+    def close(self):
+        """Write what is left and close the files; nothing more is recorded. Collective.
+
+        Raises:
+            RuntimeError: no room for what is left; the files are closed all the same.
+        """
+        try:
+            self.flush()
+        finally:
+            if self in self.problem._recorders:
+                self.problem._recorders.remove(self)
+            if self._writer is not None:
+                self._writer.close()
+                self._writer = None
+
+
+def _append(dataset, rows):
+    size = len(dataset)
+    dataset.resize(size + len(rows), axis=0)
+    dataset[size:] = rows

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""Checking a mesh: folded and flat cells, missing tags. Collective, with the same error on every rank."""
+
+import zlib
+from collections import Counter
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+import basix
+import numpy as np
+
+from ..common.collective import comm_of, guard
+
+SHOWN = 5  # cells or nodes named in an error
+CHUNK = 50_000  # cells whose Jacobians are in memory at a time
+
+
+@dataclass
+class MeshReport:
+    """What `check_mesh` found: `num_negative` cells have det J < 0 throughout (a numbering, not a fault)."""
+
+    num_cells: int
+    num_negative: int
+    smallest_det: float  # min over cells of |det J| / (largest extent of the cell)^tdim [1]
+    cell_counts: dict  # tag -> number of cells
+    facet_counts: dict  # tag -> number of facets
+
+
+def check_mesh(
+    mesh, cell_tags=None, facet_tags=None, required_cell_tags=(), required_facet_tags=(), *,
+    cell_names=None, facet_names=None, where="mesh", numbers=None,
+):  # fmt: skip
+    """Check cells and tags; raise ValueError on every rank if anything is wrong, else return a MeshReport. Collective.
+
+    The sign of det J may differ from cell to cell (DOLFINx renumbers simplices) but not inside one, and det J may not
+    vanish. `where` begins the error messages; `numbers` (rank 0 only) are the cells' numbers in the file.
+    """
+    with guard(comm_of(mesh, cell_tags, facet_tags), "check_mesh") as ranks:
+        if not hasattr(mesh, "geometry") or not hasattr(mesh, "topology"):
+            raise TypeError(f"mesh must be a dolfinx mesh, found {type(mesh).__name__}")
+        ranks.same(required_cell_tags=list(required_cell_tags), required_facet_tags=list(required_facet_tags))
+    comm, cell_names, facet_names = mesh.comm, cell_names or {}, facet_names or {}
+    lowest, highest, extent, centroid = _jacobians(mesh)
+    size = extent**mesh.topology.dim
+    flat = np.minimum(np.abs(lowest), np.abs(highest)) <= 1e-12 * size
+    over = _folded_over(mesh)[: len(flat)]
+    bad = np.flatnonzero(flat | (lowest * highest <= 0) | ~np.isfinite(size) | over)
+    tag_of = dict(zip(cell_tags.indices, cell_tags.values)) if cell_tags is not None else {}
+    cell_map = mesh.topology.index_map(mesh.topology.dim)
+    mine = [
+        (
+            int(cell_map.local_range[0] + c), int(mesh.topology.original_cell_index[c]), centroid[c],
+            label(tag_of.get(c), cell_names), "zero volume" if flat[c] else "folded or inverted" if not over[c] else
+            "lies over a neighbour (inverted)",
+        )
+        for c in bad[:SHOWN]
+    ]  # fmt: skip
+    total_bad = comm.allreduce(len(bad))
+    problem = None
+    if total_bad:
+        every = sorted((item for part in comm.allgather(mine) for item in part), key=lambda item: item[0])
+        if comm.rank == 0:
+            lines = [
+                f"  cell {number}" + ("" if numbers is None else f" (gmsh element {numbers[original]})")
+                + f", centre ({', '.join(f'{x:.6g}' for x in x0)}), tag {tag}: {what}"
+                for number, original, x0, tag, what in every[:SHOWN]
+            ]  # fmt: skip
+            more = f"\n  and {total_bad - SHOWN} more" if total_bad > SHOWN else ""
+            problem = (
+                f"{where}: {total_bad} cells of {cell_map.size_global} have det J zero or of both signs, or lie over "
+            )
+            problem += "a neighbour:\n"
+            problem += (
+                "\n".join(lines) + more + "\nMove their nodes apart, or remesh there (order of the nodes, distortion)."
+            )
+        raise ValueError(comm.bcast(problem, root=0))
+    cell_counts, facet_counts = _counts(mesh, cell_tags), _counts(mesh, facet_tags)
+    _require(where, "cell", required_cell_tags, cell_counts, cell_names)
+    _require(where, "facet", required_facet_tags, facet_counts, facet_names)
+    smallest = np.min(np.minimum(np.abs(lowest), np.abs(highest)) / size, initial=np.inf)
+    return MeshReport(
+        num_cells=cell_map.size_global,
+        num_negative=comm.allreduce(int(np.sum(highest < 0))),
+        smallest_det=comm.allreduce(float(smallest), op=MPI.MIN),
+        cell_counts=cell_counts,
+        facet_counts=facet_counts,
+    )
+
+
+def _jacobians(mesh):
+    """Per owned cell: smallest and largest det J over test points, extent, centroid; some cells at a time."""
+    tdim, cmap = mesh.topology.dim, mesh.geometry.cmap
+    cell = getattr(basix.CellType, mesh.topology.cell_name())
+    element = basix.create_element(basix.ElementFamily.P, cell, cmap.degree, basix.LagrangeVariant(cmap.variant))
+    points = basix.geometry(cell)
+    if cmap.degree > 1:
+        points = np.vstack([points, element.points, basix.make_quadrature(cell, 2 * cmap.degree)[0]])
+    shape = element.tabulate(1, points)[1:, :, :, 0]  # (tdim, points, nodes)
+    num_cells = mesh.topology.index_map(tdim).size_local
+    parts = [_jacobians_of(mesh, shape, first, min(first + CHUNK, num_cells)) for first in range(0, num_cells, CHUNK)]
+    parts = parts or [_jacobians_of(mesh, shape, 0, 0)]
+    return tuple(np.concatenate(values) for values in zip(*parts))
+
+
+def _jacobians_of(mesh, shape, first, last):
+    """_jacobians of a range of cells. Args: shape: derivatives of the shape functions, (tdim, points, nodes)."""
+    gdim = mesh.geometry.dim
+    x = mesh.geometry.x[mesh.geometry.dofmap[first:last]][:, :, :gdim]
+    tdim, points, nodes = shape.shape
+    jacobian = np.swapaxes(x, 1, 2) @ shape.reshape(tdim * points, nodes).T  # (cells, gdim, tdim * points)
+    jacobian = jacobian.reshape(len(x), gdim, tdim, points)
+    J = [[jacobian[:, g, d] for d in range(tdim)] for g in range(gdim)]  # (cells, points) each
+    if tdim == gdim == 2:
+        det = J[0][0] * J[1][1] - J[0][1] * J[1][0]
+    elif tdim == 3:
+        minors = [J[i][1] * J[j][2] - J[i][2] * J[j][1] for i, j in ((1, 2), (2, 0), (0, 1))]
+        det = sum(J[g][0] * minors[g] for g in range(3))
+    else:  # a surface or line in space: signed by its mean normal or direction
+        columns = [np.stack([J[g][d] for g in range(gdim)], axis=-1) for d in range(tdim)]
+        along = np.cross(*columns) if tdim == 2 else columns[0]
+        mean = along.mean(axis=1)
+        length = np.linalg.norm(mean, axis=1)
+        det = np.einsum("cqg,cg->cq", along, mean / np.where(length > 0, length, 1)[:, None])
+    extent = np.ptp(x, axis=1).max(axis=1, initial=0)
+    return det.min(axis=1, initial=np.inf), det.max(axis=1, initial=-np.inf), extent, x.mean(axis=1)
+
+
+def _folded_over(mesh):
+    """Mask of this rank's cells, ghosts too: does the cell lie on the same side of a facet as its neighbour there?
+
+    The sign of det J says nothing about a triangle or tetrahedron that was turned inside out, as DOLFINx numbers its
+    corners anew; its neighbours do. Other cells show it by det J itself.
+    """
+    tdim, gdim = mesh.topology.dim, mesh.geometry.dim
+    num_cells = len(mesh.geometry.dofmap)
+    over = np.zeros(num_cells, dtype=bool)
+    if mesh.topology.cell_name() not in ("triangle", "tetrahedron") or tdim != gdim or num_cells == 0:
+        return over
+    corners = mesh.geometry.dofmap[:, : tdim + 1]
+    # Facet k is opposite to corner k: its corners, sorted, name it.
+    facets = [np.sort(np.delete(corners, k, axis=1), axis=1) for k in range(tdim + 1)]
+    facets, opposite = np.concatenate(facets), np.concatenate(list(corners.T))
+    cells = np.tile(np.arange(num_cells), tdim + 1)
+    order = np.lexsort(facets.T)
+    facets, opposite, cells = facets[order], opposite[order], cells[order]
+    pairs = np.flatnonzero(np.all(facets[1:] == facets[:-1], axis=1))
+    x = mesh.geometry.x[:, :gdim]
+    origin = x[facets[pairs, 0]]
+    edges = [x[facets[pairs, k]] - origin for k in range(1, tdim)]
+    normal = np.column_stack([-edges[0][:, 1], edges[0][:, 0]]) if tdim == 2 else np.cross(*edges)
+    sides = [np.einsum("pg,pg->p", normal, x[opposite[pairs + k]] - origin) for k in (0, 1)]
+    wrong = pairs[sides[0] * sides[1] > 0.0]
+    over[cells[wrong]] = over[cells[wrong + 1]] = True
+    return over
+
+
+def check_cells(mesh):
+    """Raise ValueError on all ranks if cells are flat, folded or inverted; once for each mesh and its coordinates.
+    Collective."""
+    now = zlib.crc32(np.ascontiguousarray(mesh.geometry.x))
+    known = getattr(mesh, "_impact_checked", None) == now
+    if mesh.comm.allreduce(int(known), MPI.MIN):
+        return
+    if mesh.topology.cell_name() in ("triangle", "quadrilateral", "tetrahedron", "hexahedron"):
+        check_mesh(mesh, where="the mesh of u")
+    mesh._impact_checked = now
+
+
+def _counts(mesh, tags):
+    """Tag -> number of entities over all ranks, each counted once."""
+    if tags is None:
+        return {}
+    mesh.topology.create_entities(tags.dim)
+    owned = tags.values[tags.indices < mesh.topology.index_map(tags.dim).size_local]
+    total = Counter()
+    for part in mesh.comm.allgather(Counter(owned.tolist())):
+        total.update(part)
+    return dict(sorted(total.items()))
+
+
+def label(tag, names):
+    name = next((name for name, number in names.items() if number == tag), None)
+    return f"{tag}" if name is None else f'{tag} ("{name}")'
+
+
+def _require(where, kind, required, counts, names):
+    """Raise ValueError when a required tag, given by number or name, has no entity."""
+    missing = [tag for tag in required if counts.get(names.get(tag) if isinstance(tag, str) else int(tag), 0) == 0]
+    if missing:
+        there = ", ".join(f"{label(tag, names)}: {n}" for tag, n in counts.items()) or "none"
+        raise ValueError(
+            f"{where}: {kind} tags {missing} are missing or empty; there are {there} (number of {kind}s after the "
+            f"colon); add the physical group to the mesh, or ask for one of these"
+        )

@@ -1,0 +1,389 @@
+# SPDX-License-Identifier: MIT
+"""Reading meshes, and saying what is wrong with a bad one: what was found, where, and what to do.
+
+`read_mesh` takes gmsh .msh files and XDMF files written by DOLFINx, `check_mesh` any mesh. Both are collective: an
+error is the same on every rank. A bad file raises ValueError, a missing one FileNotFoundError.
+"""
+
+import os
+import re
+import warnings
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+import numpy as np
+from dolfinx import io
+
+from ..common.collective import guard
+from .mesh_check import SHOWN, MeshReport, check_mesh, label
+
+__all__ = ["MeshInput", "MeshReport", "check_mesh", "read_mesh"]
+
+# gmsh element type -> (cell, degree) that DOLFINx reads and this package computes on
+_GMSH = {
+    2: ("triangle", 1), 3: ("quadrilateral", 1), 4: ("tetrahedron", 1), 5: ("hexahedron", 1),
+    9: ("triangle", 2), 10: ("quadrilateral", 2), 11: ("tetrahedron", 2), 12: ("hexahedron", 2),
+}  # fmt: skip
+_FACET = {2: 1, 3: 1, 4: 2, 5: 3, 9: 8, 10: 8, 11: 9, 12: 10}  # type of a cell -> type of its facets
+_ROWS = 1_000_000  # rows of a table that are in memory at a time
+_XDMF_DIMENSION = {
+    "polyvertex": 0,
+    "polyline": 1,
+    "edge": 1,
+    "triangle": 2,
+    "quadrilateral": 2,
+    "tetrahedron": 3,
+    "hexahedron": 3,
+}
+
+
+@dataclass
+class MeshInput:
+    """A mesh with its tags; unpacks as (mesh, cell_tags, facet_tags). Names are those of the file's physical groups."""
+
+    mesh: Any
+    cell_tags: Any
+    facet_tags: Any
+    cell_names: dict = field(default_factory=dict)
+    facet_names: dict = field(default_factory=dict)
+    report: MeshReport | None = None
+
+    def __iter__(self):
+        return iter((self.mesh, self.cell_tags, self.facet_tags))
+
+
+def read_mesh(path, comm=MPI.COMM_WORLD, gdim=None, required_cell_tags=(), required_facet_tags=()):
+    """Read and check a mesh with its cell and facet tags. Collective.
+
+    `path`: a gmsh .msh file, or an XDMF file written by DOLFINx; `gdim`: geometric dimension, default 2 for a flat
+    mesh of triangles or quadrilaterals, else 3; `required_cell_tags`, `required_facet_tags`: numbers (or, in a .msh
+    file, names) that must be there and not be empty.
+    """
+    if not isinstance(comm, MPI.Comm):
+        raise TypeError(f"comm must be a communicator of mpi4py, found {type(comm).__name__}")
+    with guard(comm, "read_mesh", path=path, gdim=gdim) as ranks:
+        if not isinstance(path, (str, os.PathLike)):
+            raise TypeError(f"path must be the name of a file, found {type(path).__name__}")
+        path = Path(path)
+        kind = {".msh": "msh", ".xdmf": "xdmf", ".xmf": "xdmf"}.get(path.suffix.lower())
+        if gdim not in (None, 2, 3):
+            raise ValueError(f"gdim = {gdim!r}: 2 or 3")
+        if kind is None:
+            raise ValueError(
+                f"{path}: a mesh is read from a .msh (gmsh) or an .xdmf (DOLFINx) file; convert it, e.g. with gmsh"
+            )
+        ranks.same(required_cell_tags=list(required_cell_tags), required_facet_tags=list(required_facet_tags))
+    found = _read_msh(path, comm, gdim) if kind == "msh" else _read_xdmf(path, comm, gdim)
+    result, tags_in_file, numbers = found
+    result.report = check_mesh(
+        result.mesh, result.cell_tags, result.facet_tags, required_cell_tags, required_facet_tags,
+        cell_names=result.cell_names, facet_names=result.facet_names, where=str(path), numbers=numbers,
+    )  # fmt: skip
+    for tag, expected in tags_in_file.items():
+        found = result.report.facet_counts.get(tag, 0)
+        if found != expected:
+            raise ValueError(
+                f"{path}: of the {expected} facets tagged {label(tag, result.facet_names)} only {found} are facets "
+                "of a cell and in no other group; remesh so that tagged surfaces bound the bodies, and tag a facet once"
+            )
+    return result
+
+
+def _together(comm, work):
+    """Run work() on rank 0; return its result on all ranks, or raise its error on all ranks."""
+    outcome = None
+    if comm.rank == 0:
+        try:
+            outcome = (None, work())
+        except (ValueError, OSError, RuntimeError) as error:
+            outcome = (error, None)
+        except Exception as error:  # whatever it is, the other ranks must hear of it
+            outcome = (RuntimeError(f"{type(error).__name__}: {error}"), None)
+    error, result = comm.bcast(outcome, root=0)
+    if error is not None:
+        raise error
+    return result
+
+
+def _exists(path):
+    if not path.exists():
+        near = sorted(p.name for p in path.parent.glob(f"*{path.suffix}")) if path.parent.is_dir() else []
+        raise FileNotFoundError(
+            f"{path}: no such file; in that folder there are: {', '.join(near[:10]) or 'no such files'}"
+        )
+    if not path.is_file() or path.stat().st_size == 0:
+        raise ValueError(f"{path}: {'is empty' if path.is_file() else 'is not a file'}; write the mesh again")
+
+
+# --- gmsh -----------------------------------------------------------------------------------------------------------
+
+
+def _read_msh(path, comm, gdim):
+    _together(comm, lambda: _check_msh_text(path))
+    try:
+        import gmsh
+    except ImportError as error:
+        raise RuntimeError(f"{path}: reading .msh files needs the Python module gmsh") from error
+    state = {}
+
+    def load():
+        state["mine"] = not gmsh.isInitialized()
+        if state["mine"]:
+            gmsh.initialize(interruptible=False)
+        state["terminal"] = gmsh.option.getNumber("General.Terminal")
+        gmsh.option.setNumber("General.Terminal", 0)
+        state["before"] = gmsh.model.getCurrent()
+        gmsh.model.add("dolfinx_impact.io.mesh_reader")
+        gmsh.logger.start()
+        try:
+            gmsh.merge(str(path))
+        except Exception as error:
+            said = "; ".join(line for line in gmsh.logger.get() if line.startswith("Error")) or str(error)
+            raise ValueError(f"{path}: gmsh cannot read it ({said}); it is damaged, write it again") from error
+        found = _check_msh_model(gmsh.model, path, gdim)
+        state["numbers"] = _renumber(gmsh.model)
+        return found
+
+    try:
+        dimension, cell_names, facet_names, facets, notes = _together(comm, load)
+        for note in notes if comm.rank == 0 else ():
+            warnings.warn(f"{path}: {note}", stacklevel=4)
+        mesh, cell_tags, facet_tags = io.gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=dimension)
+    finally:
+        if state:
+            gmsh.logger.stop()
+            gmsh.model.remove()
+            gmsh.option.setNumber("General.Terminal", state["terminal"])
+            if state["mine"]:
+                gmsh.finalize()
+            elif state["before"]:
+                gmsh.model.setCurrent(state["before"])
+    return MeshInput(mesh, cell_tags, facet_tags, cell_names, facet_names), facets, state.get("numbers")
+
+
+def _renumber(model):
+    """Number the nodes without holes, those of tagged cells first: DOLFINx 0.9 aborts on a loose node before them.
+
+    Returns gmsh's element numbers in the order in which DOLFINx takes the cells.
+    """
+    tdim = model.getDimension()
+    groups = [tag for dim, tag in model.getPhysicalGroups() if dim == tdim]
+    entities = [entity for tag in groups for entity in model.getEntitiesForPhysicalGroup(tdim, tag)]
+    elements = [model.mesh.getElements(tdim, entity) for entity in entities]
+    nodes, used = model.mesh.getNodes()[0], np.unique(np.concatenate([joined for _, _, (joined,) in elements]))
+    model.mesh.renumberNodes(np.concatenate([used, np.setdiff1d(nodes, used)]), np.arange(1, len(nodes) + 1))
+    return np.concatenate([numbers for _, (numbers,), _ in elements])
+
+
+def _check_msh_text(path):
+    """The file is there, is a gmsh file, and every section it opens it also closes."""
+    _exists(path)
+    data = path.read_bytes()
+    if not data.lstrip().startswith(b"$MeshFormat"):
+        raise ValueError(f"{path}: not a gmsh mesh, it starts with {data[:20]!r} instead of $MeshFormat")
+    # `(?m)^` keeps to line starts; binary files may hold a stray "$" in the middle of numbers.
+    opened = [s.decode() for s in re.findall(rb"(?m)^\$((?!End)[A-Za-z]+)\r?$", data)]
+    for section in dict.fromkeys(opened):
+        if f"$End{section}".encode() not in data:
+            raise ValueError(f"{path}: section ${section} has no $End{section}: the file is cut off, write it again")
+    for section in ("Nodes", "Elements"):
+        if section not in opened:
+            raise ValueError(f"{path}: no section ${section}: it has no mesh; mesh the geometry before writing it")
+
+
+def _check_msh_model(model, path, gdim):
+    """Everything that can be said about the file before DOLFINx reads it."""
+    nodes, x, _ = model.mesh.getNodes()
+    x = x.reshape(-1, 3)
+    types = {dim: model.mesh.getElements(dim)[0] for dim in (1, 2, 3)}
+    tdim = max((dim for dim in types if len(types[dim])), default=0)
+    if tdim < 2:
+        raise ValueError(
+            f"{path}: has no triangles, quadrilaterals, tetrahedra or hexahedra; mesh the surfaces or volumes"
+        )
+    if not np.all(np.isfinite(x)):
+        raise ValueError(
+            f"{path}: nodes {nodes[~np.isfinite(x).all(axis=1)][:SHOWN].tolist()} have coordinates nan or inf"
+        )
+    groups = model.getPhysicalGroups()
+    names = {dim: {model.getPhysicalName(d, t) or str(t): t for d, t in groups if d == dim} for dim in (tdim - 1, tdim)}
+    if not names[tdim]:
+        there = ", ".join(f"{t} of dimension {d}" for d, t in groups) or "none at all"
+        raise ValueError(
+            f"{path}: no physical group of dimension {tdim} holds the cells (there are {there}); in gmsh: "
+            f'Physical {"Surface" if tdim == 2 else "Volume"}("body", 1) = {{...}};'
+        )
+    counts, owner, used, notes, facets, facet_kinds = Counter(), {}, [], [], {}, set()
+    for dim, tag in groups:
+        for entity in model.getEntitiesForPhysicalGroup(dim, tag):
+            kinds, tags, connectivity = model.mesh.getElements(dim, entity)
+            what = f"physical group {tag} (dimension {dim}), entity {entity}"
+            if len(kinds) == 0:
+                raise ValueError(f"{path}: {what} has no elements; mesh it, or take it out of the group")
+            if len(kinds) > 1:
+                kinds = [model.mesh.getElementProperties(kind)[0] for kind in kinds]
+                raise ValueError(f"{path}: {what} has mixed elements, {kinds}; recombine all surfaces or none")
+            if dim not in (tdim - 1, tdim):
+                continue
+            if (dim, entity) in owner:
+                raise ValueError(
+                    f"{path}: the elements of entity {entity} (dimension {dim}) are in the physical groups "
+                    f"{label(owner[(dim, entity)], names[dim])} and {label(tag, names[dim])}; "
+                    "a cell or facet has one tag"
+                )
+            owner[(dim, entity)] = tag
+            if dim == tdim:
+                counts[kinds[0]] += len(tags[0])
+                used.append((tag, connectivity[0]))
+            else:
+                facets[tag] = facets.get(tag, 0) + len(tags[0])
+                facet_kinds.add(kinds[0])
+    _check_types(model, path, counts, facet_kinds)
+    everything = np.unique(np.concatenate([joined for _, joined in used]))
+    loose = len(nodes) - len(everything)
+    if loose:
+        first = np.setdiff1d(nodes, everything)[:SHOWN].tolist()
+        notes.append(f"{loose} nodes belong to no cell (first: {first}) and are left out")
+    outside = sum(len(t) for t in model.mesh.getElements(tdim)[1]) - sum(counts.values())
+    if outside:
+        notes.append(f"{outside} cells are in no physical group and are left out")
+    place = dict(zip(nodes.tolist(), range(len(nodes))))
+    size = max(np.ptp(x, axis=0).max(), 1e-300)
+    for tag in {tag for tag, _ in used}:
+        mine = np.unique(np.concatenate([joined for t, joined in used if t == tag]))
+        rounded = np.round(x[[place[n] for n in mine.tolist()]] / (1e-10 * size))
+        double = len(mine) - len(np.unique(rounded, axis=0))
+        if double:
+            notes.append(
+                f"{double} nodes of {label(tag, names[tdim])} lie on another node of it: a crack, if not wanted"
+            )
+    flat = np.ptp(x[[place[n] for n in everything.tolist()]][:, 2]) <= 1e-9 * size
+    if gdim is None:
+        gdim = 2 if tdim == 2 and flat else 3
+    if gdim < tdim:
+        raise ValueError(f"{path}: gdim = {gdim}, but the cells are three-dimensional; leave gdim out or give 3")
+    if gdim == 2 and not flat:
+        low, high = x[:, 2].min(), x[:, 2].max()
+        raise ValueError(
+            f"{path}: gdim = 2, but z goes from {low:.6g} to {high:.6g}; rotate the mesh into a plane z = constant"
+        )
+    return gdim, names[tdim], names[tdim - 1], facets, notes
+
+
+def _check_types(model, path, counts, facet_kinds):
+    said = {kind: model.mesh.getElementProperties(kind)[0] for kind in counts}
+    listing = ", ".join(f"{n} of {said[kind]!r}" for kind, n in counts.items())
+    for kind in counts:
+        if kind not in _GMSH:
+            what = "triangles, quadrilaterals, tetrahedra and hexahedra of degree 1 or 2 (complete: 9 or 27 nodes)"
+            raise ValueError(
+                f"{path}: cells {listing}; supported are {what}: set Mesh.ElementOrder, Mesh.SecondOrderIncomplete = 0"
+            )
+    if len(counts) > 1:
+        raise ValueError(f"{path}: mixed cells, {listing}; one kind is needed: recombine all surfaces or none")
+    wrong = facet_kinds - {_FACET[kind] for kind in counts}
+    if wrong:
+        found = [model.mesh.getElementProperties(kind)[0] for kind in wrong]
+        raise ValueError(f"{path}: tagged facets {found} are not the facets of cells {listing}; remesh the whole model")
+
+
+# --- XDMF -----------------------------------------------------------------------------------------------------------
+
+
+def _read_xdmf(path, comm, gdim):
+    mesh_name, dimension, tag_grids = _together(comm, lambda: _check_xdmf_text(path))
+    problem = None
+    tags = {}
+    try:
+        with io.XDMFFile(comm, path, "r") as file:
+            mesh = file.read_mesh(name=mesh_name)
+            tdim = mesh.topology.dim
+            for dim in (tdim - 1, tdim):
+                mesh.topology.create_connectivity(dim, tdim)
+            for name, dim in tag_grids:
+                if dim in (tdim - 1, tdim) and dim not in tags:
+                    tags[dim] = file.read_meshtags(mesh, name=name)
+                elif dim in (tdim - 1, tdim) and comm.rank == 0:
+                    warnings.warn(f"{path}: tags {name!r} are not read, {tags[dim].name!r} come first", stacklevel=4)
+    except RuntimeError as error:
+        problem = f"{path}: DOLFINx cannot read it ({error}); write it again with XDMFFile.write_mesh"
+    problems = [p for p in comm.allgather(problem) if p is not None]
+    if problems:
+        raise ValueError(problems[0])
+    if gdim is not None and gdim != mesh.geometry.dim:
+        raise ValueError(f"{path}: gdim = {gdim}, but the file's coordinates have {mesh.geometry.dim} components")
+    return MeshInput(mesh, tags.get(tdim), tags.get(tdim - 1)), {}, None
+
+
+def _check_xdmf_text(path):
+    """Name of the mesh grid, its dimension, and (name, dimension) of the tag grids; all data files are there."""
+    _exists(path)
+    try:
+        root = ElementTree.parse(path).getroot()
+    except ElementTree.ParseError as error:
+        raise ValueError(f"{path}: not an XDMF file, or cut off ({error}); write it again") from error
+    grids = []
+    for grid in root.iter("Grid"):
+        topology = grid.find("Topology")
+        if topology is None:
+            continue
+        kind = (topology.get("TopologyType") or topology.get("Type") or "").lower().split("_")[0]
+        if kind == "mixed":
+            raise ValueError(f"{path}: mixed cells in grid {grid.get('Name')!r}; one kind is needed")
+        parts = grid.find("Geometry"), grid.find("Attribute"), topology
+        grids.append((grid.get("Name"), _XDMF_DIMENSION.get(kind, -1), *parts))
+    meshes = [g for g in grids if g[2] is not None and g[3] is None] or [g for g in grids if g[2] is not None]
+    if not meshes or meshes[0][1] < 2:
+        raise ValueError(f"{path}: no grid with cells and coordinates; write it with XDMFFile.write_mesh")
+    for item in root.iter("DataItem"):
+        text = (item.text or "").strip()
+        if item.get("Format") == "HDF" and ":" in text:
+            _check_dataset(path, *text.split(":", 1))
+    for name, _, _, _, topology in grids:
+        _check_numbers(path, name, topology, meshes[0][2])
+    return meshes[0][0], meshes[0][1], [(g[0], g[1]) for g in grids if g is not meshes[0]]
+
+
+def _check_numbers(path, name, topology, geometry):
+    """The nodes that the cells of a grid name are there: DOLFINx does not look, and the process would end."""
+    places = [(part.findtext("DataItem") or "").strip() for part in (topology, geometry)]
+    if not all(":" in place for place in places):
+        return
+    try:
+        import h5py
+    except ImportError:
+        return
+    (file, cells), (other, points) = (place.split(":", 1) for place in places)
+    with h5py.File(path.parent / file, "r") as data, h5py.File(path.parent / other, "r") as there:
+        count, dataset = len(there[points]), data[cells]
+        for first in range(0, len(dataset), _ROWS):
+            rows = dataset[first : first + _ROWS]
+            wrong = (rows < 0) | (rows >= count)
+            if np.any(wrong):
+                row = int(np.argmax(np.any(wrong.reshape(len(rows), -1), axis=1)))
+                raise ValueError(
+                    f"{path}: row {first + row} of grid {name!r} names the node {rows[wrong].flat[0]}, but there are "
+                    f"{count} nodes, numbered from 0; the file is damaged, write it again"
+                )
+
+
+def _check_dataset(path, name, dataset):
+    try:
+        import h5py
+    except ImportError:
+        return
+    data = path.parent / name
+    if not data.exists():
+        raise FileNotFoundError(f"{path}: its data file {data} is missing; keep the .xdmf and the .h5 file together")
+    try:
+        with h5py.File(data, "r") as file:
+            there = dataset in file
+    except OSError as error:
+        raise ValueError(f"{path}: its data file {data} is damaged ({error}); write it again") from error
+    if not there:
+        raise ValueError(f"{path}: its data file {data} has no dataset {dataset}; write both files again")

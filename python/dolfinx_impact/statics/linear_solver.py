@@ -1,0 +1,360 @@
+# SPDX-License-Identifier: MIT
+"""PETSc linear solvers for the problems: chosen by size, factors kept while they serve, every solution checked."""
+
+import itertools
+import warnings
+import weakref
+
+import numpy as np
+from petsc4py import PETSc
+
+from .. import _cpp
+
+# LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
+# pivots. One iteration with factors of its own matrix, some more with those of an earlier one.
+DIRECT = {
+    "ksp_type": "gmres",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_24": 1,
+    "mat_mumps_cntl_3": 1e-14,
+}
+# Conjugate gradients with smoothed aggregation, which needs the rigid motions as near-nullspace.
+CG = {"ksp_type": "cg", "ksp_max_it": 500}
+ITERATIVE = {
+    **CG,
+    "pc_type": "gamg",
+    "pc_gamg_threshold": 0.01,
+    "mg_levels_ksp_type": "chebyshev",
+    "mg_levels_pc_type": "jacobi",
+}
+# Above these numbers of unknowns factors of 3D and 2D meshes cost more than iterations (measured: 108k unknowns in 3D,
+# factorisation 10 s, conjugate gradients 3 s).
+LARGEST_DIRECT = {2: 400_000, 3: 40_000}
+WORTH = 10  # iterations that cost as much as factors of other packages than MUMPS, which do not tell
+# Operations of a factorisation run this much faster than those of a solution with the factors (measured: 4.5 on meshes
+# of the plane, 5.5 in space).
+BLOCKED = 5.0
+_SOLVERS = itertools.count()
+
+
+def _forget(keys):
+    """Take the options of a solver out of PETSc's database; else PETSc reports those never read when it ends."""
+    database = PETSc.Options()
+    for key in keys:
+        if database.hasName(key):
+            database.delValue(key)
+
+
+def rigid_motions(V):
+    """Near-nullspace of elasticity on a blocked Lagrange space: translations and rotations, orthonormal."""
+    gdim, index_map = V.mesh.geometry.dim, V.dofmap.index_map
+    x = V.tabulate_dof_coordinates()[: index_map.size_local]
+    fields = [np.tile(np.eye(gdim)[a], (len(x), 1)) for a in range(gdim)]
+    for a, b in ((0, 1), (1, 2), (2, 0))[: 1 if gdim == 2 else 3]:
+        turn = np.zeros((len(x), gdim))
+        turn[:, a], turn[:, b] = -x[:, b], x[:, a]
+        fields.append(turn)
+    vectors = []
+    for field in fields:
+        v = PETSc.Vec().createMPI((field.size, None), gdim, V.mesh.comm)
+        v.array[:] = field.ravel()
+        for w in vectors:
+            v.axpy(-v.dot(w), w)
+        v.normalize()
+        vectors.append(v)
+    return PETSc.NullSpace().create(vectors=vectors, comm=V.mesh.comm)
+
+
+class LinearSolver:
+    """A KSP with options of its own.
+
+    Args:
+        V: displacement space. options: dict of PETSc options without prefix; None chooses by size.
+        prefix: what the command line says of it goes first; a number is added to it, so that the options of one
+            problem are not those of the next.
+        indefinite: the systems are saddle points: a direct solver is the default at any size.
+
+    Raises:
+        ValueError: options that choose an iterative solver for saddle points.
+    """
+
+    def __init__(self, V, options, prefix, indefinite=False):
+        size = V.dofmap.index_map.size_global * V.dofmap.index_map_bs
+        self.default = DIRECT if indefinite or size <= LARGEST_DIRECT[V.mesh.geometry.dim] else ITERATIVE
+        database, own = PETSc.Options(), f"{prefix}{next(_SOLVERS)}_"
+        given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
+        chosen = {**(options or {}), **given}
+        named = chosen.get("pc_type", self.default["pc_type"])
+        base = self.default if named == self.default["pc_type"] else DIRECT if named in ("lu", "cholesky") else CG
+        chosen = {**base, **chosen}
+        for key, value in chosen.items():
+            database[own + key] = value
+        weakref.finalize(self, _forget, [own + key for key in chosen])
+        self.ksp = PETSc.KSP().create(V.mesh.comm)
+        self.ksp.setOptionsPrefix(own)
+        try:
+            self.ksp.setFromOptions()
+        except PETSc.Error as error:
+            said = " ".join(str(error).split("[0]")[-1].split())
+            raise ValueError(f"PETSc does not take the options {chosen}: {said}") from error
+        self._asked = {key: own + key for key in {**(options or {}), **given}}
+        if indefinite and not self.direct:
+            raise ValueError(
+                f"pc_type is {named!r}: multipliers with another basis than 'dual' stay in a saddle point, which needs "
+                "a direct solver (pc_type lu); or take the dual basis"
+            )
+        self.near_nullspace = None if self.direct else rigid_motions(V)
+        self._given_rtol = "ksp_rtol" in chosen
+        self._pins = chosen.get("ksp_type") == "cg"
+        # A method of the user's own is taken by the word: no iterations with a preconditioner of an earlier matrix.
+        self._keeps = chosen.get("ksp_type") == base["ksp_type"]
+        self._max_it = self.ksp.getTolerances()[3]
+        if self._keeps:
+            self.ksp.setTolerances(divtol=1e30)  # the guess may be far worse than none
+        self._operator, self._system, self._own = None, None, None
+        self._matrix, self._pace, self._worth, self._spent = None, 1.0, 0, 0
+        self.num_set_ups, self.num_iterations = 0, 0
+
+    def warn_of_unused(self):
+        """After a solution: warn, once and on rank 0, of options that were asked for and that nobody has read."""
+        unused = sorted(key for key, name in self._asked.items() if not _cpp.linear.option_used(name))
+        self._asked = {}
+        if unused and self.ksp.getComm().rank == 0:
+            warnings.warn(
+                f"nobody has read the PETSc options {unused}: check how they are written, and whether the solver in "
+                f"use (ksp_type {self.ksp.getType()}, pc_type {self.ksp.getPC().getType()}) knows them",
+                stacklevel=3,
+            )
+
+    @property
+    def direct(self):
+        """Does it factorise?"""
+        return self.ksp.getPC().getType() in ("lu", "cholesky")
+
+    def solve(self, system, b, x, rtol=1e-10):
+        """Solve a LinearSystem from the guess x; returns what is wrong with the solution, or None. Collective.
+
+        Factors (or the multigrid hierarchy) of an earlier system serve as preconditioner as long as that needs few
+        iterations; then the present one is factorised.
+
+        Args:
+            rtol: of the residual, for tolerances that the options do not set.
+        """
+        if self._pins:
+            self.ksp.setType("cg" if system.symmetric else "gmres")
+        # Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
+        if self.ksp.getType() == "gmres":
+            self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
+        elif self.ksp.getType() == "cg":
+            self.ksp.setPCSide(PETSc.PC.Side.LEFT)
+            self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        self.ksp.setInitialGuessNonzero(self._keeps)
+        if not self._given_rtol:
+            self.ksp.setTolerances(rtol=10.0 ** -self._digits(rtol))
+        if self._keeps and self._matrix is not None and self._solved(system, b, x, rtol):
+            return None
+        if self._keeps and self._serves(system, rtol):
+            self._run(system, b, x)
+            self._spent += max(self.ksp.getIterationNumber() - 1, 0)
+            if self.ksp.getConvergedReason() > 0 and not self._fault(system, b, x):
+                return None
+        if not np.isfinite(x.norm()):
+            x.set(0.0)
+        self._prepare(system)
+        self._run(system, b, x)
+        fault = self._fault(system, b, x)
+        if fault and not self.direct and not self._given_rtol:
+            # Preconditioned residuals say little where a body hangs on a few points: once more, and to the end.
+            self.ksp.setTolerances(rtol=1e-10)
+            self._run(system, b, x)
+            fault = self._fault(system, b, x)
+        self._judge(rtol)
+        return fault
+
+    def factors(self, system):
+        """PETSc factor matrix of a system, if it is the one that was factorised last; else None."""
+        if not self.direct or not self._keeps or self._own is not system:
+            return None
+        return self.ksp.getPC().getFactorMatrix()
+
+    def _solved(self, system, b, x, rtol):
+        """Is the guess good enough? Collective."""
+        residual = b.duplicate()
+        system.mult(x, residual)
+        residual.axpy(-1.0, b)
+        norms = residual.norm(), b.norm()
+        residual.destroy()
+        return norms[0] <= 10.0 ** -self._digits(rtol) * norms[1]
+
+    def _serves(self, system, rtol):
+        """May the earlier preconditioner be tried? Sets how many iterations it may take. Collective.
+
+        At a time it may spend as much as a new one costs, in all twice that.
+        """
+        if self._matrix is None:
+            return False
+        worth = self._worth if self.direct else int(2 * self._pace * self._digits(rtol)) + 10
+        left = min(worth, 2 * worth - self._spent) if self.direct else worth
+        # Every unknown that was pinned and is not, or the other way round, takes an iteration at least.
+        differ = np.count_nonzero(self._pinned != system.mask)
+        if system.K.getComm().tompi4py().allreduce(differ) >= left:
+            return False
+        self.ksp.setTolerances(max_it=left)
+        return True
+
+    @staticmethod
+    def _digits(rtol):
+        return -np.log10(min(max(rtol, 1e-12), 1e-3))
+
+    def _judge(self, rtol):
+        """How long the preconditioner that has just solved its own system may serve others."""
+        self._spent = 0
+        self._pace = max(self.ksp.getIterationNumber(), 1) / self._digits(rtol)  # iterations per digit
+        pc = self.ksp.getPC()
+        if self.direct and self._keeps and pc.getFactorSolverType() == "mumps":
+            factors = pc.getFactorMatrix()
+            entries = factors.getMumpsInfog(29)
+            entries = entries if entries > 0 else -1e6 * entries  # large numbers are told in millions
+            self._worth = int(factors.getMumpsRinfog(3) / (4 * entries) / BLOCKED)
+        else:
+            self._worth = WORTH
+
+    def _prepare(self, system):
+        """Preconditioner of the present system."""
+        if self._matrix is not None:
+            self._matrix.destroy()
+        self._matrix = system.assemble()
+        if self.near_nullspace is not None:
+            self._matrix.setNearNullSpace(self.near_nullspace)
+        self.ksp.setTolerances(max_it=self._max_it)
+        self.ksp.getPC().setReusePreconditioner(False)
+        self.num_set_ups += 1
+        self._pinned, self._own = system.mask, system
+
+    def _run(self, system, b, x):
+        if self._operator is None:
+            self._operator = PETSc.Mat().createPython(system.sizes, self, comm=system.K.getComm())
+            self._operator.setUp()
+            self.ksp.getPC().setUseAmat(False)
+        self._system = system
+        self.ksp.setOperators(self._operator, self._matrix)
+        self.ksp.solve(b, x)
+        self.ksp.getPC().setReusePreconditioner(True)
+        self.num_iterations += self.ksp.getIterationNumber()
+
+    def mult(self, _, x, y):
+        """Product with the present system; PETSc calls it. One operator for all systems: preconditioners keep it."""
+        self._system.mult(x, y)
+
+    def _fault(self, system, b, x):
+        reason, pc = self.ksp.getConvergedReason(), self.ksp.getPC()
+        if reason < 0:
+            return f"PETSc reason {reason}"
+        if pc.getType() in ("lu", "cholesky") and pc.getFactorSolverType() == "mumps":
+            null_pivots = pc.getFactorMatrix().getMumpsInfog(28)
+            if null_pivots > 0:
+                return f"{null_pivots} pivots vanish"
+        residual = b.duplicate()  # not the solver's own word for it
+        system.mult(x, residual)
+        residual.axpy(-1.0, b)
+        error, right = residual.norm(), b.norm()
+        residual.destroy()
+        # Far from any solver's tolerance: a nearly singular matrix, whose solution is round-off.
+        if error <= 2e-2 * right:
+            return None
+        return f"the residual of the linear system is {error:.1e}, its right side {right:.1e}"
+
+
+class Stiffness:
+    """K and what contacts add to it, a sum that is not formed.
+
+    Args:
+        K: PETSc matrix of the displacements. extra: list of matrices of the same size.
+    """
+
+    def __init__(self, K, extra):
+        self.K, self.extra = K, extra
+
+    def stiffness(self, x, y):
+        """y = (K + sum of extra) x. Collective."""
+        self.K.mult(x, y)
+        for E in self.extra:
+            E.multAdd(x, y, y)
+
+
+class LinearSystem(Stiffness):
+    """Stiffness and what contacts add to it, condensed by a transformation, some unknowns pinned.
+
+    A = Q T_L^T (K + sum of extra) T Q + d (1 - Q), where Q sets pinned unknowns to zero. Products need no A; only a
+    preconditioner forms it.
+
+    Args:
+        K: PETSc matrix of the displacements. extra: list of matrices of the same size. symmetric: are they?
+        transformation: condense.Transformation or None. pinned: mask over owned degrees of freedom.
+        diagonal: d, an entry of the size of K's.
+    """
+
+    def __init__(self, K, extra, symmetric, transformation, pinned, diagonal):
+        super().__init__(K, extra)
+        self.transformation = transformation
+        self.symmetric = symmetric and (transformation is None or transformation.symmetric)
+        self.mask, self.pinned, self.diagonal = pinned, np.flatnonzero(pinned), diagonal
+        self._work = [K.createVecRight() for _ in range(3)]
+
+    @property
+    def sizes(self):
+        """Of the operator, as PETSc takes them."""
+        return self.K.getSizes()
+
+    def create(self):
+        """A vector of the unknowns."""
+        return self.K.createVecRight()
+
+    def free(self):
+        """Give back the memory of what was made here. Collective."""
+        for vector in self._work:
+            vector.destroy()
+
+    def mult(self, x, y):
+        """y = A x. Collective."""
+        free, moved, force = self._work
+        x.copy(free)
+        free.array[self.pinned] = 0.0
+        if self.transformation is None:
+            self.stiffness(free, y)
+        else:
+            self.transformation.right.mult(free, moved)
+            self.stiffness(moved, force)
+            self.transformation.left.multTranspose(force, y)
+        y.array[self.pinned] = self.diagonal * x.array_r[self.pinned]
+
+    def load(self, residual, values, b):
+        """Right side b for a residual (array over owned dofs) and a vector of pinned values. Collective."""
+        pinned, moved, force = self._work
+        pinned.set(0.0)
+        pinned.array[self.pinned] = values.array_r[self.pinned]
+        moved.array[:] = self.displacements(pinned)
+        self.stiffness(moved, force)
+        force.array[:] = -residual - force.array
+        if self.transformation is None:
+            force.copy(b)
+        else:
+            self.transformation.left.multTranspose(force, b)
+        b.array[self.pinned] = self.diagonal * values.array_r[self.pinned]
+
+    def displacements(self, y):
+        """Increments of displacement that unknowns stand for, array over owned dofs. Collective."""
+        return y.array_r.copy() if self.transformation is None else self.transformation.increment(y)
+
+    def assemble(self):
+        """A as a matrix of its own. Collective."""
+        total = self.K.copy()
+        for E in self.extra:
+            total.axpy(1.0, E, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        A = total
+        if self.transformation is not None:
+            A = self.transformation.condense(total)
+            total.destroy()
+        A.zeroRowsColumns(A.getOwnershipRange()[0] + self.pinned.astype(np.int32), self.diagonal)
+        return A

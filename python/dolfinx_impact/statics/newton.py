@@ -1,0 +1,424 @@
+# SPDX-License-Identifier: MIT
+"""Newton's method on equilibrium and contact together; seed (3.61)-(3.66), figure 3.5.
+
+Every iteration linearises the bodies and the geometry of contact about the present displacements, and settles the
+active set on that linear problem: a primal-dual active set method with the stiffness frozen, so that its linear systems
+differ in few rows and share a preconditioner.
+"""
+
+import contextlib
+import itertools
+import time
+
+import numpy as np
+from mpi4py import MPI
+
+from ..assembly import rigid_body_modes
+from ..contact.mortar.condensation import Transformation
+from .active_set import Compliance
+from .saddle_point import SaddlePoint
+from .linear_solver import LinearSystem
+from .settling import VIOLATION, Settling, did_not_converge
+from .load_steps import Increment
+
+LOOSE_DIGITS = 1e-3  # of linear solutions while the active set moves
+MAX_CHANGES = 60  # changes of the active set in one linear problem
+PLAIN = 6  # iterations without a line search
+PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # of a Newton step that a line search tries
+SEARCHES, STEEP = 8, 0.5  # evaluations of a line search; slope in its end, of that in its start
+
+
+class Newton:
+    """Solves one increment of a StaticProblem.
+
+    Args:
+        problem: StaticProblem. rtol, atol, max_iterations: as in StaticProblem.solve. tell: called with the number of
+            every iteration and the norm of its residual.
+
+    Attributes:
+        seconds: spent on this rank so far, dict of "bodies" (residual, stiffness), "contact" (search, integrals,
+        assembly, states) and "linear" (condensation, preconditioner, solution).
+    """
+
+    def __init__(self, problem, rtol, atol, max_iterations, tell=None):
+        self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
+        self._tell = tell or (lambda iteration, norm: None)
+        self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
+        self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
+        self.multipliers = [c for c in problem.contact if c.constraints]
+        self.saddle = problem._saddle
+        # By penalty: closing, slipping and changing facets are kinks that nothing settles beforehand.
+        self.rough = bool(problem.contact) and not self.multipliers
+        self.conservative = self.rough and all(c.pair.friction == 0.0 for c in problem.contact)
+        # How much further than asked for linear solutions go: with factors at hand digits are cheap.
+        self.margin = 1e-3 if problem._solver.direct else 0.3
+        self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
+        self._forces = np.zeros(sum(c.gdim * len(c.nodes) for c in self.multipliers) if self.saddle else 0)
+
+    def run(self, target, log):
+        """From the present u to prescribed values `target` (array over all dofs, prescribed entries count). Collective.
+
+        Returns:
+            Increment; its `fault` says why it did not converge.
+        """
+        p, result = self.problem, Increment()
+        scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
+        self._K = None
+        for iteration in itertools.count():
+            with self._clock("bodies"):
+                residual = p._assemble_residual().array.copy()
+            if not np.isfinite(self._norm(residual)):
+                result.residual_norms.append(float("nan"))
+                return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
+                                     "evaluated (inverted cells?)")  # fmt: skip
+            with self._clock("contact"):
+                for contact in p.contact:
+                    contact.update(p.u.x.array)
+                    if not contact.constraints:
+                        residual -= contact.forces()
+                if self.saddle and iteration > 0:
+                    for contact in self.multipliers:
+                        contact.turn()
+                changes, pending = self._switch(residual, iteration == 0)
+                if self.saddle:
+                    residual -= sum(c.forces() for c in self.multipliers)
+                imposed = [] if self.saddle else [c.imposed_forces() for c in self.multipliers]
+                scale = max(scale, self._norm(residual))
+                norm = self._free_norm(residual - sum(f for f in imposed if f is not None))
+            jump = target[self.fixed] - p.u.x.array[self.fixed]
+            moved = self.comm.allreduce(int(np.any(jump))) == 0
+            violation = max((c.violation() for c in p.contact), default=0.0)
+            result.add(norm, sum(c.num_active for c in p.contact), changes + settling)
+            log.iteration(iteration, norm, max(scale, inner), result.active_set_sizes[-1], result.changes[-1])
+            self._tell(iteration, norm)
+            settled = iteration > 0 or not p.contact
+            small = norm <= max(self.atol, noise, self.rtol * max(scale, inner))
+            if moved and settled and pending == 0 and violation < VIOLATION and small:
+                again = any([c.refine() for c in p.contact])
+                faults = [c.fault for c in p.contact if c.fault]
+                if faults:
+                    return result.failed("; ".join(faults), hopeless=True)
+                if not again:
+                    return result.converged()
+                round_start = iteration
+                continue
+            if iteration - round_start == self.max_iterations:
+                break
+            period = result.cycle() if iteration - round_start > PLAIN else 0
+            if iteration == 0 and p.contact:
+                loose = self._loose()
+                if loose:
+                    return result.failed(loose, hopeless=True)
+            K = self._stiffness()
+            inner = max(inner, self._tangent_force(K))
+            noise = self._round_off(K)
+            # What is still asked for, but no more than Newton's quadratic convergence may bring from here.
+            digits = 1e-10 if not p.contact and p._linear else LOOSE_DIGITS
+            if moved and norm > 0:
+                enough = self.margin * max(self.atol, self.rtol * max(scale, inner)) / norm
+                likely = 0.1 * (norm / before) ** 2 if before else 1e-4
+                digits = min(digits, max(enough, min(likely, LOOSE_DIGITS)))
+            before, start = norm if moved else None, p.u.x.array.copy()
+            fault, settling, left = self._solve(K, residual, jump, digits, log)
+            result.iterations += 1
+            result.unsettled += left > 0
+            p.u.x.array[p.fixed] = target[p.fixed]  # to the last digit
+            if fault:
+                return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
+            if period and moved:  # the same states again: half a step leads out of the circle
+                p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
+            elif self.rough and moved and iteration - round_start >= PLAIN:
+                if self.conservative:
+                    self._descend(K, start, residual, digits, log)
+                else:
+                    self._backtrack(start, norm)
+        return did_not_converge(result, self, moved, small, pending, violation)
+
+    @contextlib.contextmanager
+    def _clock(self, part):
+        start = time.perf_counter()
+        yield
+        self.seconds[part] += time.perf_counter() - start
+
+    def _backtrack(self, start, norm):
+        """Go back towards `start`, by halves, until the residual is less than the norm there, at most four times.
+
+        Points that change between stick and slip can lead Newton's method round in circles.
+        """
+        p, step = self.problem, self.problem.u.x.array - start
+        norms = {}
+        for part in PARTS:
+            p.u.x.array[:] = start + part * step
+            norms[part] = self._residual_norm()
+            if norms[part] < norm:
+                return
+        p.u.x.array[:] = start + min(PARTS, key=lambda part: norms[part]) * step
+
+    def _descend(self, K, start, residual, digits, log):
+        """A line search along the step from `start`, with the residual there, of a problem without friction: then the
+        residual is the slope of an energy, which may fall while the norm of the residual rises.
+
+        Where Newton's step does not go down, as between points that press dents in the master, one with the tangent's
+        positive definite part does.
+        """
+        p, free = self.problem, np.ones(self.num_owned, dtype=bool)
+        free[self.fixed] = False
+
+        def slope(forces):
+            return self.comm.allreduce(float(forces[free] @ (end - start)[: self.num_owned][free]))
+
+        end = p.u.x.array.copy()
+        steep = slope(residual)
+        if steep >= 0.0:
+            p.u.x.array[:] = start
+            for contact in p.contact:
+                contact.update(start)
+                contact.convex = True
+            fault, *_ = self._solve(K, residual, np.zeros(len(self.fixed)), digits, log)
+            for contact in p.contact:
+                contact.convex = False
+            if fault:
+                p.u.x.array[:] = start
+                return
+            end = p.u.x.array.copy()
+            steep = slope(residual)
+        low, high = 0.0, 1.0
+        part = high
+        for _ in range(SEARCHES):
+            p.u.x.array[:] = start + part * (end - start)
+            here = slope(self._residual())
+            if here <= STEEP * abs(steep) and (part == 1.0 or here >= -STEEP * abs(steep)):
+                return
+            low, high = (part, high) if here < 0.0 else (low, part)
+            part = 0.5 * (low + high)
+
+    def _residual(self):
+        """Free residual at u, of a problem without multipliers. Collective."""
+        residual = self.problem._assemble_residual().array.copy()
+        with self._clock("contact"):
+            for contact in self.problem.contact:
+                contact.update(self.problem.u.x.array)
+                residual -= contact.forces()
+        residual[self.fixed] = 0.0
+        return residual
+
+    def _residual_norm(self):
+        norm = self._norm(self._residual())
+        return norm if np.isfinite(norm) else np.inf
+
+    # --- what an iteration looks at --------------------------------------------------------------------------------
+
+    def _norm(self, values):
+        return float(np.sqrt(self.comm.allreduce(float(values @ values))))
+
+    def _switch(self, residual, first):
+        """Measure multipliers and change states; returns the number of changes, and of those that multipliers wait
+        for. Collective."""
+        changes, pending = 0, 0
+        for contact in self.problem.contact:
+            if not first and not self.saddle:
+                contact.measure(residual)
+            changed = contact.switch(first)
+            changes += changed
+            # A penalty's residual is that of the new state already; at |t| = friction p round-off decides on it.
+            pending += changed if contact.constraints else 0
+        return changes, pending
+
+    def _free_norm(self, residual):
+        """Norm of what is left of a residual in the equations that are not those of multipliers or supports."""
+        transformation = self._transformation()
+        free = transformation.residual(residual) if transformation else residual.copy()
+        if transformation:
+            transformation.destroy()
+        free[self.fixed] = 0.0
+        return self._norm(free)
+
+    def _loose(self):
+        """What is wrong with the supports, or an empty string: bodies that supports and contact leave free.
+        Collective."""
+        p = self.problem
+        loose = rigid_body_modes.free_motions(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric)
+        if not loose:
+            return ""
+        gaps = [(c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact]
+        apart = [f"{name}: smallest gap {gap:.3e}" for name, gap in gaps if gap > 0]
+        hint = f" ({'; '.join(apart)}: let them touch first, or hold or move the body)" if apart else ""
+        return f"not held against rigid motion: {'; '.join(loose)}{hint}"
+
+    def _stiffness(self):
+        """Tangent of the bodies at u; that of a linear law once per increment."""
+        if self._K is None or not self.problem._linear:
+            with self._clock("bodies"):
+                self._K = self.problem._tangent.assemble()
+        return self._K
+
+    def _tangent_force(self, K):
+        """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each
+        other."""
+        forces = self._product([K], self.problem.u.x.array[: self.num_owned])
+        forces[self.fixed] = 0.0
+        return self._norm(forces)
+
+    def _round_off(self, K):
+        """Norm of the round-off in the residual [F]: forces of a stiff body that moves as a whole cancel to that."""
+        diagonal = K.getDiagonal()
+        forces = diagonal.array * self.problem.u.x.array[: self.num_owned]
+        diagonal.destroy()
+        return 4 * np.finfo(float).eps * self._norm(forces)
+
+    # --- the linear problem ----------------------------------------------------------------------------------------
+
+    def _transformation(self):
+        if not self.multipliers or self.saddle:
+            return None
+        space = self.problem.space
+        start = space.dofmap.index_map.local_range[0] * space.dofmap.index_map_bs
+        parts = [c.constraints() for c in self.multipliers]
+        return Transformation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
+
+    def _solve(self, K, residual, jump, rtol, log):
+        """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, the number of
+        changes, and how many nodes were left to change. Collective."""
+        p, changes = self.problem, 0
+        if self.saddle:
+            residual = residual + sum(c.forces() for c in self.multipliers)
+            self._start = self._forces.copy()
+        with self._clock("contact"):
+            for contact in p.contact:
+                contact.look_at(K)
+            parts = [(c, c.stiffness()) for c in p.contact]
+            penalties = [s for c, s in parts if not c.constraints]
+            geometric = [s for c, s in parts if c.constraints and s is not None]
+            symmetric = all([c.symmetric for c in p.contact])
+            for force in [c.pull() for c in p.contact]:
+                residual = residual if force is None else residual + force
+        diagonal = K.getDiagonal()
+        mean = self.comm.allreduce(float(np.abs(diagonal.array).sum())) / diagonal.getSize() or 1.0
+        diagonal.destroy()
+        moved = np.zeros(self.num_owned)
+        moved[self.fixed] = jump
+        digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), Settling(), False, 0
+        while True:
+            fault, moved, forces, found = self._one_solution(
+                K, penalties, geometric, symmetric, residual, moved, mean, digits
+            )
+            changes += found
+            if fault or not self.multipliers:
+                break
+            with self._clock("contact"):
+                for contact in self.multipliers:
+                    contact.predict(moved)
+                    if not self.saddle:
+                        contact.measure(residual + forces)
+                if self.saddle:
+                    self._take(mean)
+                found = settle.change(self.multipliers)
+            if found == 0:
+                if corrected and digits <= rtol:
+                    break
+                digits = rtol
+                if not corrected:
+                    with self._clock("contact"):
+                        self._correct(moved)
+                    corrected = True
+            elif settle.count == MAX_CHANGES:
+                log(f"    contact not settled after {settle.count} changes: {found} nodes to and fro")
+                left = found
+                break
+            changes += found
+        for matrix in penalties + geometric:
+            matrix.destroy()
+        p.u.x.array[: self.num_owned] += moved
+        p.u.x.scatter_forward()
+        return fault, changes, left
+
+    def _correct(self, moved):
+        """Let contacts look at the state that the linear problem leads to. Collective."""
+        u = self.problem.u.x
+        here = u.array.copy()
+        u.array[: self.num_owned] += moved
+        u.scatter_forward()
+        for contact in self.multipliers:
+            contact.correct(u.array)
+        u.array[:] = here
+
+    def _one_solution(self, K, penalties, geometric, symmetric, residual, guess, mean, rtol):
+        """Displacement increments for the present active set, from a guess.
+
+        Returns:
+            what went wrong, or None; increments; what the bodies' and contacts' stiffness make of them [F]; how many
+            changes of the active set are in them already.
+        """
+        with self._clock("contact"):
+            transformation = self._transformation()
+            springs = [s for s in (c.springs() for c in self.multipliers) if s is not None]
+        pinned = np.zeros(self.num_owned, dtype=bool)
+        pinned[self.fixed] = True
+        if transformation:
+            pinned |= transformation.dummies
+        for _, force in springs:
+            residual = residual + force
+        extra = penalties + [matrix for matrix, _ in springs]
+        if self.problem.exact_tangent:
+            extra += geometric
+        elif geometric:  # from the guess: small, but not symmetric
+            residual = residual + self._product(geometric, guess)
+        if self.saddle:
+            parts = [c.constraints() for c in self.multipliers]
+            sizes = [len(c.nodes) for c in self.multipliers]
+            system = SaddlePoint(K, extra, pinned, mean, parts, sizes, self._start)
+            start = np.concatenate([guess, np.where(system.mask[self.num_owned :], 0.0, self._forces - system.forces)])
+        else:
+            system = LinearSystem(K, extra, symmetric, transformation, pinned, mean)
+            start = transformation.unknowns(guess) if transformation else guess
+        x, b = system.create(), system.create()
+        x.array[:] = start
+        system.load(residual, x, b)
+        with self._clock("linear"):
+            fault = self.problem._solver.solve(system, b, x, rtol)
+        moved = system.displacements(x)
+        if self.saddle:
+            self._forces = system.forces + x.array_r[self.num_owned :]
+        matrices = [K, *penalties, *geometric]
+        forces, changes = self._product(matrices, moved), 0
+        factors = self.problem._solver.factors(system)
+        if not fault and factors is not None and len(self.multipliers) == 1 and not self.saddle:
+            moved, forces, changes = self._respond(system, factors, residual, moved, forces, matrices)
+        system.free()
+        for thing in (x, b, *(matrix for matrix, _ in springs), *((transformation,) if transformation else ())):
+            thing.destroy()
+        return fault, moved, forces, changes
+
+    def _respond(self, system, factors, residual, moved, forces, matrices):
+        """Settle a contact without friction by the responses of the bodies, new factors being at hand."""
+        contact = self.multipliers[0]
+        if contact.pair.friction > 0.0:
+            return moved, forces, 0
+        with self._clock("linear"):
+            contact.predict(moved)
+            contact.measure(residual + forces)
+            found = Compliance(contact, system, factors, lambda v: self._product(matrices, v)).settle()
+        if found is None or found[1] == 0:
+            return moved, forces, 0
+        moved = moved + found[0]
+        return moved, self._product(matrices, moved), found[1]
+
+    def _product(self, matrices, values):
+        """Sum of the products of matrices with values over owned dofs. Collective."""
+        x, y = matrices[0].createVecRight(), matrices[0].createVecLeft()
+        x.array[:] = values
+        y.set(0.0)
+        for matrix in matrices:
+            matrix.multAdd(x, y, y)
+        product = y.array.copy()
+        x.destroy()
+        y.destroy()
+        return product
+
+    def _take(self, unit):
+        """Give every contact its part of the saddle point's multipliers."""
+        start = 0
+        for contact in self.multipliers:
+            end = start + contact.gdim * len(contact.nodes)
+            contact.take(unit * self._forces[start:end].reshape(-1, contact.gdim))
+            start = end

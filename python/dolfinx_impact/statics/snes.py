@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: MIT
+"""PETSc's SNES for a StaticProblem: tolerances, monitors and other nonlinear methods by options with its prefix.
+
+The package's own method (newton.py), which settles active sets, is SNES's type "python". Where contact is by penalty,
+or there is none, equations are smooth enough for any other type: -snes_type newtontr, ngmres, ...
+"""
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..common.collective import attempt
+from .newton import LOOSE_DIGITS, Newton
+from .load_steps import Increment
+
+OWN = "python"  # SNES's type of methods that are not PETSc's
+
+
+class Solver:
+    """Solves the increments of a StaticProblem by the SNES that its options choose.
+
+    Args:
+        problem: StaticProblem; options are read with the prefix of its linear solver. rtol, atol, max_iterations: as in
+            StaticProblem.solve, where -snes_rtol, -snes_atol and -snes_max_it do not say otherwise.
+        interrupts: Interrupts, checked in every iteration.
+
+    Attributes:
+        seconds: as in Newton.
+
+    Raises:
+        ValueError: multipliers and another method than the package's own.
+    """
+
+    def __init__(self, problem, rtol, atol, max_iterations, interrupts):
+        self.problem, self._interrupts, space = problem, interrupts, problem.space
+        self.snes = PETSc.SNES().create(space.mesh.comm)
+        self.snes.setOptionsPrefix(problem._solver.ksp.getOptionsPrefix())
+        self.snes.setType(OWN)
+        self.snes.setPythonContext(self)
+        self.snes.setTolerances(rtol=rtol, atol=atol, stol=0.0, max_it=max_iterations)
+        self._F, self._x = (PETSc.Vec().create(space.mesh.comm) for _ in range(2))
+        for vector in (self._F, self._x):
+            vector.setSizes((problem._num_owned, None))
+            vector.setUp()
+        self.snes.setFunction(self._function, self._F)
+        self._J = None
+        try:
+            self.snes.setFromOptions()
+        except PETSc.Error as error:
+            self.free()
+            said = " ".join(str(error).split("[0]")[-1].split())
+            raise ValueError(f"PETSc does not take the options of SNES: {said}") from error
+        rtol, self._atol, self._stol, max_iterations = self.snes.getTolerances()
+        self._rtol, self._max_it = rtol, max_iterations
+        self._newton = Newton(problem, rtol, self._atol, max_iterations, self._tell)
+        self.seconds = self._newton.seconds
+        kind = self.snes.getType()
+        if kind != OWN and self._newton.multipliers:
+            self.free()
+            raise ValueError(
+                f"snes_type is {kind!r}: Lagrange multipliers need the package's own method, snes_type {OWN!r}; "
+                "or take Penalty"
+            )
+
+    def free(self):
+        """Give back PETSc's memory. Collective."""
+        for thing in (self.snes, self._F, self._x, *([self._J] if self._J else [])):
+            thing.destroy()
+
+    def run(self, target, log):
+        """From the present u to prescribed values `target`, as Newton.run. Collective."""
+        if self.snes.getType() != OWN:
+            return self._run_other(target, log)
+        self._target, self._log = target, log
+        self._take()
+        self._result = self._fault = None
+        self.snes.solve(None, self._x)
+        if self._fault is not None:
+            raise self._fault
+        return self._result
+
+    # --- the package's own method: PETSc calls this ------------------------------------------------------------------
+
+    def solve(self, snes, _, x):
+        """SNES's type "python" calls it."""
+        reasons = PETSc.SNES.ConvergedReason
+        # PETSc makes errors of its own of exceptions that pass through it.
+        self._result, self._fault = attempt(self._newton.run, self._target, self._log)
+        if self._fault is not None:
+            snes.setConvergedReason(reasons.DIVERGED_FUNCTION_DOMAIN)
+            return
+        x.array[:] = self.problem.u.x.array[: self.problem._num_owned]
+        snes.setIterationNumber(self._result.iterations)
+        snes.setConvergedReason(reasons.DIVERGED_MAX_IT if self._result.fault else reasons.CONVERGED_FNORM_RELATIVE)
+
+    def _tell(self, iteration, norm):
+        self.snes.monitor(iteration, norm)
+        self._interrupts.check()
+
+    # --- PETSc's methods ----------------------------------------------------------------------------------------------
+
+    def _take(self):
+        self._x.array[:] = self.problem.u.x.array[: self.problem._num_owned]
+
+    def _set(self, x):
+        u = self.problem.u.x
+        u.array[: self.problem._num_owned] = x.array_r
+        u.scatter_forward()
+
+    def _residual(self):
+        """Internal minus external and contact forces at u, and the number of changes of contact."""
+        p, changes = self.problem, 0
+        residual = p._assemble_residual().array.copy()
+        with self._newton._clock("contact"):
+            for contact in p.contact:
+                contact.update(p.u.x.array)
+                residual -= contact.forces()
+                changes += contact.switch(False)
+        return residual, changes
+
+    def _solve_by_petsc(self):
+        """As snes.solve, but exceptions of what PETSc calls are raised as they are."""
+        self._fault = None
+        try:
+            self.snes.solve(None, self._x)
+        except PETSc.Error:
+            if self._fault is not None:
+                raise self._fault from None
+            raise
+
+    def _kept(self, work, *args):
+        """Work that PETSc calls; an exception is kept for _solve_by_petsc."""
+        try:
+            return work(*args)
+        except BaseException as error:
+            self._fault = error
+            raise
+
+    def _function(self, snes, x, F):
+        self._kept(self._evaluate, x, F)
+
+    def _evaluate(self, x, F):
+        self._interrupts.check()
+        self._set(x)
+        residual, changes = self._residual()
+        residual[self._newton.fixed] = 0.0  # prescribed values are there already
+        F.array[:] = residual
+        self._changes += changes
+
+    def _jacobian(self, snes, x, J, P):
+        self._kept(self._linearise, snes, x, J)
+
+    def _linearise(self, snes, x, J):
+        """Tangent at x, where PETSc has evaluated the function last, or not."""
+        self._set(x)
+        self._residual()
+        K = self.problem._tangent.assemble()
+        diagonal = K.getDiagonal()
+        J.zeroEntries()
+        J.axpy(1.0, K, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+        for contact in self.problem.contact:
+            extra = contact.stiffness()
+            J.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+            extra.destroy()
+        rows = J.getOwnershipRange()[0] + self._newton.fixed.astype(np.int32)
+        J.zeroRowsColumns(rows, diagonal.sum() / diagonal.getSize() or 1.0)
+        diagonal.destroy()
+        if self.problem.contact:  # PETSc does not always notice that the pattern is another one
+            snes.getKSP().getPC().reset()
+        if self.problem._solver.near_nullspace is not None:
+            J.setNearNullSpace(self.problem._solver.near_nullspace)
+
+    def _run_other(self, target, log):
+        """An increment by a method of PETSc's: one linear step to the prescribed values, then its iterations."""
+        p, newton, result = self.problem, self._newton, Increment()
+        residual, self._changes = self._residual()
+        loose = newton._loose() if p.contact else ""
+        if loose:
+            return result.failed(loose, hopeless=True)
+        K = p._tangent.assemble()
+        if self._J is None:
+            self._J = K.copy()
+            self._J.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+            self.snes.setJacobian(self._jacobian, self._J)
+        scale = max(newton._norm(residual), newton._tangent_force(K))
+        fault, *_ = newton._solve(K, residual, target[newton.fixed] - p.u.x.array[newton.fixed], LOOSE_DIGITS, log)
+        if fault:
+            return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
+        p.u.x.array[p.fixed] = target[p.fixed]
+        while True:
+            residual, _ = self._residual()  # supports carry what the tangent has told
+            scale = max(scale, newton._norm(residual), newton._tangent_force(K))
+            tolerance = max(self._atol, newton._round_off(K), self._rtol * scale)
+            self.snes.setTolerances(rtol=0.0, atol=tolerance, stol=self._stol, max_it=self._max_it)
+            self.snes.setConvergenceHistory(length=1000, reset=True)
+            self._take()
+            self._solve_by_petsc()
+            self._set(self._x)
+            self._residual()
+            norms = self.snes.getConvergenceHistory()[0]
+            size = sum(c.num_active for c in p.contact)
+            for iteration, norm in enumerate(norms):
+                result.add(float(norm), size, self._changes if iteration == len(norms) - 1 else 0)
+                log.iteration(iteration, norm, scale, size, result.changes[-1])
+            self._changes = 0
+            result.iterations += self.snes.getIterationNumber()
+            reason = self.snes.getConvergedReason()
+            if reason < 0:
+                return result.failed(f"SNES of type {self.snes.getType()} did not converge: PETSc reason {reason}")
+            again = any([c.refine() for c in p.contact])
+            faults = [c.fault for c in p.contact if c.fault]
+            if faults:
+                return result.failed("; ".join(faults), hopeless=True)
+            if not again:
+                result.iterations += 1  # the linear step to the prescribed values
+                return result.converged()
