@@ -26,7 +26,7 @@ template <typename T>
 Plane<T> plane_of(const Surface& s, const Facet& facet, const std::vector<Vec<T>>& u)
 {
   const Local c = facet_centre(s.type);
-  const Spot<T> spot = reference::spot(s, facet, u, {T(c[0]), T(c[1])});
+  const Spot<T> spot = impact_reference::spot(s, facet, u, {T(c[0]), T(c[1])});
   const Vec<T> normal = spot.normal(), e = unit(spot.a[0]);
   return {spot.x, normal, {e, cross(normal, e)}};
 }

@@ -27,7 +27,7 @@ struct Surface
 
   int tdim() const { return gdim - 1; }
   int num_nodes() const { return int(node_vertices(type, degree).size()); }
-  int num_vertices() const { return reference::num_vertices(type); }
+  int num_vertices() const { return impact_reference::num_vertices(type); }
   bool affine() const { return type != CellType::quadrilateral and degree == 1 and geometry_degree == 1; }
 };
 

@@ -74,7 +74,7 @@ double Model::cell_frequency(const Rule& rule, const Rule& mass_rule, const std:
                                   " has a nodal mass that is not positive: choose the lumping scheme hrz or auto");
     const Vector root = m.cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd A =
-        root.asDiagonal() * reference::stiffness(s, cell_points(c), material(c), c) * root.asDiagonal();
+        root.asDiagonal() * impact_reference::stiffness(s, cell_points(c), material(c), c) * root.asDiagonal();
     highest = std::max(
         highest, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
   }

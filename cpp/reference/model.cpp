@@ -6,7 +6,7 @@
 namespace impact_reference
 {
 Model::Model(const impact_plain::Mesh& mesh, const std::map<int, Material>& materials, int degree)
-    : geometry_(reference::geometry(mesh)), field_(number_field(geometry_, degree)), pattern_(field_),
+    : geometry_(impact_reference::geometry(mesh)), field_(number_field(geometry_, degree)), pattern_(field_),
       facets_(geometry_)
 {
   if (materials.empty())
@@ -36,7 +36,7 @@ Model::Model(const impact_plain::Mesh& mesh, const std::map<int, Material>& mate
                                   ", for which no material was given");
     material_of_cell_[c] = found->second;
   }
-  hypothesis_ = reference::hypothesis(materials_[0].hypothesis);
+  hypothesis_ = impact_reference::hypothesis(materials_[0].hypothesis);
   if ((hypothesis_ == Hypothesis::solid) != (gdim() == 3))
     throw std::invalid_argument("hypothesis '" + materials_[0].hypothesis + "' does not go with " + mesh.cell_type +
                                 " cells: solid cells need 3d, plane cells plane_strain, plane_stress or axisymmetric");
@@ -124,13 +124,13 @@ Vector Model::assemble_vector(int block, F&& element) const
 Csr Model::stiffness(const Rule& rule) const
 {
   const Sampler s = sampler(rule);
-  return assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return reference::stiffness(s, X, material(c), c); });
+  return assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::stiffness(s, X, material(c), c); });
 }
 
 Csr Model::mass(const Rule& rule) const
 {
   const Sampler s = sampler(rule);
-  return assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return reference::mass(s, X, material(c), c); });
+  return assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::mass(s, X, material(c), c); });
 }
 
 Vector Model::lumped_mass(const Rule& rule, const std::string& scheme) const
@@ -185,7 +185,7 @@ std::array<Matrix, 2> Model::stress(const Rule& rule, const Vector& u) const
   Matrix values(n * geometry_.cells.rows(), num_strains(hypothesis_)), places(values.rows(), gdim());
   for (std::int64_t c = 0; c < geometry_.cells.rows(); ++c)
   {
-    values.middleRows(n * c, n) = reference::stress(s, cell_points(c), material(c), gather(u, c), c);
+    values.middleRows(n * c, n) = impact_reference::stress(s, cell_points(c), material(c), gather(u, c), c);
     for (int q = 0; q < n; ++q)
       places.row(n * c + q) = s.at(cell_points(c), q, c).x.transpose();
   }
@@ -198,7 +198,7 @@ Vector Model::body_force(const Rule& rule, const Vector& f) const
   if (f.size() != gdim())
     throw std::invalid_argument("the body force needs " + std::to_string(gdim()) + " components, but " +
                                 std::to_string(f.size()) + " were given");
-  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c) { return reference::body_force(s, X, f, c); });
+  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::body_force(s, X, f, c); });
 }
 
 Vector Model::traction(const Rule& facet_rule, const Cells& facets, const Vector& t) const
@@ -211,7 +211,7 @@ Vector Model::traction(const Rule& facet_rule, const Cells& facets, const Vector
   for (std::int64_t f = 0; f < facets.rows(); ++f)
   {
     const FacetPlace place = locate(facets, f);
-    scatter(result, gdim(), place.cell, reference::traction(s, cell_points(place.cell), place.facet, t));
+    scatter(result, gdim(), place.cell, impact_reference::traction(s, cell_points(place.cell), place.facet, t));
   }
   return result;
 }
@@ -229,7 +229,7 @@ std::pair<Vector, Csr> Model::follower_pressure(const Rule& facet_rule, const Ce
       throw std::invalid_argument("facet " + std::to_string(f) +
                                   " lies between two cells: a pressure needs facets on the boundary");
     const Follower element =
-        reference::follower_pressure(s, cell_points(place.cell), gather(u, place.cell), place.facet, p);
+        impact_reference::follower_pressure(s, cell_points(place.cell), gather(u, place.cell), place.facet, p);
     scatter(result.first, gdim(), place.cell, element.force);
     pattern_.add(result.second, gdim(), cell_nodes(place.cell), element.tangent);
   }
@@ -260,14 +260,14 @@ Vector Model::ale_load(const Rule& rule, const Vector& spin, const Vector& centr
 Csr Model::poisson(const Rule& rule, double k) const
 {
   const Sampler s = sampler(rule);
-  return assemble(1, [&](const Matrix& X, std::int64_t c) { return reference::poisson(s, X, k, c); });
+  return assemble(1, [&](const Matrix& X, std::int64_t c) { return impact_reference::poisson(s, X, k, c); });
 }
 
 Vector Model::scalar_load(const Rule& rule, double f) const
 {
   const Sampler s = sampler(rule);
   const Vector one = Vector::Constant(1, f);
-  return assemble_vector(1, [&](const Matrix& X, std::int64_t c) { return reference::body_force(s, X, one, c); });
+  return assemble_vector(1, [&](const Matrix& X, std::int64_t c) { return impact_reference::body_force(s, X, one, c); });
 }
 
 Vector Model::flux_load(const Rule& facet_rule, const Cells& facets, double q) const
@@ -278,7 +278,7 @@ Vector Model::flux_load(const Rule& facet_rule, const Cells& facets, double q) c
   {
     const FacetPlace place = locate(facets, f);
     scatter(result, 1, place.cell,
-            reference::traction(s, cell_points(place.cell), place.facet, Vector::Constant(1, q)));
+            impact_reference::traction(s, cell_points(place.cell), place.facet, Vector::Constant(1, q)));
   }
   return result;
 }
