@@ -69,7 +69,7 @@ void bind_points(nb::module_& m)
             if (points.shape(0) != weights.size() || points.shape(1) != std::size_t(slave.geometry.tdim()))
               throw std::invalid_argument("a rule: points of shape (number, dimension of the facet), as many weights");
             new (self) Points(dolfinx_impact::gap::make_points(slave, {points.data(), points.size()},
-                                                       {weights.data(), weights.size()}, axisymmetric));
+                                                               {weights.data(), weights.size()}, axisymmetric));
           },
           nb::arg("slave"), nb::arg("points"), nb::arg("weights"), nb::arg("axisymmetric") = false)
       .def(

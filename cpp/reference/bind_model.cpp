@@ -26,11 +26,11 @@ void bind_model(nb::module_& m)
                                            " has " + std::to_string(nodes) + " nodes, but cells has " +
                                            std::to_string(cells.cols()) + " columns");
              const impact_plain::Mesh mesh{cell,
-                                    geometry_degree,
-                                    int(points.cols()),
-                                    {points.data(), points.data() + points.size()},
-                                    {cells.data(), cells.data() + cells.size()},
-                                    tags};
+                                           geometry_degree,
+                                           int(points.cols()),
+                                           {points.data(), points.data() + points.size()},
+                                           {cells.data(), cells.data() + cells.size()},
+                                           tags};
              new (self) Model(mesh, materials, degree);
            })
       .def_prop_ro(

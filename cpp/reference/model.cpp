@@ -124,13 +124,15 @@ Vector Model::assemble_vector(int block, F&& element) const
 Csr Model::stiffness(const Rule& rule) const
 {
   const Sampler s = sampler(rule);
-  return assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::stiffness(s, X, material(c), c); });
+  return assemble(gdim(),
+                  [&](const Matrix& X, std::int64_t c) { return impact_reference::stiffness(s, X, material(c), c); });
 }
 
 Csr Model::mass(const Rule& rule) const
 {
   const Sampler s = sampler(rule);
-  return assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::mass(s, X, material(c), c); });
+  return assemble(gdim(),
+                  [&](const Matrix& X, std::int64_t c) { return impact_reference::mass(s, X, material(c), c); });
 }
 
 Vector Model::lumped_mass(const Rule& rule, const std::string& scheme) const
@@ -198,7 +200,8 @@ Vector Model::body_force(const Rule& rule, const Vector& f) const
   if (f.size() != gdim())
     throw std::invalid_argument("the body force needs " + std::to_string(gdim()) + " components, but " +
                                 std::to_string(f.size()) + " were given");
-  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::body_force(s, X, f, c); });
+  return assemble_vector(gdim(),
+                         [&](const Matrix& X, std::int64_t c) { return impact_reference::body_force(s, X, f, c); });
 }
 
 Vector Model::traction(const Rule& facet_rule, const Cells& facets, const Vector& t) const
@@ -267,7 +270,8 @@ Vector Model::scalar_load(const Rule& rule, double f) const
 {
   const Sampler s = sampler(rule);
   const Vector one = Vector::Constant(1, f);
-  return assemble_vector(1, [&](const Matrix& X, std::int64_t c) { return impact_reference::body_force(s, X, one, c); });
+  return assemble_vector(1,
+                         [&](const Matrix& X, std::int64_t c) { return impact_reference::body_force(s, X, one, c); });
 }
 
 Vector Model::flux_load(const Rule& facet_rule, const Cells& facets, double q) const

@@ -33,10 +33,9 @@ def table_source(names):
     out = ['#include "dolfinx_impact/kernels/Kernel.h"\n#include <cstddef>\n']
     out += [f'extern "C" const impact_kernel {n};' for n in names]
     listed = ",\n  ".join("&" + n for n in names)
-    out.append(
-        f"namespace dolfinx_impact::kernels\n{{\nextern const impact_kernel* const generated_table[] = {{\n  {listed}}};"
-    )
-    out.append(f"extern const std::size_t generated_table_size = {len(names)};\n}} // namespace dolfinx_impact::kernels\n")
+    table = f"extern const impact_kernel* const generated_table[] = {{\n  {listed}}};"
+    size = f"extern const std::size_t generated_table_size = {len(names)};"
+    out.append(f"namespace dolfinx_impact::kernels\n{{\n{table}\n{size}\n}} // namespace dolfinx_impact::kernels\n")
     return "\n".join(out)
 
 

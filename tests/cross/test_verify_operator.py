@@ -115,7 +115,7 @@ def test_our_lumped_mass_loses_mass(monkeypatch):
         diagonal.array[4] -= 1e-10 * diagonal.array.sum() / 2  # of the body's mass
         return diagonal
 
-    monkeypatch.setattr(mass, "lumped_mass", wrong)
+    monkeypatch.setattr(lumped_mass, "lumped_mass", wrong)
     assert_caught(linear(), "operator", "lumped_mass", "diagonal on block")
 
 
