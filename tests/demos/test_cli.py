@@ -62,7 +62,7 @@ def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):
     assert "mpirun" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command, module", (("verify", "verify.run"), ("bench", "bench")))
+@pytest.mark.parametrize("command, module", (("verify", "verify.run"), ("bench", "bench.run")))
 def test_verify_and_bench_get_their_arguments(command, module, monkeypatch):
     seen = []
     stand_in = types.ModuleType(f"dolfinx_impact.{module}")
