@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../gap/Rigid.h"
+#include "ContactStatus.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
-#include "Penalty.h"
+#include "friction.h"
 #include <array>
 #include <span>
 #include <vector>

@@ -51,7 +51,7 @@ class Restart:
                 ranks[f"contact{k}_{j}"] = np.array([side.own_energy()[name] for name in ENERGY])
         plan, totals = self._plan, {}
         for k, contact in enumerate(self.contact):
-            rows, totals[f"contact{k}"] = contact.seen()
+            rows, totals[f"contact{k}"] = contact.save_results()
             nodal[f"results{k}"] = (contact.nodes, rows)
         plan = [plan.begin, plan.until, plan.first, plan.last, plan.auto] if plan else []
         table, error = attempt(functions_of_time, self, self.time, self._beyond)
@@ -90,7 +90,7 @@ class Restart:
         """All of a checkpoint, looked at; nothing is changed. Collective."""
         bs, saved = self.space.dofmap.index_map_bs, self._cpp.saved_names()
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.contact) for j, s in enumerate(c.sides())]
-        results = {f"results{k}": contact.seen()[0].shape[1] for k, contact in enumerate(self.contact)}
+        results = {f"results{k}": contact.save_results()[0].shape[1] for k, contact in enumerate(self.contact)}
         file = checkpoint.Reader(
             path,
             self,
@@ -155,7 +155,7 @@ class Restart:
             _unpack(rows, side.history(), facets, want) for rows, side in zip(read["histories"], read["sides"])
         ]
         for k, contact in enumerate(self.contact):
-            totals, known = np.asarray(a[f"contact{k}"]), contact.seen()[1]
+            totals, known = np.asarray(a[f"contact{k}"]), contact.save_results()[1]
             want(totals.shape == known.shape and np.all(np.isfinite(totals)), f"contact{k} is {totals!r}")
         here, there = functions_of_time(self, time, beyond), np.asarray(a["functions of time"])
         scale = np.abs(here).max(initial=0.0)
@@ -191,7 +191,7 @@ class Restart:
         self._history.clear()
         self._look()
         for k, contact in enumerate(self.contact):
-            contact.set_seen(read["results"][k], np.asarray(a[f"contact{k}"]))
+            contact.restore_results(read["results"][k], np.asarray(a[f"contact{k}"]))
 
 
 def _plan(values, want, time, step):

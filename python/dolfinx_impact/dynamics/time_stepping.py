@@ -280,7 +280,7 @@ class March:
                 recorder.flush()
         self.step, self.time, u, v, _ = self._good
         for contact in self.contact:
-            contact.forget()
+            contact.reset_history()
         self._known_start, self._largest = False, 0.0
         self._history.clear()
         self._cpp.start(u, v)
@@ -332,7 +332,7 @@ class March:
         """Functions, energies and contact results as they are now. Collective."""
         self._copy_motion()
         for contact in self.contact:
-            contact.look()
+            contact.update_results()
         values = dict(zip(ENERGIES, self._cpp.energies().tolist()))
         parts = np.array(list(values.values()))
         values["total"] = total = float(parts[:-1].sum() - parts[-1])

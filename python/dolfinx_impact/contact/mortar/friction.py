@@ -126,13 +126,13 @@ class Coulomb:
         """Nodes that have closed in this increment and do not slip, mask (n)."""
         return self.active & self.usable & ~self.sliding & (self.opening > 0.0) & (self.pair.friction > 0.0)
 
-    def imposed_forces(self):
+    def imposed_friction_forces(self):
         """Nodal forces on both bodies of the imposed tractions, array over owned dofs [F]; or None. Collective."""
         if self.pair.friction == 0.0 or not self.comm.allreduce(int(np.any(self.imposed))):
             return None
         return self.geometry.forces(self.imposed)
 
-    def springs(self):
+    def friction_springs(self):
         """Tractions that change with the slip: Newton's method sees springs. Collective.
 
         In 3D the traction of a node that slips turns with the slip: across its direction, friction bound over slip

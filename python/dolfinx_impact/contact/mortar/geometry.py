@@ -9,7 +9,7 @@ import numpy as np
 from ... import _cpp
 from ..matrices import NodalSum, global_dofs, matrix
 from ..body_size import body_size
-from ..initial_penetration import InitialGap, check_side, nearly_touching
+from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 
 # A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
 LEAST = 1e-2
@@ -83,13 +83,13 @@ class SurfaceGeometry:
         self.tolerance = 1e-12 * self.size
         self.offset = np.zeros(len(self.nodes))
 
-    def _look(self):
+    def _set_initial_penetration(self):
         """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
-        self.update(self.start)
-        self.initial = InitialGap(self.pair, self.V, self.slave, self.master, self.points, self.gap)
+        self.update_gap(self.start)
+        self.initial = InitialPenetration(self.pair, self.V, self.slave, self.master, self.points, self.gap)
         self.offset = self.initial.offset
 
-    def begin(self, u, displacement, target=None):
+    def begin_step(self, u, displacement, target=None):
         """An increment starts at u; the rigid master is to go to `displacement`, prescribed degrees of freedom to
         `target` (None: they stay)."""
         self.start = np.array(u)
@@ -97,11 +97,11 @@ class SurfaceGeometry:
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
-    def save(self):
+    def save_state(self):
         """Where the increment starts, as a dict of copies."""
         return {name: getattr(self, name).copy() for name in ("start", "start_displacement", "displacement")}
 
-    def restore(self, state):
+    def restore_state(self, state):
         """Back to a saved state."""
         for name, value in state.items():
             setattr(self, name, value.copy())
@@ -126,11 +126,11 @@ class SurfaceGeometry:
         factor = self.cover[rows] / self.weight[rows]
         return means[rows] * (factor if means.ndim == 1 else factor[:, None])
 
-    def look_ahead(self, u):
+    def evaluate_at(self, u):
         """Gap and slip at other displacements u (array over owned and ghost dofs); this state stays. Collective."""
         there = copy.copy(self)
         there._matrix = None
-        there.update(u)
+        there.update_gap(u)
         slip = there.slip()
         if there._matrix is not None:
             there._matrix.destroy()
@@ -219,13 +219,13 @@ class SurfaceGeometry:
         )
         return np.where(middle, middles, corners)
 
-    def jump_rows(self, motions, held):
+    def rigid_body_jumps(self, motions, held):
         """Displacements against the master of some nodes in all rigid motions, (gdim, held nodes, motions). Collective.
 
         Args:
-            motions: held.RigidMotions. held: index of the nodes.
+            motions: RigidBodyModes. held: index of the nodes.
         """
-        rows = np.zeros((self.gdim, len(held), motions.size_of_all))
+        rows = np.zeros((self.gdim, len(held), motions.num_modes))
         surfaces = [s for s in (self.slave, self.master) if s is not None]
         touched = np.zeros(motions.count, dtype=np.int32)
         touched[np.concatenate([motions.body[s.nodes.ravel()] for s in surfaces])] = 1
@@ -252,9 +252,9 @@ class RigidGeometry(SurfaceGeometry):
         self.weight = self.cover = self.share
         self.participates = np.ones(len(self.nodes), dtype=bool)
         check_side(self.pair, V, self.slave, self.obstacle)
-        self._look()
+        self._set_initial_penetration()
 
-    def update(self, u):
+    def update_gap(self, u):
         """Gaps and normals at u. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()

@@ -74,32 +74,32 @@ class LagrangeContact(Coulomb, ContactOutput):
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
-    def save(self):
+    def save_state(self):
         """State that an increment starts from, as a dict of copies."""
         names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip", "opening")
         names += ("traction_n", "imposed")
-        return {name: copy.copy(getattr(self, name)) for name in names} | {"geometry": self.geometry.save()}
+        return {name: copy.copy(getattr(self, name)) for name in names} | {"geometry": self.geometry.save_state()}
 
-    def restore(self, state):
+    def restore_state(self, state):
         """Back to a saved state."""
         for name, value in state.items():
             if name == "geometry":
-                self.geometry.restore(value)
+                self.geometry.restore_state(value)
             else:
                 setattr(self, name, copy.copy(value))
 
-    def begin(self, u, displacement, target=None):
+    def begin_step(self, u, displacement, target=None):
         """An increment starts at u; a rigid master goes to `displacement` in it, prescribed degrees of freedom to
         `target` (array over all dofs, prescribed entries count; None: they stay). Collective."""
         if self.opening is None:
-            self.geometry.update(u)
+            self.geometry.update_gap(u)
             self.opening = self._opened(self.geometry.gap)
-        self.geometry.begin(u, displacement, target)
+        self.geometry.begin_step(u, displacement, target)
 
     def _opened(self, gap):
         return np.where(~self.active & (gap > self.geometry.tolerance), gap, 0.0)
 
-    def accept(self):
+    def accept_step(self):
         """The increment has converged: slip adds up, less what a node slides before it closes."""
         slip = self._slipping(self._slip)
         length = np.linalg.norm(slip, axis=1)
@@ -109,11 +109,11 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.total_slip[~self.active] = 0.0
         self.opening = self._opened(self._gap)
         self.traction_n = np.where(self.active[:, None], self.friction_traction, 0.0)
-        self.total()
+        self.update_totals()
 
-    def update(self, u):
+    def update_gap(self, u):
         """Search, gaps and normals at the displacements u (array over owned and ghost dofs). Collective."""
-        self.geometry.update(u)
+        self.geometry.update_gap(u)
         self.frames, self.place, self.free_length = condensation.frames_at(self.geometry.normal, self.fixed)
         self.usable = self.geometry.participates & (self.place >= 0)
         self._gap, self._slip = self.geometry.gap, self.geometry.slip()
@@ -122,7 +122,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         if self.pair.friction > 0.0:
             self._split()
 
-    def predict(self, increments):
+    def update_linearised_gap(self, increments):
         """Gaps and slips after displacement increments (array over owned dofs) of a linear solution, linear in them.
         Collective."""
         jump = self.geometry.jump(increments)
@@ -132,20 +132,20 @@ class LagrangeContact(Coulomb, ContactOutput):
         if self.pair.friction > 0.0:
             self._drive_on()
 
-    def respond(self, increments, forces):
+    def linearised_response(self, increments, forces):
         """What gaps and multipliers gain by displacement increments and the nodal forces they cause (arrays over owned
         dofs), without friction: (n), (n). Collective."""
         gap = np.einsum("na,na->n", self.geometry.normal, self.geometry.jump(increments))
         along, weight = self._along(forces)[1:]
         return gap, along / (weight * np.maximum(self.free_length, 1e-3))
 
-    def correct(self, u):
-        """After predict: take in what gaps and slips at the displacements u differ from the linear ones.
+    def correct_linearisation(self, u):
+        """After update_linearised_gap: take in what gaps and slips at the displacements u differ from the linear ones.
 
         A second-order correction, as in sequential quadratic programming: normals turn and points slide over the master
         also in the conditions, which condensed multipliers cannot see in their matrix. Collective.
         """
-        gap, slip = self.geometry.look_ahead(u)
+        gap, slip = self.geometry.evaluate_at(u)
         known = self.usable & np.isfinite(gap)
         gap = np.where(known, gap, 0.0) - np.where(known, self._gap, 0.0)
         slip = np.where(known[:, None], self.geometry.tangential(slip) - self._slip, 0.0)
@@ -162,7 +162,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         weight = np.where(self.usable, self.geometry.weight, 1.0)
         return free, np.einsum("na,na->n", self._normal_direction(), free), weight
 
-    def measure(self, residual):
+    def update_multipliers(self, residual):
         """Multipliers from the nodal residual (owned entries, without contact forces): equilibrium of slave nodes."""
         free, along, weight = self._along(residual)
         on = self.active & self.usable
@@ -178,9 +178,10 @@ class LagrangeContact(Coulomb, ContactOutput):
         traction = (free - along[:, None] * normal) / weight[:, None] + known
         self.friction_traction = np.where(on[:, None], traction, 0.0)
 
-    def take(self, forces):
+    def set_multipliers(self, forces):
         """Multipliers from a saddle point: forces (n, gdim) along the directions of the frames, zero where nothing is
-        constrained. After `constraints`, `springs`, whose state the solution is of, and `predict`."""
+        constrained. After `constraints`, `friction_springs`, whose state the solution is of, and
+        `update_linearised_gap`."""
         on = (self.active & self.usable)[:, None]
         forces = np.einsum("nad,nd->na", self.frames, forces)
         weight = np.where(self.usable, self.geometry.weight, 1.0)
@@ -190,7 +191,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         tangential += self.multiplier[:, None] * self._linear_tilt + self._explicit()
         self.friction_traction = np.where(on, tangential, 0.0)
 
-    def turn(self):
+    def rotate_friction_traction(self):
         """Friction tractions known from a saddle point follow the surface and the slip to the present state."""
         t = self.geometry.tangential(self.friction_traction)
         size, length = np.linalg.norm(self.friction_traction, axis=1), np.linalg.norm(t, axis=1)
@@ -199,7 +200,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         t[grips] = (self.multiplier[:, None] * self._tilt())[grips]
         self.friction_traction = t
 
-    def switch(self, first, last=None):
+    def update_active_set(self, first, last=None):
         """Change the active set and who sticks; returns how many nodes of all ranks would change. Collective.
 
         Args:
@@ -261,7 +262,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         largest = float(np.max(self._violations(), initial=0.0))
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
 
-    def violated(self):
+    def largest_violation(self):
         """The node whose gap or slip is largest. Collective."""
         mine = []
         for what, values in zip(("a gap of an active node", "a slip of a node that sticks"), self._violations()):
@@ -271,18 +272,18 @@ class LagrangeContact(Coulomb, ContactOutput):
         value, what, number, x = max(sum(self.comm.allgather(mine), []))
         return f"{self.pair.name}: {what}, number {number} at ({', '.join(f'{c:.4g}' for c in x)}), is {value:.3e}"
 
-    def overlap(self):
+    def prescribed_overlap(self):
         """Slave nodes whose displacement along the normal is prescribed and that lie in the master, or an empty text:
         there is nothing that a multiplier could move. Collective."""
         return prescribed_overlap(
             self.pair.name, self.comm, self.geometry, self.geometry.participates & (self.place < 0)
         )
 
-    def refine(self):
+    def augment(self):
         """Multipliers need no further rounds."""
         return False
 
-    def touch_nearest(self):
+    def close_nearest(self):
         """Close the nodes nearest to the master, if they nearly touch; returns whether there are any. Collective."""
         near = self.geometry.nearest()
         if near is None:
@@ -290,8 +291,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.active = self.active | (near & self.usable)
         return True
 
-    def pull(self):
-        """No force besides: constraints close the nearest nodes. See touch_nearest."""
+    def closing_forces(self):
+        """No force besides: constraints close the nearest nodes. See close_nearest."""
 
     # --- linear system ---------------------------------------------------------------------------------------------
 
@@ -300,6 +301,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         """Of a rigid master, as reached [L]."""
         return self.geometry.displacement
 
+    has_multipliers = True
+    _tangent = None
     symmetric = True  # what makes it not so is known to the transformation
 
     def constraints(self):
@@ -324,18 +327,21 @@ class LagrangeContact(Coulomb, ContactOutput):
             *self.geometry.master_rows(rows),
         )  # fmt: skip
 
-    def look_at(self, K):
+    def update_nodal_stiffness(self, K):
         """Take from the bodies' stiffness what the changes of state need. Collective."""
         self.nodal_stiffness, self.facing_stiffness = self.geometry.diagonal_stiffness(K)
 
-    def stiffness(self):
+    def tangent(self):
         """Geometric stiffness of the contact forces: a matrix, or None. Collective."""
-        return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
+        if self._tangent is not None:
+            self._tangent.destroy()
+        self._tangent = self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
+        return self._tangent
 
-    def held_rows(self, motions):
-        """What active nodes prevent, for held.free_motions: one array of rows per kind of constraint. Collective."""
+    def rigid_body_constraints(self, motions):
+        """Jumps at active nodes under the rigid body modes; see StaticContact. Collective."""
         held = np.flatnonzero(self.active & self.usable)
-        rows = self.geometry.jump_rows(motions, held)
+        rows = self.geometry.rigid_body_jumps(motions, held)
         return list(rows) if self.pair.friction > 0.0 else [np.einsum("na,anm->nm", self.normal[held], rows)]
 
     # --- results ---------------------------------------------------------------------------------------------------
@@ -387,6 +393,6 @@ class LagrangeContact(Coulomb, ContactOutput):
         """Part of each point's area that is in contact, (n). Collective."""
         return self.geometry.covered(self.pressure, self.active & self.usable)
 
-    def forces(self):
+    def contact_forces(self):
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
         return self.geometry.forces(self.traction)

@@ -33,9 +33,9 @@ class MortarGeometry(SurfaceGeometry):
         self.points_of_rule, self.weights = quadrature_rule("interval" if self.gdim == 2 else "triangle", degree)
         self.neighbours = Neighbours(self.pair, V, self.slave, self.master)
         self._matrix = None
-        self._look()
+        self._set_initial_penetration()
 
-    def update(self, u):
+    def update_gap(self, u):
         """Search, segments, mortar integrals, gaps and normals at u. Collective."""
         self._move(u)
         near = self.neighbours
