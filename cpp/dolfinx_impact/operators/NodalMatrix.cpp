@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "NodalMatrix.h"
+#include "petsc_check.h"
 #include <algorithm>
 #include <dolfinx/la/SparsityPattern.h>
 #include <dolfinx/la/petsc.h>
-#include <stdexcept>
-#include <string>
 
 namespace dolfinx_impact::operators
 {
-namespace
-{
-void check(PetscErrorCode error, const char* what)
-{
-  if (error)
-    throw std::runtime_error("PETSc error " + std::to_string(int(error)) + " while " + what);
-}
-} // namespace
-
 void NodalMatrix::Couplings::add(std::int64_t key, std::span<const std::int32_t> r, std::span<const std::int32_t> c)
 {
   keys.push_back(key);

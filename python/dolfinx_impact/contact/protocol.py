@@ -174,7 +174,7 @@ class MultiplierContact(StaticContact, Protocol):
     last_change: int
 
     def constraints(self) -> Any:
-        """Constrained directions of the active nodes: condensation.Constraints."""
+        """Constrained directions of the active nodes: Constraints (C++)."""
 
     def friction_springs(self) -> tuple[PETSc.Mat, np.ndarray] | None:
         """What Newton's method sees of tractions that change with the slip: a matrix [F/L], and forces over owned dofs

@@ -14,7 +14,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..assembly import rigid_body_modes
-from ..contact.mortar.condensation import Transformation
+from .. import _cpp
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
@@ -230,8 +230,6 @@ class Newton:
         """Norm of what is left of a residual in the equations that are not those of multipliers or supports."""
         transformation = self._transformation()
         free = transformation.residual(residual) if transformation else residual.copy()
-        if transformation:
-            transformation.destroy()
         free[self.fixed] = 0.0
         return self._norm(free)
 
@@ -276,7 +274,7 @@ class Newton:
         space = self.problem.space
         start = space.dofmap.index_map.local_range[0] * space.dofmap.index_map_bs
         parts = [c.constraints() for c in self.multipliers]
-        return Transformation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
+        return _cpp.multipliers.Condensation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
 
     def _solve(self, K, residual, jump, rtol, log):
         """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, the number of
@@ -355,7 +353,7 @@ class Newton:
         pinned = np.zeros(self.num_owned, dtype=bool)
         pinned[self.fixed] = True
         if transformation:
-            pinned |= transformation.dummies
+            pinned |= transformation.pinned
         for _, force in springs:
             residual = residual + force
         extra = penalties + [matrix for matrix, _ in springs]
@@ -385,7 +383,7 @@ class Newton:
         if not fault and factors is not None and len(self.multipliers) == 1 and not self.saddle:
             moved, forces, changes = self._update_by_responses(system, factors, residual, moved, forces, matrices)
         system.free()
-        for thing in (x, b, *(matrix for matrix, _ in springs), *((transformation,) if transformation else ())):
+        for thing in (x, b, *(matrix for matrix, _ in springs)):
             thing.destroy()
         return fault, moved, forces, changes
 

@@ -196,9 +196,8 @@ def _matrices(rows, body, ours, answer, kind):
     rows(f"{kind}_M", _dense(ours.mortar.M, num), M)
     jump = ours.jump_matrix()
     rows(f"{kind}_jump", bodies.petsc_to_scipy(jump).toarray(), D - M)
-    jump.destroy()
     gamma = np.zeros((num, body.gdim))
-    np.add.at(gamma, ours.neighbours.slave.nodes.ravel(), ours.mortar.gamma.reshape(-1, body.gdim))
+    np.add.at(gamma, ours.search.slave.nodes.ravel(), ours.mortar.gamma.reshape(-1, body.gdim))
     rows(f"{kind}_gamma", gamma, body.nodal_to_ours(answer.gamma))
 
 
@@ -209,7 +208,7 @@ def _turning(rows, body, ours, theirs, u, rng, step=1e-4):
     )  # nothing prescribed: what that changes is no part of this tangent
     force = np.zeros(len(body.nodes))
     force[ours.nodes] = rng.uniform(-1, 1, len(ours.nodes))
-    tangent = _cpp.gap.turning_tangent(ours.neighbours.slave, ours.sums.ravel(), force)
+    tangent = _cpp.gap.turning_tangent(ours.search.slave, ours.integrals.normal_sums, force)
     direction = rng.uniform(-1, 1, len(u))
 
     def normals(h):

@@ -29,7 +29,7 @@ def assert_same(one, other):
 def test_a_saddle_point_has_the_solution_of_the_condensed_system(dim, friction, monkeypatch):
     """The same dual multipliers, condensed and as unknowns, with nodes that stick, slip and open."""
     condensed = pressed(MPI.COMM_SELF, dim, di.Lagrange, friction, rtol=RTOL)
-    monkeypatch.setattr(newton, "Transformation", None)  # what must not be used any more
+    monkeypatch.setattr(newton._cpp.multipliers, "Condensation", None)  # what must not be used any more
 
     def kept(pair):
         spec = di.Lagrange(pair)

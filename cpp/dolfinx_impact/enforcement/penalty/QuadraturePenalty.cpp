@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "QuadraturePenalty.h"
+#include "../../operators/petsc_check.h"
 #include <dolfinx/la/Vector.h>
 #include <functional>
 #include <stdexcept>
@@ -107,16 +108,11 @@ std::vector<double> QuadraturePenalty::closing_forces() const
 void QuadraturePenalty::add_residual(Vec b) const
 {
   const std::vector<double> force = nodal_forces(_state);
-  PetscInt size = 0;
-  VecGetLocalSize(b, &size);
-  if (std::size_t(size) != force.size())
+  operators::Entries entries(b);
+  if (entries.size() != force.size())
     throw std::invalid_argument("the residual has an entry for every owned degree of freedom of the space");
-  double* values = nullptr;
-  if (VecGetArray(b, &values))
-    throw std::runtime_error("PETSc does not give the residual's entries");
   for (std::size_t i = 0; i < force.size(); ++i)
-    values[i] -= force[i];
-  VecRestoreArray(b, &values);
+    entries[i] -= force[i];
 }
 
 Mat QuadraturePenalty::tangent(bool convex)

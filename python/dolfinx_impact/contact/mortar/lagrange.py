@@ -6,8 +6,8 @@ import copy
 import numpy as np
 from mpi4py import MPI
 
+from ... import _cpp
 from ...common.collective import comm_of, guard
-from . import condensation
 from .friction import Coulomb
 from .geometry import RigidGeometry
 from .mortar_geometry import MortarGeometry
@@ -114,7 +114,7 @@ class LagrangeContact(Coulomb, ContactOutput):
     def update_gap(self, u):
         """Search, gaps and normals at the displacements u (array over owned and ghost dofs). Collective."""
         self.geometry.update_gap(u)
-        self.frames, self.place, self.free_length = condensation.frames_at(self.geometry.normal, self.fixed)
+        self.frames, self.place, self.free_length = _cpp.multipliers.frames_at(self.geometry.normal, self.fixed)
         self.usable = self.geometry.participates & (self.place >= 0)
         self._gap, self._slip = self.geometry.gap, self.geometry.slip()
         self._at = self._gap, self._slip
@@ -302,7 +302,6 @@ class LagrangeContact(Coulomb, ContactOutput):
         return self.geometry.displacement
 
     has_multipliers = True
-    _tangent = None
     symmetric = True  # what makes it not so is known to the transformation
 
     def constraints(self):
@@ -322,8 +321,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         lean = (normal + tilt[rows]) / self._lean(tilt)[rows, None] - normal / self.free_length[rows, None]
         over = self.frames[rows].copy()
         over[np.arange(len(rows)), :, place] = self.geometry.normal[rows] / self.free_length[rows, None]
-        return condensation.Constraints(
-            rows, self.nodes[rows], self.frames[rows], over, constrained, known, lean, place,
+        return _cpp.multipliers.Constraints(
+            rows.astype(np.int32), self.nodes[rows], self.frames[rows], over, constrained, known, lean, place,
             *self.geometry.master_rows(rows),
         )  # fmt: skip
 
@@ -333,10 +332,7 @@ class LagrangeContact(Coulomb, ContactOutput):
 
     def tangent(self):
         """Geometric stiffness of the contact forces: a matrix, or None. Collective."""
-        if self._tangent is not None:
-            self._tangent.destroy()
-        self._tangent = self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
-        return self._tangent
+        return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
 
     def rigid_body_constraints(self, motions):
         """Jumps at active nodes under the rigid body modes; see StaticContact. Collective."""
