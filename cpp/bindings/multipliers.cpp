@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/mortar/Condensation.h"
+#include "dolfinx_impact/enforcement/mortar/active_set.h"
 #include "dolfinx_impact/gap/MortarIntegrals.h"
 #include <caster_mpi.h>
 #include <caster_petsc.h>
@@ -221,6 +222,104 @@ void bind_constraints(nb::module_& m)
       "Frames (n, gdim, gdim), place of the normal direction (n), length of the normal's free part (n)");
 }
 
+/// Views of an object's arrays, by the names of NodalMultipliers; they must outlive the call.
+struct Nodes
+{
+  Mask usable, active, sliding;
+  Array gap, multiplier, slip, traction, direction, opening, stiffness, lock;
+  NodalMultipliers now;
+
+  Nodes(const nb::dict& d, int gdim, double friction)
+      : usable(nb::cast<Mask>(d["usable"])), active(nb::cast<Mask>(d["active"])), sliding(nb::cast<Mask>(d["sliding"])),
+        gap(nb::cast<Array>(d["gap"])), multiplier(nb::cast<Array>(d["multiplier"])), slip(nb::cast<Array>(d["slip"])),
+        traction(nb::cast<Array>(d["traction"])), direction(nb::cast<Array>(d["direction"])),
+        opening(nb::cast<Array>(d["opening"])), stiffness(nb::cast<Array>(d["stiffness"])),
+        lock(nb::cast<Array>(d["lock"])),
+        now{gdim,          friction,   view(usable),   view(active),    view(gap),     view(multiplier),
+            view(sliding), view(slip), view(traction), view(direction), view(opening), view(stiffness),
+            view(lock)}
+  {
+  }
+};
+
+/// The same for NodalGeometry.
+struct Geometry
+{
+  Indices nodes, place;
+  Array normal, gap, slip, weight, cover, ahead, frame, length;
+  Mask fixed;
+  NodalFrames frames;
+  NodalGeometry now;
+
+  explicit Geometry(const nb::dict& d)
+      : nodes(nb::cast<Indices>(d["nodes"])), place(nb::cast<Indices>(d["place"])),
+        normal(nb::cast<Array>(d["normal"])), gap(nb::cast<Array>(d["gap"])), slip(nb::cast<Array>(d["slip"])),
+        weight(nb::cast<Array>(d["weight"])), cover(nb::cast<Array>(d["cover"])), ahead(nb::cast<Array>(d["ahead"])),
+        frame(nb::cast<Array>(d["frames"])), length(nb::cast<Array>(d["length"])), fixed(nb::cast<Mask>(d["fixed"])),
+        frames{vector<double>(frame), vector<std::int32_t>(place), vector<double>(length)},
+        now{{nodes.data(), nodes.size()},
+            view(normal),
+            view(gap),
+            view(slip),
+            view(weight),
+            view(cover),
+            view(fixed),
+            view(ahead),
+            frames}
+  {
+  }
+};
+
+void bind_active_set(nb::module_& m)
+{
+  m.def(
+      "update_active_set",
+      [](nb::dict state, int gdim, double friction, bool first, double tolerance, double largest)
+      {
+        const Nodes nodes(state, gdim, friction);
+        const std::size_t num = nodes.now.size();
+        ActiveSet found = update_active_set(nodes.now, first, tolerance, largest);
+        return nb::make_tuple(mask(found.active, {num}), mask(found.sliding, {num}),
+                              take(std::move(found.direction), {num, std::size_t(gdim)}));
+      },
+      nb::arg("state"), nb::arg("gdim"), nb::arg("friction"), nb::arg("first"), nb::arg("tolerance"),
+      nb::arg("largest"), "Active and sliding masks and friction's directions; state: arrays of NodalMultipliers");
+  m.def(
+      "friction_tilt",
+      [](nb::dict state, int gdim, double friction)
+      {
+        const Nodes nodes(state, gdim, friction);
+        return take(friction_tilt(nodes.now), {nodes.now.size(), std::size_t(gdim)});
+      },
+      nb::arg("state"), nb::arg("gdim"), nb::arg("friction"), "Friction traction per pressure");
+  m.def(
+      "constrain",
+      [](nb::dict state, nb::dict geometry, int gdim, double friction, Array tilt, nb::tuple facing)
+      {
+        const Nodes nodes(state, gdim, friction);
+        return constrain(nodes.now, Geometry(geometry).now, view(tilt),
+                         {vector<std::int64_t>(nb::cast<Globals>(facing[0])),
+                          vector<std::int64_t>(nb::cast<Globals>(facing[1])),
+                          vector<double>(nb::cast<Array>(facing[2]))});
+      },
+      nb::arg("state"), nb::arg("geometry"), nb::arg("gdim"), nb::arg("friction"), nb::arg("tilt"), nb::arg("facing"),
+      "Constraints of the active nodes; geometry: arrays of NodalGeometry");
+  m.def(
+      "evaluate_multipliers",
+      [](nb::dict state, nb::dict geometry, int gdim, double friction, Array residual, Array tilt, Array known,
+         Array follow)
+      {
+        const Nodes nodes(state, gdim, friction);
+        const std::size_t num = nodes.now.size();
+        std::vector<double> multiplier(num), traction(num * gdim, 0.0);
+        evaluate_multipliers(nodes.now, Geometry(geometry).now, view(residual), view(tilt), view(known), view(follow),
+                             multiplier, traction);
+        return nb::make_tuple(take(std::move(multiplier)), take(std::move(traction), {num, std::size_t(gdim)}));
+      },
+      nb::arg("state"), nb::arg("geometry"), nb::arg("gdim"), nb::arg("friction"), nb::arg("residual"), nb::arg("tilt"),
+      nb::arg("known"), nb::arg("follow"), "Multipliers and friction tractions from equilibrium");
+}
+
 void bind_condensation(nb::module_& m)
 {
   nb::class_<Condensation>(m, "Condensation", "Unknowns and equations of constrained nodes exchanged: T_L^T K T")
@@ -256,5 +355,6 @@ void dolfinx_impact::bindings::multipliers(nb::module_& m)
 {
   bind_integrals(m);
   bind_constraints(m);
+  bind_active_set(m);
   bind_condensation(m);
 }

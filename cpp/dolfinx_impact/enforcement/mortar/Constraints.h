@@ -15,17 +15,17 @@ namespace dolfinx_impact::enforcement
 struct Constraints
 {
   int gdim = 3;
-  std::vector<std::int32_t> rows;        ///< number of the node among the contact's
-  std::vector<std::int32_t> nodes;       ///< owned blocks of the space
-  std::vector<double> frames;            ///< columns are the directions: [(i*gdim + a)*gdim + d]
-  std::vector<double> over;              ///< the directions m_d, as frames
-  std::vector<std::int8_t> constrained;  ///< which of the directions, [i*gdim + d]
-  std::vector<double> known;             ///< increments along constrained directions, [i*gdim + d] [L]
-  std::vector<double> tilt;              ///< friction per normal force of slipping nodes, else 0: [i*gdim + a]
-  std::vector<std::int32_t> normal;      ///< number of the normal direction
-  std::vector<std::int64_t> pointers;    ///< rows of P = D^-1 M: of each node and the end
-  std::vector<std::int64_t> columns;     ///< global nodes
-  std::vector<double> values;            ///< of P
+  std::vector<std::int32_t> rows;       ///< number of the node among the contact's
+  std::vector<std::int32_t> nodes;      ///< owned blocks of the space
+  std::vector<double> frames;           ///< columns are the directions: [(i*gdim + a)*gdim + d]
+  std::vector<double> over;             ///< the directions m_d, as frames
+  std::vector<std::int8_t> constrained; ///< which of the directions, [i*gdim + d]
+  std::vector<double> known;            ///< increments along constrained directions, [i*gdim + d] [L]
+  std::vector<double> tilt;             ///< friction per normal force of slipping nodes, else 0: [i*gdim + a]
+  std::vector<std::int32_t> normal;     ///< number of the normal direction
+  std::vector<std::int64_t> pointers;   ///< rows of P = D^-1 M: of each node and the end
+  std::vector<std::int64_t> columns;    ///< global nodes
+  std::vector<double> values;           ///< of P
 
   std::size_t size() const { return nodes.size(); }
 };

@@ -37,8 +37,7 @@ void unlocked(const NodalMultipliers& now, std::size_t i, const double* values, 
 {
   const int g = now.gdim;
   for (int a = 0; a < g; ++a)
-    out[a] = values[i * g + a] -
-             (now.lock.empty() ? 0.0 : dot(g, &now.lock[(i * g + a) * g], &values[i * g]));
+    out[a] = values[i * g + a] - (now.lock.empty() ? 0.0 : dot(g, &now.lock[(i * g + a) * g], &values[i * g]));
 }
 
 /// Does the node stick where it is?

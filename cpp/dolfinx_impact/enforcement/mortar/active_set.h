@@ -47,13 +47,13 @@ std::vector<double> friction_tilt(const NodalMultipliers& now);
 /// Geometry of the same nodes where the linear problem is linearised.
 struct NodalGeometry
 {
-  std::span<const std::int32_t> nodes;  ///< owned blocks of the space
-  std::span<const double> normal;       ///< [i*gdim + c]
-  std::span<const double> gap, slip;    ///< [L], [i*gdim + c] [L]
-  std::span<const double> weight;       ///< diagonal of D [L^2]
-  std::span<const double> cover;        ///< part that faces a master [L^2]
-  std::span<const std::int8_t> fixed;   ///< prescribed components, [i*gdim + c]
-  std::span<const double> ahead;        ///< what prescribed components have yet to move, [i*gdim + c] [L]
+  std::span<const std::int32_t> nodes; ///< owned blocks of the space
+  std::span<const double> normal;      ///< [i*gdim + c]
+  std::span<const double> gap, slip;   ///< [L], [i*gdim + c] [L]
+  std::span<const double> weight;      ///< diagonal of D [L^2]
+  std::span<const double> cover;       ///< part that faces a master [L^2]
+  std::span<const std::int8_t> fixed;  ///< prescribed components, [i*gdim + c]
+  std::span<const double> ahead;       ///< what prescribed components have yet to move, [i*gdim + c] [L]
   const NodalFrames& frames;
 };
 

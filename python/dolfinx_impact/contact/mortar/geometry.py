@@ -102,11 +102,6 @@ class SurfaceGeometry:
         """Are prescribed displacements the same but for round-off?"""
         return np.abs(a - b) <= EQUAL * np.maximum(np.abs(a), np.abs(b)) + 1e-2 * self.tolerance
 
-    def spread(self, rows, means):
-        """Means over the cover of some nodes, in terms of the diagonal of D."""
-        factor = self.cover[rows] / self.weight[rows]
-        return means[rows] * (factor if means.ndim == 1 else factor[:, None])
-
     def evaluate_at(self, u):
         """Gap and slip at other displacements u (array over owned and ghost dofs); this state stays. Collective."""
         there = self._elsewhere()

@@ -16,7 +16,6 @@ from ..pair import ContactStatus, check_pair, check_quadrature_degree
 from ..output import ContactOutput
 
 BASES = ("dual", "standard", "linear")
-FAR = 1e3  # friction bounds that a trial traction is beyond where rest is out of the question
 
 
 class Lagrange:
@@ -153,6 +152,26 @@ class LagrangeContact(Coulomb, ContactOutput):
 
     # --- active set ------------------------------------------------------------------------------------------------
 
+    def _state(self):
+        """Arrays of the nodes' state, as C++ names them (NodalMultipliers)."""
+        friction = self.pair.friction > 0.0
+        return {
+            "usable": self.usable, "active": self.active, "sliding": self.sliding, "gap": self._gap,
+            "multiplier": self.multiplier, "slip": self._slip, "traction": self.friction_traction,
+            "direction": self.direction, "stiffness": self._stiffness_per_area(),
+            "opening": np.zeros(0) if self.opening is None else self.opening,
+            "lock": self._lock if friction else np.zeros(0),
+        }  # fmt: skip
+
+    def _geometry(self):
+        """Arrays of the nodes where the linear problem is linearised, as C++ names them (NodalGeometry)."""
+        g = self.geometry
+        return {
+            "nodes": self.nodes, "normal": g.normal, "gap": self._at[0], "slip": self._at[1], "weight": g.weight,
+            "cover": g.cover, "fixed": self.fixed, "ahead": g.ahead(), "frames": self.frames, "place": self.place,
+            "length": self.free_length,
+        }  # fmt: skip
+
     def _normal_direction(self):
         return self.frames[np.arange(len(self.nodes)), :, self.place]
 
@@ -164,19 +183,17 @@ class LagrangeContact(Coulomb, ContactOutput):
 
     def update_multipliers(self, residual):
         """Multipliers from the nodal residual (owned entries, without contact forces): equilibrium of slave nodes."""
-        free, along, weight = self._along(residual)
-        on = self.active & self.usable
-        if self.pair.friction == 0.0:
-            self.multiplier = np.where(on, along / (weight * np.maximum(self.free_length, 1e-3)), 0.0)
-            return
-        tilt = self._tilt() if self._spring is None else self._linear_tilt
-        known, normal = self._explicit(), self._normal_direction()
-        pressed = along / weight - np.einsum("na,na->n", normal, known)
-        self.multiplier = np.where(on, pressed / self._lean(tilt), 0.0)
-        # Along prescribed components forces are unknown: there tractions follow from the law.
-        known = np.einsum("nab,nb->na", self._drive + self._lock, self.multiplier[:, None] * tilt + known)
-        traction = (free - along[:, None] * normal) / weight[:, None] + known
-        self.friction_traction = np.where(on[:, None], traction, 0.0)
+        tilt, known, follow = np.zeros((len(self.nodes), self.gdim)), np.zeros(0), np.zeros(0)
+        if self.pair.friction > 0.0:
+            tilt = self._tilt() if self._spring is None else self._linear_tilt
+            known, follow = self._explicit(), self._drive + self._lock
+        at_nodes = residual.reshape(-1, self.gdim)[self.nodes]
+        found = _cpp.multipliers.evaluate_multipliers(
+            self._state(), self._geometry(), self.gdim, self.pair.friction, at_nodes, tilt, known, follow
+        )
+        self.multiplier = found[0]
+        if self.pair.friction > 0.0:
+            self.friction_traction = found[1]
 
     def set_multipliers(self, forces):
         """Multipliers from a saddle point: forces (n, gdim) along the directions of the frames, zero where nothing is
@@ -223,25 +240,10 @@ class LagrangeContact(Coulomb, ContactOutput):
     def _proposal(self, first):
         """Active and sliding masks and friction's directions that gaps, multipliers and slips ask for."""
         tolerance = self.geometry.tolerance
-        closing = ~self.active & self.usable & (self._gap < (tolerance if first else -tolerance))
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
-        opening = self.active & (~self.usable | (not first) & (self.multiplier < -1e-12 * largest))
-        if self.pair.friction == 0.0 or first:
-            active = (self.active | closing) & ~opening
-            return active, self.sliding & active, self.direction
-        bound = self.pair.friction * self._pressing(closing)
-        trial = self._trial(bound, (self.sliding | closing))
-        size = np.linalg.norm(trial, axis=1)
-        # A node that sticks is let slip before it is let go: what holds it along the surface may pull it off.
-        active = (self.active | closing) & ~(opening & ~(self._stuck() & (size > 0.0)))
-        held = (active & self.active) | closing
-        # At the bound, and nothing moves: round-off must not decide. What slips goes on to.
-        slips = held & (size > bound * np.where(self.sliding, 1 - 1e-8, 1 + 1e-10))
-        # What slipped and would now slip the other way, but not far, comes to rest first, or it might go to and fro.
-        back = np.einsum("na,na->n", trial, self.direction) < 0.0
-        slips &= ~(self.sliding & back & (size < FAR * bound))
-        direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
-        return active, slips, direction
+        return _cpp.multipliers.update_active_set(
+            self._state(), self.gdim, self.pair.friction, first, tolerance, largest
+        )
 
     @property
     def num_active(self):
@@ -307,23 +309,10 @@ class LagrangeContact(Coulomb, ContactOutput):
     def constraints(self):
         """Constraints of the active nodes for the linear system."""
         rows = np.flatnonzero(self.active & self.usable)
-        stick = ~self.sliding[rows] & (self.pair.friction > 0.0) & (self.opening[rows] == 0.0)
-        place = self.place[rows]
-        constrained = np.where(stick[:, None], ~self.fixed[rows], False)
-        constrained[np.arange(len(rows)), place] = True
-        # Gaps and slips are means over the cover, rows of D^-1 M speak of the node.
-        gap, slip = (self.geometry.spread(rows, values) for values in self._at)
-        known = -np.einsum("nad,na->nd", self.frames[rows], slip)
-        ahead = np.einsum("na,na->n", self.geometry.normal[rows], self.geometry.ahead()[rows])  # prescribed motion
-        known[np.arange(len(rows)), place] = -(gap + ahead) / self.free_length[rows]
-        tilt = self._linear_tilt = self._tilt()
-        normal = self.geometry.normal[rows]
-        lean = (normal + tilt[rows]) / self._lean(tilt)[rows, None] - normal / self.free_length[rows, None]
-        over = self.frames[rows].copy()
-        over[np.arange(len(rows)), :, place] = self.geometry.normal[rows] / self.free_length[rows, None]
-        return _cpp.multipliers.Constraints(
-            rows.astype(np.int32), self.nodes[rows], self.frames[rows], over, constrained, known, lean, place,
-            *self.geometry.master_rows(rows),
+        self._linear_tilt = self._tilt()
+        return _cpp.multipliers.constrain(
+            self._state(), self._geometry(), self.gdim, self.pair.friction, self._linear_tilt,
+            self.geometry.master_rows(rows),
         )  # fmt: skip
 
     def update_nodal_stiffness(self, K):
