@@ -6,7 +6,6 @@
 #include <cmath>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/la/petsc.h>
-#include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/enforcement/mortar/Condensation.h>
 #include <dolfinx_impact/enforcement/mortar/FrictionlessMortar.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
