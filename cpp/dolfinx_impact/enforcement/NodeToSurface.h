@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../gap/Rigid.h"
+#include "../search/node_tracker/NodeTracking.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
 #include "Penalty.h"

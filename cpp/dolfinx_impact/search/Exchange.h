@@ -45,6 +45,6 @@ public:
 
 private:
   surface::Facets _slave, _master;
-  std::unique_ptr<dolfinx::la::Vector<double>> _values; ///< over the map; also the buffer of what travels
+  std::unique_ptr<dolfinx::la::Vector<double>> _values; ///< over the map; also the buffer of what is sent
 };
 } // namespace dolfinx_impact::search

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "../common/vectors.h"
+#include "../../common/vectors.h"
 #include "NodeTracking.h"
-#include "linear_facet.h"
+#include "../closest_point/linear_facet.h"
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "NodeNormals.h"
-#include "../common/vectors.h"
-#include "../surface/normals.h"
+#include "../../common/vectors.h"
+#include "../../surface/normals.h"
 #include <algorithm>
 #include <cmath>
 #include <utility>

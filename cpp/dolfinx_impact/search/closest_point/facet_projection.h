@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../surface/FacetElement.h"
+#include "../../surface/FacetElement.h"
 #include <cmath>
 #include <cstdint>
 

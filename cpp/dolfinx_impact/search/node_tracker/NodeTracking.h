@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "NodeNormals.h"
-#include "project.h"
-#include "warm.h"
+#include "../closest_point/SurfaceSearch.h"
+#include "../closest_point/BatchProjection.h"
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -241,8 +241,8 @@ private:
     Entry entries[most]; ///< facets, ascending
   };
   std::vector<List> _lists;
-  WarmBlock _block;
-  std::array<Warm, WarmBlock::size> _warm; ///< of nodes from `_ahead` on, up to `_ahead_end`
+  BatchProjection _block;
+  std::array<Warm, BatchProjection::size> _warm; ///< of nodes from `_ahead` on, up to `_ahead_end`
   std::size_t _ahead = 0, _ahead_end = 0;
   std::vector<std::int64_t> _held;
   mutable Counters _counters;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../surface/Facets.h"
+#include "../../surface/Facets.h"
 #include <limits>
 #include <span>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "../common/vectors.h"
+#include "../../common/vectors.h"
 #include "NodeTracking.h"
-#include "linear_facet.h"
-#include "umbrella.h"
+#include "../closest_point/linear_facet.h"
+#include "../closest_point/edge_normals.h"
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodeTracking.h"
-#include "linear_facet.h"
+#include "../closest_point/linear_facet.h"
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ using surface::FacetShape;
 void NodeTracking::look_ahead(std::size_t first, const double* u)
 {
   _ahead = first;
-  _ahead_end = std::min(first + WarmBlock::size, size());
+  _ahead_end = std::min(first + BatchProjection::size, size());
   for (std::size_t i = _ahead; i < _ahead_end; ++i)
     warm(i).at.facet = -1;
   switch (_kind)
@@ -36,7 +36,7 @@ void NodeTracking::project_ahead(const double* u)
   constexpr double half = S == FacetShape::triangle ? 1.0 / 3 : 0.5;
   constexpr double middle[2] = {half, S == FacetShape::interval ? 0.0 : half};
   // Facets first, then all that they ask of the memory at once.
-  std::int32_t nodes[WarmBlock::size], facets[WarmBlock::size][N];
+  std::int32_t nodes[BatchProjection::size], facets[BatchProjection::size][N];
   int num = 0;
   for (std::size_t i = _ahead; i < _ahead_end; ++i)
   {
@@ -62,13 +62,13 @@ void NodeTracking::project_ahead(const double* u)
       _block.slave_normal[c][l] = node.normal[c];
     }
     const double change = turned(nodes[l]);
-    _block.turned[l] = change <= Turning::most ? change : 2.0; // more than any scalar product
+    _block.rotation[l] = change <= Turning::most ? change : 2.0; // more than any scalar product
     for (int a = 0; a < 2; ++a)
       _block.xi[a][l] = node.held >= 0 ? node.xi[a] : middle[a];
     _block.orientation[l] = _master.orientation[node.winner];
   }
   _block.num = num;
-  warm_closest_points(S, _block);
+  project_batch(S, _block);
   take_block(nodes);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../common/vectors.h"
+#include "../../common/vectors.h"
 #include "NodeTracking.h"
 #include <algorithm>
 #include <cmath>

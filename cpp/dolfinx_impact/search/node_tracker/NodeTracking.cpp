@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodeTracking.h"
-#include "boxes.h"
+#include "../boxes.h"
 #include <algorithm>
 #include <cmath>
 #include <numeric>
