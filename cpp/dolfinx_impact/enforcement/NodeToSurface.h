@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../gap/Rigid.h"
-#include "../search/node_tracker/NodeTracking.h"
+#include "../search/node_tracker/NodeTracker.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
 #include "Penalty.h"
@@ -61,7 +61,7 @@ public:
 
   const NodeCandidates& candidates() const { return _candidates; }
   const NodalResults& results() const { return _results; }
-  const search::NodeTracking& tracking() const { return _tracking; }
+  const search::NodeTracker& tracker() const { return _tracker; }
   /// How many nodes were left open because they were first seen too deep inside the master.
   std::int64_t implausible() const { return _implausible; }
   NodalHistory history() const;
@@ -71,7 +71,7 @@ public:
   const ContactEnergy& own_energy() const { return _energy; }
   void set_energy(const ContactEnergy& energy) { _energy = energy; }
   /// For tests of tests: facing is judged by the normals of the last search.
-  virtual void keep_normals(bool keep) { _tracking.keep_normals(keep); }
+  virtual void keep_normals(bool keep) { _tracker.keep_normals(keep); }
 
 protected:
   /// A slave node and what it touches.
@@ -81,7 +81,7 @@ protected:
     std::int32_t node;
     int num = 0;                           ///< master nodes
     const std::int32_t* masters = nullptr; ///< numbers
-    const std::int32_t* corners = nullptr; ///< positions in NodeTracking's list of them
+    const std::int32_t* corners = nullptr; ///< positions in NodeTracker's list of them
     double phi[surface::FacetElement::max_nodes];
     search::Projection at;
   };
@@ -113,16 +113,13 @@ protected:
   bool turns() const { return !_rigid && !_options.axisymmetric; }
   std::size_t num_nodes() const { return _closed.size(); }
 
-  static double inverse_mass(const search::MasterNode& master) { return master.du[3]; }
-  static double area_per_mass(const search::MasterNode& master) { return master.x[3]; }
-
   NodeToSurfaceOptions _options;
   int _gdim;
   bool _rigid;
   gap::Rigid _obstacle;
   std::array<double, 3> _obstacle_increment{};
   NodeCandidates _candidates;
-  search::NodeTracking _tracking;
+  search::NodeTracker _tracker;
   operators::Halo* _halo = nullptr;
   std::vector<double> _inverse_mass, _per_area; ///< of slave nodes: reciprocals of masses and areas
   NodalResults _results;

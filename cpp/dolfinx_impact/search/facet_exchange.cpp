@@ -116,7 +116,7 @@ std::vector<std::int32_t> choose(const Neighbours& neighbours, int gdim, const s
 /// @param[in] chosen which; send_counts of them for each destination
 /// @returns what the sources send, sorted by id
 FacetPackets send(MPI_Comm neighbours, const FacetPackets& mine, const std::vector<std::int32_t>& chosen,
-                std::vector<int> send_counts, std::size_t num_sources)
+                  std::vector<int> send_counts, std::size_t num_sources)
 {
   const surface::Facets& facets = mine.facets;
   const int gdim = facets.gdim, n = facets.displacement.num_nodes(), n_x = facets.geometry.num_nodes() * gdim;
