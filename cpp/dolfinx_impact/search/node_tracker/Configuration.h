@@ -9,7 +9,7 @@ struct Configuration
 {
   const double* u;            ///< displacements, u[node*gdim + c] [L]
   const double* du = nullptr; ///< increments of the step, as u; null: the configuration is u [L]
-  double back = 0.0;          ///< part of the step that is taken back [1]
+  double back = 1.0;          ///< part of the step that is taken back [1]
   bool stored = false;        ///< the configuration of the last `advance`: positions are stored
 
   /// Displacement k = node*gdim + c.

@@ -132,7 +132,7 @@ Projection NodeTracker::locate_anew(std::size_t i, const double* u, const double
   const double* normal = _normals.present(i, u, _motion, space);
   NearFacets near;
   const Projection out =
-      nearest_facet(_surface, query(i, {u, nullptr, 0.0, true}, normal, du, _motion.since_fit(), _motion.shift()),
+      nearest_facet(_surface, query(i, {u, nullptr, 1.0, true}, normal, du, _motion.since_fit(), _motion.shift()),
                     CandidateLists::max_facets, near, distance);
   // A node that was tracked is not in contact any more: another search distance holds from now on.
   const double budget = out.facet >= 0           ? 0.5 * (near.complete() - distance)
@@ -152,6 +152,13 @@ Projection NodeTracker::locate_before(std::size_t i, const double* u, const doub
   NearFacets near;
   return nearest_facet(_surface, query(i, before, normal, du, std::abs(_motion.since_fit()) + _motion.step(), shift),
                        CandidateLists::max_facets, near, distance);
+}
+
+void NodeTracker::normal_before(const Projection& at, const double* u, const double* du, double* normal) const
+{
+  double nodes[3 * FacetElement::max_nodes];
+  _surface.positions(at.facet, {u, du}, nodes);
+  _surface.normal(at.facet, nodes, at.xi, normal);
 }
 
 Projection NodeTracker::evaluate(std::size_t i, const double* u, double moved) const

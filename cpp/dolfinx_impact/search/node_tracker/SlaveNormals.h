@@ -52,10 +52,10 @@ public:
   bool faces(std::size_t i, const double* normal, const double* u, RelativeMotion& motion)
   {
     const double along = dot(normal, stored(i), _gdim), change = rotation(i, motion);
-    if (change <= NormalRotation::most && std::abs(along) > change)
-      return along < 0.0;
+    if (change <= NormalRotation::most && std::abs(along + right_angle) > change)
+      return along < -right_angle;
     double space[3];
-    return dot(normal, present(i, u, motion, space), _gdim) < 0.0;
+    return dot(normal, present(i, u, motion, space), _gdim) < -right_angle;
   }
   /// Normal of node i in any configuration.
   void evaluate(std::size_t i, Configuration configuration, double* normal) const

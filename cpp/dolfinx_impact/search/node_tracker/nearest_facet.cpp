@@ -36,7 +36,7 @@ Projection nearest_facet(const TrackedSurface& surface, const NodeQuery& query, 
           (nearest < 0 || closer(at, facets.id[f], best, facets.id[nearest], surface.diameter(nearest))))
       {
         surface.normal(f, nodes, at.xi, normal);
-        if (dot(normal, query.normal, gdim) < 0.0)
+        if (dot(normal, query.normal, gdim) < -right_angle)
         {
           best = at;
           nearest = f;
