@@ -20,19 +20,11 @@ std::pair<double, double> diameters(const surface::Facets& facets)
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (std::size_t f = 0; f < facets.size(); ++f)
   {
-    double diameter = 0.0;
-    for (int i = 0; i < facets.geometry.num_corners(); ++i)
-      for (int j = 0; j < i; ++j)
-      {
-        double squared = 0.0;
-        for (int c = 0; c < facets.gdim; ++c)
-          squared += std::pow(facets.X_of(f)[i * facets.gdim + c] - facets.X_of(f)[j * facets.gdim + c], 2);
-        diameter = std::max(diameter, squared);
-      }
+    const double diameter = surface::diameter(facets, f);
     smallest = std::min(smallest, diameter);
     largest = std::max(largest, diameter);
   }
-  return {std::sqrt(smallest), std::sqrt(largest)};
+  return {smallest, largest};
 }
 
 /// Points as facets of no length, for boxes around them.

@@ -37,7 +37,7 @@ struct NodalHistory
   std::vector<double> slip;        ///< [i*gdim + c] [L]
   std::vector<double> xi;          ///< reference coordinates on the master's facet, [2*i + alpha]
   std::vector<std::int8_t> closed; ///< 1: in contact; -1: marked, see docs/explicit/penalty.md; else 0
-  std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
+  std::vector<std::int64_t> facet; ///< id of the master's facet it is tracked on, or -1
 };
 
 /// Slave nodes against the master's surface or a rigid obstacle, step after step: which nodes meet it, where, and

@@ -73,6 +73,5 @@ struct Bend
 
 Bend bend(const surface::FacetElement& element, int gdim, const double* nodes);
 
-/// Corners at the ends of an edge of a facet of dimension 2; in a facet of dimension 1 edge 0 is the facet.
-const int* edge_corners(surface::FacetShape shape, int edge);
+using surface::edge_corners;
 } // namespace dolfinx_impact::search

@@ -34,20 +34,13 @@ void TrackedSurface::reset(surface::Facets facets)
   _facets = std::move(facets);
   const int gdim = _facets.gdim;
   const FacetElement& element = _facets.geometry;
-  const int corners = element.num_corners(), n_x = element.num_nodes(), n_u = _facets.displacement.num_nodes();
+  const int n_x = element.num_nodes(), n_u = _facets.displacement.num_nodes();
   const bool linear = element.degree == 1 && _facets.displacement.degree == 1;
   _kind =
       linear && int(element.shape == FacetShape::interval) == int(gdim == 2) ? Kind(int(element.shape)) : Kind::general;
   _diameters.assign(_facets.size(), 0.0);
   for (std::size_t f = 0; f < _facets.size(); ++f)
-    for (int i = 0; i < corners; ++i)
-      for (int j = 0; j < i; ++j)
-      {
-        double squared = 0.0;
-        for (int c = 0; c < gdim; ++c)
-          squared += std::pow(_facets.X_of(f)[i * gdim + c] - _facets.X_of(f)[j * gdim + c], 2);
-        _diameters[f] = std::max(_diameters[f], std::sqrt(squared));
-      }
+    _diameters[f] = surface::diameter(_facets, f);
   _largest = _diameters.empty() ? 0.0 : *std::max_element(_diameters.begin(), _diameters.end());
   _slope = NormalRotation::slope(element);
   _phi.assign(n_x * n_u, 0.0);
