@@ -10,8 +10,8 @@ namespace dolfinx_impact::operators
 /// Coefficients of kernels by their names, ghosts up to date: a density that varies.
 using Coefficients = std::map<std::string, std::shared_ptr<const Function>>;
 
-/// Lumped mass of each cell by Hinton, Rock and Zienkiewicz (1976): the diagonal of its consistent mass matrix, scaled so
-/// that the cell's mass is kept in every direction. Positive on every cell, for simplices of degree 2 as well.
+/// Lumped mass of each cell by Hinton, Rock and Zienkiewicz (1976): the diagonal of its consistent mass matrix, scaled
+/// so that the cell's mass is kept in every direction. Positive on every cell, for simplices of degree 2 as well.
 /// @param[in] mass kernel of rank 2 (form "mass") with its cells and constants
 /// @param[in] V displacement space
 /// @returns masses[cell*n + i] of the n local degrees of freedom, in the order of the integral's cells [M]
@@ -19,8 +19,8 @@ using Coefficients = std::map<std::string, std::shared_ptr<const Function>>;
 std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V,
                                     const Coefficients& coefficients = {});
 
-/// Lumped mass of each cell by quadrature at the nodes (Gauss-Lobatto-Legendre), scaled to the exact mass where the rule
-/// does not integrate the Jacobian of a distorted cell exactly.
+/// Lumped mass of each cell by quadrature at the nodes (Gauss-Lobatto-Legendre), scaled to the exact mass where the
+/// rule does not integrate the Jacobian of a distorted cell exactly.
 /// @param[in] nodal kernel of rank 1 (form "nodal_mass") with its cells and constants
 /// @param[in] row_sum kernel of rank 1 (form "row_sum") on the same cells, integrated exactly
 /// @param[in] V displacement space

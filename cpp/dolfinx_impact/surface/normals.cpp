@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "normals.h"
+#include <algorithm>
 #include <cmath>
 
 namespace dolfinx_impact::surface

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "TrackedSurface.h"
+#include <limits>
 
 namespace dolfinx_impact::search
 {
