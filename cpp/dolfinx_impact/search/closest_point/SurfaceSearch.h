@@ -1,34 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../surface/normals.h"
-#include "BoxTree.h"
+#include "../../surface/normals.h"
+#include "../BoxTree.h"
+#include "Projection.h"
 #include "facet_projection.h"
-#include <limits>
+#include <vector>
 
 namespace dolfinx_impact::search
 {
-/// Closest point of a surface to a point.
-struct Projection
-{
-  ProjectionStatus status = ProjectionStatus::outside;
-  std::int8_t entity = -1; ///< number of the edge or vertex of the facet
-  enum class Rim : std::int8_t
-  {
-    no,     ///< the closest point is not on the outer rim, or the node right over it (only NodeTracking tells)
-    near,   ///< beside it by less than a twentieth of the facet, or on it: gap and normal are those of the facet
-    beside, ///< beside the rim, not below the facet's plane
-    below   ///< beside the rim, below the facet's plane
-  } rim = Rim::no;
-  std::int32_t facet = -1; ///< of the master's Facets
-  double xi[2] = {0.0, 0.0};
-  double gap = std::numeric_limits<double>::infinity(); ///< docs/contact.md: positive outside the master [L]
-  double normal[3] = {0.0, 0.0, 0.0};                   ///< unit, out of the master
-  /// Is the normal that of the facet? Otherwise it is the direction from an edge or vertex.
-  bool on_facet() const { return status == ProjectionStatus::converged || rim == Rim::near; }
-  /// By no less can point and surface move against each other before the gap is negative (of NodeTracking) [L].
-  double clearance = std::numeric_limits<double>::infinity();
-};
-
 /// How far beside its facet a point may be and keep it, in reference coordinates. Where a penetrating point changes
 /// facets at a kink, its coordinate jumps by penetration times angle over length: a Newton iteration that sees the jump
 /// every time does not converge.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "warm.h"
-#include "../common/clones.h"
+#include "BatchProjection.h"
+#include "../../common/clones.h"
 #include "linear_facet.h"
 
 // Compiled without contraction of multiplications and additions: all instruction sets give the same numbers.
@@ -15,7 +15,7 @@ template <FacetShape S>
 struct Lane
 {
   double X[4][3], point[3], xi[2];
-  Lane(const WarmBlock& b, int l) : xi{b.xi[0][l], b.xi[1][l]}
+  Lane(const BatchProjection& b, int l) : xi{b.xi[0][l], b.xi[1][l]}
   {
     for (int c = 0; c < linear::dimension<S>; ++c)
     {
@@ -27,7 +27,7 @@ struct Lane
 };
 
 template <FacetShape S>
-IMPACT_INLINED void closest(WarmBlock& b, int l)
+IMPACT_INLINED void closest(BatchProjection& b, int l)
 {
   constexpr int D = linear::dimension<S>;
   Lane<S> lane(b, l);
@@ -50,17 +50,17 @@ IMPACT_INLINED void closest(WarmBlock& b, int l)
   b.gap[l] = gap;
   for (int c = 0; c < 3; ++c)
     b.normal[c][l] = n[c];
-  b.over[l] = linear::inside<S>(lane.xi) & (along < -(b.turned[l] + right_angle)) ? b.over[l] : 0.0;
+  b.over[l] = linear::inside<S>(lane.xi) & (along < -(b.rotation[l] + right_angle)) ? b.over[l] : 0.0;
 }
 
-IMPACT_CLONES void intervals(WarmBlock& b)
+IMPACT_CLONES void intervals(BatchProjection& b)
 {
 #pragma omp simd
   for (int l = 0; l < b.num; ++l)
     closest<FacetShape::interval>(b, l);
 }
 
-IMPACT_CLONES void triangles(WarmBlock& b)
+IMPACT_CLONES void triangles(BatchProjection& b)
 {
 #pragma omp simd
   for (int l = 0; l < b.num; ++l)
@@ -68,7 +68,7 @@ IMPACT_CLONES void triangles(WarmBlock& b)
 }
 
 /// A step of Newton's method for a lane that is still going (1, else 0).
-IMPACT_INLINED void step_quadrilateral(WarmBlock& b, double* __restrict going, int l)
+IMPACT_INLINED void step_quadrilateral(BatchProjection& b, double* __restrict going, int l)
 {
   const Lane<FacetShape::quadrilateral> lane(b, l);
   const linear::Step s = linear::newton_step(lane.X, lane.point, lane.xi);
@@ -79,23 +79,23 @@ IMPACT_INLINED void step_quadrilateral(WarmBlock& b, double* __restrict going, i
   going[l] = fine * (1.0 - s.done);
 }
 
-IMPACT_CLONES void step_quadrilaterals(WarmBlock& b, double* __restrict going)
+IMPACT_CLONES void step_quadrilaterals(BatchProjection& b, double* __restrict going)
 {
 #pragma omp simd
   for (int l = 0; l < b.num; ++l)
     step_quadrilateral(b, going, l);
 }
 
-IMPACT_CLONES void finish_quadrilaterals(WarmBlock& b)
+IMPACT_CLONES void finish_quadrilaterals(BatchProjection& b)
 {
 #pragma omp simd
   for (int l = 0; l < b.num; ++l)
     closest<FacetShape::quadrilateral>(b, l);
 }
 
-void quadrilaterals(WarmBlock& b)
+void quadrilaterals(BatchProjection& b)
 {
-  double going[WarmBlock::size];
+  double going[BatchProjection::size];
   std::fill_n(going, b.num, 1.0);
   std::fill_n(b.over, b.num, 0.0);
   for (int step = 0; step < linear::most_steps; ++step)
@@ -108,7 +108,7 @@ void quadrilaterals(WarmBlock& b)
 }
 } // namespace
 
-void warm_closest_points(FacetShape shape, WarmBlock& block)
+void project_batch(FacetShape shape, BatchProjection& block)
 {
   switch (shape)
   {

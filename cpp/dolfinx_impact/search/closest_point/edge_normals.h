@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../common/vectors.h"
-#include "../surface/Facets.h"
+#include "../../common/vectors.h"
+#include "../../surface/Facets.h"
+#include "VertexRing.h"
 #include "facet_projection.h"
 #include <algorithm>
 
@@ -28,30 +29,6 @@ inline bool beside(int gdim, const double* d, const double* mean, double size)
   return dot(d, d, gdim) - normal > tilted + round_off * round_off;
 }
 
-/// Counts how often the far ends of the edges at a vertex occur: once where the surface ends.
-struct Umbrella
-{
-  static constexpr int most = 128;
-  std::int32_t nodes[most];
-  int counts[most], num = 0;
-
-  void add(std::int32_t node)
-  {
-    for (int i = 0; i < num; ++i)
-      if (nodes[i] == node)
-      {
-        ++counts[i];
-        return;
-      }
-    if (num < most)
-    {
-      nodes[num] = node;
-      counts[num++] = 1;
-    }
-  }
-  bool open() const { return std::find(counts, counts + num, 1) != counts + num; }
-};
-
 /// Mean normal of the facets that meet at an edge or vertex, not of length one.
 /// @param[in] at closest point on `facet`: an edge or a vertex
 /// @param[in] each_near each_near(visit) calls visit(f) for facets, those among them that meet there
@@ -73,7 +50,7 @@ bool mean_normal(const surface::Facets& m, const FacetProjection& at, std::int32
   }
   std::fill_n(normal, 3, 0.0);
   int meeting = 0;
-  Umbrella umbrella;
+  VertexRing ring;
   each_near(
       [&](std::int32_t f)
       {
@@ -90,8 +67,8 @@ bool mean_normal(const surface::Facets& m, const FacetProjection& at, std::int32
         if (!edge && element.tdim() == 2)
           for (int e = 0; e < element.num_corners(); ++e)
             if (const int* k = edge_corners(element.shape, e); k[0] == i || k[1] == i)
-              umbrella.add(m.nodes_of(f)[k[0] == i ? k[1] : k[0]]);
+              ring.add(m.nodes_of(f)[k[0] == i ? k[1] : k[0]]);
       });
-  return edge || element.tdim() == 1 ? meeting < 2 : umbrella.open();
+  return edge || element.tdim() == 1 ? meeting < 2 : ring.open();
 }
 } // namespace dolfinx_impact::search

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "travel.h"
+#include "facet_exchange.h"
 #include "BoxTree.h"
 #include "boxes.h"
 #include <algorithm>
@@ -115,8 +115,8 @@ std::vector<std::int32_t> choose(const Neighbours& neighbours, int gdim, const s
 /// Facets to each neighbour, one neighbour's after the other's.
 /// @param[in] chosen which; send_counts of them for each destination
 /// @returns what the sources send, sorted by id
-Travellers send(MPI_Comm neighbours, const Travellers& mine, const std::vector<std::int32_t>& chosen,
-                std::vector<int> send_counts, std::size_t num_sources)
+FacetPackets send(MPI_Comm neighbours, const FacetPackets& mine, const std::vector<std::int32_t>& chosen,
+                  std::vector<int> send_counts, std::size_t num_sources)
 {
   const surface::Facets& facets = mine.facets;
   const int gdim = facets.gdim, n = facets.displacement.num_nodes(), n_x = facets.geometry.num_nodes() * gdim;
@@ -146,7 +146,7 @@ Travellers send(MPI_Comm neighbours, const Travellers& mine, const std::vector<s
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return integers[a * width] < integers[b * width]; });
-  Travellers out;
+  FacetPackets out;
   out.facets.gdim = gdim;
   out.facets.displacement = facets.displacement;
   out.facets.geometry = facets.geometry;
@@ -165,7 +165,17 @@ Travellers send(MPI_Comm neighbours, const Travellers& mine, const std::vector<s
 }
 } // namespace
 
-Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surface::Facets& targets, double reach)
+FacetPackets pack(const dolfinx::common::IndexMap& nodes, const surface::Facets& facets)
+{
+  FacetPackets out{facets, std::vector<std::int64_t>(facets.nodes.size()), {}};
+  nodes.local_to_global(facets.nodes, out.nodes);
+  const int rank = dolfinx::MPI::rank(nodes.comm());
+  for (std::int32_t node : facets.nodes)
+    out.owners.push_back(node < nodes.size_local() ? rank : nodes.owners()[node - nodes.size_local()]);
+  return out;
+}
+
+FacetPackets send_to_overlapping(MPI_Comm comm, const FacetPackets& mine, const surface::Facets& targets, double reach)
 {
   const int gdim = mine.facets.gdim;
   std::vector<double> boxes, target_boxes;
@@ -178,7 +188,7 @@ Travellers send_to_overlapping(MPI_Comm comm, const Travellers& mine, const surf
   return send(neighbours.comm.comm(), mine, chosen, counts, neighbours.sources.size());
 }
 
-Travellers send_to_owners(MPI_Comm comm, const Travellers& mine)
+FacetPackets send_to_owners(MPI_Comm comm, const FacetPackets& mine)
 {
   const int n = mine.facets.displacement.num_nodes();
   std::vector<std::pair<int, std::int32_t>> to;

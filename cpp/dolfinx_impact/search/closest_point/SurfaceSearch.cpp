@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "project.h"
-#include "../common/vectors.h"
-#include "boxes.h"
-#include "umbrella.h"
+#include "SurfaceSearch.h"
+#include "../../common/vectors.h"
+#include "../boxes.h"
+#include "edge_normals.h"
 #include <algorithm>
 #include <cmath>
 

@@ -13,10 +13,6 @@ namespace
 using surface::FacetElement;
 using surface::FacetShape;
 
-constexpr int interval[1][2] = {{0, 1}};
-constexpr int triangle[3][2] = {{1, 2}, {0, 2}, {0, 1}};
-constexpr int quadrilateral[4][2] = {{0, 1}, {0, 2}, {1, 3}, {2, 3}};
-
 double squared_distance(int gdim, const double* a, const double* b)
 {
   double sum = 0.0;
@@ -180,13 +176,6 @@ void try_edge(const FacetElement& element, int gdim, const double* nodes, const 
           std::sqrt(squared_distance(gdim, x, point)), std::sqrt(squared_distance(gdim, nodes, nodes + gdim)));
 }
 } // namespace
-
-const int* edge_corners(FacetShape shape, int edge)
-{
-  return shape == FacetShape::interval   ? interval[0]
-         : shape == FacetShape::triangle ? triangle[edge]
-                                         : quadrilateral[edge];
-}
 
 FacetProjection project_on_facet(const FacetElement& element, int gdim, const double* nodes, const double* point,
                                  Starts starts, double margin)

@@ -1,43 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "NodeNormals.h"
-#include "../common/vectors.h"
-#include "../surface/normals.h"
+#include "../../common/vectors.h"
+#include "../../surface/normals.h"
+#include "NormalRotation.h"
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace dolfinx_impact::search
 {
 using surface::FacetElement;
 using surface::FacetShape;
-
-double Turning::rate(int tdim, const double a[2][3], double slope)
-{
-  const double first = std::sqrt(dot(a[0], a[0], 3));
-  if (tdim == 1)
-    return 0.5 * slope / first;
-  const double second = std::sqrt(dot(a[1], a[1], 3)), along = dot(a[0], a[1], 3);
-  return 0.5 * slope * (first + second) / std::sqrt(std::max(first * first * second * second - along * along, 0.0));
-}
-
-double Turning::slope(const FacetElement& element)
-{
-  // At the nodes and the centre: elsewhere the derivatives of functions of degree 2 add up to less.
-  double largest = 0.0, dphi[2 * FacetElement::max_nodes];
-  for (int i = 0; i <= element.num_nodes(); ++i)
-  {
-    const auto xi = i < element.num_nodes() ? element.node(i) : element.centre();
-    element.derivatives(xi.data(), dphi);
-    for (int a = 0; a < element.tdim(); ++a)
-    {
-      double sum = 0.0;
-      for (int k = 0; k < element.num_nodes(); ++k)
-        sum += std::abs(dphi[a * element.num_nodes() + k]);
-      largest = std::max(largest, sum);
-    }
-  }
-  return largest;
-}
 
 void NodeNormals::reset(surface::Facets facets, std::span<const std::int32_t> nodes)
 {
@@ -56,7 +30,7 @@ void NodeNormals::reset(surface::Facets facets, std::span<const std::int32_t> no
       sum += std::abs(_phi[i * n_u + j]);
     lebesgue = std::max(lebesgue, sum);
   }
-  _slope = lebesgue * Turning::slope(geometry);
+  _slope = lebesgue * NormalRotation::slope(geometry);
   // Facets by node, in the order of the facets.
   std::vector<std::pair<std::int32_t, std::int32_t>> position;
   for (std::size_t i = 0; i < _nodes.size(); ++i)
@@ -110,24 +84,21 @@ void NodeNormals::reset(surface::Facets facets, std::span<const std::int32_t> no
 
 namespace
 {
-/// The mean of unit normals from their sum. @returns how fast it turns, from the sum of the facets' Q
+/// The mean of unit normals from their sum. @returns an upper bound on its rotation rate, from the sum of the facets' Q
 double normalise(int gdim, const double* sum, double rates, double largest, double* normal)
 {
   const double length = std::sqrt(dot(sum, sum, gdim));
   for (int c = 0; c < gdim; ++c)
     normal[c] = length > 0.0 ? sum[c] / length : 0.0;
-  return length > 0.0 ? Turning::factor * std::max(rates / length, largest) : std::numeric_limits<double>::infinity();
+  return length > 0.0 ? NormalRotation::factor * std::max(rates / length, largest)
+                      : std::numeric_limits<double>::infinity();
 }
 } // namespace
 
 template <int D>
-double NodeNormals::linear(std::size_t i, const double* u, const double* du, double* normal, double back) const
+double NodeNormals::linear(std::size_t i, Configuration at, double* normal) const
 {
-  const auto moved = [&](std::int32_t node, int c)
-  {
-    const std::size_t k = std::size_t(node) * D + c;
-    return u[k] - (du ? back * du[k] : 0.0);
-  };
+  const auto moved = [&](std::int32_t node, int c) { return at.at(std::size_t(node) * D + c); };
   double own[D], sum[3] = {}, rates = 0.0, largest = 0.0;
   for (int c = 0; c < D; ++c)
     own[c] = moved(_nodes[i], c);
@@ -163,7 +134,7 @@ double NodeNormals::linear(std::size_t i, const double* u, const double* du, dou
   return normalise(D, sum, rates, largest, normal);
 }
 
-double NodeNormals::general(std::size_t i, const double* u, const double* du, double* normal, double back) const
+double NodeNormals::general(std::size_t i, Configuration at, double* normal) const
 {
   const int gdim = _facets.gdim, n_u = _facets.displacement.num_nodes(), n_x = _facets.geometry.num_nodes();
   double sum[3] = {}, rates = 0.0, largest = 0.0, x[3 * FacetElement::max_nodes];
@@ -176,25 +147,25 @@ double NodeNormals::general(std::size_t i, const double* u, const double* du, do
         double place = _facets.X_of(f)[j * gdim + c];
         for (int l = 0; l < n_u; ++l)
         {
-          const std::size_t at = std::size_t(_facets.nodes_of(f)[l]) * gdim + c;
-          place += _phi[j * n_u + l] * (u[at] - (du ? back * du[at] : 0.0));
+          const std::size_t k = std::size_t(_facets.nodes_of(f)[l]) * gdim + c;
+          place += _phi[j * n_u + l] * at.at(k);
         }
         x[j * gdim + c] = place;
       }
     const surface::FacetPoint p = surface::evaluate(_facets, f, x, _facets.displacement.node(node).data());
     for (int c = 0; c < gdim; ++c)
       sum[c] += p.normal[c];
-    const double rate = Turning::rate(gdim - 1, p.tangents, _slope);
+    const double rate = NormalRotation::rate(gdim - 1, p.tangents, _slope);
     rates += rate;
     largest = std::max(largest, rate);
   }
   return normalise(gdim, sum, rates, largest, normal);
 }
 
-double NodeNormals::evaluate(std::size_t i, const double* u, const double* du, double* normal, double back) const
+double NodeNormals::evaluate(std::size_t i, Configuration configuration, double* normal) const
 {
   if (!_linear)
-    return general(i, u, du, normal, back);
-  return _facets.gdim == 2 ? linear<2>(i, u, du, normal, back) : linear<3>(i, u, du, normal, back);
+    return general(i, configuration, normal);
+  return _facets.gdim == 2 ? linear<2>(i, configuration, normal) : linear<3>(i, configuration, normal);
 }
 } // namespace dolfinx_impact::search

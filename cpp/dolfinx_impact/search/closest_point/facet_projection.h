@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../surface/FacetElement.h"
+#include "../../surface/FacetElement.h"
 #include <cmath>
 #include <cstdint>
 
@@ -73,6 +73,5 @@ struct Bend
 
 Bend bend(const surface::FacetElement& element, int gdim, const double* nodes);
 
-/// Corners at the ends of an edge of a facet of dimension 2; in a facet of dimension 1 edge 0 is the facet.
-const int* edge_corners(surface::FacetShape shape, int edge);
+using surface::edge_corners;
 } // namespace dolfinx_impact::search
