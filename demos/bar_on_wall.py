@@ -30,9 +30,9 @@ facet_tags = mesh.meshtags(bar, 1, np.sort(right), np.full(len(right), 1, dtype=
 
 # ## The problem
 #
-# Poisson's ratio is zero, so that the bar in plane strain obeys the wave equation exactly. The normal of the wall points
-# to the side where the bar is. The penalty stiffness follows from the masses and the time step; `di.Kinematic(pair)`
-# in the place of `di.Penalty(pair)` enforces the contact without a spring.
+# Poisson's ratio is zero, so that the bar in plane strain obeys the wave equation exactly. The normal of the wall
+# points to the side where the bar is. The penalty stiffness follows from the masses and the time step;
+# `di.Kinematic(pair)` in the place of `di.Penalty(pair)` enforces the contact without a spring.
 
 V = fem.functionspace(bar, ("Lagrange", 1, (2,)))
 u, velocity = fem.Function(V, name="displacement"), fem.Function(V)
@@ -63,12 +63,13 @@ middle = (time > 0.1 * T) & (time < 0.9 * T)
 mean = stress[middle].mean()
 loaded = time[stress > 0.5 * exact.stress]
 duration = loaded[-1] - loaded[0]
-rebound = -comm.allreduce(problem.velocity.x.array[::2].min(), MPI.MIN)
+velocity_after = v - np.sum(stress * np.diff(time, append=1.3 * T)) / (density * L)  # by the impulse of the contact
 if comm.rank == 0:
-    print(f"{problem.step} steps of {np.diff(time[-2:])[0] * 1e9:.0f} ns")
+    print(f"{problem.step} steps of {problem.time / problem.step * 1e9:.0f} ns")
     print(f"contact stress {mean / 1e6:8.3f} MPa   exact {exact.stress / 1e6:8.3f} MPa")
     print(f"duration       {duration * 1e6:8.3f} us    exact {T * 1e6:8.3f} us")
-    print(f"total energy changes by {problem.energy['total'] / kinetic[0] - 1:.1e} of the kinetic energy")
+    print(f"velocity after {velocity_after:8.3f} m/s   exact {exact.rear_velocity:8.3f} m/s")
+    print(f"energy balance: error {problem.energy['drift']:.1e}")
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
     left.plot(time / T, stress / 1e6, label="computed")
     left.plot([-0.1, 0, 0, 1, 1, 1.3], np.array([0, 0, 1, 1, 0, 0]) * exact.stress / 1e6, "k--", label="exact")
@@ -76,9 +77,13 @@ if comm.rank == 0:
     left.legend()
     right.plot(time / T, kinetic, label="kinetic")
     right.plot(time / T, internal, label="internal")
-    right.plot(time / T, problem.energy_history[:, -1], "k:", label="total")
+    right.plot(time / T, problem.energy_history[:, 3], label="contact springs")
     right.set(xlabel="time after first touch / T", ylabel="energy [J/m]", xlim=(-0.1, 1.3))
     right.legend()
     figure.savefig("bar_on_wall.png", dpi=120)
-print(rebound, problem.energy, np.diff(time)[[0,-1]])
-assert abs(mean / exact.stress - 1) < 0.01 and abs(duration / T - 1) < 0.01
+
+# ## What must hold
+#
+# Stress and duration within 1 %, which is the limit of the benchmarks for such bars; energy to round-off.
+
+assert abs(mean / exact.stress - 1) < 0.01 and abs(duration / T - 1) < 0.01 and abs(problem.energy["drift"]) < 1e-12

@@ -1,8 +1,9 @@
 # # A block is pulled along a rough plane
 #
-# A flat block is pressed on a rigid plane and pulled at its left end. It slips next to this end, as far as friction needs
-# to balance the pull, and sticks beyond. With the friction per length $q$, which is the coefficient of friction times the
-# load per length, and the axial stiffness $EA$, slip length and displacement of the end under the force $F$ are
+# A flat block is pressed on a rigid plane and pulled at its left end. It slips next to this end, as far as friction
+# needs to balance the pull, and sticks beyond. With the friction per length $q$, which is the coefficient of friction
+# times the load per length, and the axial stiffness $EA$, slip length and displacement of the end under the force $F$
+# are
 #
 # $$ l = \frac{F}{q}, \qquad u = \frac{F^2}{2 E A q}. $$
 #
@@ -19,9 +20,9 @@ import dolfinx_impact as di
 
 # ## Mesh, tags, support
 #
-# All forces are per metre of width. The tag 1 marks the end that is pulled, the tag 2 the surface that touches the plane.
-# The top is guided: it is moved down by $p H / E$, which presses the block on the plane with the pressure $p$, and slides
-# freely along x.
+# All forces are per metre of width. The tag 1 marks the end that is pulled, the tag 2 the surface that touches the
+# plane. The top is guided: it is moved down by $p H / E$, which presses the block on the plane with the pressure $p$,
+# and slides freely along x.
 
 L, H, E, friction, p = 0.5, 0.005, 210e9, 0.3, 0.5e6  # length, height [m], [Pa], [1], pressure [Pa]
 comm = MPI.COMM_WORLD
@@ -38,8 +39,8 @@ press = fem.dirichletbc(-p * H / E, fem.locate_dofs_topological(V.sub(1), 1, top
 
 # ## The problem
 #
-# The coefficient of friction belongs to the contact pair. Multipliers enforce the contact, so that stick means no motion
-# at all.
+# The coefficient of friction belongs to the contact pair. Multipliers enforce the contact, so that stick means no
+# motion at all.
 
 steel = di.LinearElastic(E=E, nu=0.0, hypothesis="plane_strain")
 pull = di.Traction(facet_tags, 1, (0.0, 0.0))
@@ -66,7 +67,7 @@ for step, level in enumerate(levels):
     rows.append((comm.allreduce(-np.sum(u.x.array[2 * corner])), contact.dissipated))
     if step in (5, 10, 15):
         parts = comm.gather(np.column_stack([contact.points[:, 0], contact.traction[:, 0]]))
-        profiles[f"F = {level * F / 1e3:.1f} kN/m".replace("-0.0", "0.0")] = parts
+        profiles[f"F = {round(level * F / 1e3, 1) + 0:.1f} kN/m"] = parts
 moved, dissipated = np.array(rows).T
 cycle, expected = dissipated[-1] - dissipated[5], 2 * F**3 / (3 * E * H * q)
 
@@ -83,8 +84,8 @@ if comm.rank == 0:
     left.set(xlabel="displacement of the end [um]", ylabel="force [kN/m]")
     left.legend()
     for label, parts in profiles.items():
-        x, traction = np.concatenate(parts)[np.argsort(np.concatenate(parts)[:, 0])].T
-        right.plot(x, traction / 1e3, label=label)
+        x, traction = np.concatenate(parts).T
+        right.plot(np.sort(x), traction[np.argsort(x)] / 1e3, label=label)
     right.set(xlabel="x [m]", ylabel="friction [kPa]")
     right.legend()
     figure.savefig("block_with_friction.png", dpi=120)

@@ -1,12 +1,13 @@
 # # A form of one's own
 #
 # Contact does not ask where the residual comes from. This demo writes the stored energy of a rubber in UFL, has its
-# derivative compiled, checks the compiled form twice, and presses a rigid cylinder into the rubber. The energy is that of
-# a compressible neo-Hookean solid; another one takes its place in one line. With $F = I + \nabla u$ and $J = \det F$,
+# derivative compiled, checks the compiled form twice, and presses a rigid cylinder into the rubber. The energy is that
+# of a compressible neo-Hookean solid; another one takes its place in one line. With $F = I + \nabla u$ and
+# $J = \det F$,
 #
 # $$ W = \frac{\mu}{2} (\mathrm{tr}\, F^T F - 2) - \mu \ln J + \frac{\lambda}{2} (\ln J)^2 $$
 #
-# in plane strain, where the third direction adds nothing.
+# in plane strain.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -43,9 +44,9 @@ residual = ufl.derivative(W * ufl.dx(degree=2), u, v)
 
 # ## Two checks
 #
-# The hand-written solver knows this material, too. `cross_check` compares the compiled form with it, on random cells and
-# assembled. For a material that it does not know the second check remains: the force vector of the compiled form against
-# DOLFINx's assembly, at any displacement.
+# The hand-written solver knows this material, too. `cross_check` compares the compiled form with it, on random cells
+# and assembled. For a material that it does not know the second check remains: the force vector of the compiled form
+# against DOLFINx's assembly, at any displacement.
 
 check = di.verify.cross_check(residual, operator="neo_hookean", constants={"mu": mu, "lmbda": lmbda})
 u.interpolate(lambda x: np.array([np.sin(20 * x[0]) * x[1], x[0] * x[1]]))
@@ -58,8 +59,8 @@ differs /= comm.allreduce(np.abs(assembled.array).max(), MPI.MAX)
 
 # ## Contact
 #
-# A problem takes the residual in the place of a material. The cylinder is an obstacle without a mesh; it moves down in
-# four steps. The supports below must carry what the contact brings.
+# A problem takes the residual in the place of a material. The cylinder is a rigid obstacle, which moves down in four
+# steps.
 
 u.x.array[:] = 0.0
 cylinder = di.RigidCylinder(center=(0.0, H + R), radius=R)
@@ -68,12 +69,10 @@ problem = di.StaticProblem(u, residual=residual, bcs=bcs, contact=[di.Lagrange(p
 cylinder.displacement = (0.0, -depth)
 report = problem.solve(steps=4)
 force = problem.contact[0].force[1]
-mine = glued[glued < V.dofmap.index_map.size_local]
-support = comm.allreduce(np.sum(problem.reactions().x.array[2 * mine + 1]))
+owned_nodes = glued[glued < V.dofmap.index_map.size_local]
+support = comm.allreduce(np.sum(problem.reactions().x.array[2 * owned_nodes + 1]))
 
-# ## Picture
-#
-# The cells at their present places, coloured by the energy per volume in their middle.
+# ## Picture: the deformed cells and their energy
 
 energy = fem.Function(fem.functionspace(pad, ("DG", 0)))
 energy.interpolate(fem.Expression(W, energy.function_space.element.interpolation_points()))
@@ -84,15 +83,14 @@ parts = comm.gather((x[pad.geometry.dofmap[:owned][:, [0, 1, 3, 2]]], energy.x.a
 if comm.rank == 0:
     for row in check.rows:
         print(f"hand-written solver, {row.level:8s} differs by {row.difference:.1e} (tolerance {row.tolerance:.0e})")
-    print(f"DOLFINx's assembly            differs by {differs:.1e}")
-    print(f"Newton iterations {report.iterations}")
-    print(f"force of the cylinder {force / 1e3:.6f} kN/m, of the support {support / 1e3:.6f} kN/m")
+    print(f"DOLFINx's assembly            differs by {differs:.1e}\nNewton iterations {report.iterations}")
+    print(f"force on the pad from above {force / 1e3:.6f} kN/m, from below {support / 1e3:.6f} kN/m")
     cells, values = (np.concatenate(part) for part in zip(*parts))
-    figure, axes = plt.subplots(figsize=(9, 3.6), layout="constrained")
+    figure, axes = plt.subplots(figsize=(9, 3.2), layout="constrained")
     image = axes.add_collection(PolyCollection(cells * 1e3, array=values / 1e6, edgecolor="face", cmap="viridis"))
     axes.add_patch(plt.Circle((0, 1e3 * (H + R - depth)), 1e3 * R, color="lightgrey", zorder=0))
-    axes.set(xlim=(-105, 105), ylim=(-2, 72), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
-    figure.colorbar(image, label="energy per volume [MPa]")
+    axes.set(xlim=(-110, 110), ylim=(-2, 72), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
+    figure.colorbar(image, label="energy per volume [MPa]", shrink=0.9)
     figure.savefig("own_form.png", dpi=120)
 
 # ## What must hold
