@@ -20,7 +20,7 @@ import dolfinx_impact as di
 comm = MPI.COMM_WORLD
 E, nu, R, size, P = 207e9, 0.3, 0.46, 0.15, 4e6  # [Pa], [1], radius, size of the block [m], load per length [N/m]
 hertz = di.theory.hertz_line(P, R, np.inf, E, nu, E, nu)
-a = hertz.half_width
+a, p0 = hertz.half_width, hertz.peak_pressure
 
 # ## Mesh and tags
 #
@@ -81,7 +81,7 @@ owned = domain.topology.index_map(2).size_local
 cells = comm.gather((domain.geometry.x[domain.geometry.dofmap[:owned], :2], mises.x.array[:owned]))
 rows = comm.gather(np.column_stack([contact.points[:, 0], contact.pressure]))
 if comm.rank == 0:
-    print(f"peak pressure {peak / 1e6:8.3f} MPa   Hertz {hertz.peak_pressure / 1e6:8.3f} MPa")
+    print(f"peak pressure {peak / 1e6:8.3f} MPa   Hertz {p0 / 1e6:8.3f} MPa")
     print(f"half-width    {contact.area * 1e3:8.3f} mm    Hertz {a * 1e3:8.3f} mm")
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     triangles, stress = (np.concatenate(part) for part in zip(*cells))
@@ -97,5 +97,4 @@ if comm.rank == 0:
 
 # The load is that of equilibrium, to round-off. The peak must agree to 1 %, the half-width to a facet, $a/16$.
 
-assert abs(2 * contact.force[1] / P - 1) < 1e-9 and abs(peak / hertz.peak_pressure - 1) < 0.01
-assert abs(contact.area / a - 1) < 1 / 16
+assert abs(2 * contact.force[1] / P - 1) < 1e-9 and abs(peak / p0 - 1) < 0.01 and abs(contact.area / a - 1) < 1 / 16
