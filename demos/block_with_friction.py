@@ -57,7 +57,7 @@ contact = problem.contact[0]
 q = friction * p
 F = 0.7 * q * L
 exact = di.theory.bar_pull(F, p, friction, E, H)
-levels = np.concatenate([np.linspace(0, 1, 6), np.linspace(0.8, -1, 10), np.linspace(-0.8, 1, 10)])
+levels = np.concatenate([np.linspace(0, 1, 5), np.linspace(0.75, -1, 8), np.linspace(-0.75, 1, 8)])
 corner = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[0], 0.0) & np.isclose(x[1], 0.0))
 corner = corner[corner < V.dofmap.index_map.size_local]
 rows, profiles = [], {}
@@ -65,15 +65,15 @@ for step, level in enumerate(levels):
     pull.constant.value[0] = -level * F / H
     problem.solve()
     rows.append((comm.allreduce(-np.sum(u.x.array[2 * corner])), contact.dissipated))
-    if step in (5, 10, 15):
+    if step in (4, 8, 12):
         parts = comm.gather(np.column_stack([contact.points[:, 0], contact.traction[:, 0]]))
         profiles[f"F = {round(level * F / 1e3, 1) + 0:.1f} kN/m"] = parts
 moved, dissipated = np.array(rows).T
-cycle, expected = dissipated[-1] - dissipated[5], 2 * F**3 / (3 * E * H * q)
+cycle, expected = dissipated[-1] - dissipated[4], 2 * F**3 / (3 * E * H * q)
 
 if comm.rank == 0:
-    print(f"displacement under F {moved[5] * 1e6:7.4f} um    closed form {exact.end_displacement * 1e6:7.4f} um")
-    print(f"without force        {moved[10] * 1e6:7.4f} um    closed form {exact.residual_displacement * 1e6:7.4f} um")
+    print(f"displacement under F {moved[4] * 1e6:7.4f} um    closed form {exact.end_displacement * 1e6:7.4f} um")
+    print(f"without force        {moved[8] * 1e6:7.4f} um    closed form {exact.residual_displacement * 1e6:7.4f} um")
     print(f"work in a cycle      {cycle * 1e3:7.3f} mJ/m  closed form {expected * 1e3:7.3f} mJ/m")
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     s, top = np.linspace(-1, 1, 100), exact.end_displacement
@@ -94,5 +94,5 @@ if comm.rank == 0:
 #
 # Friction acts at the bottom, half a height below the axis, which changes the displacements by 0.3 % for this height.
 
-assert np.allclose(moved[[5, 10, 15]] / exact.end_displacement, [1.0, 0.5, -1.0], atol=0.01)
+assert np.allclose(moved[[4, 8, 12]] / exact.end_displacement, [1.0, 0.5, -1.0], atol=0.01)
 assert abs(cycle / expected - 1) < 0.01

@@ -16,7 +16,7 @@ FORWARDED = {
 
 
 def demos():
-    """Name -> (file, title) of the demos and applications in the package; the title is the first heading of the file."""
+    """Name -> (file, title) of the demos and applications in the package; the title is the first heading of a file."""
     from . import demos as package
 
     folder, found = Path(package.__file__).parent, {}
@@ -44,6 +44,7 @@ def _surroundings(output, in_space=False):
     """Environment of a demo's process: output folder, one thread per rank, Open MPI as root and with few cores."""
     env = dict(os.environ)
     env.setdefault("OMP_NUM_THREADS", "1")
+    env.setdefault("MPLBACKEND", "Agg")  # pictures go into files
     env.setdefault("OMPI_MCA_rmaps_base_oversubscribe", "1")
     env.setdefault("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe")
     if hasattr(os, "geteuid") and os.geteuid() == 0:

@@ -252,9 +252,7 @@ def test_a_form_on_a_mesh_of_dolfinx(shear, passes):
     F = ufl.Identity(2) + ufl.grad(u)
     first, J = shear * mu / 2 * (ufl.tr(F.T * F) - 2), ufl.det(F)
     energy = (first - mu * ufl.ln(J) + lmbda / 2 * ufl.ln(J) ** 2) * ufl.dx(degree=2)
-    found = cross_check(
-        ufl.derivative(energy, u, v), operator="neo_hookean", constants={"mu": mu, "lmbda": lmbda}
-    )
+    found = cross_check(ufl.derivative(energy, u, v), operator="neo_hookean", constants={"mu": mu, "lmbda": lmbda})
     assert {row.level for row in found.rows} == {"element", "operator"} and found.passed == passes
 
 
