@@ -172,12 +172,14 @@ def test_versions_are_found(tree):
     assert rules.versions(root) == {"pyproject.toml": "1.2.3", "CITATION.cff": "1.2.4"}
 
 
+@pytest.mark.parametrize("name", ["demos/a.py", "demos/_a.py", "demos/applications/a.py"])
 @pytest.mark.parametrize(
     "text", ["", "print(1)\n", "assert x\nprint(1)\n", "assert True\n", "def f():\n    assert x\n"]
 )
-def test_demos_complain(tree, text):
-    assert len(rules.demos_without_assert(tree({"demos/a.py": text}))) == 1
+def test_demos_complain(tree, text, name):
+    assert len(rules.demos_without_assert(tree({name: text}))) == 1
 
 
 def test_demos_pass(tree):
-    assert rules.demos_without_assert(tree({"demos/a.py": "x = 1\nassert x == 1\n", "demos/__init__.py": ""})) == []
+    good = {"demos/a.py": "x = 1\nassert x == 1\n", "demos/__init__.py": "", "demos/applications/models/m.py": ""}
+    assert rules.demos_without_assert(tree(good)) == []

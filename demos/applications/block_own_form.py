@@ -1,4 +1,4 @@
-# # A residual of your own
+# # A foam drawn between plates: a residual of your own
 #
 # The package brings its materials as UFL; a user's own form goes the same way. Here it is the foam of Blatz and Ko
 # (1962), which no catalogue of this package knows: strain energy per volume

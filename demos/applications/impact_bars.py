@@ -16,8 +16,8 @@ import numpy as np
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact.demos import _bars_figures as figures
-from dolfinx_impact.demos._bars_model import Case, Impact
+from dolfinx_impact.demos.applications.figures import bars as figures
+from dolfinx_impact.demos.applications.models.bars import Case, Impact
 from dolfinx_impact.io.run_folder import RunFolder
 
 comm = MPI.COMM_WORLD

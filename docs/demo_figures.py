@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Figures of the documentation: `python3 -m dolfinx_impact.demos._gallery [FOLDER] [NAME...]`, default docs/figures.
+"""Figures and printed output of the demos: `python3 docs/demo_figures.py [FOLDER] [NAME...]`, default docs/figures.
 
-Runs the demos (all, or those named) and writes their PNG files, with fewer colours, as demo_<file>.png, and what they
-print as demo_<name>.txt.
+Runs the demos and applications (all, or those named) and writes their PNG files, with fewer colours, as
+demo_<file>.png, and what they print as demo_<name>.txt.
 """
 
 import subprocess

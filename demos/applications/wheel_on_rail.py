@@ -28,7 +28,7 @@ from mpi4py import MPI
 import dolfinx_impact as di
 from dolfinx_impact import meshes
 from dolfinx_impact.assembly import operators
-from dolfinx_impact.demos import _wheel_figures as figures
+from dolfinx_impact.demos.applications.figures import wheel as figures
 from dolfinx_impact.io.gather import gather_field, gather_mesh, gather_rows
 from dolfinx_impact.io.run_folder import RunFolder, vertex_average
 from dolfinx_impact.verify import nodes

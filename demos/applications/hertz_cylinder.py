@@ -1,4 +1,4 @@
-# # A cylinder pressed on a block: Hertz
+# # A cylinder pressed on a block: convergence to Hertz
 #
 # Nothing tells these two bodies where they touch. A steel cylinder as large as a railway wheel is pressed by its weight
 # on a steel block; multipliers on a mortar find the contact and its pressure. Hertz (1881) knows both for half-planes

@@ -16,8 +16,8 @@ import numpy as np
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact.demos import _joint_figures as figures
-from dolfinx_impact.demos._joint_model import E, NU, RADIUS, Rolling
+from dolfinx_impact.demos.applications.figures import joint as figures
+from dolfinx_impact.demos.applications.models.joint import E, NU, RADIUS, Rolling
 from dolfinx_impact.io.gather import gather_field
 from dolfinx_impact.io.run_folder import RunFolder
 
