@@ -9,7 +9,7 @@ from sabotage import assert_healthy
 
 from dolfinx_impact.contact import mortar
 from dolfinx_impact.contact.mortar.geometry import RigidGeometry
-from dolfinx_impact.contact.mortar.mortar import MortarGeometry
+from dolfinx_impact.contact.mortar.mortar_geometry import MortarGeometry
 from dolfinx_impact.contact.penalty.penalty import PenaltyContact
 from dolfinx_impact.verify import contact, contact_bodies, contact_patch
 from dolfinx_impact.verify.report import Report

@@ -27,7 +27,7 @@ from ..common.collective import guard
 from ..forms.compiler import emit, frontend
 from ..common.private_folder import check_file, check_private, make_private
 
-INCLUDE = Path(__file__).parent / "include"
+INCLUDE = Path(__file__).parent.parent / "include"
 FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
 
 

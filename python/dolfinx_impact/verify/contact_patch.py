@@ -7,7 +7,7 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
 from .. import _cpp, contact
-from ..contact.mortar.mortar import MortarGeometry
+from ..contact.mortar.mortar_geometry import MortarGeometry
 from ..statics.problem import StaticProblem
 from . import bodies
 from .contact_bodies import rule
