@@ -2,6 +2,7 @@
 """The command `dolfinx-impact`: verify, demo, bench, info."""
 
 import argparse
+import contextlib
 import difflib
 import os
 import shutil
@@ -95,8 +96,12 @@ def demo(arguments):
 
 def _size(folder):
     """Number of files in a folder and their size [MB]."""
-    files = [p for p in Path(folder).rglob("*") if p.is_file()] if Path(folder).is_dir() else []
-    return len(files), sum(p.stat().st_size for p in files) / 1e6
+    sizes = []
+    for path in Path(folder).rglob("*") if Path(folder).is_dir() else ():
+        with contextlib.suppress(FileNotFoundError):  # a compiler that runs removes files of the cache meanwhile
+            if path.is_file():
+                sizes.append(path.stat().st_size)
+    return len(sizes), sum(sizes) / 1e6
 
 
 def kernels_by_form():

@@ -120,6 +120,9 @@ void KinematicContact::predict(const PredictedStep& step, const double* u)
     Closed& closed = _closed_now[q];
     closed = {touch.masters, touch.corners, {}, -touch.at.gap, std::uint32_t(i), touch.node, releases};
     std::copy_n(touch.at.normal, 3, closed.normal);
+    // Forces act at t_n, along the facet's normal then: the predicted facet is tilted by the lack of these very forces.
+    if (!_rigid && touch.at.on_facet())
+      _tracking.normal_before(touch.at, u, du, closed.normal);
     for_nodes(_num_masters, [&](int j) { _phi[q * _num_masters + j] = touch.phi[j]; });
     if (!_rigid)
       _tracking.hold(i, touch.at);
@@ -352,6 +355,7 @@ void KinematicContact::record(double h, double dt)
     relative<D>(q, _moved.data(), moved);
     relative<D>(q, _before.data(), before);
     _results.gap[i] = dot(n, moved, D) - closed.overlap;
+    std::copy_n(n, D, _results.normal.data() + i * D);
     const double normal = dot(n, f, D);
     for (int c = 0; c < D; ++c)
     {

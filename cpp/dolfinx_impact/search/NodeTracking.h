@@ -79,6 +79,10 @@ public:
   Projection locate(std::size_t i, const double* u, const double* du);
   /// Closest point in the configuration u - back*du: 1 is that of the step before, 0 the present one.
   Projection locate_before(std::size_t i, const double* u, const double* du, double back = 1.0) const;
+  /// Normal of the facet of a closest point, at the same place of the facet, in the configuration u - du.
+  /// @param[in] at closest point on a facet
+  /// @param[out] normal 3 components
+  void normal_before(const Projection& at, const double* u, const double* du, double* normal) const;
   /// How far nodes have been moved since `advance`, at most [L].
   double moved(const double* u) const;
   /// Closest point after they have been moved so far, without any effect on later ones.

@@ -6,6 +6,10 @@
 
 namespace dolfinx_impact::search
 {
+/// Two surfaces face each other where the scalar product of their unit normals is below minus this. Sides of blocks are
+/// often at right angles to a surface, and round-off, which differs from processor to processor, must not decide there.
+constexpr double right_angle = 1e-9;
+
 /// Where on its facet a closest point lies.
 enum class ProjectionStatus : std::int8_t
 {

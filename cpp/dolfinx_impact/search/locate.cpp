@@ -78,10 +78,10 @@ const double* NodeTracking::present_normal(std::size_t i, const double* u, doubl
 bool NodeTracking::faces(std::size_t i, const double* normal, const double* u)
 {
   const double along = dot(normal, _node[i].normal, _gdim), change = turned(i);
-  if (change <= Turning::most && std::abs(along) > change)
-    return along < 0.0;
+  if (change <= Turning::most && std::abs(along + right_angle) > change)
+    return along < -right_angle;
   double space[3];
-  return dot(normal, present_normal(i, u, space), _gdim) < 0.0;
+  return dot(normal, present_normal(i, u, space), _gdim) < -right_angle;
 }
 
 Projection NodeTracking::query(std::size_t i, Configuration at, const double* slave_normal, const double* motion,
@@ -113,7 +113,7 @@ Projection NodeTracking::query(std::size_t i, Configuration at, const double* sl
           (out.facet < 0 || closer(p, _master.id[f], best, _master.id[out.facet], _size[out.facet])))
       {
         facet_normal(f, facet, p.xi, normal);
-        if (dot(normal, slave_normal, _gdim) < 0.0)
+        if (dot(normal, slave_normal, _gdim) < -right_angle)
         {
           best = p;
           out.facet = f;
@@ -222,6 +222,13 @@ Projection NodeTracking::locate_before(std::size_t i, const double* u, const dou
     shift[c] = _shift[c] - back * _step_shift[c];
   _normals.evaluate(i, u, du, normal, back);
   return query(i, {u, du, false, back}, normal, du, std::abs(_travel - _fitted) + _step, shift, near);
+}
+
+void NodeTracking::normal_before(const Projection& at, const double* u, const double* du, double* normal) const
+{
+  double facet[max_values];
+  positions(at.facet, {u, du}, facet);
+  facet_normal(at.facet, facet, at.xi, normal);
 }
 
 double NodeTracking::moved(const double* u) const

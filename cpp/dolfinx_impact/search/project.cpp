@@ -51,7 +51,7 @@ Projection SurfaceSearch::project(const double* x, const double* slave_normal, d
 {
   const surface::Facets& m = *_master;
   const auto faces = [&](std::int32_t f, const double* xi)
-  { return dot(surface::evaluate(m, f, m.x_of(f), xi).normal, slave_normal, m.gdim) < 0.0; };
+  { return dot(surface::evaluate(m, f, m.x_of(f), xi).normal, slave_normal, m.gdim) < -right_angle; };
   Projection out;
   FacetProjection best;
   const auto visit = [&](std::int32_t f)

@@ -23,6 +23,8 @@ struct Projection
   double xi[2] = {0.0, 0.0};
   double gap = std::numeric_limits<double>::infinity(); ///< docs/contact.md: positive outside the master [L]
   double normal[3] = {0.0, 0.0, 0.0};                   ///< unit, out of the master
+  /// Is the normal that of the facet? Otherwise it is the direction from an edge or vertex.
+  bool on_facet() const { return status == ProjectionStatus::converged || rim == Rim::near; }
   /// By no less can point and surface move against each other before the gap is negative (of NodeTracking) [L].
   double clearance = std::numeric_limits<double>::infinity();
 };

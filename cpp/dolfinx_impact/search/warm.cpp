@@ -50,7 +50,7 @@ IMPACT_INLINED void closest(WarmBlock& b, int l)
   b.gap[l] = gap;
   for (int c = 0; c < 3; ++c)
     b.normal[c][l] = n[c];
-  b.over[l] = linear::inside<S>(lane.xi) & (along < -b.turned[l]) ? b.over[l] : 0.0;
+  b.over[l] = linear::inside<S>(lane.xi) & (along < -(b.turned[l] + right_angle)) ? b.over[l] : 0.0;
 }
 
 IMPACT_CLONES void intervals(WarmBlock& b)
