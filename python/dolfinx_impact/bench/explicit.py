@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -280,15 +281,21 @@ def _rate(n, steps=60, rounds=3):
     return {"rate": float(np.median(rates[1:])), "cells": cells, "messages": messages, "values": values}
 
 
-def rows(large=False, ranks=0):
-    """All rows; ranks: also whole steps on so many."""
-    hexahedron = ("hexahedron",)
-    out = step_rows([c for c in bench.CASES if c[0] in ("tetrahedron", "hexahedron")], own=hexahedron)
-    out += step_rows(bench.FINITE, materials.NeoHookean, baselines=("A",))
-    out += contact_rows(rounds=(7, 25) if large else (5, 12))
-    out += output_rows(48 if large else 20) + (output_rows(20) if large else [])
-    out += memory_rows(64 if large else 40)
-    return out + (rank_rows(ranks) if ranks > 1 else [])
+def jobs(large=False, ranks=0):
+    """What the command measures of explicit dynamics: pairs (text, function that returns rows).
+
+    Args:
+        large: larger models and more rounds.
+        ranks: also whole steps on so many ranks; 0: without.
+    """
+    solids = [c for c in bench.CASES if c[0] in ("tetrahedron", "hexahedron")]
+    out = [(f"explicit step, {c[0]} P{c[1]}", partial(step_rows, (c,), own=("hexahedron",))) for c in solids]
+    neo_hookean = partial(step_rows, law=materials.NeoHookean, baselines=("A",))
+    out += [(f"explicit step, neo_hookean, {c[0]} P{c[1]}", partial(neo_hookean, (c,))) for c in bench.FINITE]
+    out.append(("explicit contact", partial(contact_rows, rounds=(7, 25) if large else (5, 12))))
+    out += [("explicit output", partial(output_rows, n)) for n in ((48, 20) if large else (20,))]
+    out.append(("explicit memory", partial(memory_rows, 64 if large else 40)))
+    return out + ([(f"explicit steps on {ranks} ranks", partial(rank_rows, ranks))] if ranks > 1 else [])
 
 
 if __name__ == "__main__":
