@@ -2,9 +2,10 @@
 #pragma once
 #include "../gap/Rigid.h"
 #include "../search/node_tracker/NodeTracker.h"
+#include "ContactStatus.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
-#include "Penalty.h"
+#include "friction.h"
 #include <array>
 #include <span>
 #include <vector>

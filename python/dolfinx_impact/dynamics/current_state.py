@@ -44,6 +44,6 @@ class CurrentState:
         """Functions, results of contacts and energies at the present time. Collective."""
         self.update_functions()
         for contact in self.contacts:
-            contact.update()
+            contact.update_results()
         values = dict(zip(ENERGIES, self.integrator.energies().tolist()))
         self.energy = {**values, "total": total_energy(values), "drift": self.history.drift(values)}

@@ -61,7 +61,7 @@ class Restart:
                 ranks[f"contact{k}_{j}"] = np.array([side.own_energy()[name] for name in ENERGY])
         schedule, totals, stepper = self.stepper.schedule, {}, self.stepper
         for k, contact in enumerate(self.problem.contact):
-            rows, totals[f"contact{k}"] = contact.seen()
+            rows, totals[f"contact{k}"] = contact.save_results()
             nodal[f"results{k}"] = (contact.nodes, rows)
         s = schedule
         steps = [s.begin, s.until, s.first, s.last, s.auto] if s else []
@@ -82,7 +82,7 @@ class Restart:
         """All of a checkpoint, looked at; nothing is changed. Collective."""
         bs, saved = self.problem.space.dofmap.index_map_bs, self.integrator.saved_names()
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.problem.contact) for j, s in enumerate(c.sides())]
-        results = {f"results{k}": contact.seen()[0].shape[1] for k, contact in enumerate(self.problem.contact)}
+        results = {f"results{k}": contact.save_results()[0].shape[1] for k, contact in enumerate(self.problem.contact)}
         totals = [f"contact{k}" for k in range(len(self.problem.contact))]
         file = checkpoint.Reader(
             path,
@@ -146,7 +146,7 @@ class Restart:
             _unpack(rows, side.history(), facets, want) for rows, side in zip(read["histories"], read["sides"])
         ]
         for k, contact in enumerate(self.problem.contact):
-            totals, known = np.asarray(a[f"contact{k}"]), contact.seen()[1]
+            totals, known = np.asarray(a[f"contact{k}"]), contact.save_results()[1]
             want(totals.shape == known.shape and np.all(np.isfinite(totals)), f"contact{k} is {totals!r}")
         here, there = functions_of_time(self.stepper.functions, time, beyond), np.asarray(a["functions of time"])
         scale = np.abs(here).max(initial=0.0)
@@ -180,7 +180,7 @@ class Restart:
         self.stepper.history.resume(float(a["total_start"]) if step else None, float(a["largest"]))
         self.stepper.state.update()
         for k, contact in enumerate(self.problem.contact):
-            contact.set_seen(read["results"][k], np.asarray(a[f"contact{k}"]))
+            contact.restore_results(read["results"][k], np.asarray(a[f"contact{k}"]))
 
 
 def _schedule(values, want, time, step):

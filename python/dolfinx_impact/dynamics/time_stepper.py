@@ -223,7 +223,7 @@ class TimeStepper:
         self._flush_recorders()
         self.step, self.time = self._good.step, self._good.time
         for contact in self.problem.contact:
-            contact.forget()
+            contact.reset_history()
         self.history.begin_anew()
         self.integrator.start(self._good.displacement, self._good.velocity)
         self._run(0)

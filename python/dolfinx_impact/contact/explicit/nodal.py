@@ -54,7 +54,7 @@ class NodalResult(ContactOutput):
     """
 
     initial = None
-    _known = None  # gaps, when they were asked for since `update`
+    _known = None  # gaps, when they were asked for since `update_results`
 
     def __init__(self, pair, problem, law, **options):
         self.pair, self.problem, self.V = pair, problem, problem.space
@@ -109,7 +109,7 @@ class NodalResult(ContactOutput):
         other = None if self.kinematic else self._cpp_object.other
         return [self._cpp_object] if other is None else [self._cpp_object, other]
 
-    def forget(self):
+    def reset_history(self):
         """Friction and energies begin anew, all nodes open."""
         for side in self.sides():
             history = {name: np.zeros_like(values) for name, values in side.history().items()}
@@ -196,7 +196,7 @@ class NodalResult(ContactOutput):
             self._known = {name: results[name] for name in GAPS}
         return self._known
 
-    def update(self):
+    def update_results(self):
         """Copy results of the last step. Collective."""
         results = self._cpp_object.results()
         for name in RESULTS[len(GAPS) :]:
@@ -216,14 +216,14 @@ class NodalResult(ContactOutput):
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
         self.dissipated = float(sums[-1])
 
-    def seen(self):
-        """What `update` found, for checkpoints: rows by node, and the totals."""
+    def save_results(self):
+        """What `update_results` found, for checkpoints: rows by node, and the totals."""
         rows = [np.asarray(getattr(self, name), dtype=float) for name in RESULTS]
         rows = [values.reshape(len(values), math.prod(values.shape[1:])) for values in rows]
         return np.hstack(rows), np.concatenate([self.force, self.moment, [self.area, self.dissipated]])
 
-    def set_seen(self, rows, totals):
-        """Results as `seen` gave them, in place of a `update` at a state whose forces are not there any more."""
+    def restore_results(self, rows, totals):
+        """Results as `save_results` gave them, for a state whose forces are not there any more."""
         first = 0
         for name in RESULTS:
             now = getattr(self, name)

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../gap/points.h"
+#include "../../gap/points.h"
+#include "../ContactStatus.h"
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,13 +31,6 @@ struct PenaltyHistory
   std::vector<double> offset;     ///< added to the gaps: penetrations of the start that are removed [L]
 };
 
-enum class ContactStatus : std::int8_t
-{
-  open = 0,
-  stick = 1,
-  slip = 2 ///< without friction every closed point slips
-};
-
 /// The points in one state of displacements. Vectors per point: [q*gdim + c].
 struct PenaltyState
 {
@@ -60,12 +55,9 @@ struct PenaltyPair
   std::array<double, 3> rigid_increment{}; ///< the same of a rigid master [L]
 };
 
-/// Entries of a matrix, global rows and columns; entries at one place are to be added.
-struct Triplets
-{
-  std::vector<std::int64_t> rows, cols;
-  std::vector<double> values;
-};
+/// Takes a dense block of a matrix: nodes of its rows and columns, as the facets number them, and
+/// block[(a*gdim + c)*nodes.size()*gdim + b*gdim + d].
+typedef std::function<void(std::span<const std::int32_t> nodes, std::span<const double> block)> InsertBlock;
 
 /// @returns history of points that just touched: gaps, tractions and multipliers are zero
 PenaltyHistory make_history(const gap::Points& points);
@@ -86,13 +78,14 @@ double energy(const PenaltyPair& pair, const PenaltyState& state);
 /// @param[in,out] force [node*gdim + c] [F]
 void add_force(const PenaltyPair& pair, const PenaltyState& state, std::span<double> force);
 
-/// Add minus the derivative of the contact force: what the stiffness matrix gains.
-/// @param[in] global_nodes global number of each node that the facets number; rows are gdim * global node + component
+/// Minus the derivative of the contact force, what the stiffness matrix gains: one block per pair of facets that touch.
 /// @param[in] convex without what follows from points that slide and normals that turn, and without friction: positive
 /// semi-definite, so that a step with it goes down
-/// @param[in,out] out cleared first
-void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const std::int64_t> global_nodes,
-             bool convex, Triplets& out);
+/// @param[in] insert is called with every block
+void tangent(const PenaltyPair& pair, const PenaltyState& state, bool convex, const InsertBlock& insert);
+
+/// Nodes of the slave and master facet of a point: those that its block couples. @returns their number
+int coupled_nodes(const PenaltyPair& pair, std::size_t q, std::int32_t* nodes);
 
 /// The state is the last converged one from now on. (`gap` is for the caller to set.)
 void advance(const PenaltyState& state, PenaltyHistory& history);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "Penalty.h"
-#include "friction.h"
+#include "penalty.h"
+#include "../friction.h"
 #include "variation.h"
 #include <algorithm>
 #include <cmath>
@@ -158,27 +158,6 @@ void add_point(const PenaltyPair& pair, const PenaltyState& state, std::size_t q
   }
 }
 
-void emit(const PenaltyPair& pair, std::size_t q, const double* block, std::span<const std::int64_t> global_nodes,
-          Triplets& out)
-{
-  const int gdim = pair.points.gdim, num_slave = pair.slave.displacement.num_nodes();
-  const int nodes = num_slave + (pair.master ? pair.master->displacement.num_nodes() : 0), size = nodes * gdim;
-  std::int64_t dofs[18 * 3];
-  for (int a = 0; a < nodes; ++a)
-  {
-    const std::int32_t node = a < num_slave ? pair.slave.nodes_of(pair.points.facet[q])[a]
-                                            : pair.master->nodes_of(pair.points.master[q])[a - num_slave];
-    for (int c = 0; c < gdim; ++c)
-      dofs[a * gdim + c] = gdim * global_nodes[node] + c;
-  }
-  for (int i = 0; i < size; ++i)
-  {
-    out.rows.insert(out.rows.end(), size, dofs[i]);
-    out.cols.insert(out.cols.end(), dofs, dofs + size);
-  }
-  out.values.insert(out.values.end(), block, block + size * size);
-}
-
 void check(const PenaltyPair& pair)
 {
   const gap::Points& p = pair.points;
@@ -293,17 +272,23 @@ void add_force(const PenaltyPair& pair, const PenaltyState& state, std::span<dou
   }
 }
 
-void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const std::int64_t> global_nodes,
-             bool convex, Triplets& out)
+int coupled_nodes(const PenaltyPair& pair, std::size_t q, std::int32_t* nodes)
 {
-  out.rows.clear();
-  out.cols.clear();
-  out.values.clear();
+  const int num_slave = pair.slave.displacement.num_nodes();
+  std::copy_n(pair.slave.nodes_of(pair.points.facet[q]), num_slave, nodes);
+  if (!pair.master)
+    return num_slave;
+  std::copy_n(pair.master->nodes_of(pair.points.master[q]), pair.master->displacement.num_nodes(), nodes + num_slave);
+  return num_slave + pair.master->displacement.num_nodes();
+}
+
+void tangent(const PenaltyPair& pair, const PenaltyState& state, bool convex, const InsertBlock& insert)
+{
   const gap::Points& p = pair.points;
   const auto together = [&](std::size_t a, std::size_t b)
   { return state.status[a] != ContactStatus::open && p.master[a] == p.master[b]; };
   double block[18 * 3 * 18 * 3];
-  const int nodes = pair.slave.displacement.num_nodes() + (pair.master ? pair.master->displacement.num_nodes() : 0);
+  std::int32_t nodes[18];
   for (std::size_t first = 0; first < p.size(); first += p.per_facet)
     for (std::size_t q = first; q < first + p.per_facet; ++q)
     {
@@ -313,11 +298,12 @@ void tangent(const PenaltyPair& pair, const PenaltyState& state, std::span<const
         done = together(earlier, q);
       if (done)
         continue;
-      std::fill_n(block, nodes * nodes * p.gdim * p.gdim, 0.0);
+      const std::size_t num = coupled_nodes(pair, q, nodes), size = num * num * p.gdim * p.gdim;
+      std::fill_n(block, size, 0.0);
       for (std::size_t other = q; other < first + p.per_facet; ++other)
         if (together(other, q))
           add_point(pair, state, other, convex, block);
-      emit(pair, q, block, global_nodes, out);
+      insert({nodes, num}, {block, size});
     }
 }
 

@@ -8,7 +8,7 @@ VIOLATION = 1e-11  # of the conditions of contact that may be left, in sizes of 
 PATIENCE = 3  # changes of many nodes at once that may fail to bring the active set nearer to its end
 
 
-class Settling:
+class ActiveSetIteration:
     """Keeps the changes of an active set from going round for ever.
 
     All nodes change at once while that brings the number of wrong ones down; if it fails to several times running, one
@@ -22,7 +22,7 @@ class Settling:
     def change(self, contacts):
         """Let the contacts change states; returns how many nodes were wrong, on all ranks. Collective."""
         single = self.patience == 0
-        found = sum([c.switch(False, NOBODY if single else None) for c in contacts])
+        found = sum([c.update_active_set(False, NOBODY if single else None) for c in contacts])
         self.count += 1
         if found < self.best:
             self.best, self.patience = found, PATIENCE
@@ -30,7 +30,7 @@ class Settling:
             self.patience -= 1
         if single and found:
             contact = next((c for c in contacts if c.last_change >= 0), contacts[0])
-            contact.switch(False, None if self.patience else contact.last_change)
+            contact.update_active_set(False, None if self.patience else contact.last_change)
         return found
 
 
@@ -49,7 +49,7 @@ def did_not_converge(result, newton, moved, small, pending, violation):
     if pending:
         found.append(f"{pending} contact points change their state")
     if violation >= VIOLATION:
-        found += [text for text in [c.violated() for c in contacts] if text]
+        found += [text for text in [c.largest_violation() for c in contacts] if text]
     if not moved:
         found.append("prescribed values are not reached")
     if period:
@@ -61,6 +61,6 @@ def did_not_converge(result, newton, moved, small, pending, violation):
     if small and moved and not pending:
         # Everything rests, but a condition is not fulfilled: no load is small enough for that.
         return result.failed(text, hopeless=True)
-    coarse = [text for text in [c.coarse() for c in contacts] if text]
+    coarse = [text for text in [c.coarse_slave() for c in contacts] if text]
     advice = f"{'; '.join(coarse)}. {result.advice}" if coarse else None
     return result.failed(text, advice=advice)

@@ -14,7 +14,7 @@ LARGEST = 50_000_000  # entries of all columns together
 MAX_CHANGES = 60
 
 
-class Compliance:
+class LinearisedActiveSet:
     """Responses of a frictionless contact about a solution with the system's own active set. Collective.
 
     Args:
@@ -32,7 +32,7 @@ class Compliance:
         self.gaps = np.empty((len(contact.nodes), 0))
         self.multipliers = np.empty((len(contact.nodes), 0))
 
-    def settle(self):
+    def update(self):
         """Change the contact's active set until no node is wrong.
 
         Returns:
@@ -42,7 +42,7 @@ class Compliance:
         contact = self.contact
         z, changes = np.zeros(0), 0
         for _ in range(MAX_CHANGES):
-            found = contact.switch(False)
+            found = contact.update_active_set(False)
             if found == 0:
                 return self.increments @ z, changes
             changes += found
@@ -128,7 +128,9 @@ class Compliance:
             transformation.known[:] = self._gap_of_one(geometry.numbers == new[k]) if opened[k] else 0.0
             x.array[:] = values[:, k]
             increments[:, k] = system.displacements(x)
-            gaps[:, k], multipliers[:, k] = contact.respond(increments[:, k], self.product(increments[:, k]))
+            gaps[:, k], multipliers[:, k] = contact.linearised_response(
+                increments[:, k], self.product(increments[:, k])
+            )
         transformation.known[:] = known
         for thing in (right, answer, x, b):
             thing.destroy()

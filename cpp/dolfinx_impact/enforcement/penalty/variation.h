@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../gap/points.h"
+#include "../../gap/points.h"
 
 namespace dolfinx_impact::enforcement
 {
