@@ -50,6 +50,35 @@ def test_layers_complain(tree, name, include):
     assert name in complaint
 
 
+GOOD_ROOMS = {
+    "BoxTree.h": "#include <vector>\n",
+    "Exchange.h": '#include "BoxTree.h"\n',
+    "closest_point/SurfaceSearch.h": '#include "../BoxTree.h"\n#include "../../surface/Facets.h"\n',
+    "node_tracker/NodeTracker.h": '#include "../closest_point/SurfaceSearch.h"\n#include "../Exchange.h"\n',
+}
+
+
+def test_rooms_pass_a_good_tree(tree):
+    root = tree({f"cpp/dolfinx_impact/search/{name}": text for name, text in GOOD_ROOMS.items()})
+    assert rules.room_violations(root) == []
+
+
+@pytest.mark.parametrize(
+    "name, include",
+    [
+        ("closest_point/edges.h", '"../node_tracker/NodeTracker.h"'),
+        ("closest_point/edges.h", "<dolfinx_impact/search/node_tracker/NodeTracker.h>"),  # by the installed name
+        ("Exchange.h", '"node_tracker/NodeTracker.h"'),
+        ("pairs.cpp", '"closest_point/SurfaceSearch.h"'),
+        ("elsewhere/file.h", "<vector>"),  # a folder that is no room
+    ],
+)
+def test_rooms_complain(tree, name, include):
+    files = {**GOOD_ROOMS, name: f"#include {include}\n"}
+    (complaint,) = rules.room_violations(tree({f"cpp/dolfinx_impact/search/{n}": text for n, text in files.items()}))
+    assert name in complaint
+
+
 @pytest.mark.parametrize(
     "name, text",
     [
