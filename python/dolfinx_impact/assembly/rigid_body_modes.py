@@ -39,7 +39,8 @@ class RigidMotions:
     """Unit rigid motions of all bodies, as fields over positions; turns are scaled by the body's size. Collective.
 
     Args:
-        V: displacement space. u: displacements (array over owned and ghost dofs), about which motions are small [L].
+        V: displacement space.
+        u: displacements (array over owned and ghost dofs), about which motions are small [L].
         axisymmetric: x is the radius.
 
     Attributes:
@@ -87,7 +88,9 @@ class RigidMotions:
         """Work of unit forces on all motions: (points, size_of_all).
 
         Args:
-            body: (n) whose points they are. x: (n, gdim) where they act [L]. vectors: (n, gdim) unit forces.
+            body: (n) whose points they are.
+            x: (n, gdim) where they act [L].
+            vectors: (n, gdim) unit forces.
         """
         out = np.zeros((len(x), self.count, len(self.names)))
         out[np.arange(len(x)), body] = np.einsum("nma,na->nm", self.fields(body, x), vectors)
@@ -107,9 +110,12 @@ def free_motions(V, fixed, contacts, u, axisymmetric=False):
     Bodies that nothing holds but that nearly touch are held by it: their contacts are told to `touch_nearest()`.
 
     Args:
-        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: with `held_rows(motions)`,
+        V: displacement space.
+        fixed: mask of prescribed dofs (owned and ghosts).
+        contacts: with `held_rows(motions)`,
             arrays of what contact prevents, a row per point and direction, a column per motion of RigidMotions, and
-            `touch_nearest()`; both collective. u: present displacements (array over owned and ghost dofs) [L].
+            `touch_nearest()`; both collective.
+        u: present displacements (array over owned and ghost dofs) [L].
 
     Returns:
         list of str, empty if everything is held; the same on all ranks, and the same on any number of them.

@@ -17,7 +17,8 @@ class Neighbours:
     """Search for a pair of deformable surfaces.
 
     Args:
-        pair: ContactPair. V: displacement space. slave, master: this rank's facets.
+        pair: ContactPair.
+        V: displacement space. slave, master: this rank's facets.
 
     Attributes:
         reach: within which slave and master are paired when nothing moves [L].

@@ -32,7 +32,9 @@ def cross_check(
 
     Args:
         form_or_name: a name of forms.registry.NAMES, a path of a user's file, or None for all forms.
-        cells, degrees: to restrict to. levels: of LEVELS. count: random cells per element comparison.
+        cells, degrees: to restrict to.
+        levels: of LEVELS.
+        count: random cells per element comparison.
 
     Returns:
         Report with .rows and .passed.
