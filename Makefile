@@ -6,11 +6,11 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify matrix bench docs shell lint format clean lint-here test-here test-units-here test-others-here \
+.PHONY: help demo test verify matrix bench docs notebooks shell lint format clean lint-here test-here test-units-here test-others-here \
   slow-here docs-here
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
 demo: ## the flagship run with its figures (another one: make demo DEMO=name; in space: ARGS=--3d)
 	$(RUN) dolfinx-impact demo $(DEMO) $(ARGS)
@@ -32,6 +32,9 @@ bench: ## the benchmarks; writes results/bench.json
 
 docs: ## the documentation site, in build/site; works without a network
 	$(RUN) make docs-here
+
+notebooks: ## the demos as Jupyter notebooks, in build/notebooks (another folder: make notebooks FOLDER=name)
+	$(RUN) python3 docs/notebooks.py $(or $(FOLDER),build/notebooks)
 
 shell: ## an interactive shell inside the environment
 	$(RUN) bash

@@ -29,6 +29,8 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::triplets(linear);
   nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
   dolfinx_impact::bindings::penalty(penalty);
+  nb::module_ multipliers = m.def_submodule("multipliers", "Mortar integrals, active set and condensation");
+  dolfinx_impact::bindings::multipliers(multipliers);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   dolfinx_impact::bindings::integrators(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");

@@ -17,6 +17,7 @@ void operators(nanobind::module_& m);
 void surface(nanobind::module_& m);
 void nodal(nanobind::module_& m);
 void mortar(nanobind::module_& m);
+void multipliers(nanobind::module_& m);
 void triplets(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);

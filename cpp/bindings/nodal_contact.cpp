@@ -141,7 +141,7 @@ void set_kinematic_history(KinematicContact& self, const nb::dict& dict)
 
 nb::dict counters(const NodeToSurface& self)
 {
-  const auto& c = self.tracking().counters();
+  const auto& c = self.tracker().counters();
   nb::dict out;
   out["steps"] = c.steps;
   out["nodes"] = c.nodes;

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "dolfinx_impact/enforcement/Penalty.h"
+#include "dolfinx_impact/enforcement/penalty/penalty.h"
 #include "arrays.h"
+#include "dolfinx_impact/enforcement/penalty/QuadraturePenalty.h"
 #include <algorithm>
+#include <caster_petsc.h>
 
 using namespace dolfinx_impact::enforcement;
 using dolfinx_impact::gap::Points;
 using dolfinx_impact::gap::Rigid;
 using dolfinx_impact::search::SurfaceSearch;
 using dolfinx_impact::surface::Facets;
+using dolfinx_impact::surface::FunctionSpace;
 
 namespace
 {
@@ -149,12 +152,77 @@ void bind_state(nb::module_& m)
           "traction", [vectors](const PenaltyState& s) { return vectors(s, s.traction); }, nb::rv_policy::move)
       .def_prop_ro("slip", [vectors](const PenaltyState& s) { return vectors(s, s.slip); }, nb::rv_policy::move);
 }
+std::span<const double> view(const Values& values)
+{
+  return {values.data(), values.size()};
+}
+
+QuadraturePenalty::Setup setup(std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Rows& points,
+                               const Values& weights, bool axisymmetric)
+{
+  if (points.shape(0) != weights.size() || points.shape(1) != std::size_t(slave.geometry.tdim()))
+    throw std::invalid_argument("a rule: points of shape (number, dimension of the facet), as many weights");
+  return {std::move(V), slave, {points.data(), points.size()}, view(weights), axisymmetric};
+}
+
+void bind_contact(nb::module_& m)
+{
+  const auto reference = nb::rv_policy::reference_internal;
+  nb::class_<PenaltyParameters>(m, "PenaltyParameters", "Penalties [F/L^3], friction [1], touch [F/L^2]")
+      .def_rw("normal", &PenaltyParameters::normal)
+      .def_rw("tangential", &PenaltyParameters::tangential)
+      .def_rw("friction", &PenaltyParameters::friction)
+      .def_rw("touch", &PenaltyParameters::touch);
+  nb::class_<QuadraturePenalty>(m, "QuadraturePenalty", "Penalty contact of one pair")
+      .def(
+          "__init__",
+          [](QuadraturePenalty* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Facets& master,
+             Rows points, Values weights, bool axisymmetric, double search_distance)
+          {
+            new (self)
+                QuadraturePenalty(setup(std::move(V), slave, points, weights, axisymmetric), master, search_distance);
+          },
+          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("points"), nb::arg("weights"),
+          nb::arg("axisymmetric") = false, nb::arg("search_distance") = 0.0)
+      .def(
+          "__init__",
+          [](QuadraturePenalty* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
+             std::shared_ptr<Rigid> master, Rows points, Values weights, bool axisymmetric)
+          {
+            new (self) QuadraturePenalty(setup(std::move(V), slave, points, weights, axisymmetric), std::move(master));
+          },
+          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("points"), nb::arg("weights"),
+          nb::arg("axisymmetric") = false)
+      .def_prop_ro(
+          "parameters", [](QuadraturePenalty& p) -> PenaltyParameters& { return p.parameters; }, reference)
+      .def_prop_ro(
+          "history", [](QuadraturePenalty& p) -> PenaltyHistory& { return p.history; }, reference)
+      .def_prop_ro("points", &QuadraturePenalty::points, reference)
+      .def_prop_ro("state", &QuadraturePenalty::state, reference)
+      .def_prop_ro("map", &QuadraturePenalty::map)
+      .def_prop_ro("search", &QuadraturePenalty::search, reference)
+      .def_prop_ro("num_matrices", &QuadraturePenalty::num_matrices)
+      .def(
+          "update_gap", [](QuadraturePenalty& p, Values u, Values start, bool stay)
+          { p.update_gap(view(u), view(start), stay); }, nb::arg("u"), nb::arg("start"), nb::arg("stay"))
+      .def(
+          "evaluate", [](QuadraturePenalty& p, Values increment, std::array<double, 3> rigid)
+          { p.evaluate(view(increment), rigid); }, nb::arg("increment"), nb::arg("rigid"))
+      .def("evaluate", [](QuadraturePenalty& p) { p.evaluate(); })
+      .def("accept_step", &QuadraturePenalty::accept_step)
+      .def("add_residual", &QuadraturePenalty::add_residual, nb::arg("b"))
+      .def("contact_forces", [](const QuadraturePenalty& p) { return take(p.contact_forces()); })
+      .def("closing_forces", [](const QuadraturePenalty& p) { return take(p.closing_forces()); })
+      .def("tangent", &QuadraturePenalty::tangent, nb::arg("convex") = false, nb::rv_policy::reference,
+           "PETSc matrix, kept by this object");
+}
 } // namespace
 
 void dolfinx_impact::bindings::penalty(nb::module_& m)
 {
   bind_points(m);
   bind_state(m);
+  bind_contact(m);
   nb::class_<Pair>(m, "Penalty", "Penalty method for a pair in its present configuration")
       .def(
           "__init__",
@@ -209,9 +277,23 @@ void dolfinx_impact::bindings::penalty(nb::module_& m)
             self.check(state);
             if (global_nodes.size() < self.num_nodes())
               throw std::invalid_argument("fewer global numbers than nodes");
-            Triplets out;
-            tangent(self.view(), state, {global_nodes.data(), global_nodes.size()}, convex, out);
-            return nb::make_tuple(take(std::move(out.rows)), take(std::move(out.cols)), take(std::move(out.values)));
+            std::vector<std::int64_t> rows, cols;
+            std::vector<double> values;
+            const int gdim = self.points.gdim;
+            const auto insert = [&](std::span<const std::int32_t> nodes, std::span<const double> block)
+            {
+              for (std::int32_t a : nodes)
+                for (int c = 0; c < gdim; ++c)
+                  for (std::int32_t b : nodes)
+                    for (int d = 0; d < gdim; ++d)
+                    {
+                      rows.push_back(gdim * global_nodes.data()[a] + c);
+                      cols.push_back(gdim * global_nodes.data()[b] + d);
+                    }
+              values.insert(values.end(), block.begin(), block.end());
+            };
+            tangent(self.view(), state, convex, insert);
+            return nb::make_tuple(take(std::move(rows)), take(std::move(cols)), take(std::move(values)));
           },
           nb::arg("state"), nb::arg("global_nodes"), nb::arg("convex") = false,
           "Rows, columns and values of minus the derivative of the contact force; convex: its part that is positive "

@@ -2,8 +2,9 @@
 #include "arrays.h"
 #include "dolfinx_impact/search/BoxTree.h"
 #include "dolfinx_impact/search/Exchange.h"
+#include "dolfinx_impact/search/PairSearch.h"
 #include "dolfinx_impact/search/boxes.h"
-#include "dolfinx_impact/search/project.h"
+#include "dolfinx_impact/search/closest_point/SurfaceSearch.h"
 
 using namespace dolfinx_impact::search;
 using dolfinx_impact::surface::Facets;
@@ -37,6 +38,12 @@ nanobind::dict projections(const std::vector<Projection>& found, std::size_t gdi
   out["gap"] = dolfinx_impact::bindings::take(std::move(gap));
   out["normal"] = dolfinx_impact::bindings::take(std::move(normal), {found.size(), gdim});
   return out;
+}
+
+/// Facets that live as long as the exchange they are part of.
+std::shared_ptr<Facets> facets(const std::shared_ptr<const Exchange>& exchange, const Facets& part)
+{
+  return {std::const_pointer_cast<Exchange>(exchange), const_cast<Facets*>(&part)};
 }
 
 std::span<const double> view(const Values& values)
@@ -131,6 +138,21 @@ void dolfinx_impact::bindings::search(nb::module_& m)
           "move", [](Exchange& self, Values u) { self.move(view(u)); }, nb::arg("u"),
           "Both surfaces to X + u, u a vector of V. Collective");
 
+  nb::class_<PairSearch>(m, "PairSearch", "Two deformable surfaces as they move; candidates are kept while they hold")
+      .def(
+          "__init__",
+          [](PairSearch* self, std::shared_ptr<const dolfinx_impact::surface::FunctionSpace> V, const Facets& slave,
+             const Facets& master, double reach) { new (self) PairSearch(std::move(V), slave, master, reach); },
+          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("reach") = 0.0)
+      .def(
+          "update", [](PairSearch& self, Values u, Values start) { self.update(view(u), view(start)); }, nb::arg("u"),
+          nb::arg("start"), "Move both surfaces to u and search anew where needed. Collective")
+      .def_prop_ro("slave", [](const PairSearch& self) { return facets(self.exchange(), self.slave()); })
+      .def_prop_ro("master", [](const PairSearch& self) { return facets(self.exchange(), self.master()); })
+      .def_prop_ro("map", &PairSearch::map)
+      .def_prop_ro("reach", &PairSearch::reach)
+      .def_prop_ro("kept", &PairSearch::kept)
+      .def_prop_ro("num_exchanges", &PairSearch::num_exchanges);
   nb::class_<SurfaceSearch>(m, "SurfaceSearch", "Closest points of a surface")
       .def(nb::init<const Facets&>(), nb::arg("master"), nb::keep_alive<1, 2>())
       .def_prop_ro("master", &SurfaceSearch::master, nb::rv_policy::reference_internal)

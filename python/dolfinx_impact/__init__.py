@@ -2,8 +2,8 @@
 """Contact-impact for DOLFINx: UFL forms compiled to verified C++ kernels.
 
 The classes a user composes are here. The packages they stand on follow the data flow: assembly (kernels, operators,
-lumped mass), contact, statics, dynamics, io. The physics in UFL is dolfinx_impact.forms; theory has closed forms, verify
-the comparison with the hand-written solver.
+lumped mass), contact, statics, dynamics, io. The physics in UFL is dolfinx_impact.forms; theory has closed forms,
+verify the comparison with the hand-written solver.
 """
 
 from . import _cpp, forms, theory, verify

@@ -7,7 +7,8 @@ import pytest
 from contact_sabotage import PATCH, failed, of_theirs, patches, solutions, times
 from sabotage import assert_healthy
 
-from dolfinx_impact.contact import mortar
+from dolfinx_impact import _cpp
+from dolfinx_impact.contact.mortar import mortar_geometry
 from dolfinx_impact.contact.mortar.geometry import RigidGeometry
 from dolfinx_impact.contact.mortar.mortar_geometry import MortarGeometry
 from dolfinx_impact.contact.penalty.penalty import PenaltyContact
@@ -138,8 +139,8 @@ def test_a_point_without_master_that_is_closed(monkeypatch):
 
 @pytest.mark.parametrize("factor", [-1.0, 1 + 1e-8, float("nan")])
 def test_forces_of_the_penalty(factor, monkeypatch):
-    right = PenaltyContact.forces
-    monkeypatch.setattr(PenaltyContact, "forces", lambda self: factor * right(self))
+    right = PenaltyContact.contact_forces
+    monkeypatch.setattr(PenaltyContact, "contact_forces", lambda self: factor * right(self))
     rows = failed(patches(), ["penalty_force"], ["penalty_tangent", "gap"])
     assert {r.name for r in rows} == {"deformable master", "rigid plane", "rigid sphere", "rigid cylinder"}
     assert all("UFL" in r.note for r in rows)
@@ -173,7 +174,7 @@ def test_friction_with_another_coefficient(monkeypatch):
 
 
 def test_slip_that_open_points_keep(monkeypatch):
-    right = PenaltyContact.accept
+    right = PenaltyContact.accept_step
 
     def wrong(self):
         before = self.history.slip
@@ -181,7 +182,7 @@ def test_slip_that_open_points_keep(monkeypatch):
         n = np.repeat(self.status == 0, self.gdim)
         self.history.slip = np.where(n, before + 1e-3, self.history.slip)
 
-    monkeypatch.setattr(PenaltyContact, "accept", wrong)
+    monkeypatch.setattr(PenaltyContact, "accept_step", wrong)
     assert {r.form for r in failed(patches(), ["friction_slip"])} == {"contact.friction_slip"}
 
 
@@ -204,12 +205,12 @@ def test_values_at_nodes_that_are_wrong(name, change, forms, monkeypatch):
 @pytest.mark.parametrize("bound, case", [(0.0, ("triangle", "plane_strain", 1, 1)), (1.0, PATCH)])
 def test_normals_at_planes_of_symmetry(bound, case, monkeypatch):
     """1.9 degrees off the plane in the first case, 11.7 in the second: none, or all are put into the plane."""
-    monkeypatch.setattr(mortar, "SYMMETRY", bound)
+    monkeypatch.setattr(mortar_geometry, "SYMMETRY", bound)
     assert {r.name for r in failed(patches(case), ["normals"], ["mortar_D"])} == {"deformable master"}
 
 
 def test_nodes_against_obstacles(monkeypatch):
-    after(monkeypatch, RigidGeometry, "update", lambda self: setattr(self, "gap", self.gap + 1e-9))
+    after(monkeypatch, RigidGeometry, "update_gap", lambda self: setattr(self, "gap", self.gap + 1e-9))
     rows = failed(patches(), ["mortar_gap"], ["mortar_force"])
     assert {r.name for r in rows} == {"rigid plane", "rigid sphere", "rigid cylinder"}
 
@@ -304,7 +305,11 @@ def test_linear_multipliers_in_place_of_standard_ones(monkeypatch):
 
 
 def test_functions_that_are_not_handed_over(monkeypatch):
-    right = mortar._cpp.gap.mortar
-    monkeypatch.setattr(mortar._cpp.gap, "mortar", lambda *args: right(*args[:-1], np.ones_like(args[-1])))
+    def all_carry(self):
+        pair = self.search.slave, self.search.master
+        everywhere = np.ones(self.map.size_local + self.map.num_ghosts, dtype=np.int8)
+        return _cpp.gap.mortar(*pair, self.integrals.segments, self.basis, everywhere)
+
+    monkeypatch.setattr(MortarGeometry, "mortar", property(all_carry))
     rows = failed(patches(("quadrilateral", "plane_strain", 2, 1)), ["mortar_D", "standard_D"], ["normals", "gap"])
     assert {r.name for r in rows} == {"deformable master"}

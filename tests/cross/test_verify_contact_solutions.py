@@ -14,18 +14,18 @@ from dolfinx_impact.verify.report import Report
 
 
 def test_multipliers_that_are_never_augmented(monkeypatch):
-    monkeypatch.setattr(PenaltyContact, "refine", lambda self: False)
+    monkeypatch.setattr(PenaltyContact, "augment", lambda self: False)
     failed(solutions(), ["static_augmented"], ["static_penalty", "static_lagrange"])
 
 
 def test_one_round_of_augmentation_too_few(monkeypatch):
-    right, seen = PenaltyContact.refine, []
+    right, seen = PenaltyContact.augment, []
 
     def wrong(self):
         seen.append(self)
         return right(self) if len(seen) < 3 else False
 
-    monkeypatch.setattr(PenaltyContact, "refine", wrong)
+    monkeypatch.setattr(PenaltyContact, "augment", wrong)
     failed(solutions(), [], ["static_lagrange"])
     assert len(seen) >= 3
 

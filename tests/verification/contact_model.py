@@ -126,5 +126,5 @@ def assert_coulomb(contact, slipped=None):
         np.testing.assert_allclose(along[slips], -(length * size)[slips], rtol=0, atol=still * top)
         assert length[status == di.ContactStatus.stick].max(initial=0.0) <= still
     if not contact.pair.rigid:
-        f = contact.forces().reshape(-1, t.shape[1])
+        f = contact.contact_forces().reshape(-1, t.shape[1])
         assert np.abs(f.sum(axis=0)).max() <= 1e-10 * np.abs(f).sum()

@@ -92,4 +92,4 @@ def test_plate_pressed_and_pushed(method, degree, steps):
     assert contact.force[1] == pytest.approx(50.0 * 40.0, rel=1e-9)
     if degree == 1:  # reaction of the node next to the right edge: 104.86 N/mm published
         node = np.argmin(np.linalg.norm(m.V.tabulate_dof_coordinates()[:, :2] - (38.75, 0.0), axis=1))
-        assert contact.forces().reshape(-1, 2)[node, 1] == pytest.approx(104.86, rel=0.01)
+        assert contact.contact_forces().reshape(-1, 2)[node, 1] == pytest.approx(104.86, rel=0.01)

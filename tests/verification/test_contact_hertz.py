@@ -243,7 +243,7 @@ def conditions(problem, young):
     closed = contact.status > 0
     assert closed.any() and not closed.all()
     assert np.all(contact.gap[~closed] >= -1e-12 * size) and np.all(contact.pressure[~closed] == 0.0)
-    nodal = contact.forces().reshape(-1, len(contact.force))
+    nodal = contact.contact_forces().reshape(-1, len(contact.force))
     assert np.all(np.abs(nodal.sum(axis=0)) < 1e-12 * np.abs(nodal).sum())
     assert np.abs(nodal).sum() > np.linalg.norm(contact.force)  # there are two bodies in it
 
@@ -263,5 +263,5 @@ def test_penalty_forces_are_opposite(degree):
     contact = model.contact
     assert np.all(contact.pressure >= 0.0) and np.all(contact.gap[contact.pressure == 0.0] >= 0.0)
     np.testing.assert_allclose(contact.pressure, np.maximum(0.0, -contact.penalty * contact.gap), rtol=1e-12)
-    nodal = contact.forces().reshape(-1, 2)
+    nodal = contact.contact_forces().reshape(-1, 2)
     assert np.all(np.abs(nodal.sum(axis=0)) < 1e-12 * np.abs(nodal).sum()) and np.abs(nodal).sum() > 0

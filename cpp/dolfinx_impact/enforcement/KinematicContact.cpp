@@ -68,7 +68,7 @@ void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_
   NodeToSurface::number(halo, numbers, mass);
   const std::size_t num = halo.num_nodes();
   _touched.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
-  _touched.insert(_touched.end(), _tracking.master().nodes.begin(), _tracking.master().nodes.end());
+  _touched.insert(_touched.end(), _tracker.master().nodes.begin(), _tracker.master().nodes.end());
   std::sort(_touched.begin(), _touched.end());
   _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());
   _weight.assign(num, 0.0);
@@ -101,7 +101,7 @@ void KinematicContact::predict(const PredictedStep& step, const double* u)
   Touch touch;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
-    if (!_rigid && _tracking.asleep(i))
+    if (!_rigid && _tracker.skipped(i))
       continue;
     const bool may_release = _taken[i] > 0.0; // so it was among the closed nodes of the step before
     if (!meets(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, false, touch))
@@ -122,10 +122,10 @@ void KinematicContact::predict(const PredictedStep& step, const double* u)
     std::copy_n(touch.at.normal, 3, closed.normal);
     // Forces act at t_n, along the facet's normal then: the predicted facet is tilted by the lack of these very forces.
     if (!_rigid && touch.at.on_facet())
-      _tracking.normal_before(touch.at, u, du, closed.normal);
+      _tracker.normal_before(touch.at, u, du, closed.normal);
     for_nodes(_num_masters, [&](int j) { _phi[q * _num_masters + j] = touch.phi[j]; });
     if (!_rigid)
-      _tracking.hold(i, touch.at);
+      _tracker.track(i, touch.at);
     if (turns())
     {
       double x[D];
@@ -136,7 +136,7 @@ void KinematicContact::predict(const PredictedStep& step, const double* u)
       }
       const auto at = [&](int j, int c)
       {
-        const search::MasterNode& master = _tracking.masters()[touch.corners[j]];
+        const search::MasterNode& master = _tracker.masters()[touch.corners[j]];
         return master.x[c] - master.du[c];
       };
       _couples[q].set<D>(_num_masters, at, touch.phi, x, _arms.data() + q * _num_masters * D);
@@ -375,7 +375,7 @@ void KinematicContact::record(double h, double dt)
                             [&](int j, int c, double value)
                             {
                               const std::size_t k = std::size_t(closed.masters[j]) * D + c;
-                              const double du = _tracking.masters()[closed.corners[j]].du[c];
+                              const double du = _tracker.masters()[closed.corners[j]].du[c];
                               work += 0.5 * value * _before[k];
                               later += 0.5 * value * (du + _moved[k]);
                             });
@@ -424,7 +424,7 @@ void KinematicContact::correct(const PredictedStep& step, double* u, double* f)
   if (!_rigid)
   {
     _candidates.advance(step.dt);
-    _tracking.advance(u, step.du);
+    _tracker.advance(u, step.du);
   }
   _gdim == 2 ? correct_all<2>(step, u, f) : correct_all<3>(step, u, f);
 }

@@ -66,7 +66,7 @@ public:
   /// The next searches do not depend on what was before: a run that goes on from a checkpoint makes the same ones.
   virtual void forget_search() = 0;
 
-  /// Bring the gaps of open nodes, which are evaluated as seldom as can be, up to date in the results.
+  /// Evaluate the gaps of open nodes for the results: steps update them lazily.
   /// @param[in] u displacements of the Halo's nodes [L]
   virtual void update_gaps(const double* u) = 0;
 

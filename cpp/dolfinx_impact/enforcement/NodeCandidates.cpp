@@ -20,19 +20,11 @@ std::pair<double, double> diameters(const surface::Facets& facets)
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (std::size_t f = 0; f < facets.size(); ++f)
   {
-    double diameter = 0.0;
-    for (int i = 0; i < facets.geometry.num_corners(); ++i)
-      for (int j = 0; j < i; ++j)
-      {
-        double squared = 0.0;
-        for (int c = 0; c < facets.gdim; ++c)
-          squared += std::pow(facets.X_of(f)[i * facets.gdim + c] - facets.X_of(f)[j * facets.gdim + c], 2);
-        diameter = std::max(diameter, squared);
-      }
+    const double diameter = surface::diameter(facets, f);
     smallest = std::min(smallest, diameter);
     largest = std::max(largest, diameter);
   }
-  return {std::sqrt(smallest), std::sqrt(largest)};
+  return {smallest, largest};
 }
 
 /// Points as facets of no length, for boxes around them.
@@ -66,7 +58,7 @@ NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::F
       if (node < 0 || node >= _halo.num_nodes())
         throw std::invalid_argument("the facets were made for another displacement space");
   if (master)
-    _mine = globalise(V, *master);
+    _mine = search::pack(*V.dofmap()->index_map, *master);
   const auto [smallest, largest] = diameters(_mine.facets);
   double sizes[2] = {std::max(diameters(_slave).second, largest), -smallest}, all[2];
   check_error(_comm, MPI_Allreduce(sizes, all, 2, MPI_DOUBLE, MPI_MAX, _comm));
@@ -77,19 +69,7 @@ NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::F
   _u.resize(std::size_t(_halo.num_nodes()) * gdim);
   find_nodes(V, axisymmetric);
   if (master)
-    _around = search::send_to_owners(_comm, globalise(V, _slave));
-}
-
-/// This rank's facets with their nodes' global numbers and owners.
-search::Travellers NodeCandidates::globalise(const surface::FunctionSpace& V, const surface::Facets& facets) const
-{
-  const auto& map = *V.dofmap()->index_map;
-  search::Travellers out{facets, std::vector<std::int64_t>(facets.nodes.size()), {}};
-  map.local_to_global(facets.nodes, out.nodes);
-  const int rank = dolfinx::MPI::rank(_comm);
-  for (std::int32_t node : facets.nodes)
-    out.owners.push_back(node < map.size_local() ? rank : map.owners()[node - map.size_local()]);
-  return out;
+    _around = search::send_to_owners(_comm, search::pack(*V.dofmap()->index_map, _slave));
 }
 
 /// Nodes that are ours, with areas; a rank may own a node without having a facet at it.
@@ -155,7 +135,7 @@ void NodeCandidates::search(std::span<const double> u, std::span<const double> d
   std::vector<std::int64_t> known(map.ghosts().begin(), map.ghosts().end());
   std::sort(known.begin(), known.end());
   std::vector<std::pair<std::int64_t, int>> far;
-  for (const search::Travellers* facets : {&_found, &_around})
+  for (const search::FacetPackets* facets : {&_found, &_around})
     for (std::size_t i = 0; i < facets->nodes.size(); ++i)
       if (const std::int64_t node = facets->nodes[i]; (node < map.local_range()[0] || node >= map.local_range()[1]) &&
                                                       !std::binary_search(known.begin(), known.end(), node))
@@ -212,7 +192,7 @@ void NodeCandidates::forget()
 namespace
 {
 /// Facets with the numbers that a Halo has for their nodes.
-surface::Facets number_facets(const search::Travellers& facets, const operators::Halo& halo)
+surface::Facets number_facets(const search::FacetPackets& facets, const operators::Halo& halo)
 {
   surface::Facets out = facets.facets;
   const auto& map = halo.map();

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../operators/Halo.h"
-#include "../search/NodeTracking.h"
-#include "../search/travel.h"
+#include "../search/facet_exchange.h"
 #include "../surface/Surface.h"
 #include "NodalContact.h"
 #include <memory>
@@ -60,7 +59,6 @@ public:
   std::int64_t searches() const { return _searches; }
 
 private:
-  void forward(std::span<const double> u);
   void find_nodes(const surface::FunctionSpace& V, bool axisymmetric);
   void mean_motion(std::span<const double> du);
 
@@ -69,11 +67,10 @@ private:
   double _distance, _size = 0.0, _smallest = 0.0;
   mutable operators::Halo _halo; ///< of the space
   surface::Facets _slave;
-  search::Travellers globalise(const surface::FunctionSpace& V, const surface::Facets& facets) const;
-  search::Travellers _mine; ///< this rank's master facets
+  search::FacetPackets _mine; ///< this rank's master facets
   std::vector<std::int32_t> _nodes, _watched, _numbers, _watched_numbers;
   std::vector<double> _watched_X, _X, _areas, _master_areas;
-  search::Travellers _found, _around; ///< candidates; slave facets at nodes()
+  search::FacetPackets _found, _around; ///< candidates; slave facets at nodes()
   std::vector<std::int64_t> _remote_nodes;
   std::vector<int> _remote_owners;
   std::vector<double> _u; ///< displacements over the space's nodes

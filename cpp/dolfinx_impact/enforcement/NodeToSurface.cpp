@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodeToSurface.h"
-#include "../search/linear_facet.h"
+#include "../search/closest_point/linear_facet.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -51,7 +51,7 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
                              const surface::Facets* master, const gap::Rigid* rigid,
                              const NodeToSurfaceOptions& options)
     : _options(checked(options)), _gdim(slave.gdim), _rigid(rigid != nullptr), _obstacle(rigid ? *rigid : gap::Rigid{}),
-      _candidates(V, slave, master, options.search_distance, options.axisymmetric), _tracking(_gdim, _candidates.X())
+      _candidates(V, slave, master, options.search_distance, options.axisymmetric), _tracker(_gdim, _candidates.X())
 {
   if (rigid && rigid->gdim != _gdim)
     throw std::invalid_argument("the rigid master has another dimension than the slave");
@@ -107,13 +107,13 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
   }
   for (std::int32_t& node : _around.nodes)
     node = numbers[node];
-  _tracking.reset(std::move(_facets), _candidates.numbers(), std::move(_around), _candidates.distance());
-  const auto masters = _tracking.master_nodes();
+  _tracker.reset(std::move(_facets), _candidates.numbers(), std::move(_around), _candidates.distance());
+  const auto masters = _tracker.master_nodes();
   for (std::size_t k = 0; k < masters.size(); ++k)
   {
-    search::MasterNode& master = _tracking.masters()[k];
-    master.du[3] = 1.0 / mass[masters[k]];
-    master.x[3] = areas[masters[k]] / mass[masters[k]];
+    search::MasterNode& master = _tracker.masters()[k];
+    master.inverse_mass = 1.0 / mass[masters[k]];
+    master.area_per_mass = areas[masters[k]] / mass[masters[k]];
   }
 }
 
@@ -125,7 +125,11 @@ void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, cons
 
 NodalHistory NodeToSurface::history() const
 {
-  return {_tangential, _results.slip, _tracking.held_xi(), _closed, {_tracking.held().begin(), _tracking.held().end()}};
+  return {_tangential,
+          _results.slip,
+          _tracker.tracked_xi(),
+          _closed,
+          {_tracker.tracked().begin(), _tracker.tracked().end()}};
 }
 
 void NodeToSurface::set_history(const NodalHistory& history)
@@ -139,7 +143,7 @@ void NodeToSurface::set_history(const NodalHistory& history)
   _results.slip = history.slip;
   _closed = history.closed;
   _passage = {};
-  _tracking.set_held(history.facet, history.xi);
+  _tracker.set_tracked(history.facet, history.xi);
 }
 
 // --- what a node meets
@@ -163,7 +167,7 @@ void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
 {
   _results.gap[i] = at.gap;
   if (!_rigid)
-    _tracking.release(i, at, u);
+    _tracker.release(i, at, u);
   if (_results.status[i] == ContactStatus::open && _closed[i] != 1)
     return; // it was before: all is zero
   lose(i);
@@ -179,9 +183,9 @@ bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, doub
 {
   touch.i = i;
   touch.node = _candidates.numbers()[i];
-  touch.at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u, du);
+  touch.at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du);
   Projection& at = touch.at;
-  if (_closed[i] != marked && (_rigid || _tracking.step() > 0.5 * _candidates.smallest()) && passes(touch, u, du))
+  if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) && passes(touch, u, du))
   {
     open(i, at, u);
     return false;
@@ -196,10 +200,10 @@ bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, doub
   touch.num = 0;
   if (_rigid)
     return true;
-  const surface::Facets& master = _tracking.master();
+  const surface::Facets& master = _tracker.master();
   touch.num = master.displacement.num_nodes();
   touch.masters = master.nodes_of(at.facet);
-  touch.corners = _tracking.corners(at.facet);
+  touch.corners = _tracker.corners(at.facet);
   shape_values(master.displacement, at.xi, touch.phi);
   return true;
 }
@@ -208,11 +212,11 @@ void NodeToSurface::update_gaps(const double* u)
 {
   if (_rigid || !_halo)
     return;
-  const double moved = _tracking.moved(u);
+  const double moved = _tracker.moved(u);
   for (std::size_t i = 0; i < num_nodes(); ++i)
     if (_closed[i] != 1)
     {
-      const Projection at = _tracking.look(i, u, moved);
+      const Projection at = _tracker.evaluate(i, u, moved);
       _results.gap[i] = at.gap;
       std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
     }
@@ -229,14 +233,14 @@ bool NodeToSurface::is_marked(const Touch& touch, const double* u, const double*
   std::int8_t& closed = _closed[touch.i];
   if (_rigid || !std::isfinite(at.gap))
     return closed == marked;
-  const double diameter = _tracking.diameter(at.facet);
+  const double diameter = _tracker.diameter(at.facet);
   if (at.rim == Projection::Rim::below)
     closed = marked;
   else if (at.rim == Projection::Rim::beside || !(at.gap < 0.0))
     closed = closed == marked ? 0 : closed;
   else if (closed == 0 && -at.gap > shallow * diameter)
   {
-    const Projection before = _tracking.locate_before(touch.i, u, du);
+    const Projection before = _tracker.locate_before(touch.i, u, du);
     const bool met = std::isfinite(before.gap) && before.rim != Projection::Rim::below;
     const double depth = 0.5 * diameter;
     if (!met || (-at.gap > depth && !(before.gap > -depth)))
@@ -250,7 +254,7 @@ bool NodeToSurface::is_marked(const Touch& touch, const double* u, const double*
 
 Projection NodeToSurface::point_before(std::size_t i, const double* u, const double* du, double back) const
 {
-  return _rigid ? rigid_point(i, u, du, back) : _tracking.locate_before(i, u, du, back);
+  return _rigid ? rigid_point(i, u, du, back) : _tracker.locate_before(i, u, du, back);
 }
 
 void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const double* du, double* motion) const
@@ -260,7 +264,7 @@ void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const d
     motion[c] = du[node * _gdim + c] - (_rigid ? _obstacle_increment[c] : 0.0);
   if (_rigid)
     return;
-  const surface::Facets& master = _tracking.master();
+  const surface::Facets& master = _tracker.master();
   double phi[surface::FacetElement::max_nodes];
   master.displacement.values(at.xi, phi);
   for (int j = 0; j < master.displacement.num_nodes(); ++j)
@@ -300,7 +304,7 @@ bool NodeToSurface::passes(Touch& touch, const double* u, const double* du)
   if (!is_below(first))
     return false;
   const double along = std::inner_product(motion, motion + _gdim, first.normal, 0.0);
-  const double diameter = _rigid ? smallest : _tracking.diameter(first.facet), facets = -along / diameter;
+  const double diameter = _rigid ? smallest : _tracker.diameter(first.facet), facets = -along / diameter;
   if (open && facets > 1.0)
   {
     if (facets > _passage.facets)

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../gap/Rigid.h"
+#include "../search/node_tracker/NodeTracker.h"
+#include "ContactStatus.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
-#include "Penalty.h"
+#include "friction.h"
 #include <array>
 #include <span>
 #include <vector>
@@ -36,7 +38,7 @@ struct NodalHistory
   std::vector<double> slip;        ///< [i*gdim + c] [L]
   std::vector<double> xi;          ///< reference coordinates on the master's facet, [2*i + alpha]
   std::vector<std::int8_t> closed; ///< 1: in contact; -1: marked, see docs/explicit/penalty.md; else 0
-  std::vector<std::int64_t> facet; ///< id of the master's facet it was held by, or -1
+  std::vector<std::int64_t> facet; ///< id of the master's facet it is tracked on, or -1
 };
 
 /// Slave nodes against the master's surface or a rigid obstacle, step after step: which nodes meet it, where, and
@@ -60,7 +62,7 @@ public:
 
   const NodeCandidates& candidates() const { return _candidates; }
   const NodalResults& results() const { return _results; }
-  const search::NodeTracking& tracking() const { return _tracking; }
+  const search::NodeTracker& tracker() const { return _tracker; }
   /// How many nodes were left open because they were first seen too deep inside the master.
   std::int64_t implausible() const { return _implausible; }
   NodalHistory history() const;
@@ -70,7 +72,7 @@ public:
   const ContactEnergy& own_energy() const { return _energy; }
   void set_energy(const ContactEnergy& energy) { _energy = energy; }
   /// For tests of tests: facing is judged by the normals of the last search.
-  virtual void keep_normals(bool keep) { _tracking.keep_normals(keep); }
+  virtual void keep_normals(bool keep) { _tracker.keep_normals(keep); }
 
 protected:
   /// A slave node and what it touches.
@@ -80,7 +82,7 @@ protected:
     std::int32_t node;
     int num = 0;                           ///< master nodes
     const std::int32_t* masters = nullptr; ///< numbers
-    const std::int32_t* corners = nullptr; ///< positions in NodeTracking's list of them
+    const std::int32_t* corners = nullptr; ///< positions in NodeTracker's list of them
     double phi[surface::FacetElement::max_nodes];
     search::Projection at;
   };
@@ -112,16 +114,13 @@ protected:
   bool turns() const { return !_rigid && !_options.axisymmetric; }
   std::size_t num_nodes() const { return _closed.size(); }
 
-  static double inverse_mass(const search::MasterNode& master) { return master.du[3]; }
-  static double area_per_mass(const search::MasterNode& master) { return master.x[3]; }
-
   NodeToSurfaceOptions _options;
   int _gdim;
   bool _rigid;
   gap::Rigid _obstacle;
   std::array<double, 3> _obstacle_increment{};
   NodeCandidates _candidates;
-  search::NodeTracking _tracking;
+  search::NodeTracker _tracker;
   operators::Halo* _halo = nullptr;
   std::vector<double> _inverse_mass, _per_area; ///< of slave nodes: reciprocals of masses and areas
   NodalResults _results;

@@ -92,7 +92,7 @@ std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
 void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
 {
   NodeToSurface::number(halo, numbers, mass);
-  _master_force.assign(_tracking.master_nodes().size(), {});
+  _master_force.assign(_tracker.master_nodes().size(), {});
   if (_other)
     _other->number(halo, numbers, mass);
 }
@@ -175,9 +175,9 @@ inline double PenaltyContact::compliance(const Touch& touch, double dt) const
             [&](int j)
             {
               const double weight = std::abs(touch.phi[j]);
-              const search::MasterNode& master = _tracking.masters()[touch.corners[j]];
-              own += weight * inverse_mass(master);
-              masters += weight * area_per_mass(master);
+              const search::MasterNode& master = _tracker.masters()[touch.corners[j]];
+              own += weight * master.inverse_mass;
+              masters += weight * master.area_per_mass;
             });
   return dt * dt * (own + masters * per_area) / (_share * _kappa);
 }
@@ -230,15 +230,15 @@ void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
   const std::size_t i = touch.i;
   const search::Projection& at = touch.at;
   const double* n = at.normal;
-  constexpr int W = search::padded<D>;
-  double motion[W] = {}, r = 0.0, way_squared = 0.0;
+  constexpr int W = D == 2 ? 2 : 4; // forces fill whole registers
+  double motion[D] = {}, r = 0.0, way_squared = 0.0;
   for (int c = 0; c < D; ++c)
     motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
-  const search::MasterNode* masters = _tracking.masters();
+  const search::MasterNode* masters = _tracker.masters();
   for_nodes(touch.num,
             [&](int j)
             {
-              for (int c = 0; c < W; ++c)
+              for (int c = 0; c < D; ++c)
                 motion[c] -= touch.phi[j] * masters[touch.corners[j]].du[c];
             });
   for (int c = 0; c < D; ++c)
@@ -261,7 +261,7 @@ void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
     return open(i, at, state.u);
   }
   if (!_rigid)
-    _tracking.hold(i, at);
+    _tracker.track(i, at);
 
   const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
   _energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, change, begins);
@@ -311,7 +311,7 @@ void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
                 sums[touch.corners[j]].force[c] -= touch.phi[j] * force[c];
             });
   // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
-  const surface::Facets& master = _tracking.master();
+  const surface::Facets& master = _tracker.master();
   if (turns() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
                   master.geometry.degree != master.displacement.degree))
   {
@@ -336,12 +336,12 @@ void PenaltyContact::add_all(const NodalState& state, double* f)
 {
   Touch touch;
   // No gap changes by more than this in a step.
-  const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracking.step();
+  const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracker.step();
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
-    if ((_rigid || !_tracking.asleep(i)) && meets(i, state.u, state.du, reach, true, touch))
+    if ((_rigid || !_tracker.skipped(i)) && meets(i, state.u, state.du, reach, true, touch))
       add_node<D>(touch, state, f);
   // Zero again for the next step.
-  const auto masters = _tracking.master_nodes();
+  const auto masters = _tracker.master_nodes();
   for (std::size_t k = 0; k < masters.size(); ++k)
     for (int c = 0; c < D; ++c)
       f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
@@ -354,7 +354,7 @@ void PenaltyContact::add_forces(const NodalState& state, double* f)
   if (!_rigid)
   {
     _candidates.advance(state.dt);
-    _tracking.advance(state.u, state.du);
+    _tracker.advance(state.u, state.du);
   }
   _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
   if (_other)
@@ -369,15 +369,15 @@ NodalSprings PenaltyContact::springs_at(const double* u)
 {
   if (!(_penalty > 0.0))
     throw std::invalid_argument("springs without a given penalty depend on the step");
-  const surface::FacetElement& element = _tracking.master().displacement;
+  const surface::FacetElement& element = _tracker.master().displacement;
   NodalSprings out;
   out.num_masters = _rigid ? 0 : element.num_nodes();
   const std::vector<double> still(_rigid ? 0 : std::size_t(_halo->num_nodes()) * _gdim, 0.0);
   if (!_rigid)
-    _tracking.advance(u, still.data());
+    _tracker.advance(u, still.data());
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
-    const search::Projection at = _rigid ? rigid_point(i, u) : _tracking.locate(i, u, still.data());
+    const search::Projection at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, still.data());
     if (!std::isfinite(at.gap))
       continue;
     out.nodes.push_back(_candidates.numbers()[i]);
@@ -387,7 +387,7 @@ NodalSprings PenaltyContact::springs_at(const double* u)
       continue;
     double phi[surface::FacetElement::max_nodes];
     element.values(at.xi, phi);
-    const std::int32_t* masters = _tracking.master().nodes_of(at.facet);
+    const std::int32_t* masters = _tracker.master().nodes_of(at.facet);
     out.masters.insert(out.masters.end(), masters, masters + out.num_masters);
     out.phi.insert(out.phi.end(), phi, phi + out.num_masters);
   }

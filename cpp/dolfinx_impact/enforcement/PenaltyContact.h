@@ -87,7 +87,7 @@ private:
   {
     double force[4] = {};
   };
-  std::vector<Sum> _master_force; ///< by position in NodeTracking's list of master nodes
+  std::vector<Sum> _master_force; ///< by position in NodeTracker's list of master nodes
   std::vector<double> _stiffness;
   std::vector<Spring> _springs;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "segments.h"
-#include "../search/facet_projection.h"
+#include "../search/closest_point/facet_projection.h"
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -35,12 +35,11 @@ def bodies(V):
     return np.searchsorted(used, number), len(used)
 
 
-class RigidMotions:
+class RigidBodyModes:
     """Unit rigid motions of all bodies, as fields over positions; turns are scaled by the body's size. Collective.
 
     Args:
-        V: displacement space.
-        u: displacements (array over owned and ghost dofs), about which motions are small [L].
+        V: displacement space. u: displacements (array over owned and ghost dofs), about which motions are small [L].
         axisymmetric: x is the radius.
 
     Attributes:
@@ -71,7 +70,7 @@ class RigidMotions:
         self.names += [f"turn about {AXES[3 - a - b]}" for a, b in self._turns]
 
     @property
-    def size_of_all(self):
+    def num_modes(self):
         """Number of motions of all bodies together."""
         return self.count * len(self.names)
 
@@ -85,16 +84,14 @@ class RigidMotions:
         return out
 
     def rows(self, body, x, vectors):
-        """Work of unit forces on all motions: (points, size_of_all).
+        """Work of unit forces on all motions: (points, num_modes).
 
         Args:
-            body: (n) whose points they are.
-            x: (n, gdim) where they act [L].
-            vectors: (n, gdim) unit forces.
+            body: (n) whose points they are. x: (n, gdim) where they act [L]. vectors: (n, gdim) unit forces.
         """
         out = np.zeros((len(x), self.count, len(self.names)))
         out[np.arange(len(x)), body] = np.einsum("nma,na->nm", self.fields(body, x), vectors)
-        return out.reshape(len(x), self.size_of_all)
+        return out.reshape(len(x), self.num_modes)
 
     def everywhere(self, number):
         """One of the motions of all bodies at the owned nodes, (n, gdim)."""
@@ -104,25 +101,21 @@ class RigidMotions:
         return np.where((own == b)[:, None], values, 0.0)
 
 
-def free_motions(V, fixed, contacts, u, axisymmetric=False):
+def unconstrained_modes(V, fixed, contacts, u, axisymmetric=False):
     """Sentences about the rigid motions that supports and active contacts leave. Collective.
 
-    Bodies that nothing holds but that nearly touch are held by it: their contacts are told to `touch_nearest()`.
+    Bodies that nothing holds but that nearly touch are held by it: their contacts `close_nearest()`.
 
     Args:
-        V: displacement space.
-        fixed: mask of prescribed dofs (owned and ghosts).
-        contacts: with `held_rows(motions)`,
-            arrays of what contact prevents, a row per point and direction, a column per motion of RigidMotions, and
-            `touch_nearest()`; both collective.
+        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: StaticContact.
         u: present displacements (array over owned and ghost dofs) [L].
 
     Returns:
         list of str, empty if everything is held; the same on all ranks, and the same on any number of them.
     """
     comm, gdim = V.mesh.comm, V.mesh.geometry.dim
-    motions = RigidMotions(V, u, axisymmetric)
-    supports = np.zeros((motions.size_of_all, motions.size_of_all))
+    motions = RigidBodyModes(V, u, axisymmetric)
+    supports = np.zeros((motions.num_modes, motions.num_modes))
     dofs = np.flatnonzero(fixed[: motions.num_owned * gdim])
     for part in np.array_split(dofs, max(1, len(dofs) // 10000)):
         nodes = part // gdim
@@ -130,13 +123,13 @@ def free_motions(V, fixed, contacts, u, axisymmetric=False):
         supports += r.T @ r
 
     def free():
-        gram = supports + sum(r.T @ r for contact in contacts for r in contact.held_rows(motions))
+        gram = supports + sum(r.T @ r for contact in contacts for r in contact.rigid_body_constraints(motions))
         gram = np.sum(comm.allgather(gram), axis=0)
         values, vectors = np.linalg.eigh(gram)
         return vectors[:, values < 1e-10 * max(values[-1], 1.0)]
 
     loose = free()
-    if loose.shape[1] > 0 and any([c.touch_nearest() for c in contacts]):
+    if loose.shape[1] > 0 and any([c.close_nearest() for c in contacts]):
         loose = free()
     if loose.shape[1] == 0:
         return []

@@ -62,13 +62,13 @@ def tied_seconds(model):
     """One linear solve with every slave node tied to what it faces: residual, stiffness, condensation, solution."""
     problem, contact = model.problem, model.problem.contact[0]
     solver = newton.Newton(problem, RTOL, 0.0, 1)
-    contact.begin(problem.u.x.array, None)
+    contact.begin_step(problem.u.x.array, None)
     target = problem.u.x.array.copy()
     for bc in problem.bcs:
         bc.set(target)
     start = time.perf_counter()
     residual = problem._assemble_residual().array.copy()
-    contact.update(problem.u.x.array)
+    contact.update_gap(problem.u.x.array)
     contact.active[:] = contact.usable
     contact.opening = np.zeros(len(contact.nodes))
     K = problem._tangent.assemble()

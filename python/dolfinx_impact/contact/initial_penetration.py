@@ -20,7 +20,7 @@ ROUND_OFF = 1e-10
 NEARLY = 0.01
 
 
-class InitialGap:
+class InitialPenetration:
     """Gaps of the contact points in the reference configuration, obstacles where they were made. Collective.
 
     Args:

@@ -17,7 +17,7 @@ class ContactOutput:
 
     @property
     def initial(self):
-        """InitialGap: penetrations before anything was loaded."""
+        """InitialPenetration: penetrations before anything was loaded."""
         return self.geometry.initial
 
     @property
@@ -33,26 +33,30 @@ class ContactOutput:
 
     fault = ""  #: why a converged state is none, if it is not
 
-    def violated(self):
+    def largest_violation(self):
         """A sentence about the condition of contact that is violated most, or an empty text. Collective."""
         return ""
 
-    def coarse(self):
+    def coarse_slave(self):
         """A sentence about a slave's surface that is much coarser than the master's, or an empty text. Collective."""
         return ""
 
-    def check(self):
+    def check_parameters(self):
         """Refuse, before a solution, what cannot be solved for. Collective."""
 
-    def overlap(self):
+    def add_residual(self, b):
+        """Subtract the nodal contact forces from a residual (PETSc vector) [F]. Collective."""
+        b.array[:] -= self.contact_forces()
+
+    def prescribed_overlap(self):
         """What is wrong with a converged state that the method cannot see, or an empty text. Collective."""
         return ""
 
-    def touch_nearest(self):
+    def close_nearest(self):
         """Take the nearest points as touching, if they nearly do; returns whether there are any. Collective."""
         return False
 
-    def total(self):
+    def update_totals(self):
         """Sum up force, moment, area and work of the present state. Collective; a converged increment calls it."""
         touching = self.status > 0
         forces = np.where(touching, self.weight, 0.0)[:, None] * self.traction

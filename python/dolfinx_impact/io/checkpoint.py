@@ -19,7 +19,7 @@ from . import seal
 from .hdf5 import Sketch, reserve, write_at
 from .signature import signature, supports
 
-FORMAT = 5
+FORMAT = 6
 SAME = 1e-9  # of sums over nodes and of their places: another mesh differs by more, another sum of the same by less
 CELLS = ("cells/input", "cells/nodes")
 

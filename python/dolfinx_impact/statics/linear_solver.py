@@ -291,7 +291,7 @@ class LinearSystem(Stiffness):
 
     Args:
         K: PETSc matrix of the displacements. extra: list of matrices of the same size. symmetric: are they?
-        transformation: condense.Transformation or None. pinned: mask over owned degrees of freedom.
+        transformation: Condensation or None. pinned: mask over owned degrees of freedom.
         diagonal: d, an entry of the size of K's.
     """
 

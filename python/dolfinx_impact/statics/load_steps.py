@@ -159,7 +159,7 @@ def _back(problem, good, states):
     """Displacements and contacts as they were when the increment began."""
     problem.u.x.array[:] = good
     for contact, state in zip(problem.contact, states):
-        contact.restore(state)
+        contact.restore_state(state)
 
 
 def run_steps(problem, solver, steps, cut_backs, verbose):
@@ -175,11 +175,11 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
         if fraction > 1.0 - 1e-9:
             fraction = 1.0
         log(f"increment {len(report.iterations) + 1}: to {fraction:.4f} of the way")
-        states = [c.save() for c in problem.contact]
+        states = [c.save_state() for c in problem.contact]
         displacements = iter(path.apply(fraction))
         target = path.values(fraction)
         for contact in problem.contact:
-            contact.begin(problem.u.x.array, next(displacements) if contact.pair.rigid else None, target)
+            contact.begin_step(problem.u.x.array, next(displacements) if contact.pair.rigid else None, target)
         try:
             increment = solver.run(target, log)
         except BaseException:  # Ctrl-C, a user's function: what counts is the last converged state
@@ -187,12 +187,12 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
             path.finish(done)
             raise
         if not increment.fault:
-            overlaps = [text for text in [c.overlap() for c in problem.contact] if text]
+            overlaps = [text for text in [c.prescribed_overlap() for c in problem.contact] if text]
             if overlaps:
                 increment.failed("; ".join(overlaps), hopeless=True)
         if not increment.fault:
             for contact in problem.contact:
-                contact.accept()
+                contact.accept_step()
             report.add(increment, fraction)
             good, done = problem.u.x.array.copy(), fraction
             continue

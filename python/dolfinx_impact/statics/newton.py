@@ -14,11 +14,11 @@ import numpy as np
 from mpi4py import MPI
 
 from ..assembly import rigid_body_modes
-from ..contact.mortar.condensation import Transformation
-from .active_set import Compliance
+from .. import _cpp
+from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
-from .settling import VIOLATION, Settling, did_not_converge
+from .active_set_iteration import VIOLATION, ActiveSetIteration, did_not_converge
 from .load_steps import Increment
 
 LOOSE_DIGITS = 1e-3  # of linear solutions while the active set moves
@@ -45,7 +45,7 @@ class Newton:
         self._tell = tell or (lambda iteration, norm: None)
         self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
-        self.multipliers = [c for c in problem.contact if c.constraints]
+        self.multipliers = [c for c in problem.contact if c.has_multipliers]
         self.saddle = problem._saddle
         # By penalty: closing, slipping and changing facets are kinks that nothing settles beforehand.
         self.rough = bool(problem.contact) and not self.multipliers
@@ -66,23 +66,24 @@ class Newton:
         self._K = None
         for iteration in itertools.count():
             with self._clock("bodies"):
-                residual = p._assemble_residual().array.copy()
-            if not np.isfinite(self._norm(residual)):
+                b = p._assemble_residual()
+            if not np.isfinite(b.norm()):
                 result.residual_norms.append(float("nan"))
                 return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
                                      "evaluated (inverted cells?)")  # fmt: skip
             with self._clock("contact"):
                 for contact in p.contact:
-                    contact.update(p.u.x.array)
-                    if not contact.constraints:
-                        residual -= contact.forces()
+                    contact.update_gap(p.u.x.array)
+                    if not contact.has_multipliers:
+                        contact.add_residual(b)
+                residual = b.array.copy()
                 if self.saddle and iteration > 0:
                     for contact in self.multipliers:
-                        contact.turn()
-                changes, pending = self._switch(residual, iteration == 0)
+                        contact.rotate_friction_traction()
+                changes, pending = self._update_active_sets(residual, iteration == 0)
                 if self.saddle:
-                    residual -= sum(c.forces() for c in self.multipliers)
-                imposed = [] if self.saddle else [c.imposed_forces() for c in self.multipliers]
+                    residual -= sum(c.contact_forces() for c in self.multipliers)
+                imposed = [] if self.saddle else [c.imposed_friction_forces() for c in self.multipliers]
                 scale = max(scale, self._norm(residual))
                 norm = self._free_norm(residual - sum(f for f in imposed if f is not None))
             jump = target[self.fixed] - p.u.x.array[self.fixed]
@@ -94,7 +95,7 @@ class Newton:
             settled = iteration > 0 or not p.contact
             small = norm <= max(self.atol, noise, self.rtol * max(scale, inner))
             if moved and settled and pending == 0 and violation < VIOLATION and small:
-                again = any([c.refine() for c in p.contact])
+                again = any([c.augment() for c in p.contact])
                 faults = [c.fault for c in p.contact if c.fault]
                 if faults:
                     return result.failed("; ".join(faults), hopeless=True)
@@ -106,7 +107,7 @@ class Newton:
                 break
             period = result.cycle() if iteration - round_start > PLAIN else 0
             if iteration == 0 and p.contact:
-                loose = self._loose()
+                loose = self._unconstrained_modes()
                 if loose:
                     return result.failed(loose, hopeless=True)
             K = self._stiffness()
@@ -172,7 +173,7 @@ class Newton:
         if steep >= 0.0:
             p.u.x.array[:] = start
             for contact in p.contact:
-                contact.update(start)
+                contact.update_gap(start)
                 contact.convex = True
             fault, *_ = self._solve(K, residual, np.zeros(len(self.fixed)), digits, log)
             for contact in p.contact:
@@ -194,11 +195,12 @@ class Newton:
 
     def _residual(self):
         """Free residual at u, of a problem without multipliers. Collective."""
-        residual = self.problem._assemble_residual().array.copy()
+        b = self.problem._assemble_residual()
         with self._clock("contact"):
             for contact in self.problem.contact:
-                contact.update(self.problem.u.x.array)
-                residual -= contact.forces()
+                contact.update_gap(self.problem.u.x.array)
+                contact.add_residual(b)
+        residual = b.array.copy()
         residual[self.fixed] = 0.0
         return residual
 
@@ -211,33 +213,31 @@ class Newton:
     def _norm(self, values):
         return float(np.sqrt(self.comm.allreduce(float(values @ values))))
 
-    def _switch(self, residual, first):
+    def _update_active_sets(self, residual, first):
         """Measure multipliers and change states; returns the number of changes, and of those that multipliers wait
         for. Collective."""
         changes, pending = 0, 0
         for contact in self.problem.contact:
             if not first and not self.saddle:
-                contact.measure(residual)
-            changed = contact.switch(first)
+                contact.update_multipliers(residual)
+            changed = contact.update_active_set(first)
             changes += changed
             # A penalty's residual is that of the new state already; at |t| = friction p round-off decides on it.
-            pending += changed if contact.constraints else 0
+            pending += changed if contact.has_multipliers else 0
         return changes, pending
 
     def _free_norm(self, residual):
         """Norm of what is left of a residual in the equations that are not those of multipliers or supports."""
         transformation = self._transformation()
         free = transformation.residual(residual) if transformation else residual.copy()
-        if transformation:
-            transformation.destroy()
         free[self.fixed] = 0.0
         return self._norm(free)
 
-    def _loose(self):
+    def _unconstrained_modes(self):
         """What is wrong with the supports, or an empty string: bodies that supports and contact leave free.
         Collective."""
         p = self.problem
-        loose = rigid_body_modes.free_motions(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric)
+        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric)
         if not loose:
             return ""
         gaps = [(c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact]
@@ -274,30 +274,30 @@ class Newton:
         space = self.problem.space
         start = space.dofmap.index_map.local_range[0] * space.dofmap.index_map_bs
         parts = [c.constraints() for c in self.multipliers]
-        return Transformation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
+        return _cpp.multipliers.Condensation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
 
     def _solve(self, K, residual, jump, rtol, log):
         """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, the number of
         changes, and how many nodes were left to change. Collective."""
         p, changes = self.problem, 0
         if self.saddle:
-            residual = residual + sum(c.forces() for c in self.multipliers)
+            residual = residual + sum(c.contact_forces() for c in self.multipliers)
             self._start = self._forces.copy()
         with self._clock("contact"):
             for contact in p.contact:
-                contact.look_at(K)
-            parts = [(c, c.stiffness()) for c in p.contact]
-            penalties = [s for c, s in parts if not c.constraints]
-            geometric = [s for c, s in parts if c.constraints and s is not None]
+                contact.update_nodal_stiffness(K)
+            parts = [(c, c.tangent()) for c in p.contact]
+            penalties = [s for c, s in parts if not c.has_multipliers]
+            geometric = [s for c, s in parts if c.has_multipliers and s is not None]
             symmetric = all([c.symmetric for c in p.contact])
-            for force in [c.pull() for c in p.contact]:
+            for force in [c.closing_forces() for c in p.contact]:
                 residual = residual if force is None else residual + force
         diagonal = K.getDiagonal()
         mean = self.comm.allreduce(float(np.abs(diagonal.array).sum())) / diagonal.getSize() or 1.0
         diagonal.destroy()
         moved = np.zeros(self.num_owned)
         moved[self.fixed] = jump
-        digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), Settling(), False, 0
+        digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), ActiveSetIteration(), False, 0
         while True:
             fault, moved, forces, found = self._one_solution(
                 K, penalties, geometric, symmetric, residual, moved, mean, digits
@@ -307,9 +307,9 @@ class Newton:
                 break
             with self._clock("contact"):
                 for contact in self.multipliers:
-                    contact.predict(moved)
+                    contact.update_linearised_gap(moved)
                     if not self.saddle:
-                        contact.measure(residual + forces)
+                        contact.update_multipliers(residual + forces)
                 if self.saddle:
                     self._take(mean)
                 found = settle.change(self.multipliers)
@@ -326,8 +326,6 @@ class Newton:
                 left = found
                 break
             changes += found
-        for matrix in penalties + geometric:
-            matrix.destroy()
         p.u.x.array[: self.num_owned] += moved
         p.u.x.scatter_forward()
         return fault, changes, left
@@ -339,7 +337,7 @@ class Newton:
         u.array[: self.num_owned] += moved
         u.scatter_forward()
         for contact in self.multipliers:
-            contact.correct(u.array)
+            contact.correct_linearisation(u.array)
         u.array[:] = here
 
     def _one_solution(self, K, penalties, geometric, symmetric, residual, guess, mean, rtol):
@@ -351,11 +349,11 @@ class Newton:
         """
         with self._clock("contact"):
             transformation = self._transformation()
-            springs = [s for s in (c.springs() for c in self.multipliers) if s is not None]
+            springs = [s for s in (c.friction_springs() for c in self.multipliers) if s is not None]
         pinned = np.zeros(self.num_owned, dtype=bool)
         pinned[self.fixed] = True
         if transformation:
-            pinned |= transformation.dummies
+            pinned |= transformation.pinned
         for _, force in springs:
             residual = residual + force
         extra = penalties + [matrix for matrix, _ in springs]
@@ -383,21 +381,21 @@ class Newton:
         forces, changes = self._product(matrices, moved), 0
         factors = self.problem._solver.factors(system)
         if not fault and factors is not None and len(self.multipliers) == 1 and not self.saddle:
-            moved, forces, changes = self._respond(system, factors, residual, moved, forces, matrices)
+            moved, forces, changes = self._update_by_responses(system, factors, residual, moved, forces, matrices)
         system.free()
-        for thing in (x, b, *(matrix for matrix, _ in springs), *((transformation,) if transformation else ())):
+        for thing in (x, b, *(matrix for matrix, _ in springs)):
             thing.destroy()
         return fault, moved, forces, changes
 
-    def _respond(self, system, factors, residual, moved, forces, matrices):
+    def _update_by_responses(self, system, factors, residual, moved, forces, matrices):
         """Settle a contact without friction by the responses of the bodies, new factors being at hand."""
         contact = self.multipliers[0]
         if contact.pair.friction > 0.0:
             return moved, forces, 0
         with self._clock("linear"):
-            contact.predict(moved)
-            contact.measure(residual + forces)
-            found = Compliance(contact, system, factors, lambda v: self._product(matrices, v)).settle()
+            contact.update_linearised_gap(moved)
+            contact.update_multipliers(residual + forces)
+            found = LinearisedActiveSet(contact, system, factors, lambda v: self._product(matrices, v)).update()
         if found is None or found[1] == 0:
             return moved, forces, 0
         moved = moved + found[0]
@@ -420,5 +418,5 @@ class Newton:
         start = 0
         for contact in self.multipliers:
             end = start + contact.gdim * len(contact.nodes)
-            contact.take(unit * self._forces[start:end].reshape(-1, contact.gdim))
+            contact.set_multipliers(unit * self._forces[start:end].reshape(-1, contact.gdim))
             start = end

@@ -126,11 +126,11 @@ class StaticProblem(Unique):
         Returns:
             fem.Function on the displacement space.
         """
-        forces = self._assemble_residual().array.copy()
+        b = self._assemble_residual()
         for contact in self.contact:
-            forces -= contact.forces()
+            contact.add_residual(b)
         r = fem.Function(self.space, name="reaction")
-        r.x.array[: self._num_owned] = forces
+        r.x.array[: self._num_owned] = b.array_r
         r.x.scatter_forward()
         return r
 
@@ -173,7 +173,7 @@ class StaticProblem(Unique):
                 raise ValueError("u has values that are not finite numbers: give it a start, u.x.array[:] = 0")
             ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
         for contact in self.contact:
-            contact.check()
+            contact.check_parameters()
         with Interrupts(self.space.mesh.comm) as interrupts:
             solver = Solver(self, rtol, atol, max_iterations, interrupts)
             try:

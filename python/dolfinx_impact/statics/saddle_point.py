@@ -21,7 +21,7 @@ class SaddlePoint(Stiffness):
     """As linear.LinearSystem, with the multipliers of all contacts behind each rank's displacements.
 
     Args:
-        K, extra, pinned, diagonal: as in LinearSystem. parts: list of condense.Constraints; sizes: number of the
+        K, extra, pinned, diagonal: as in LinearSystem. parts: list of Constraints; sizes: number of the
         contacts' nodes on this rank, one for each part. forces: f over the size of K's entry, all directions [L].
 
     Attributes:

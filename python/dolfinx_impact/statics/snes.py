@@ -109,13 +109,13 @@ class Solver:
     def _residual(self):
         """Internal minus external and contact forces at u, and the number of changes of contact."""
         p, changes = self.problem, 0
-        residual = p._assemble_residual().array.copy()
+        b = p._assemble_residual()
         with self._newton._clock("contact"):
             for contact in p.contact:
-                contact.update(p.u.x.array)
-                residual -= contact.forces()
-                changes += contact.switch(False)
-        return residual, changes
+                contact.update_gap(p.u.x.array)
+                contact.add_residual(b)
+                changes += contact.update_active_set(False)
+        return b.array.copy(), changes
 
     def _solve_by_petsc(self):
         """As snes.solve, but exceptions of what PETSc calls are raised as they are."""
@@ -158,9 +158,7 @@ class Solver:
         J.zeroEntries()
         J.axpy(1.0, K, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
         for contact in self.problem.contact:
-            extra = contact.stiffness()
-            J.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-            extra.destroy()
+            J.axpy(1.0, contact.tangent(), PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         rows = J.getOwnershipRange()[0] + self._newton.fixed.astype(np.int32)
         J.zeroRowsColumns(rows, diagonal.sum() / diagonal.getSize() or 1.0)
         diagonal.destroy()
@@ -173,7 +171,7 @@ class Solver:
         """An increment by a method of PETSc's: one linear step to the prescribed values, then its iterations."""
         p, newton, result = self.problem, self._newton, Increment()
         residual, self._changes = self._residual()
-        loose = newton._loose() if p.contact else ""
+        loose = newton._unconstrained_modes() if p.contact else ""
         if loose:
             return result.failed(loose, hopeless=True)
         K = p._tangent.assemble()
@@ -206,7 +204,7 @@ class Solver:
             reason = self.snes.getConvergedReason()
             if reason < 0:
                 return result.failed(f"SNES of type {self.snes.getType()} did not converge: PETSc reason {reason}")
-            again = any([c.refine() for c in p.contact])
+            again = any([c.augment() for c in p.contact])
             faults = [c.fault for c in p.contact if c.fault]
             if faults:
                 return result.failed("; ".join(faults), hopeless=True)

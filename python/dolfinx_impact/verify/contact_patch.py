@@ -55,7 +55,7 @@ def bind(body, method, bcs=()):
 
 def begin(body, ours, start, moved):
     """Our side at the start of an increment in which a rigid master goes to `moved`."""
-    ours.begin(start, np.pad(moved, (0, 3 - body.gdim)) if body.rigid else None)
+    ours.begin_step(start, np.pad(moved, (0, 3 - body.gdim)) if body.rigid else None)
     if body.rigid:
         body.rigid[1].displacement = moved
 
@@ -86,7 +86,7 @@ def penalty(report, body, name, seed):
     start, u = displacements(body, seed)
     moved = 0.004 * rng.uniform(-1, 1, body.gdim)
     begin(body, ours, start, moved)
-    ours.update(u)
+    ours.update_gap(u)
     at, n = theirs.closest_points(body.to_theirs(u)), ours.normal
     # Tractions of about the bound, so that some points stick and some slip; open points have none.
     t = 0.02 * body.friction * PENALTY * rng.uniform(-1, 1, n.shape)
@@ -96,13 +96,13 @@ def penalty(report, body, name, seed):
     back = np.argsort(place)
     history = theirs.no_history()  # nothing touched: the motion of points that close counts in part
     history.u, history.traction, history.slip = body.to_theirs(start), t[back], 0.01 * t[back]
-    ours.update(u)
+    ours.update_gap(u)
     answer = theirs.penalty(body.to_theirs(u), PENALTY, TANGENTIAL, history)
     _points(rows, ours, answer, place)
-    rows("penalty_force", ours.forces(), body.to_ours(answer.force))
-    tangent = bodies.petsc_to_scipy(ours.stiffness())
+    rows("penalty_force", ours.contact_forces(), body.to_ours(answer.force))
+    tangent = bodies.petsc_to_scipy(ours.tangent())
     rows("penalty_tangent", tangent.toarray(), body.matrix_to_ours(answer.tangent).toarray())
-    ours.accept()
+    ours.accept_step()
     rows("friction_slip", ours.history.slip.reshape(-1, body.gdim), answer.history.slip[place])
 
 
@@ -116,7 +116,7 @@ def _points(rows, ours, answer, place):
     rows("normals", ours.normal[faces], normal[faces])
     rows("point_area", ours.weight, points.weight[place])
     rows("pressure", ours.pressure, points.pressure[place])
-    rows("friction_traction", ours._state.tangential, points.traction[place])
+    rows("friction_traction", ours._cpp.state.tangential, points.traction[place])
 
 
 # --- multipliers -----------------------------------------------------------------------------------------------------
@@ -158,8 +158,8 @@ def _mortar(report, body, name, seed, basis):
     ours = _geometry(body, basis, degree, bcs)
     theirs = body.theirs(rule(body.segment, degree))
     start, u = displacements(body, seed)
-    ours.begin(start, np.zeros(3))
-    ours.update(u)
+    ours.begin_step(start, np.zeros(3))
+    ours.update_gap(u)
     nodes, on = ours.nodes, ours.participates
     history = theirs.no_history()
     history.u = body.to_theirs(start)
@@ -196,9 +196,8 @@ def _matrices(rows, body, ours, answer, kind):
     rows(f"{kind}_M", _dense(ours.mortar.M, num), M)
     jump = ours.jump_matrix()
     rows(f"{kind}_jump", bodies.petsc_to_scipy(jump).toarray(), D - M)
-    jump.destroy()
     gamma = np.zeros((num, body.gdim))
-    np.add.at(gamma, ours.neighbours.slave.nodes.ravel(), ours.mortar.gamma.reshape(-1, body.gdim))
+    np.add.at(gamma, ours.search.slave.nodes.ravel(), ours.mortar.gamma.reshape(-1, body.gdim))
     rows(f"{kind}_gamma", gamma, body.nodal_to_ours(answer.gamma))
 
 
@@ -209,7 +208,7 @@ def _turning(rows, body, ours, theirs, u, rng, step=1e-4):
     )  # nothing prescribed: what that changes is no part of this tangent
     force = np.zeros(len(body.nodes))
     force[ours.nodes] = rng.uniform(-1, 1, len(ours.nodes))
-    tangent = _cpp.gap.turning_tangent(ours.neighbours.slave, ours.sums.ravel(), force)
+    tangent = _cpp.gap.turning_tangent(ours.search.slave, ours.integrals.normal_sums, force)
     direction = rng.uniform(-1, 1, len(u))
 
     def normals(h):
@@ -229,7 +228,7 @@ def nodes_on_obstacle(report, body, name, seed):
     theirs = body.theirs(rule(body.facet, 2 * body.degree + 2))
     start, u = displacements(body, seed)
     begin(body, ours, start, 0.004 * rng.uniform(-1, 1, body.gdim))
-    ours.update(u)
+    ours.update_gap(u)
     nodes = ours.nodes
     z = np.zeros((len(body.nodes), body.gdim))
     z[nodes] = rng.uniform(-1, 1, (len(nodes), body.gdim))

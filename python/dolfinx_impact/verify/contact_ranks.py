@@ -30,7 +30,7 @@ def values(comm, gather):
             V, enforced = problem.space, problem.contact[0]
             out[f"{key}_u"] = gather(V, start)
             out[f"{key}_friction_u"] = gather(V, problem.u.x.array)
-            out[f"{key}_force"] = gather(V, enforced.forces())
+            out[f"{key}_force"] = gather(V, enforced.contact_forces())
             out[f"{key}_total"] = [enforced.force.tolist()]
     return out
 

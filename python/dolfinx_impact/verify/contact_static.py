@@ -196,7 +196,7 @@ def compare_penalty(report, form, case, augmented=False):
         case, supports, method, solve, lambda ours: place.append(same_points(body, ours, other))
     ):
         at = place[0]
-        tractions = ours._state.tangential, theirs.traction[at]
+        tractions = ours._cpp.state.tangential, theirs.traction[at]
         _rows(report, form, case, name, problem, ours, theirs, theirs.pressure[at], tractions, theirs.status[at])
 
 
@@ -227,7 +227,7 @@ def _rows(report, form, case, name, problem, ours, theirs, pressure, tractions, 
     body = case.body
     pairs = {
         "u": (body.u.x.array, body.to_ours(theirs.u)),
-        "contact force": (ours.forces(), body.to_ours(theirs.contact_force)),
+        "contact force": (ours.contact_forces(), body.to_ours(theirs.contact_force)),
         "reactions": (problem.reactions().x.array, body.to_ours(theirs.reactions)),
         "pressure": (ours.pressure, pressure),
         "status": (ours.status, status),

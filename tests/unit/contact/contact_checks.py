@@ -44,7 +44,7 @@ def pressed(comm, dim, contact, friction=0.3, degree=1, pull=None, rtol=1e-10, o
     c = problem.contact[0]
     arrays = [c.points, c.pressure, c.traction, c.status, np.where(np.isfinite(c.gap), c.gap, 9.0)]
     arrays = [np.concatenate(comm.allgather(np.asarray(a, dtype=float))) for a in arrays]
-    nodal = c.forces().reshape(-1, dim).sum(axis=0)
+    nodal = c.contact_forces().reshape(-1, dim).sum(axis=0)
     return arrays, c.force, c.area, comm.allreduce(nodal, MPI.SUM), report
 
 

@@ -10,8 +10,8 @@ import dolfinx_impact as di
 from dolfinx_impact import meshes
 from dolfinx_impact.contact.penalty.facets import MARGIN, WIDEST, FacetKeeper
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
-from dolfinx_impact.statics import problem
 from dolfinx_impact.statics.load_steps import Increment
+from dolfinx_impact.statics.snes import Solver
 
 
 class Blocks:
@@ -94,14 +94,14 @@ def test_too_few_iterations_say_what_is_left():
 
 def test_a_report_counts_rejected_iterations(monkeypatch):
     blocks = Blocks(lambda pair: di.Penalty(pair, penalty=1e5))
-    run, count = problem.Solver.run, []
+    run, count = Solver.run, []
 
     def fail_once(self, *args):
         result = run(self, *args)
         count.append(result.iterations)
         return result.failed("once") if len(count) == 1 else result
 
-    monkeypatch.setattr(problem.Solver, "run", fail_once)
+    monkeypatch.setattr(Solver, "run", fail_once)
     report = blocks.problem.solve()
     assert report.rejected_iterations == count[:1] and report.iterations == count[1:]
     assert f"after {count[0]} iterations" in report.table()

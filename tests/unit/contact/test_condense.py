@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from dolfinx_impact.contact.mortar import condensation
+from dolfinx_impact import _cpp
 from dolfinx_impact.contact.matrices import matrix
 from dolfinx_impact.statics.linear_solver import LinearSystem
 
@@ -19,7 +19,7 @@ def test_frames(gdim, rng):
     fixed[10:30, 0] = True
     fixed[30:40, gdim - 1] = True
     fixed[40:] = True
-    frames, place, length = condensation.frames_at(normals, fixed)
+    frames, place, length = _cpp.multipliers.frames_at(normals, fixed)
     assert np.allclose(np.einsum("nab,nac->nbc", frames, frames), np.eye(gdim), atol=1e-13)
     assert np.all(place[40:] == -1) and np.all(place[:40] >= 0)
     for i in range(40):
@@ -55,23 +55,23 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
         A[:size, size + j] = -np.kron(row, normals[j] + tilt[j])
         A[size + j, :size] = np.kron(row / D[j], normals[j])
     exact = np.linalg.solve(A, np.concatenate([f, -gap]))
-    frames, place, length = condensation.frames_at(normals, np.zeros((2, 2), dtype=bool))
+    frames, place, length = _cpp.multipliers.frames_at(normals, np.zeros((2, 2), dtype=bool))
     constrained = np.zeros((2, 2), dtype=bool)
     constrained[[0, 1], place] = True
     known = np.zeros((2, 2))
     known[[0, 1], place] = -gap
-    rows = condensation.Constraints(
-        np.array([0, 1]), np.array([0, 1]), frames, frames, constrained, known, tilt, place,
+    rows = _cpp.multipliers.Constraints(
+        np.array([0, 1], dtype=np.int32), np.array([0, 1], dtype=np.int32), frames, frames, constrained, known, tilt, place,
         np.array([0, 2, 4]), np.array([2, 3, 3, 4]),
         np.array([0.3, 0.4, 0.5, 0.8]) / np.array([0.7, 0.7, 1.3, 1.3]),
     )  # fmt: skip
     comm = MPI.COMM_SELF
-    transformation = condensation.Transformation(comm, size, 0, gdim, [rows])
+    transformation = _cpp.multipliers.Condensation(comm, size, 0, gdim, [rows])
     assert transformation.symmetric != slips
     i, j = np.indices((size, size))
     P = matrix(comm, size, i.ravel(), j.ravel(), K.ravel())
     b, x, product = P.createVecLeft(), P.createVecRight(), P.createVecLeft()
-    system = LinearSystem(P, [], True, transformation, transformation.dummies, 1.0)
+    system = LinearSystem(P, [], True, transformation, transformation.pinned, 1.0)
     system.load(-f, x, b)
     A = system.assemble().convert("dense")
     dense = A.getDenseArray()

@@ -26,7 +26,7 @@ def test_springs_between_bodies(rng):
     blocks = rng.normal(size=(len(rows), 2, 2))
     found = dense(geometry.springs(rows, blocks))
     num = geometry.index_map.size_local
-    M = dense(geometry._matrix)
+    M = dense(geometry.integrals.M)
     expected = np.zeros((2 * num, 2 * num))
     for row, block in zip(rows, blocks):
         jump = -M[geometry.nodes[row]] / geometry.weight[row]

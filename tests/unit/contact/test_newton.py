@@ -29,7 +29,7 @@ def assert_same(one, other):
 def test_a_saddle_point_has_the_solution_of_the_condensed_system(dim, friction, monkeypatch):
     """The same dual multipliers, condensed and as unknowns, with nodes that stick, slip and open."""
     condensed = pressed(MPI.COMM_SELF, dim, di.Lagrange, friction, rtol=RTOL)
-    monkeypatch.setattr(newton, "Transformation", None)  # what must not be used any more
+    monkeypatch.setattr(newton._cpp.multipliers, "Condensation", None)  # what must not be used any more
 
     def kept(pair):
         spec = di.Lagrange(pair)
@@ -95,8 +95,8 @@ def test_responses_of_the_bodies_lead_to_the_same_active_set(cell, monkeypatch):
 def test_wrong_responses_are_mended_by_the_next_solution(monkeypatch):
     """Columns of the dense problem half as large as they are: other nodes change, the result is the same."""
     right = Ball("quadrilateral")
-    respond = LagrangeContact.respond
-    monkeypatch.setattr(LagrangeContact, "respond", lambda *args: tuple(0.5 * v for v in respond(*args)))
+    respond = LagrangeContact.linearised_response
+    monkeypatch.setattr(LagrangeContact, "linearised_response", lambda *args: tuple(0.5 * v for v in respond(*args)))
     wrong = Ball("quadrilateral")
     assert_same(wrong.answer, right.answer)
     assert wrong.report.contact_changes != right.report.contact_changes
@@ -147,8 +147,8 @@ def test_saddle_points_refuse_multigrid():
 def test_a_singular_dense_problem_is_left_to_linear_solutions(monkeypatch):
     """Responses that are zero: the dense problem has no solution, the contact has."""
     right = Ball("quadrilateral")
-    respond = LagrangeContact.respond
-    monkeypatch.setattr(LagrangeContact, "respond", lambda *args: tuple(0.0 * v for v in respond(*args)))
+    respond = LagrangeContact.linearised_response
+    monkeypatch.setattr(LagrangeContact, "linearised_response", lambda *args: tuple(0.0 * v for v in respond(*args)))
     assert_same(Ball("quadrilateral").answer, right.answer)
 
 
@@ -158,7 +158,7 @@ class Cycling:
     def __init__(self):
         self.right = np.zeros(3, dtype=bool)
 
-    def switch(self, first, last=None):
+    def update_active_set(self, first, last=None):
         wrong = np.flatnonzero(~self.right)
         self.last_change = int(np.max(wrong, initial=-1))
         if last is None and len(wrong) == 1:
@@ -169,7 +169,7 @@ class Cycling:
 
 
 def test_nodes_that_go_to_and_fro_change_one_at_a_time():
-    contact, settling = Cycling(), newton.Settling()
+    contact, settling = Cycling(), newton.ActiveSetIteration()
     found = [settling.change([contact]) for _ in range(20)]
     # Three times nothing gained, then a node by itself; less than ever before: together again.
     assert found[:6] == [3, 3, 3, 3, 3, 2] and found[-1] == 0

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from ... import _cpp
+
 # Springs that bring slips along prescribed components to zero, per stiffness of the bodies: what is left of a slip in
 # one linear solution.
 DRIVEN = 1e3
@@ -78,11 +80,6 @@ class Coulomb:
         held = (self._stuck() & self._driven)[:, None]
         self.imposed = self.imposed - np.where(held, np.einsum("nab,nb->na", self._driving, self._slip), 0.0)
 
-    def _pressing(self, closing):
-        """Pressure, (n) [F/L^2]; of a node that closes what its overlap would call for: it has no multiplier yet."""
-        overlap = self._stiffness_per_area() * np.where(closing, np.minimum(self._gap, 0.0), 0.0)
-        return np.maximum(self.multiplier - overlap, 0.0)
-
     def _stiffness_per_area(self):
         return self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0)
 
@@ -90,23 +87,9 @@ class Coulomb:
         """Slips or tractions, (n, gdim), less their parts along locked directions."""
         return values if self.pair.friction == 0.0 else values - np.einsum("nab,nb->na", self._lock, values)
 
-    def _trial(self, bound, moving):
-        """Traction that friction would have if it held the nodes, up to a factor beyond the bound, (n, gdim)."""
-        slip, traction = self._slipping(self._slip), self._slipping(self.friction_traction)
-        trial = traction - self._stiffness_per_area()[:, None] * np.where(moving[:, None], slip, 0.0)
-        # Closed in this increment, from a gap: t = -p s / gap, see docs/contact.md.
-        fresh = self.opening > 0.0
-        rate = bound / (self.pair.friction * np.where(fresh, self.opening, 1.0))
-        return np.where(fresh[:, None], -rate[:, None] * slip, trial)
-
     def _tilt(self):
         """Friction traction per pressure, (n, gdim), of nodes that slip or have closed in this increment; else zero."""
-        if self.pair.friction == 0.0:
-            return np.zeros_like(self.direction)
-        tilt = np.where(self.sliding[:, None], self.pair.friction * self.direction, 0.0)
-        grips = self._grips()
-        tilt[grips] = -self._slipping(self._slip)[grips] / self.opening[grips, None]
-        return tilt
+        return _cpp.multipliers.friction_tilt(self._state(), self.gdim, self.pair.friction)
 
     def _lean(self, tilt):
         """Parts of a node's normal and friction traction, per pressure, along its constrained direction: (n).
@@ -126,13 +109,13 @@ class Coulomb:
         """Nodes that have closed in this increment and do not slip, mask (n)."""
         return self.active & self.usable & ~self.sliding & (self.opening > 0.0) & (self.pair.friction > 0.0)
 
-    def imposed_forces(self):
+    def imposed_friction_forces(self):
         """Nodal forces on both bodies of the imposed tractions, array over owned dofs [F]; or None. Collective."""
         if self.pair.friction == 0.0 or not self.comm.allreduce(int(np.any(self.imposed))):
             return None
         return self.geometry.forces(self.imposed)
 
-    def springs(self):
+    def friction_springs(self):
         """Tractions that change with the slip: Newton's method sees springs. Collective.
 
         In 3D the traction of a node that slips turns with the slip: across its direction, friction bound over slip

@@ -7,12 +7,10 @@ import basix
 import numpy as np
 
 from ... import _cpp
-from ..matrices import NodalSum, global_dofs, matrix
+from ..matrices import NodalSum
 from ..body_size import body_size
-from ..initial_penetration import InitialGap, check_side, nearly_touching
+from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 
-# A multiplier lives at a node if the integral of its function is more than this part of the area of its facets.
-LEAST = 1e-2
 # Prescribed displacements are the same up to this part of them: fractions of a way are rounded.
 EQUAL = 1e-9
 # Part of a rim node's length that is in contact, by the ratio r of pressures: polynomial, highest power first, and the
@@ -28,12 +26,6 @@ def quadrature_rule(shape, degree):
     """Points (flat) and weights of a rule on a reference facet."""
     points, weights = basix.make_quadrature(getattr(basix.CellType, shape), degree)
     return np.ascontiguousarray(points).ravel(), np.ascontiguousarray(weights)
-
-
-def block_entries(row_dofs, col_dofs, blocks):
-    """Rows, columns and values of dense blocks: degrees of freedom (n, a) and (n, b), values (n, a, b)."""
-    rows, cols = np.broadcast_arrays(row_dofs[:, :, None], col_dofs[:, None, :])
-    return rows.ravel(), cols.ravel(), np.ravel(blocks)
 
 
 class SurfaceGeometry:
@@ -63,33 +55,22 @@ class SurfaceGeometry:
         element = self.slave.displacement
         # Exact for the shape functions on flat, affine facets, with the radius as weight.
         points, weights = quadrature_rule(element.shape, 2 * element.degree + 2)
-        self.whole = _cpp.gap.whole_facets(self.slave, points, weights, axisymmetric)
-        full = np.zeros(len(self.sum._vector.array))
-        np.add.at(full, self.slave.nodes, _cpp.gap.cover(self.slave, self.whole, self.basis))
-        share = self.sum(full).ravel()
-        area = np.bincount(self.whole.slave, weights=self.whole.weight, minlength=self.slave.size)
-        around = np.zeros(len(full))
-        np.add.at(around, self.slave.nodes, area[:, None])
-        around = self.sum(around).ravel()
-        owned = share[: self.index_map.size_local]
-        # On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
-        # multipliers live at the midpoints of the edges; linear ones live at the corners.
-        self.nodes = np.flatnonzero(owned > LEAST * around[: len(owned)])
-        self.numbers = self.index_map.local_to_global(self.nodes.astype(np.int32))
-        self.share, self.area = owned[self.nodes], around[self.nodes]
+        self._nodes = _cpp.multipliers.MultiplierNodes(V._cpp_object, self.slave, points, weights, self.basis, axisymmetric)
+        self.nodes, self.share, self.area = self._nodes.nodes, self._nodes.share, self._nodes.area
+        self.numbers = self.index_map.local_to_global(self.nodes)
         self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
         self.rest = V.tabulate_dof_coordinates()[:, : self.gdim].copy()
         self.size = body_size(V.mesh)
         self.tolerance = 1e-12 * self.size
         self.offset = np.zeros(len(self.nodes))
 
-    def _look(self):
+    def _set_initial_penetration(self):
         """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
-        self.update(self.start)
-        self.initial = InitialGap(self.pair, self.V, self.slave, self.master, self.points, self.gap)
+        self.update_gap(self.start)
+        self.initial = InitialPenetration(self.pair, self.V, self.slave, self.master, self.points, self.gap)
         self.offset = self.initial.offset
 
-    def begin(self, u, displacement, target=None):
+    def begin_step(self, u, displacement, target=None):
         """An increment starts at u; the rigid master is to go to `displacement`, prescribed degrees of freedom to
         `target` (None: they stay)."""
         self.start = np.array(u)
@@ -97,11 +78,11 @@ class SurfaceGeometry:
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
-    def save(self):
+    def save_state(self):
         """Where the increment starts, as a dict of copies."""
         return {name: getattr(self, name).copy() for name in ("start", "start_displacement", "displacement")}
 
-    def restore(self, state):
+    def restore_state(self, state):
         """Back to a saved state."""
         for name, value in state.items():
             setattr(self, name, value.copy())
@@ -121,20 +102,15 @@ class SurfaceGeometry:
         """Are prescribed displacements the same but for round-off?"""
         return np.abs(a - b) <= EQUAL * np.maximum(np.abs(a), np.abs(b)) + 1e-2 * self.tolerance
 
-    def spread(self, rows, means):
-        """Means over the cover of some nodes, in terms of the diagonal of D."""
-        factor = self.cover[rows] / self.weight[rows]
-        return means[rows] * (factor if means.ndim == 1 else factor[:, None])
-
-    def look_ahead(self, u):
+    def evaluate_at(self, u):
         """Gap and slip at other displacements u (array over owned and ghost dofs); this state stays. Collective."""
-        there = copy.copy(self)
-        there._matrix = None
-        there.update(u)
-        slip = there.slip()
-        if there._matrix is not None:
-            there._matrix.destroy()
-        return there.gap, slip
+        there = self._elsewhere()
+        there.update_gap(u)
+        return there.gap, there.slip()
+
+    def _elsewhere(self):
+        """A copy that another state may be evaluated with."""
+        return copy.copy(self)
 
     def tangential(self, jump):
         """Part of relative displacements along the surface, (n, gdim)."""
@@ -162,20 +138,9 @@ class SurfaceGeometry:
         Args:
             rows: of the nodes. blocks: (len(rows), gdim, gdim) stiffness [F/L].
         """
-        pointers, columns, values = self.master_rows(rows)
-        counts = np.diff(pointers) + 1  # each node and the nodes it faces, with their parts in the jump
-        starts = np.cumsum(counts) - counts
-        nodes, jump = np.empty(counts.sum(), dtype=np.int64), np.ones(counts.sum())
-        others = np.setdiff1d(np.arange(len(nodes)), starts, assume_unique=True)
-        nodes[starts] = self.index_map.local_to_global(self.nodes[rows].astype(np.int32))
-        nodes[others], jump[others] = columns, -values
-        # All pairs (a, b) of entries of the same row.
-        row = np.repeat(np.arange(len(rows)), counts**2)
-        pair = np.arange(len(row)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
-        a, b = starts[row] + pair // counts[row], starts[row] + pair % counts[row]
-        dofs = self.gdim * nodes[:, None] + np.arange(self.gdim)
-        entries = block_entries(dofs[a], dofs[b], (jump[a] * jump[b])[:, None, None] * blocks[row])
-        return matrix(self.comm, self.gdim * self.index_map.size_local, *entries)
+        return _cpp.multipliers.springs(
+            self.index_map, self.gdim, self.nodes[rows], self.master_rows(rows), np.ascontiguousarray(blocks)
+        )
 
     def covered(self, pressure, active):
         """Part of each node's area that is in contact, (n). Collective.
@@ -219,13 +184,13 @@ class SurfaceGeometry:
         )
         return np.where(middle, middles, corners)
 
-    def jump_rows(self, motions, held):
+    def rigid_body_jumps(self, motions, held):
         """Displacements against the master of some nodes in all rigid motions, (gdim, held nodes, motions). Collective.
 
         Args:
-            motions: held.RigidMotions. held: index of the nodes.
+            motions: RigidBodyModes. held: index of the nodes.
         """
-        rows = np.zeros((self.gdim, len(held), motions.size_of_all))
+        rows = np.zeros((self.gdim, len(held), motions.num_modes))
         surfaces = [s for s in (self.slave, self.master) if s is not None]
         touched = np.zeros(motions.count, dtype=np.int32)
         touched[np.concatenate([motions.body[s.nodes.ravel()] for s in surfaces])] = 1
@@ -252,9 +217,9 @@ class RigidGeometry(SurfaceGeometry):
         self.weight = self.cover = self.share
         self.participates = np.ones(len(self.nodes), dtype=bool)
         check_side(self.pair, V, self.slave, self.obstacle)
-        self._look()
+        self._set_initial_penetration()
 
-    def update(self, u):
+    def update_gap(self, u):
         """Gaps and normals at u. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()
@@ -273,7 +238,7 @@ class RigidGeometry(SurfaceGeometry):
 
     def master_rows(self, rows):
         """No master nodes."""
-        return np.zeros(len(rows) + 1, dtype=int), np.empty(0, dtype=int), np.empty(0)
+        return np.zeros(len(rows) + 1, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty(0)
 
     def stiffness(self, multiplier, traction, active):
         """The normal turns where a node slides over a curved obstacle: matrix of - D lambda d n/dx, or None.
@@ -282,8 +247,7 @@ class RigidGeometry(SurfaceGeometry):
         blocks = -(self.weight * multiplier)[rows, None, None] * self.hessian[rows]
         if not self.comm.allreduce(int(np.any(blocks))):
             return None
-        dofs = global_dofs(self.index_map, self.nodes[rows], self.gdim)
-        return matrix(self.comm, self.gdim * self.index_map.size_local, *block_entries(dofs, dofs, blocks))
+        return self.springs(rows, blocks)
 
     def forces(self, traction):
         """Nodal forces on the slave, array over owned dofs [F]."""

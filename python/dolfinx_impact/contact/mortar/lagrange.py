@@ -6,8 +6,8 @@ import copy
 import numpy as np
 from mpi4py import MPI
 
+from ... import _cpp
 from ...common.collective import comm_of, guard
-from . import condensation
 from .friction import Coulomb
 from .geometry import RigidGeometry
 from .mortar_geometry import MortarGeometry
@@ -16,7 +16,6 @@ from ..pair import ContactStatus, check_pair, check_quadrature_degree
 from ..output import ContactOutput
 
 BASES = ("dual", "standard", "linear")
-FAR = 1e3  # friction bounds that a trial traction is beyond where rest is out of the question
 
 
 class Lagrange:
@@ -74,32 +73,32 @@ class LagrangeContact(Coulomb, ContactOutput):
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
-    def save(self):
+    def save_state(self):
         """State that an increment starts from, as a dict of copies."""
         names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip", "opening")
         names += ("traction_n", "imposed")
-        return {name: copy.copy(getattr(self, name)) for name in names} | {"geometry": self.geometry.save()}
+        return {name: copy.copy(getattr(self, name)) for name in names} | {"geometry": self.geometry.save_state()}
 
-    def restore(self, state):
+    def restore_state(self, state):
         """Back to a saved state."""
         for name, value in state.items():
             if name == "geometry":
-                self.geometry.restore(value)
+                self.geometry.restore_state(value)
             else:
                 setattr(self, name, copy.copy(value))
 
-    def begin(self, u, displacement, target=None):
+    def begin_step(self, u, displacement, target=None):
         """An increment starts at u; a rigid master goes to `displacement` in it, prescribed degrees of freedom to
         `target` (array over all dofs, prescribed entries count; None: they stay). Collective."""
         if self.opening is None:
-            self.geometry.update(u)
+            self.geometry.update_gap(u)
             self.opening = self._opened(self.geometry.gap)
-        self.geometry.begin(u, displacement, target)
+        self.geometry.begin_step(u, displacement, target)
 
     def _opened(self, gap):
         return np.where(~self.active & (gap > self.geometry.tolerance), gap, 0.0)
 
-    def accept(self):
+    def accept_step(self):
         """The increment has converged: slip adds up, less what a node slides before it closes."""
         slip = self._slipping(self._slip)
         length = np.linalg.norm(slip, axis=1)
@@ -109,12 +108,12 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.total_slip[~self.active] = 0.0
         self.opening = self._opened(self._gap)
         self.traction_n = np.where(self.active[:, None], self.friction_traction, 0.0)
-        self.total()
+        self.update_totals()
 
-    def update(self, u):
+    def update_gap(self, u):
         """Search, gaps and normals at the displacements u (array over owned and ghost dofs). Collective."""
-        self.geometry.update(u)
-        self.frames, self.place, self.free_length = condensation.frames_at(self.geometry.normal, self.fixed)
+        self.geometry.update_gap(u)
+        self.frames, self.place, self.free_length = _cpp.multipliers.frames_at(self.geometry.normal, self.fixed)
         self.usable = self.geometry.participates & (self.place >= 0)
         self._gap, self._slip = self.geometry.gap, self.geometry.slip()
         self._at = self._gap, self._slip
@@ -122,7 +121,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         if self.pair.friction > 0.0:
             self._split()
 
-    def predict(self, increments):
+    def update_linearised_gap(self, increments):
         """Gaps and slips after displacement increments (array over owned dofs) of a linear solution, linear in them.
         Collective."""
         jump = self.geometry.jump(increments)
@@ -132,26 +131,46 @@ class LagrangeContact(Coulomb, ContactOutput):
         if self.pair.friction > 0.0:
             self._drive_on()
 
-    def respond(self, increments, forces):
+    def linearised_response(self, increments, forces):
         """What gaps and multipliers gain by displacement increments and the nodal forces they cause (arrays over owned
         dofs), without friction: (n), (n). Collective."""
         gap = np.einsum("na,na->n", self.geometry.normal, self.geometry.jump(increments))
         along, weight = self._along(forces)[1:]
         return gap, along / (weight * np.maximum(self.free_length, 1e-3))
 
-    def correct(self, u):
-        """After predict: take in what gaps and slips at the displacements u differ from the linear ones.
+    def correct_linearisation(self, u):
+        """After update_linearised_gap: take in what gaps and slips at the displacements u differ from the linear ones.
 
         A second-order correction, as in sequential quadratic programming: normals turn and points slide over the master
         also in the conditions, which condensed multipliers cannot see in their matrix. Collective.
         """
-        gap, slip = self.geometry.look_ahead(u)
+        gap, slip = self.geometry.evaluate_at(u)
         known = self.usable & np.isfinite(gap)
         gap = np.where(known, gap, 0.0) - np.where(known, self._gap, 0.0)
         slip = np.where(known[:, None], self.geometry.tangential(slip) - self._slip, 0.0)
         self._at = self._at[0] + gap, self._at[1] + slip
 
     # --- active set ------------------------------------------------------------------------------------------------
+
+    def _state(self):
+        """Arrays of the nodes' state, as C++ names them (NodalMultipliers)."""
+        friction = self.pair.friction > 0.0
+        return {
+            "usable": self.usable, "active": self.active, "sliding": self.sliding, "gap": self._gap,
+            "multiplier": self.multiplier, "slip": self._slip, "traction": self.friction_traction,
+            "direction": self.direction, "stiffness": self._stiffness_per_area(),
+            "opening": np.zeros(0) if self.opening is None else self.opening,
+            "lock": self._lock if friction else np.zeros(0),
+        }  # fmt: skip
+
+    def _geometry(self):
+        """Arrays of the nodes where the linear problem is linearised, as C++ names them (NodalGeometry)."""
+        g = self.geometry
+        return {
+            "nodes": self.nodes, "normal": g.normal, "gap": self._at[0], "slip": self._at[1], "weight": g.weight,
+            "cover": g.cover, "fixed": self.fixed, "ahead": g.ahead(), "frames": self.frames, "place": self.place,
+            "length": self.free_length,
+        }  # fmt: skip
 
     def _normal_direction(self):
         return self.frames[np.arange(len(self.nodes)), :, self.place]
@@ -162,25 +181,24 @@ class LagrangeContact(Coulomb, ContactOutput):
         weight = np.where(self.usable, self.geometry.weight, 1.0)
         return free, np.einsum("na,na->n", self._normal_direction(), free), weight
 
-    def measure(self, residual):
+    def update_multipliers(self, residual):
         """Multipliers from the nodal residual (owned entries, without contact forces): equilibrium of slave nodes."""
-        free, along, weight = self._along(residual)
-        on = self.active & self.usable
-        if self.pair.friction == 0.0:
-            self.multiplier = np.where(on, along / (weight * np.maximum(self.free_length, 1e-3)), 0.0)
-            return
-        tilt = self._tilt() if self._spring is None else self._linear_tilt
-        known, normal = self._explicit(), self._normal_direction()
-        pressed = along / weight - np.einsum("na,na->n", normal, known)
-        self.multiplier = np.where(on, pressed / self._lean(tilt), 0.0)
-        # Along prescribed components forces are unknown: there tractions follow from the law.
-        known = np.einsum("nab,nb->na", self._drive + self._lock, self.multiplier[:, None] * tilt + known)
-        traction = (free - along[:, None] * normal) / weight[:, None] + known
-        self.friction_traction = np.where(on[:, None], traction, 0.0)
+        tilt, known, follow = np.zeros((len(self.nodes), self.gdim)), np.zeros(0), np.zeros(0)
+        if self.pair.friction > 0.0:
+            tilt = self._tilt() if self._spring is None else self._linear_tilt
+            known, follow = self._explicit(), self._drive + self._lock
+        at_nodes = residual.reshape(-1, self.gdim)[self.nodes]
+        found = _cpp.multipliers.evaluate_multipliers(
+            self._state(), self._geometry(), self.gdim, self.pair.friction, at_nodes, tilt, known, follow
+        )
+        self.multiplier = found[0]
+        if self.pair.friction > 0.0:
+            self.friction_traction = found[1]
 
-    def take(self, forces):
+    def set_multipliers(self, forces):
         """Multipliers from a saddle point: forces (n, gdim) along the directions of the frames, zero where nothing is
-        constrained. After `constraints`, `springs`, whose state the solution is of, and `predict`."""
+        constrained. After `constraints`, `friction_springs`, whose state the solution is of, and
+        `update_linearised_gap`."""
         on = (self.active & self.usable)[:, None]
         forces = np.einsum("nad,nd->na", self.frames, forces)
         weight = np.where(self.usable, self.geometry.weight, 1.0)
@@ -190,7 +208,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         tangential += self.multiplier[:, None] * self._linear_tilt + self._explicit()
         self.friction_traction = np.where(on, tangential, 0.0)
 
-    def turn(self):
+    def rotate_friction_traction(self):
         """Friction tractions known from a saddle point follow the surface and the slip to the present state."""
         t = self.geometry.tangential(self.friction_traction)
         size, length = np.linalg.norm(self.friction_traction, axis=1), np.linalg.norm(t, axis=1)
@@ -199,7 +217,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         t[grips] = (self.multiplier[:, None] * self._tilt())[grips]
         self.friction_traction = t
 
-    def switch(self, first, last=None):
+    def update_active_set(self, first, last=None):
         """Change the active set and who sticks; returns how many nodes of all ranks would change. Collective.
 
         Args:
@@ -222,25 +240,10 @@ class LagrangeContact(Coulomb, ContactOutput):
     def _proposal(self, first):
         """Active and sliding masks and friction's directions that gaps, multipliers and slips ask for."""
         tolerance = self.geometry.tolerance
-        closing = ~self.active & self.usable & (self._gap < (tolerance if first else -tolerance))
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
-        opening = self.active & (~self.usable | (not first) & (self.multiplier < -1e-12 * largest))
-        if self.pair.friction == 0.0 or first:
-            active = (self.active | closing) & ~opening
-            return active, self.sliding & active, self.direction
-        bound = self.pair.friction * self._pressing(closing)
-        trial = self._trial(bound, (self.sliding | closing))
-        size = np.linalg.norm(trial, axis=1)
-        # A node that sticks is let slip before it is let go: what holds it along the surface may pull it off.
-        active = (self.active | closing) & ~(opening & ~(self._stuck() & (size > 0.0)))
-        held = (active & self.active) | closing
-        # At the bound, and nothing moves: round-off must not decide. What slips goes on to.
-        slips = held & (size > bound * np.where(self.sliding, 1 - 1e-8, 1 + 1e-10))
-        # What slipped and would now slip the other way, but not far, comes to rest first, or it might go to and fro.
-        back = np.einsum("na,na->n", trial, self.direction) < 0.0
-        slips &= ~(self.sliding & back & (size < FAR * bound))
-        direction = np.where(slips[:, None], trial / np.maximum(size, 1e-300)[:, None], self.direction)
-        return active, slips, direction
+        return _cpp.multipliers.update_active_set(
+            self._state(), self.gdim, self.pair.friction, first, tolerance, largest
+        )
 
     @property
     def num_active(self):
@@ -261,7 +264,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         largest = float(np.max(self._violations(), initial=0.0))
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
 
-    def violated(self):
+    def largest_violation(self):
         """The node whose gap or slip is largest. Collective."""
         mine = []
         for what, values in zip(("a gap of an active node", "a slip of a node that sticks"), self._violations()):
@@ -271,18 +274,18 @@ class LagrangeContact(Coulomb, ContactOutput):
         value, what, number, x = max(sum(self.comm.allgather(mine), []))
         return f"{self.pair.name}: {what}, number {number} at ({', '.join(f'{c:.4g}' for c in x)}), is {value:.3e}"
 
-    def overlap(self):
+    def prescribed_overlap(self):
         """Slave nodes whose displacement along the normal is prescribed and that lie in the master, or an empty text:
         there is nothing that a multiplier could move. Collective."""
         return prescribed_overlap(
             self.pair.name, self.comm, self.geometry, self.geometry.participates & (self.place < 0)
         )
 
-    def refine(self):
+    def augment(self):
         """Multipliers need no further rounds."""
         return False
 
-    def touch_nearest(self):
+    def close_nearest(self):
         """Close the nodes nearest to the master, if they nearly touch; returns whether there are any. Collective."""
         near = self.geometry.nearest()
         if near is None:
@@ -290,8 +293,8 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.active = self.active | (near & self.usable)
         return True
 
-    def pull(self):
-        """No force besides: constraints close the nearest nodes. See touch_nearest."""
+    def closing_forces(self):
+        """No force besides: constraints close the nearest nodes. See close_nearest."""
 
     # --- linear system ---------------------------------------------------------------------------------------------
 
@@ -300,42 +303,30 @@ class LagrangeContact(Coulomb, ContactOutput):
         """Of a rigid master, as reached [L]."""
         return self.geometry.displacement
 
+    has_multipliers = True
     symmetric = True  # what makes it not so is known to the transformation
 
     def constraints(self):
         """Constraints of the active nodes for the linear system."""
         rows = np.flatnonzero(self.active & self.usable)
-        stick = ~self.sliding[rows] & (self.pair.friction > 0.0) & (self.opening[rows] == 0.0)
-        place = self.place[rows]
-        constrained = np.where(stick[:, None], ~self.fixed[rows], False)
-        constrained[np.arange(len(rows)), place] = True
-        # Gaps and slips are means over the cover, rows of D^-1 M speak of the node.
-        gap, slip = (self.geometry.spread(rows, values) for values in self._at)
-        known = -np.einsum("nad,na->nd", self.frames[rows], slip)
-        ahead = np.einsum("na,na->n", self.geometry.normal[rows], self.geometry.ahead()[rows])  # prescribed motion
-        known[np.arange(len(rows)), place] = -(gap + ahead) / self.free_length[rows]
-        tilt = self._linear_tilt = self._tilt()
-        normal = self.geometry.normal[rows]
-        lean = (normal + tilt[rows]) / self._lean(tilt)[rows, None] - normal / self.free_length[rows, None]
-        over = self.frames[rows].copy()
-        over[np.arange(len(rows)), :, place] = self.geometry.normal[rows] / self.free_length[rows, None]
-        return condensation.Constraints(
-            rows, self.nodes[rows], self.frames[rows], over, constrained, known, lean, place,
-            *self.geometry.master_rows(rows),
+        self._linear_tilt = self._tilt()
+        return _cpp.multipliers.constrain(
+            self._state(), self._geometry(), self.gdim, self.pair.friction, self._linear_tilt,
+            self.geometry.master_rows(rows),
         )  # fmt: skip
 
-    def look_at(self, K):
+    def update_nodal_stiffness(self, K):
         """Take from the bodies' stiffness what the changes of state need. Collective."""
         self.nodal_stiffness, self.facing_stiffness = self.geometry.diagonal_stiffness(K)
 
-    def stiffness(self):
+    def tangent(self):
         """Geometric stiffness of the contact forces: a matrix, or None. Collective."""
         return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
 
-    def held_rows(self, motions):
-        """What active nodes prevent, for held.free_motions: one array of rows per kind of constraint. Collective."""
+    def rigid_body_constraints(self, motions):
+        """Jumps at active nodes under the rigid body modes; see StaticContact. Collective."""
         held = np.flatnonzero(self.active & self.usable)
-        rows = self.geometry.jump_rows(motions, held)
+        rows = self.geometry.rigid_body_jumps(motions, held)
         return list(rows) if self.pair.friction > 0.0 else [np.einsum("na,anm->nm", self.normal[held], rows)]
 
     # --- results ---------------------------------------------------------------------------------------------------
@@ -387,6 +378,6 @@ class LagrangeContact(Coulomb, ContactOutput):
         """Part of each point's area that is in contact, (n). Collective."""
         return self.geometry.covered(self.pressure, self.active & self.usable)
 
-    def forces(self):
+    def contact_forces(self):
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
         return self.geometry.forces(self.traction)

@@ -14,14 +14,14 @@ class FacetKeeper:
     """Keeps points from going to and fro between two facets that meet at a kink.
 
     Args:
-        comm: MPI communicator. points: quadrature points of the slave. neighbours: search of the pair.
+        comm: MPI communicator. points: quadrature points of the slave. search: PairSearch.
 
     Attributes:
         stay: points that lie a little beside their facet stay on it.
     """
 
-    def __init__(self, comm, points, neighbours):
-        self.comm, self.points, self.neighbours = comm, points, neighbours
+    def __init__(self, comm, points, search):
+        self.comm, self.points, self.search = comm, points, search
         self.begin()
 
     def begin(self):
@@ -39,7 +39,7 @@ class FacetKeeper:
         Returns:
             number of this rank's closed points that are on another facet than before.
         """
-        if not self.neighbours.kept:  # facets have other numbers
+        if not self.search.kept:  # facets have other numbers
             self._facets = []
         here = np.where(closed, self.points.master, -1)
         back, moved = np.zeros(len(here), dtype=bool), np.zeros(len(here), dtype=bool)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Contact by penalty: Gauss point to surface, exact tangent, friction by return mapping; docs/contact.md."""
 
-from types import SimpleNamespace
-
 import basix
 import numpy as np
 from mpi4py import MPI
@@ -13,13 +11,12 @@ from ...common.collective import comm_of, guard
 from ...materials import _number
 from .automatic import automatic_penalty, check_penalty
 from .facets import FacetKeeper
-from ..matrices import NodalSum, matrix
-from ..neighbours import Neighbours
+from ..matrices import NodalSum
 from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
 from ..pair import ContactStatus, check_pair, check_quadrature_degree
 from ..body_size import body_size
-from ..initial_penetration import InitialGap, check_side, nearly_touching
+from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 from .uzawa import Uzawa
 
 # The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
@@ -85,7 +82,7 @@ class PenaltyContact(ContactOutput):
     ContactOutput. `penalty` is the one in use [F/L^3]."""
 
     initial = None
-    constraints = None  # nothing to condense
+    has_multipliers = False  # nothing to condense
     convex = False  # the stiffness is the positive semi-definite part of the tangent
 
     def __init__(self, spec, problem):
@@ -98,37 +95,35 @@ class PenaltyContact(ContactOutput):
         degree = spec.quadrature_degree or 2 * element.degree + 2
         rule = basix.make_quadrature(getattr(basix.CellType, element.shape), degree)
         self._rule = [np.ascontiguousarray(a) for a in rule]
-        self._points = _cpp.penalty.Points(self.slave, *self._rule, problem.axisymmetric)
-        self.history = _cpp.penalty.PenaltyHistory(self._points)
-        self.neighbours = None if self.pair.rigid else Neighbours(self.pair, V, self.slave, self.master)
         self.obstacle = self.pair.master._obstacle(self.gdim) if self.pair.rigid else None
+        distance = () if self.pair.rigid else (self.pair.search_distance or 0.0,)
+        self._cpp = _cpp.penalty.QuadraturePenalty(
+            V._cpp_object, self.slave, self.obstacle or self.master, *self._rule, problem.axisymmetric, *distance
+        )
+        self._points, self.history = self._cpp.points, self._cpp.history
+        self._cpp.parameters.friction = self.pair.friction
         self.displacement, self.start_displacement = np.zeros(3), np.zeros(3)
         self.start, self.penalty, self.tangential = np.zeros_like(problem.u.x.array), spec.penalty, spec.tangential
         self.uzawa, self.fault = Uzawa(V, self.slave, rule), ""
         num = self._points.size
-        self._status = np.zeros(num, dtype=np.int8)
-        # Before the first solution nothing touches.
-        self._state = SimpleNamespace(
-            pressure=np.zeros(num), traction=np.zeros((num, self.gdim)), slip=np.zeros((num, self.gdim)),
-            status=self._status,
-        )  # fmt: skip
+        self._status = np.zeros(num, dtype=np.int8)  # of the last iteration
         self._touched = np.zeros(num, dtype=bool)  # closed in the last converged state
-        self._keeper = None if self.pair.rigid else FacetKeeper(self.comm, self._points, self.neighbours)
+        self._keeper = None if self.pair.rigid else FacetKeeper(self.comm, self._points, self._cpp.search)
         if self.pair.rigid:
             check_side(self.pair, V, self.slave, self.obstacle)
         self._seen = False  # the state before the first increment is nothing to stay on a facet from
         self._locate(self.start)
-        self.initial = InitialGap(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
+        self.initial = InitialPenetration(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
         self.history.offset = self.initial.offset
 
-    def check(self):
+    def check_parameters(self):
         """Refuse a given penalty that is out of all proportion. Collective."""
         if self.spec.penalty is not None:
             check_penalty(self, FACTOR)
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
-    def save(self):
+    def save_state(self):
         """State that an increment starts from, as a dict of copies."""
         h = self.history
         return {
@@ -141,7 +136,7 @@ class PenaltyContact(ContactOutput):
             "displacements": (self.start_displacement.copy(), self.displacement.copy()),
         }
 
-    def restore(self, state):
+    def restore_state(self, state):
         """Back to a saved state."""
         for name in ("multiplier", "traction", "slip"):
             setattr(self.history, name, state[name])
@@ -149,12 +144,14 @@ class PenaltyContact(ContactOutput):
         self._touched = state["touched"].copy()
         self.start_displacement, self.displacement = (d.copy() for d in state["displacements"])
 
-    def begin(self, u, displacement, target=None):
+    def begin_step(self, u, displacement, target=None):
         """An increment starts at u; a rigid master goes to `displacement` in it. Collective."""
         if self.penalty is None:
             self.penalty = automatic_penalty(self, FACTOR)
         self.tangential = self.tangential or self.penalty
         self.start = np.array(u)
+        parameters = self._cpp.parameters
+        parameters.normal, parameters.tangential = self.penalty, self.tangential
         self._touch = TOUCH * self.size * self.penalty
         self.uzawa.begin()
         self.fault = ""
@@ -167,13 +164,13 @@ class PenaltyContact(ContactOutput):
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
-    def accept(self):
+    def accept_step(self):
         """The increment has converged: tractions and slip are history."""
-        self.history.advance(self._state)
-        self._touched = self._state.status > 0
-        self.total()
+        self._cpp.accept_step()
+        self._touched = self.status > 0
+        self.update_totals()
 
-    def refine(self):
+    def augment(self):
         """Augment where the surfaces still penetrate; returns whether another round is needed, or sets `fault`.
         Collective."""
         if self._leave_facets():
@@ -190,24 +187,14 @@ class PenaltyContact(ContactOutput):
         self.fault = f"{self.pair.name}: {self.uzawa.fault(self.penalty, tolerance)}"
         return False
 
-    def update(self, u):
+    def update_gap(self, u):
         """Search, gaps and tractions at the displacements u. Collective."""
-        u = np.ascontiguousarray(u)
-        self._u = u.copy()
-        surfaces, increment = self._locate(u), u - self.start
+        self._u = np.array(u)
+        self._locate(self._u)
         self._seen = True
-        if not self.pair.rigid:
-            increment = self.neighbours.exchange.forward(increment)
-        self._evaluate(surfaces, increment, self._touch)
+        self._cpp.parameters.touch = self._touch
+        self._cpp.evaluate(self._u - self.start, (self.displacement - self.start_displacement).tolist())
         self._touch, self._pulls = 0.0, False
-
-    def _evaluate(self, surfaces, increment, touch):
-        self._at = surfaces, increment
-        self._pair = _cpp.penalty.Penalty(
-            self._points, *surfaces, self.history, self.penalty, self.tangential, self.pair.friction, touch
-        )
-        self._pair.set_increment(increment, (self.displacement - self.start_displacement).tolist())
-        self._state = self._pair.evaluate()
 
     def _leave_facets(self):
         """Converged with points that stay on a facet they are a little beside: project anew; returns whether that
@@ -215,7 +202,7 @@ class PenaltyContact(ContactOutput):
         if self._keeper is None or not self._keeper.leave():
             return False
         before = self._feet(), self.traction
-        self.update(self._u)
+        self.update_gap(self._u)
         closed, feet = self.status > 0, self._feet()
         parts = (feet - before[0])[closed], (self.traction - before[1]) / self.penalty
         moved = max(float(np.max(np.abs(p), initial=0.0)) for p in parts)
@@ -226,7 +213,7 @@ class PenaltyContact(ContactOutput):
         gap = self._points.gap
         return self._points.x - np.where(np.isfinite(gap), gap, 0.0)[:, None] * self._points.normal
 
-    def coarse(self):
+    def coarse_slave(self):
         """Facets of the slave that are far longer than the master's: points press dents in between. Collective."""
         sizes = [self.slave.X] if self.pair.rigid else [self.slave.X, self.master.X]
         sums = [(float(np.linalg.norm(np.ptp(X, axis=1), axis=1).sum()), len(X)) for X in sizes]
@@ -238,40 +225,35 @@ class PenaltyContact(ContactOutput):
             "which is dented between its points: exchange slave and master, refine the slave, or take multipliers"
         )
 
-    def touch_nearest(self):
+    def close_nearest(self):
         """Close the points nearest to the master in this iteration, which draws them together, if they nearly touch and
         no point does; returns whether there are any. For bodies that nothing else holds. Collective."""
         size = np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)
         gap = nearly_touching(self.comm, self.gap, np.repeat(size, self._points.per_facet))
         if gap is None or self.num_active > 0:
             return False
-        self._evaluate(*self._at, gap * self.penalty)
+        self._cpp.parameters.touch = gap * self.penalty
+        self._cpp.evaluate()
         self._pulls = True
         return True
 
     def _locate(self, u):
-        """Closest points and gaps at the displacements u; returns the slave's and the master's facets. Collective."""
+        """Closest points and gaps at the displacements u. Collective."""
         if self.pair.rigid:
-            self.slave.move(u)
             self.obstacle.displacement = self.displacement.tolist()
-            self._points.update_rigid(self.slave, self.obstacle)
-            return self.slave, None
-        near = self.neighbours
-        reach = near.update(u, self.start)
-        keep = near.kept and self._seen and self._keeper is not None and self._keeper.stay
-        self._points.update(near.slave, _cpp.search.SurfaceSearch(near.master), reach, keep)
-        return near.slave, near.master
+        self._cpp.update_gap(u, self.start, self._seen and self._keeper is not None and self._keeper.stay)
 
-    def switch(self, first):
+    def update_active_set(self, first, last=None):
         """How many points of all ranks changed their state, or the facet they touch, since the last iteration. Once an
         iteration. Collective."""
-        changed = np.count_nonzero(self._state.status != self._status)
+        status = self.status
+        changed = np.count_nonzero(status != self._status)
         if self._keeper is not None:
-            changed += self._keeper.watch(self._state.status > 0)
-        self._status = self._state.status
+            changed += self._keeper.watch(status > 0)
+        self._status = status
         return self.comm.allreduce(changed)
 
-    def measure(self, residual):
+    def update_multipliers(self, residual):
         """Nothing: tractions follow from gaps."""
 
     def violation(self):
@@ -281,55 +263,44 @@ class PenaltyContact(ContactOutput):
     @property
     def num_active(self):
         """Points in contact, of all ranks. Collective."""
-        return self.comm.allreduce(int(np.count_nonzero(self._state.status)))
+        return self.comm.allreduce(int(np.count_nonzero(self.status)))
 
     # --- linear system ---------------------------------------------------------------------------------------------
 
-    def forces(self):
+    def contact_forces(self):
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
-        return self._nodal_forces(self._state)
+        return self._cpp.contact_forces()
 
-    def _nodal_forces(self, state):
-        out = np.zeros_like(self.problem.u.x.array)
-        num_owned = self.gdim * self.V.dofmap.index_map.size_local
-        if self.pair.rigid:
-            self._pair.add_force(state, out)
-            return NodalSum(self.V.dofmap.index_map, self.gdim)(out).ravel()[:num_owned]
-        exchange = self.neighbours.exchange
-        values = np.zeros(exchange.size)
-        self._pair.add_force(state, values)
-        exchange.reverse(values, out)
-        return out[:num_owned]
+    def add_residual(self, b):
+        """Subtract the nodal contact forces from a residual (PETSc vector) [F]. Collective."""
+        self._cpp.add_residual(b)
 
     @property
     def symmetric(self):
         """Is the tangent symmetric? Not where points slip with friction. Collective."""
-        slips = self.pair.friction > 0.0 and bool(np.any(self._state.status == 2))
+        slips = self.pair.friction > 0.0 and bool(np.any(self.status == 2))
         return self.comm.allreduce(int(slips)) == 0
 
-    def look_at(self, K):
+    def update_nodal_stiffness(self, K):
         """Nothing: the penalty is known."""
 
-    def stiffness(self):
-        """Derivative of minus the contact force, a matrix. Collective."""
-        index_map = self.V.dofmap.index_map if self.pair.rigid else self.neighbours.map
-        nodes = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
-        entries = self._pair.tangent(self._state, index_map.local_to_global(nodes), self.convex)
-        return matrix(self.comm, self.gdim * index_map.size_local, *entries)
+    def tangent(self):
+        """Derivative of minus the contact force, a matrix that is kept; see StaticContact. Collective."""
+        return self._cpp.tangent(self.convex)
 
-    def pull(self):
+    def closing_forces(self):
         """Force (array over owned dofs) that brings the nearest points to touch, to take from the right-hand side; or
         None. Collective."""
-        return -self._nodal_forces(self._pair.stretched(self._state)) if self._pulls else None
+        return -self._cpp.closing_forces() if self._pulls else None
 
-    def held_rows(self, motions):
-        """What touching points prevent, for held.free_motions: arrays of rows, one for each direction and some
-        thousand points. Collective."""
-        touching = np.flatnonzero(self._state.status)
-        slave, master = self._at[0]
-        body = motions.body
-        if master is not None:  # facets that other ranks know
-            near, body = self.neighbours.map, np.zeros(self.neighbours.map.size_local + self.neighbours.map.num_ghosts)
+    def rigid_body_constraints(self, motions):
+        """Jumps at touching points under the rigid body modes; see StaticContact. Collective."""
+        touching = np.flatnonzero(self.status)
+        slave, master, body = self.slave, None, motions.body
+        if not self.pair.rigid:  # facets that other ranks know
+            search = self._cpp.search
+            slave, master, near = search.slave, search.master, search.map
+            body = np.zeros(near.size_local + near.num_ghosts)
             body[: motions.num_owned] = motions.body[: motions.num_owned]
             body = NodalSum(near, 1).forward(body).ravel().astype(int)
         feet, facing, parts = self._feet(), self._points.master, []
@@ -366,22 +337,22 @@ class PenaltyContact(ContactOutput):
     @property
     def pressure(self):
         """Pressure per reference area at quadrature points, (n) [F/L^2]; to plot it: at_nodes(contact.pressure)."""
-        return self._state.pressure
+        return self._cpp.state.pressure
 
     @property
     def traction(self):
         """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
-        return self._state.traction.reshape(-1, self.gdim)
+        return self._cpp.state.traction.reshape(-1, self.gdim)
 
     @property
     def slip(self):
         """Tangential displacement of slave against master, added up while in contact, (n, gdim) [L]."""
-        return self._state.slip.reshape(-1, self.gdim)
+        return self._cpp.state.slip.reshape(-1, self.gdim)
 
     @property
     def status(self):
         """ContactStatus numbers, (n)."""
-        return self._state.status
+        return self._cpp.state.status
 
     @property
     def weight(self):

@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: MIT
+#include "arrays.h"
+#include "dolfinx_impact/enforcement/mortar/Condensation.h"
+#include "dolfinx_impact/enforcement/mortar/active_set.h"
+#include "dolfinx_impact/gap/MortarIntegrals.h"
+#include <caster_mpi.h>
+#include <caster_petsc.h>
+
+using namespace dolfinx_impact::enforcement;
+using namespace dolfinx_impact::gap;
+using dolfinx_impact::search::PairSearch;
+using dolfinx_impact::surface::Facets;
+using dolfinx_impact::surface::FunctionSpace;
+
+namespace
+{
+using namespace dolfinx_impact::bindings;
+typedef nb::ndarray<const bool, nb::c_contig, nb::device::cpu> Mask;
+typedef nb::ndarray<const double, nb::c_contig, nb::device::cpu> Array;
+typedef nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Globals;
+
+std::span<const double> view(const Array& values)
+{
+  return {values.data(), values.size()};
+}
+
+std::span<const std::int8_t> view(const Mask& values)
+{
+  return {reinterpret_cast<const std::int8_t*>(values.data()), values.size()};
+}
+
+template <typename T, typename A>
+std::vector<T> vector(const A& values)
+{
+  return std::vector<T>(values.data(), values.data() + values.size());
+}
+
+auto mask(const std::vector<std::int8_t>& values, std::vector<std::size_t> shape)
+{
+  auto* out = new bool[values.size()];
+  std::copy(values.begin(), values.end(), out);
+  nb::capsule owner(out, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
+  return nb::ndarray<nb::numpy, bool>(out, shape.size(), shape.data(), owner);
+}
+
+auto vectors(const std::vector<double>& values, std::size_t num)
+{
+  return copy(values, {num, num > 0 ? values.size() / num : 0});
+}
+
+SegmentRule rule(const Array& points, const Array& weights)
+{
+  return {view(points), view(weights)};
+}
+
+nb::tuple as_tuple(const MasterRows& rows)
+{
+  return nb::make_tuple(copy(rows.pointers, {rows.pointers.size()}), copy(rows.columns, {rows.columns.size()}),
+                        copy(rows.values, {rows.values.size()}));
+}
+
+void bind_integrals(nb::module_& m)
+{
+  nb::class_<MultiplierNodes>(m, "MultiplierNodes", "Owned slave nodes that multipliers may live at; copies")
+      .def(
+          "__init__",
+          [](MultiplierNodes* self, const FunctionSpace& V, const Facets& slave, Array points, Array weights,
+             Multipliers basis, bool axisymmetric)
+          { new (self) MultiplierNodes(multiplier_nodes(V, slave, rule(points, weights), basis, axisymmetric)); },
+          nb::arg("V"), nb::arg("slave"), nb::arg("points"), nb::arg("weights"), nb::arg("basis"),
+          nb::arg("axisymmetric") = false, "Collective")
+      .def_prop_ro(
+          "nodes", [](const MultiplierNodes& n) { return copy(n.nodes, {n.nodes.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "share", [](const MultiplierNodes& n) { return copy(n.share, {n.share.size()}); }, nb::rv_policy::move)
+      .def_prop_ro("area", [](const MultiplierNodes& n) { return copy(n.area, {n.area.size()}); }, nb::rv_policy::move);
+  nb::class_<MortarIntegrals>(m, "MortarIntegrals", "Mortar integrals of a pair; arrays are by the multiplier nodes")
+      .def(
+          "__init__",
+          [](MortarIntegrals* self, std::shared_ptr<const FunctionSpace> V, std::shared_ptr<PairSearch> search,
+             const MultiplierNodes& nodes, Array points, Array weights, Multipliers basis, bool axisymmetric)
+          {
+            new (self)
+                MortarIntegrals(std::move(V), std::move(search), nodes, rule(points, weights), basis, axisymmetric);
+          },
+          nb::arg("V"), nb::arg("search"), nb::arg("nodes"), nb::arg("points"), nb::arg("weights"), nb::arg("basis"),
+          nb::arg("axisymmetric") = false)
+      .def(
+          "update", [](MortarIntegrals& self, Array u, Array start) { self.update(view(u), view(start)); },
+          nb::arg("u"), nb::arg("start"), "Search, segments and integrals at u. Collective")
+      .def(
+          "update_gap", [](MortarIntegrals& self, Mask locked, double symmetry)
+          { self.update_gap(view(locked), symmetry); }, nb::arg("locked"), nb::arg("symmetry"),
+          "Normals and gaps; locked: components along which normals are not tilted a little")
+      .def_prop_ro(
+          "participates", [](const MortarIntegrals& s) { return mask(s.participates, {s.participates.size()}); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "weight", [](const MortarIntegrals& s) { return copy(s.weight, {s.weight.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "cover", [](const MortarIntegrals& s) { return copy(s.cover, {s.cover.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "normal", [](const MortarIntegrals& s) { return vectors(s.normal, s.nodes().nodes.size()); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "gap", [](const MortarIntegrals& s) { return copy(s.gap, {s.gap.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "normal_sums", [](const MortarIntegrals& s) { return copy(s.normal_sums(), {s.normal_sums().size()}); },
+          nb::rv_policy::move)
+      .def_prop_ro("entries", &MortarIntegrals::entries, nb::rv_policy::reference_internal)
+      .def_prop_ro("segments", &MortarIntegrals::segments, nb::rv_policy::reference_internal)
+      .def_prop_ro("map", &MortarIntegrals::map)
+      .def_prop_ro("M", &MortarIntegrals::M, nb::rv_policy::reference)
+      .def("jump_matrix", &MortarIntegrals::jump_matrix, nb::rv_policy::reference, "D - M, kept by this object")
+      .def(
+          "jump",
+          [](const MortarIntegrals& s, Array moved) { return vectors(s.jump(view(moved)), s.nodes().nodes.size()); },
+          nb::arg("moved"), "Mean displacement of slave against master. Collective")
+      .def(
+          "over_master", [](const MortarIntegrals& s, Array values, int block)
+          { return vectors(s.over_master(view(values), block), s.nodes().nodes.size()); }, nb::arg("values"),
+          nb::arg("block"))
+      .def(
+          "contact_forces",
+          [](const MortarIntegrals& s, Array traction) { return take(s.contact_forces(view(traction))); },
+          nb::arg("traction"), "Nodal forces on both bodies, owned entries. Collective")
+      .def(
+          "master_rows",
+          [](const MortarIntegrals& s, Indices rows) { return as_tuple(s.master_rows({rows.data(), rows.size()})); },
+          nb::arg("rows"), "Rows of D^-1 M of some nodes: pointers, global nodes, values")
+      .def(
+          "tangent",
+          [](MortarIntegrals& s, Array multiplier, Array traction, Mask active) -> nb::object
+          {
+            Mat A = s.tangent(view(multiplier), view(traction), view(active));
+            return A ? nb::cast(A, nb::rv_policy::reference) : nb::none();
+          },
+          nb::arg("multiplier"), nb::arg("traction"), nb::arg("active"),
+          "Derivative of minus the contact force at given multipliers, kept by this object; None: zero. Collective");
+  m.def(
+      "springs",
+      [](const dolfinx::common::IndexMap& map, int gdim, Indices nodes, nb::tuple rows, Array blocks)
+      {
+        const MasterRows facing{vector<std::int64_t>(nb::cast<Globals>(rows[0])),
+                                vector<std::int64_t>(nb::cast<Globals>(rows[1])),
+                                vector<double>(nb::cast<Array>(rows[2]))};
+        dolfinx_impact::operators::CooMatrix out;
+        assign_springs(map, gdim, {nodes.data(), nodes.size()}, facing, view(blocks), out);
+        return nb::cast(out.matrix(), nb::rv_policy::reference);
+      },
+      nb::arg("map"), nb::arg("gdim"), nb::arg("nodes"), nb::arg("rows"), nb::arg("blocks"),
+      "Matrix of springs between nodes and what they face on the master. Collective");
+}
+
+void bind_constraints(nb::module_& m)
+{
+  nb::class_<Constraints>(m, "Constraints", "Constrained slave nodes of one contact; properties are copies")
+      .def(
+          "__init__",
+          [](Constraints* self, Indices rows, Indices nodes, Array frames, Array over, Mask constrained, Array known,
+             Array tilt, Indices normal, Globals pointers, Globals columns, Array values)
+          {
+            const std::size_t num = nodes.size(), gdim = known.ndim() == 2 ? known.shape(1) : 0;
+            if (gdim < 2 || gdim > 3 || rows.size() != num || frames.size() != num * gdim * gdim ||
+                over.size() != num * gdim * gdim || constrained.size() != num * gdim || known.size() != num * gdim ||
+                tilt.size() != num * gdim || normal.size() != num || pointers.size() != num + 1 ||
+                columns.size() != values.size())
+              throw std::invalid_argument("constraints: arrays of different numbers of nodes");
+            new (self) Constraints{int(gdim),
+                                   vector<std::int32_t>(rows),
+                                   vector<std::int32_t>(nodes),
+                                   vector<double>(frames),
+                                   vector<double>(over),
+                                   {view(constrained).begin(), view(constrained).end()},
+                                   vector<double>(known),
+                                   vector<double>(tilt),
+                                   vector<std::int32_t>(normal),
+                                   vector<std::int64_t>(pointers),
+                                   vector<std::int64_t>(columns),
+                                   vector<double>(values)};
+          },
+          nb::arg("rows"), nb::arg("nodes"), nb::arg("frames"), nb::arg("over"), nb::arg("constrained"),
+          nb::arg("known"), nb::arg("tilt"), nb::arg("normal"), nb::arg("pointers"), nb::arg("columns"),
+          nb::arg("values"))
+      .def_prop_ro(
+          "rows", [](const Constraints& c) { return copy(c.rows, {c.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "nodes", [](const Constraints& c) { return copy(c.nodes, {c.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "frames", [](const Constraints& c)
+          { return copy(c.frames, {c.size(), std::size_t(c.gdim), std::size_t(c.gdim)}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "over", [](const Constraints& c)
+          { return copy(c.over, {c.size(), std::size_t(c.gdim), std::size_t(c.gdim)}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "constrained", [](const Constraints& c) { return mask(c.constrained, {c.size(), std::size_t(c.gdim)}); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "known", [](const Constraints& c) { return copy(c.known, {c.size(), std::size_t(c.gdim)}); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "tilt", [](const Constraints& c) { return copy(c.tilt, {c.size(), std::size_t(c.gdim)}); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "normal", [](const Constraints& c) { return copy(c.normal, {c.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "pointers", [](const Constraints& c) { return copy(c.pointers, {c.pointers.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "columns", [](const Constraints& c) { return copy(c.columns, {c.columns.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "values", [](const Constraints& c) { return copy(c.values, {c.values.size()}); }, nb::rv_policy::move);
+  m.def(
+      "frames_at",
+      [](Array normals, Mask fixed)
+      {
+        const std::size_t num = normals.shape(0), gdim = normals.shape(1);
+        NodalFrames f = frames_at(int(gdim), view(normals), view(fixed));
+        return nb::make_tuple(take(std::move(f.frames), {num, gdim, gdim}), take(std::move(f.place)),
+                              take(std::move(f.length)));
+      },
+      nb::arg("normals"), nb::arg("fixed"),
+      "Frames (n, gdim, gdim), place of the normal direction (n), length of the normal's free part (n)");
+}
+
+/// Views of an object's arrays, by the names of NodalMultipliers; they must outlive the call.
+struct Nodes
+{
+  Mask usable, active, sliding;
+  Array gap, multiplier, slip, traction, direction, opening, stiffness, lock;
+  NodalMultipliers now;
+
+  Nodes(const nb::dict& d, int gdim, double friction)
+      : usable(nb::cast<Mask>(d["usable"])), active(nb::cast<Mask>(d["active"])), sliding(nb::cast<Mask>(d["sliding"])),
+        gap(nb::cast<Array>(d["gap"])), multiplier(nb::cast<Array>(d["multiplier"])), slip(nb::cast<Array>(d["slip"])),
+        traction(nb::cast<Array>(d["traction"])), direction(nb::cast<Array>(d["direction"])),
+        opening(nb::cast<Array>(d["opening"])), stiffness(nb::cast<Array>(d["stiffness"])),
+        lock(nb::cast<Array>(d["lock"])),
+        now{gdim,          friction,   view(usable),   view(active),    view(gap),     view(multiplier),
+            view(sliding), view(slip), view(traction), view(direction), view(opening), view(stiffness),
+            view(lock)}
+  {
+  }
+};
+
+/// The same for NodalGeometry.
+struct Geometry
+{
+  Indices nodes, place;
+  Array normal, gap, slip, weight, cover, ahead, frame, length;
+  Mask fixed;
+  NodalFrames frames;
+  NodalGeometry now;
+
+  explicit Geometry(const nb::dict& d)
+      : nodes(nb::cast<Indices>(d["nodes"])), place(nb::cast<Indices>(d["place"])),
+        normal(nb::cast<Array>(d["normal"])), gap(nb::cast<Array>(d["gap"])), slip(nb::cast<Array>(d["slip"])),
+        weight(nb::cast<Array>(d["weight"])), cover(nb::cast<Array>(d["cover"])), ahead(nb::cast<Array>(d["ahead"])),
+        frame(nb::cast<Array>(d["frames"])), length(nb::cast<Array>(d["length"])), fixed(nb::cast<Mask>(d["fixed"])),
+        frames{vector<double>(frame), vector<std::int32_t>(place), vector<double>(length)},
+        now{{nodes.data(), nodes.size()},
+            view(normal),
+            view(gap),
+            view(slip),
+            view(weight),
+            view(cover),
+            view(fixed),
+            view(ahead),
+            frames}
+  {
+  }
+};
+
+void bind_active_set(nb::module_& m)
+{
+  m.def(
+      "update_active_set",
+      [](nb::dict state, int gdim, double friction, bool first, double tolerance, double largest)
+      {
+        const Nodes nodes(state, gdim, friction);
+        const std::size_t num = nodes.now.size();
+        ActiveSet found = update_active_set(nodes.now, first, tolerance, largest);
+        return nb::make_tuple(mask(found.active, {num}), mask(found.sliding, {num}),
+                              take(std::move(found.direction), {num, std::size_t(gdim)}));
+      },
+      nb::arg("state"), nb::arg("gdim"), nb::arg("friction"), nb::arg("first"), nb::arg("tolerance"),
+      nb::arg("largest"), "Active and sliding masks and friction's directions; state: arrays of NodalMultipliers");
+  m.def(
+      "friction_tilt",
+      [](nb::dict state, int gdim, double friction)
+      {
+        const Nodes nodes(state, gdim, friction);
+        return take(friction_tilt(nodes.now), {nodes.now.size(), std::size_t(gdim)});
+      },
+      nb::arg("state"), nb::arg("gdim"), nb::arg("friction"), "Friction traction per pressure");
+  m.def(
+      "constrain",
+      [](nb::dict state, nb::dict geometry, int gdim, double friction, Array tilt, nb::tuple facing)
+      {
+        const Nodes nodes(state, gdim, friction);
+        return constrain(nodes.now, Geometry(geometry).now, view(tilt),
+                         {vector<std::int64_t>(nb::cast<Globals>(facing[0])),
+                          vector<std::int64_t>(nb::cast<Globals>(facing[1])),
+                          vector<double>(nb::cast<Array>(facing[2]))});
+      },
+      nb::arg("state"), nb::arg("geometry"), nb::arg("gdim"), nb::arg("friction"), nb::arg("tilt"), nb::arg("facing"),
+      "Constraints of the active nodes; geometry: arrays of NodalGeometry");
+  m.def(
+      "evaluate_multipliers",
+      [](nb::dict state, nb::dict geometry, int gdim, double friction, Array residual, Array tilt, Array known,
+         Array follow)
+      {
+        const Nodes nodes(state, gdim, friction);
+        const std::size_t num = nodes.now.size();
+        std::vector<double> multiplier(num), traction(num * gdim, 0.0);
+        evaluate_multipliers(nodes.now, Geometry(geometry).now, view(residual), view(tilt), view(known), view(follow),
+                             multiplier, traction);
+        return nb::make_tuple(take(std::move(multiplier)), take(std::move(traction), {num, std::size_t(gdim)}));
+      },
+      nb::arg("state"), nb::arg("geometry"), nb::arg("gdim"), nb::arg("friction"), nb::arg("residual"), nb::arg("tilt"),
+      nb::arg("known"), nb::arg("follow"), "Multipliers and friction tractions from equilibrium");
+}
+
+void bind_condensation(nb::module_& m)
+{
+  nb::class_<Condensation>(m, "Condensation", "Unknowns and equations of constrained nodes exchanged: T_L^T K T")
+      .def(
+          "__init__",
+          [](Condensation* self, dolfinx_wrappers::MPICommWrapper comm, std::size_t num_owned, std::int64_t first,
+             int gdim, std::vector<Constraints> parts)
+          { new (self) Condensation(comm.get(), num_owned, first, gdim, std::move(parts)); },
+          nb::arg("comm"), nb::arg("num_owned"), nb::arg("first"), nb::arg("gdim"), nb::arg("parts"))
+      .def_prop_ro("right", &Condensation::right, nb::rv_policy::reference)
+      .def_prop_ro("left", &Condensation::left, nb::rv_policy::reference)
+      .def_prop_ro("symmetric", &Condensation::symmetric)
+      .def_prop_ro(
+          "known", [](Condensation& c)
+          { return nb::ndarray<nb::numpy, double, nb::ndim<1>>(c.known.data(), {c.known.size()}, nb::find(c)); },
+          nb::rv_policy::reference, "Known increments, a view")
+      .def_prop_ro(
+          "pinned", [](const Condensation& c) { return mask(c.pinned(), {c.pinned().size()}); }, nb::rv_policy::move)
+      .def(
+          "residual", [](const Condensation& c, Array values) { return take(c.residual(view(values))); },
+          nb::arg("values"), "T_L^T times a nodal residual, zero at pinned unknowns. Collective")
+      .def(
+          "unknowns", [](const Condensation& c, Array increments) { return take(c.unknowns(view(increments))); },
+          nb::arg("increments"), "Unknowns that stand for displacement increments")
+      .def(
+          "increment", [](const Condensation& c, Vec y) { return take(c.increment(y)); }, nb::arg("y"),
+          "Displacement increments T y + known. Collective")
+      .def("condense", &Condensation::condense, nb::arg("K"), nb::rv_policy::take_ownership, "T_L^T K T. Collective");
+}
+} // namespace
+
+void dolfinx_impact::bindings::multipliers(nb::module_& m)
+{
+  bind_integrals(m);
+  bind_constraints(m);
+  bind_active_set(m);
+  bind_condensation(m);
+}

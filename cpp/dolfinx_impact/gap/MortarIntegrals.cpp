@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: MIT
+#include "MortarIntegrals.h"
+#include "../operators/petsc_check.h"
+#include "../search/pairs.h"
+#include <algorithm>
+#include <cmath>
+#include <dolfinx/la/Vector.h>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+
+namespace dolfinx_impact::gap
+{
+using dolfinx::common::IndexMap;
+using operators::check;
+
+namespace
+{
+/// Sums over the ranks (or values of the owners), complete on ghosts. Collective.
+std::vector<double> over_ranks(std::shared_ptr<const IndexMap> map, std::vector<double> values, int block, bool forward)
+{
+  dolfinx::la::Vector<double> v(map, block);
+  std::copy(values.begin(), values.end(), v.mutable_array().begin());
+  if (!forward)
+    v.scatter_rev(std::plus<double>());
+  v.scatter_fwd();
+  std::copy(v.array().begin(), v.array().end(), values.begin());
+  return values;
+}
+
+std::vector<std::int64_t> global_nodes(const IndexMap& map)
+{
+  std::vector<std::int32_t> local(map.size_local() + map.num_ghosts());
+  for (std::size_t i = 0; i < local.size(); ++i)
+    local[i] = std::int32_t(i);
+  std::vector<std::int64_t> out(local.size());
+  map.local_to_global(local, out);
+  return out;
+}
+
+/// Vectors that fit a matrix, destroyed with this.
+struct Vectors
+{
+  Vec right = nullptr, left = nullptr;
+  explicit Vectors(Mat A) { check(MatCreateVecs(A, &right, &left), "vectors are made"); }
+  ~Vectors()
+  {
+    VecDestroy(&right);
+    VecDestroy(&left);
+  }
+};
+} // namespace
+
+MultiplierNodes multiplier_nodes(const surface::FunctionSpace& V, const surface::Facets& slave, const SegmentRule& rule,
+                                 Multipliers basis, bool axisymmetric)
+{
+  const auto map = V.dofmap()->index_map;
+  const int n = slave.displacement.num_nodes();
+  const Segments whole = whole_facets(slave, rule, axisymmetric);
+  const std::vector<double> integrals = cover(slave, whole, basis);
+  std::vector<double> areas(slave.size(), 0.0), values(2 * (map->size_local() + map->num_ghosts()), 0.0);
+  for (std::size_t q = 0; q < whole.weight.size(); ++q)
+    areas[whole.slave[q]] += whole.weight[q];
+  for (std::size_t f = 0; f < slave.size(); ++f)
+    for (int i = 0; i < n; ++i)
+    {
+      values[2 * slave.nodes_of(f)[i]] += integrals[f * n + i];
+      values[2 * slave.nodes_of(f)[i] + 1] += areas[f];
+    }
+  values = over_ranks(map, std::move(values), 2, false);
+  MultiplierNodes out;
+  // On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
+  // multipliers live at the midpoints of the edges; linear ones live at the corners.
+  for (std::int32_t node = 0; node < map->size_local(); ++node)
+    if (values[2 * node] > least_share * values[2 * node + 1])
+    {
+      out.nodes.push_back(node);
+      out.share.push_back(values[2 * node]);
+      out.area.push_back(values[2 * node + 1]);
+    }
+  return out;
+}
+
+MortarIntegrals::MortarIntegrals(std::shared_ptr<const surface::FunctionSpace> V,
+                                 std::shared_ptr<search::PairSearch> search, MultiplierNodes nodes,
+                                 const SegmentRule& rule, Multipliers basis, bool axisymmetric)
+    : _V(std::move(V)), _search(std::move(search)), _nodes(std::move(nodes)),
+      _points(rule.points.begin(), rule.points.end()), _weights(rule.weights.begin(), rule.weights.end()),
+      _basis(basis), _axisymmetric(axisymmetric)
+{
+}
+
+std::vector<double> MortarIntegrals::summed(std::vector<double> values, int block, bool forward_only) const
+{
+  return over_ranks(_map, std::move(values), block, forward_only);
+}
+
+void MortarIntegrals::update(std::span<const double> u, std::span<const double> start)
+{
+  _search->update(u, start);
+  _map = _search->map();
+  const surface::Facets &slave = _search->slave(), &master = _search->master();
+  const int gdim = slave.gdim;
+  const std::size_t size = _map->size_local() + _map->num_ghosts(), num = _nodes.nodes.size();
+  const auto near = search::near_facets(slave, master, _search->reach());
+  _segments = segment(slave, master, near.pairs, near.offsets, {_points, _weights}, _search->reach(), _axisymmetric);
+
+  std::vector<double> around(size, 0.0), carries(size, 0.0);
+  const std::vector<double> covers = gap::cover(slave, _segments, _basis);
+  for (std::size_t i = 0; i < covers.size(); ++i)
+    around[slave.nodes[i]] += covers[i];
+  around = summed(std::move(around), 1);
+  participates.assign(num, 0);
+  for (std::size_t i = 0; i < num; ++i)
+    if (around[_nodes.nodes[i]] > least_share * _nodes.area[i])
+      participates[i] = carries[_nodes.nodes[i]] = 1;
+  carries = summed(std::move(carries), 1, true);
+  const std::vector<std::int8_t> flags(carries.begin(), carries.end());
+  _mortar = mortar(slave, master, _segments, _basis, flags);
+
+  // By node: diagonal of D, sum of its row (the shape functions add up to one), weighted gap vector, facet normals.
+  std::vector<double> sums(size * (2 + gdim), 0.0), normals(size * gdim, 0.0);
+  for (std::size_t k = 0; k < _mortar.D.values.size(); ++k)
+  {
+    double* at = &sums[_mortar.D.rows[k] * (2 + gdim)];
+    at[0] += _mortar.D.rows[k] == _mortar.D.cols[k] ? _mortar.D.values[k] : 0.0;
+    at[1] += _mortar.D.values[k];
+  }
+  for (std::size_t i = 0; i < slave.nodes.size(); ++i)
+    for (int c = 0; c < gdim; ++c)
+      sums[slave.nodes[i] * (2 + gdim) + 2 + c] += _mortar.gamma[i * gdim + c];
+  sums = summed(std::move(sums), 2 + gdim);
+  add_normals(slave, normals);
+  _sums = summed(std::move(normals), gdim);
+  weight.resize(num);
+  cover.resize(num);
+  _gamma.resize(num * gdim);
+  for (std::size_t i = 0; i < num; ++i)
+  {
+    const double* at = &sums[_nodes.nodes[i] * (2 + gdim)];
+    weight[i] = at[0];
+    cover[i] = at[1];
+    std::copy_n(at + 2, gdim, &_gamma[i * gdim]);
+  }
+
+  const auto global = global_nodes(*_map);
+  operators::CooMatrix::Entries entries;
+  for (std::size_t k = 0; k < _mortar.M.values.size(); ++k)
+    entries.add(PetscInt(global[_mortar.M.rows[k]]), PetscInt(global[_mortar.M.cols[k]]), _mortar.M.values[k]);
+  // Slave nodes beside the diagonal of D, without a multiplier of their own, stand among the master's.
+  for (std::size_t k = 0; k < _mortar.D.values.size(); ++k)
+    if (_mortar.D.rows[k] != _mortar.D.cols[k])
+      entries.add(PetscInt(global[_mortar.D.rows[k]]), PetscInt(global[_mortar.D.cols[k]]), -_mortar.D.values[k]);
+  _M.assign(_map->comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
+}
+
+void MortarIntegrals::update_gap(std::span<const std::int8_t> locked, double symmetry)
+{
+  const std::size_t num = _nodes.nodes.size();
+  const int gdim = _search->slave().gdim;
+  normal.resize(num * gdim);
+  gap.assign(num, std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < num; ++i)
+  {
+    double* n = &normal[i * gdim];
+    const auto normalise = [&]()
+    {
+      double length = 0.0;
+      for (int c = 0; c < gdim; ++c)
+        length += n[c] * n[c];
+      for (int c = 0; c < gdim; ++c)
+        n[c] /= std::sqrt(length);
+    };
+    std::copy_n(&_sums[_nodes.nodes[i] * gdim], gdim, n);
+    normalise();
+    for (int c = 0; c < gdim && !locked.empty(); ++c)
+      if (locked[i * gdim + c] && std::abs(n[c]) < symmetry)
+        n[c] = 0.0;
+    normalise();
+    if (!participates[i])
+      continue;
+    double sum = 0.0;
+    for (int c = 0; c < gdim; ++c)
+      sum += n[c] * _gamma[i * gdim + c];
+    gap[i] = sum / cover[i];
+  }
+}
+
+Mat MortarIntegrals::jump_matrix()
+{
+  const auto global = global_nodes(*_map);
+  operators::CooMatrix::Entries entries;
+  for (std::size_t k = 0; k < _mortar.D.values.size(); ++k)
+    entries.add(PetscInt(global[_mortar.D.rows[k]]), PetscInt(global[_mortar.D.cols[k]]), _mortar.D.values[k]);
+  for (std::size_t k = 0; k < _mortar.M.values.size(); ++k)
+    entries.add(PetscInt(global[_mortar.M.rows[k]]), PetscInt(global[_mortar.M.cols[k]]), -_mortar.M.values[k]);
+  _jump.assign(_map->comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
+  return _jump.matrix();
+}
+
+std::vector<double> MortarIntegrals::over_master(std::span<const double> values, int block) const
+{
+  const std::size_t owned = _map->size_local(), num = _nodes.nodes.size();
+  if (values.size() < owned * block)
+    throw std::invalid_argument("nodal values are those of all owned nodes of the space");
+  Vectors v(_M.matrix());
+  std::vector<double> out(num * block);
+  for (int c = 0; c < block; ++c)
+  {
+    {
+      operators::Entries source(v.right);
+      for (std::size_t i = 0; i < owned; ++i)
+        source[i] = values[i * block + c];
+    }
+    check(MatMult(_M.matrix(), v.right, v.left), "M is applied");
+    operators::Entries product(v.left);
+    for (std::size_t i = 0; i < num; ++i)
+      out[i * block + c] = product[_nodes.nodes[i]];
+  }
+  return out;
+}
+
+std::vector<double> MortarIntegrals::jump(std::span<const double> moved) const
+{
+  const int gdim = _search->slave().gdim;
+  std::vector<double> out = over_master(moved, gdim);
+  for (std::size_t i = 0; i < _nodes.nodes.size(); ++i)
+    for (int c = 0; c < gdim; ++c)
+      out[i * gdim + c] =
+          participates[i] ? (weight[i] * moved[_nodes.nodes[i] * gdim + c] - out[i * gdim + c]) / cover[i] : 0.0;
+  return out;
+}
+
+std::vector<double> MortarIntegrals::contact_forces(std::span<const double> traction) const
+{
+  const int gdim = _search->slave().gdim;
+  const std::size_t owned = _map->size_local(), num = _nodes.nodes.size();
+  if (traction.size() != num * gdim)
+    throw std::invalid_argument("a traction at every node that may carry a multiplier is needed");
+  std::vector<double> out(owned * gdim, 0.0);
+  Vectors v(_M.matrix());
+  for (int c = 0; c < gdim; ++c)
+  {
+    check(VecZeroEntries(v.left), "a vector is zeroed");
+    {
+      operators::Entries z(v.left);
+      for (std::size_t i = 0; i < num; ++i)
+        if (participates[i])
+        {
+          z[_nodes.nodes[i]] = traction[i * gdim + c];
+          out[_nodes.nodes[i] * gdim + c] = weight[i] * traction[i * gdim + c];
+        }
+    }
+    check(MatMultTranspose(_M.matrix(), v.left, v.right), "M is applied");
+    operators::Entries product(v.right);
+    for (std::size_t i = 0; i < owned; ++i)
+      out[i * gdim + c] -= product[i];
+  }
+  return out;
+}
+
+MasterRows MortarIntegrals::master_rows(std::span<const std::int32_t> rows) const
+{
+  MasterRows out{{0}, {}, {}};
+  PetscInt first = 0;
+  check(MatGetOwnershipRange(_M.matrix(), &first, nullptr), "M is read");
+  for (std::int32_t i : rows)
+  {
+    const PetscInt row = first + _nodes.nodes[i];
+    PetscInt num = 0;
+    const PetscInt* columns = nullptr;
+    const double* values = nullptr;
+    check(MatGetRow(_M.matrix(), row, &num, &columns, &values), "M is read");
+    out.columns.insert(out.columns.end(), columns, columns + num);
+    for (PetscInt k = 0; k < num; ++k)
+      out.values.push_back(values[k] / weight[i]);
+    check(MatRestoreRow(_M.matrix(), row, &num, &columns, &values), "M is read");
+    out.pointers.push_back(std::int64_t(out.columns.size()));
+  }
+  return out;
+}
+
+Mat MortarIntegrals::tangent(std::span<const double> multiplier, std::span<const double> traction,
+                             std::span<const std::int8_t> active)
+{
+  const surface::Facets &slave = _search->slave(), &master = _search->master();
+  const int gdim = slave.gdim;
+  const std::size_t size = _map->size_local() + _map->num_ghosts(), num = _nodes.nodes.size();
+  if (multiplier.size() != num || traction.size() != num * gdim || active.size() != num)
+    throw std::invalid_argument("multiplier, traction and active are arrays of all nodes that may carry a multiplier");
+  std::vector<double> z(size * gdim, 0.0), force(size, 0.0);
+  std::vector<std::int32_t> rows;
+  int any = 0;
+  for (std::size_t i = 0; i < num; ++i)
+    if (active[i])
+    {
+      rows.push_back(std::int32_t(i));
+      any |= multiplier[i] != 0.0;
+      std::copy_n(&traction[i * gdim], gdim, &z[_nodes.nodes[i] * gdim]);
+      force[_nodes.nodes[i]] = multiplier[i] * weight[i];
+    }
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, _map->comm());
+  if (!any)
+    return nullptr;
+  z = summed(std::move(z), gdim, true);
+  force = summed(std::move(force), 1, true);
+  const auto global = global_nodes(*_map);
+  const PetscInt owned = _map->size_local() * gdim;
+  const auto assign = [&](const gap::Entries& in, operators::CooMatrix& out)
+  {
+    operators::CooMatrix::Entries entries;
+    for (std::size_t k = 0; k < in.values.size(); ++k)
+      entries.add(PetscInt(gdim * global[in.rows[k] / gdim] + in.rows[k] % gdim),
+                  PetscInt(gdim * global[in.cols[k] / gdim] + in.cols[k] % gdim), in.values[k]);
+    out.assign(_map->comm(), owned, owned, gdim, std::move(entries));
+  };
+  assign(sliding_tangent(slave, master, _segments, _mortar, z), _sliding);
+  assign(turning_tangent(slave, _sums, force), _turning);
+  // What turns on the slave turns on the master.
+  const MasterRows facing = master_rows(rows);
+  operators::CooMatrix::Entries jump;
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    for (int c = 0; c < gdim; ++c)
+    {
+      const PetscInt row = PetscInt(gdim * global[_nodes.nodes[rows[k]]] + c);
+      jump.add(row, row, 1.0);
+      for (std::int64_t p = facing.pointers[k]; p < facing.pointers[k + 1]; ++p)
+        jump.add(row, PetscInt(gdim * facing.columns[p] + c), -facing.values[p]);
+    }
+  _facing.assign(_map->comm(), owned, owned, gdim, std::move(jump));
+  Mat both = nullptr;
+  check(MatTransposeMatMult(_facing.matrix(), _turning.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &both),
+        "matrices are multiplied");
+  _tangent.reset(both, [](Mat m) { MatDestroy(&m); });
+  check(MatAXPY(both, 1.0, _sliding.matrix(), DIFFERENT_NONZERO_PATTERN), "matrices are added");
+  return both;
+}
+
+void assign_springs(const IndexMap& map, int gdim, std::span<const std::int32_t> nodes, const MasterRows& rows,
+                    std::span<const double> blocks, operators::CooMatrix& out)
+{
+  const std::int64_t first = map.local_range()[0];
+  operators::CooMatrix::Entries entries;
+  std::vector<std::pair<std::int64_t, double>> jump; // nodes and their parts in the jump
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+  {
+    jump.assign(1, {first + nodes[k], 1.0});
+    for (std::int64_t p = rows.pointers.empty() ? 0 : rows.pointers[k]; !rows.pointers.empty() && p < rows.pointers[k + 1];
+         ++p)
+      jump.emplace_back(rows.columns[p], -rows.values[p]);
+    for (const auto& [i, a] : jump)
+      for (const auto& [j, b] : jump)
+        for (int c = 0; c < gdim; ++c)
+          for (int d = 0; d < gdim; ++d)
+            entries.add(PetscInt(gdim * i + c), PetscInt(gdim * j + d), a * b * blocks[(k * gdim + c) * gdim + d]);
+  }
+  out.assign(map.comm(), gdim * map.size_local(), gdim * map.size_local(), gdim, std::move(entries));
+}
+} // namespace dolfinx_impact::gap

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <petscvec.h>
+#include <stdexcept>
+#include <string>
+
+namespace dolfinx_impact::operators
+{
+/// @throws std::runtime_error for an error that PETSc returned
+inline void check(PetscErrorCode error, const char* what)
+{
+  if (error)
+    throw std::runtime_error("PETSc error " + std::to_string(int(error)) + " while " + what);
+}
+
+/// A PETSc vector's own entries, to be changed, as long as this lives.
+class Entries
+{
+public:
+  explicit Entries(Vec v) : _v(v)
+  {
+    check(VecGetLocalSize(v, &_size), "a vector is asked for its size");
+    check(VecGetArray(v, &_values), "a vector is asked for its entries");
+  }
+  ~Entries() { VecRestoreArray(_v, &_values); }
+  Entries(const Entries&) = delete;
+  Entries& operator=(const Entries&) = delete;
+  double& operator[](std::size_t i) { return _values[i]; }
+  std::size_t size() const { return std::size_t(_size); }
+
+private:
+  Vec _v;
+  PetscInt _size = 0;
+  double* _values = nullptr;
+};
+} // namespace dolfinx_impact::operators
