@@ -55,6 +55,8 @@ lint-here:
 	find cpp demos -name '*.h' -o -name '*.cpp' | xargs -r clang-format-19 --dry-run -Werror || status=1; \
 	black --check --quiet . || { black --check .; status=1; }; \
 	python3 -m flake8 || status=1; \
+	if python3 -c 'import mypy' 2>/dev/null; then python3 -m mypy --no-error-summary || status=1; \
+	else echo "lint: mypy is not installed: types are not checked" >&2; fi; \
 	[ $$status = 0 ] || echo "lint: stopped; 'make format' mends what formatters can" >&2; \
 	exit $$status
 

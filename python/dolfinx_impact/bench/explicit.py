@@ -124,7 +124,8 @@ class Blocks:
     """A block pressed and thrown on a clamped one, sliding; meshes that do not match.
 
     Args:
-        n, layers: cells along each side of the interface, and down. contact: None, or a class; friction: coefficient.
+        n, layers: cells along each side of the interface, and down.
+        contact: None, or a class; friction: coefficient.
     """
 
     def __init__(self, n, layers, contact=None, friction=0.0):

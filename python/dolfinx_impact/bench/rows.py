@@ -54,7 +54,7 @@ def impossible(rows: Iterable[Row]) -> list[str]:
     complaints = []
     for r in rows:
         where = f"{r['name']} ({r['cell']})"
-        if not all(math.isfinite(r[key]) for key in ("value", "baseline", "ratio")):
+        if not all(math.isfinite(x) for x in (r["value"], r["baseline"], r["ratio"])):
             complaints.append(f"{where}: {r['value']} {r['unit']} against {r['baseline']} is no finite ratio")
         elif r["name"].endswith(PEAK) and r["ratio"] > 1.0:
             complaints.append(

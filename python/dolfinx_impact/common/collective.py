@@ -114,7 +114,9 @@ def agree(comm, error, call=""):
     """Raise on all ranks if any rank has an error. Collective, one reduction.
 
     Args:
-        comm: communicator. error: exception of this rank, or None. call: name, for messages.
+        comm: communicator.
+        error: exception of this rank, or None.
+        call: name, for messages.
     """
     if comm.size > 1:
         _exchange(channel(comm), call, error, {})

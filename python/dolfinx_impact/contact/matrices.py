@@ -12,7 +12,9 @@ def matrix(comm, num_owned, rows, cols, values, block=1):
     """Square matrix whose entries any rank may give; equal places add up. Collective.
 
     Args:
-        num_owned: rows and columns of this rank. rows, cols: global numbers. values: entries. block: size of blocks.
+        num_owned: rows and columns of this rank. rows, cols: global numbers.
+        values: entries.
+        block: size of blocks.
     """
     return rectangle(comm, num_owned, num_owned, rows, cols, values, block)
 
@@ -37,7 +39,8 @@ class NodalSum:
     """Sums and updates of nodal values over the ranks.
 
     Args:
-        index_map: of nodes (owned, then ghosts). block: values per node.
+        index_map: of nodes (owned, then ghosts).
+        block: values per node.
     """
 
     def __init__(self, index_map, block):

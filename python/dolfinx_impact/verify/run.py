@@ -50,7 +50,9 @@ def cross_check(
             the name of the file.
         constants: of a UFL form: dictionary from names (E, nu, mu, lmbda, density, ...) to its constants.
         hypothesis: of a UFL form in the plane: "plane_strain" (default), "plane_stress" or "axisymmetric".
-        cells, degrees: to restrict to. levels: of LEVELS. count: random cells per element comparison.
+        cells, degrees: to restrict to.
+        levels: of LEVELS.
+        count: random cells per element comparison.
 
     Returns:
         Report with .rows and .passed.

@@ -158,7 +158,9 @@ def check(report, path, operator=None, seed=2026):
     "operator".
 
     Args:
-        report: Report to add to. path: the user's file. operator: name of the operator; None: the file's name.
+        report: Report to add to.
+        path: the user's file.
+        operator: name of the operator; None: the file's name.
     """
     namespace, forms = load(path)
     for variable, form in forms.items():

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "Exchange.h"
-#include "closest_point/SurfaceSearch.h"
+#include "../Exchange.h"
+#include "SurfaceSearch.h"
 #include <memory>
 #include <vector>
 
