@@ -1,7 +1,7 @@
 # # A cylinder pressed on a block: Hertz
 #
 # A steel cylinder is pressed on a steel block. Where they touch is not given: multipliers find the contact and its
-# pressure. For half-planes Hertz (1881) knows half the width $a$ of the contact and the pressure $p$ under the load $P$
+# pressure. For half-planes Hertz (1881) gives half the width $a$ of the contact and the pressure $p$ under the load $P$
 # per length, with $1/E^* = \sum (1 - \nu_i^2) / E_i$:
 #
 # $$ a = \sqrt{\frac{4 P R}{\pi E^*}}, \qquad p(x) = \frac{2P}{\pi a} \sqrt{1 - x^2/a^2}. $$

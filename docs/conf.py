@@ -119,7 +119,8 @@ def demo_page(app, docname, source):
         cells = jupytext.read(path, fmt="py:light").cells
         # The title is that of the page.
         cells[0].source = re.sub(r"\A# .*\n*", "", cells[0].source)
-        links = [f'<a href="../notebooks/{path.stem}.{kind}" download>{kind}</a>' for kind in ("py", "ipynb")]
+        files = {"Python": "py", "notebook": "ipynb"}
+        links = [f'<a href="../notebooks/{path.stem}.{end}" download>{kind}</a>' for kind, end in files.items()]
         text = [f"To download: {', '.join(links)}."]
         text += [cell.source if cell.cell_type == "markdown" else f"```python\n{cell.source}\n```" for cell in cells]
         return "\n\n".join(text).replace("\n```\n\n```python\n", "\n\n")  # neighbouring blocks of code are one
