@@ -55,7 +55,9 @@ class SurfaceGeometry:
         element = self.slave.displacement
         # Exact for the shape functions on flat, affine facets, with the radius as weight.
         points, weights = quadrature_rule(element.shape, 2 * element.degree + 2)
-        self._nodes = _cpp.multipliers.MultiplierNodes(V._cpp_object, self.slave, points, weights, self.basis, axisymmetric)
+        self._nodes = _cpp.multipliers.MultiplierNodes(
+            V._cpp_object, self.slave, points, weights, self.basis, axisymmetric
+        )
         self.nodes, self.share, self.area = self._nodes.nodes, self._nodes.share, self._nodes.area
         self.numbers = self.index_map.local_to_global(self.nodes)
         self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
