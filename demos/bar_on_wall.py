@@ -78,8 +78,8 @@ if comm.rank == 0:
     right.plot(time / T, kinetic, label="kinetic")
     right.plot(time / T, internal, label="internal")
     right.plot(time / T, problem.energy_history[:, 3], label="contact springs")
-    right.set(xlabel="time after first touch / T", ylabel="energy [J/m]", xlim=(-0.1, 1.3))
-    right.legend()
+    right.set(xlabel="time after first touch / T", ylabel="energy [J/m]", xlim=(-0.1, 1.3), ylim=(0, 1.2 * kinetic[0]))
+    right.legend(ncols=3, loc="upper center")
     figure.savefig("bar_on_wall.png", dpi=120)
 
 # ## What must hold

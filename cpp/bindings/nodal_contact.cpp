@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
-#include "dolfinx_impact/enforcement/KinematicContact.h"
-#include "dolfinx_impact/enforcement/PenaltyContact.h"
+#include "dolfinx_impact/enforcement/node_to_surface/KinematicContact.h"
+#include "dolfinx_impact/enforcement/node_to_surface/PenaltyContact.h"
 #include <algorithm>
 #include <array>
 #include <numeric>

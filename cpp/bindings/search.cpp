@@ -2,8 +2,8 @@
 #include "arrays.h"
 #include "dolfinx_impact/search/BoxTree.h"
 #include "dolfinx_impact/search/Exchange.h"
-#include "dolfinx_impact/search/PairSearch.h"
 #include "dolfinx_impact/search/boxes.h"
+#include "dolfinx_impact/search/closest_point/PairSearch.h"
 #include "dolfinx_impact/search/closest_point/SurfaceSearch.h"
 
 using namespace dolfinx_impact::search;

@@ -79,13 +79,14 @@ bool run()
   const auto map = V->dofmap()->index_map;
   std::vector<std::int32_t> cells(mesh->topology()->index_map(2)->size_local());
   std::iota(cells.begin(), cells.end(), 0);
-  const auto kernel = kernels::find({.name = "linear_elastic.tangent", .cell = "quadrilateral", .hypothesis = "plane_strain"});
+  const auto kernel =
+      kernels::find({.name = "linear_elastic.tangent", .cell = "quadrilateral", .hypothesis = "plane_strain"});
   operators::Tangent bodies({V, V}, {{kernel.at(0), cells, {E, nu}}}, {});
   bodies.assemble();
 
   const auto bottom = mesh::locate_entities_boundary(*mesh, 1, at_height(0.0));
-  const auto rule = basix::quadrature::make_quadrature<double>(basix::quadrature::type::Default, basix::cell::type::interval,
-                                                               basix::polyset::type::standard, 4);
+  const auto rule = basix::quadrature::make_quadrature<double>(
+      basix::quadrature::type::Default, basix::cell::type::interval, basix::polyset::type::standard, 4);
   const gap::Rigid plane{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {0, 1, 0}};
   enforcement::QuadraturePenalty contact({V, surface::make_surface(*V, bottom), rule[0], rule[1]},
                                          std::make_shared<gap::Rigid>(plane));

@@ -215,7 +215,7 @@ TEST_CASE("stored normals of the slave never give a wrong answer, and are seldom
   int asked = 0, facing = 0, renewals = 0;
   for (int step = 0; step < 300; ++step)
   {
-    m.move(0.2, 2e-3);
+    m.move(0.2, 1e-2);
     motion.advance(m.u.data(), m.du.data(), surface);
     if (step == 0 || motion.renewal_due())
     {
@@ -480,7 +480,7 @@ TEST_CASE("a tracker finds what a full search finds, with few searches")
     // The slave sinks to the master, and leaves it.
     for (std::int32_t node = Model::num_masters; node < Model::num; ++node)
     {
-      const double sinks = 0.008 * std::cos(0.0157 * step) * (step < 300 ? -1.0 : 1.0) * (step < 200 ? 1.0 : 0.0);
+      const double sinks = step < 200 ? -0.0145 * std::cos(3.1416 * step / 200) : 0.0;
       m.du[3 * node + 2] += sinks;
       m.u[3 * node + 2] += sinks;
     }

@@ -345,8 +345,8 @@ void assign_springs(const IndexMap& map, int gdim, std::span<const std::int32_t>
   for (std::size_t k = 0; k < nodes.size(); ++k)
   {
     jump.assign(1, {first + nodes[k], 1.0});
-    for (std::int64_t p = rows.pointers.empty() ? 0 : rows.pointers[k]; !rows.pointers.empty() && p < rows.pointers[k + 1];
-         ++p)
+    for (std::int64_t p = rows.pointers.empty() ? 0 : rows.pointers[k];
+         !rows.pointers.empty() && p < rows.pointers[k + 1]; ++p)
       jump.emplace_back(rows.columns[p], -rows.values[p]);
     for (const auto& [i, a] : jump)
       for (const auto& [j, b] : jump)

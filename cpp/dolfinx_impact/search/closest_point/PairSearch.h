@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "Exchange.h"
-#include "project.h"
+#include "../Exchange.h"
+#include "SurfaceSearch.h"
 #include <memory>
 #include <vector>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "Couple.h"
+#include "MomentCorrection.h"
 #include "NodeToSurface.h"
 
 namespace dolfinx_impact::enforcement
@@ -71,8 +71,8 @@ private:
   std::vector<Closed> _closed_now;
   std::size_t _num_closed = 0;
   std::vector<double> _phi, _motion, _nodal_force, _along, _across;
-  std::vector<Couple> _couples;
-  std::vector<double> _arms; ///< of couples
+  std::vector<MomentCorrection> _corrections;
+  std::vector<double> _arms; ///< of the moment corrections
   // Values at the Halo's nodes. `_sum` is summed over ranks: it is zero at all ghosts but those in `_touched`, and
   // never sent forward.
   std::vector<std::int32_t> _touched;

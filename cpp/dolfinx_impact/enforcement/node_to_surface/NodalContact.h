@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../operators/Halo.h"
+#include "../../operators/Halo.h"
 #include <array>
 #include <cstdint>
 #include <span>

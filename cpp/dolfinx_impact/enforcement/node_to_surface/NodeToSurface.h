@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../gap/Rigid.h"
-#include "../search/node_tracker/NodeTracker.h"
-#include "ContactStatus.h"
+#include "../../gap/Rigid.h"
+#include "../../search/node_tracker/NodeTracker.h"
+#include "../ContactStatus.h"
+#include "../friction.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
-#include "friction.h"
 #include <array>
 #include <span>
 #include <vector>

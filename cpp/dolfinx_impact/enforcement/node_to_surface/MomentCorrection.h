@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../surface/Facets.h"
+#include "../../surface/Facets.h"
 
 namespace dolfinx_impact::enforcement
 {
@@ -19,7 +19,7 @@ inline void for_nodes(int num, Each&& each)
 /// Forces without resultant on the nodes of a facet that give back the moment which a contact force and its reaction
 /// leave: c_j = omega x (x_j - mean), sum_j (x_j - mean) x c_j = e x f, e from the slave's node to the master's point
 /// (docs/explicit/penalty.md, "Moment correction").
-struct Couple
+struct MomentCorrection
 {
   double e[3], inverse[6];
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../operators/Halo.h"
-#include "../search/facet_exchange.h"
-#include "../surface/Surface.h"
+#include "../../operators/Halo.h"
+#include "../../search/facet_exchange.h"
+#include "../../surface/Surface.h"
 #include "NodalContact.h"
 #include <memory>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "KinematicContact.h"
-#include "../common/vectors.h"
+#include "../../common/vectors.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -48,7 +48,7 @@ KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surfac
   _phi.resize(n * _num_masters);
   for (std::vector<double>* a : {&_motion, &_nodal_force})
     a->assign(vector, 0.0);
-  _couples.resize(n);
+  _corrections.resize(n);
   _arms.resize(vector * _num_masters);
   _along.assign(n, 0.0);
   _across.assign(n, 0.0);
@@ -139,7 +139,7 @@ void KinematicContact::predict(const PredictedStep& step, const double* u)
         const search::MasterNode& master = _tracker.masters()[touch.corners[j]];
         return master.x[c] - master.du[c];
       };
-      _couples[q].set<D>(_num_masters, at, touch.phi, x, _arms.data() + q * _num_masters * D);
+      _corrections[q].set<D>(_num_masters, at, touch.phi, x, _arms.data() + q * _num_masters * D);
     }
     double* motion = _motion.data() + q * D;
     relative<D>(q, du, motion);
@@ -165,8 +165,8 @@ void KinematicContact::reaction(std::size_t q, double* out) const
     for (int c = 0; c < D; ++c)
       out[j * D + c] = -_phi[q * _num_masters + j] * n[c];
   if (turns())
-    _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, n,
-                          [&](int j, int c, double value) { out[j * D + c] += value; });
+    _corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, n,
+                              [&](int j, int c, double value) { out[j * D + c] += value; });
 }
 
 /// How much a force of the sweep moves: the sums of the rows of the bodies' response, along the normal and across it.
@@ -247,8 +247,8 @@ void KinematicContact::release(const PredictedStep& step)
       const double phi = _phi[q * _num_masters + j], size = std::sqrt(dot(pushed + j * D, pushed + j * D, D));
       for (int c = 0; c < D; ++c)
       {
-        const double push = pushed[j * D + c], couple = push + phi * n[c];
-        way += 0.5 * couple * (_before[node * D + c] + du[node * D + c]);
+        const double push = pushed[j * D + c], correction = push + phi * n[c];
+        way += 0.5 * correction * (_before[node * D + c] + du[node * D + c]);
         if (size > 0.0)
           moves += push * push / size * _weight[node] * inverse_mass[node * D + c];
       }
@@ -322,8 +322,8 @@ void KinematicContact::apply(const double* inverse_mass, double h)
                   _sum[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
               });
     if (turns())
-      _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
-                            [&](int j, int c, double value) { _sum[std::size_t(closed.masters[j]) * D + c] += value; });
+      _corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f, [&](int j, int c, double value)
+                                { _sum[std::size_t(closed.masters[j]) * D + c] += value; });
   }
   if (!_rigid)
     _halo->reverse(_sum.data(), D);
@@ -371,14 +371,14 @@ void KinematicContact::record(double h, double dt)
     const double along = 0.5 * normal * dot(n, before, D), along_later = 0.5 * normal * dot(n, moved, D);
     double work = along, later = along_later;
     if (turns())
-      _couples[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
-                            [&](int j, int c, double value)
-                            {
-                              const std::size_t k = std::size_t(closed.masters[j]) * D + c;
-                              const double du = _tracker.masters()[closed.corners[j]].du[c];
-                              work += 0.5 * value * _before[k];
-                              later += 0.5 * value * (du + _moved[k]);
-                            });
+      _corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
+                                [&](int j, int c, double value)
+                                {
+                                  const std::size_t k = std::size_t(closed.masters[j]) * D + c;
+                                  const double du = _tracker.masters()[closed.corners[j]].du[c];
+                                  work += 0.5 * value * _before[k];
+                                  later += 0.5 * value * (du + _moved[k]);
+                                });
     _energy.normal += work;
     _energy.friction -= 0.5 * dot(f, before, D) - along;
     _energy.later_normal += later;

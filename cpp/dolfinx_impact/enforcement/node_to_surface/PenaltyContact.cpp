@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "PenaltyContact.h"
-#include "Couple.h"
-#include "friction.h"
+#include "../friction.h"
+#include "MomentCorrection.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -318,10 +318,10 @@ void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
     double x[D], r[FacetElement::max_nodes * D];
     for (int c = 0; c < D; ++c)
       x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
-    Couple couple;
-    couple.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x, r);
-    couple.forces<D>(touch.num, r, force,
-                     [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
+    MomentCorrection correction;
+    correction.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x, r);
+    correction.forces<D>(touch.num, r, force,
+                         [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
   }
   _closed[i] = 1;
   _stiffness[i] = k;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodeToSurface.h"
-#include "../search/closest_point/linear_facet.h"
+#include "../../search/closest_point/linear_facet.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "NodeCandidates.h"
-#include "../common/vectors.h"
-#include "../surface/nodal.h"
+#include "../../common/vectors.h"
+#include "../../surface/nodal.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
