@@ -9,9 +9,13 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import warnings
 
 import jupytext
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import notebooks  # noqa: E402
 
 warnings.filterwarnings("ignore", message="Sphinx 9 will drop support")  # of breathe, not of these pages
 
@@ -107,7 +111,7 @@ def run_doxygen(app, config):
 
 
 def demo_page(app, docname, source):
-    """A line `<!-- demo: PATH -->` of a page becomes the text and the code of that demo."""
+    """A line `<!-- demo: PATH -->` of a page becomes the text and the code of that demo, and links to its files."""
 
     def text_of(match):
         path = CHECKOUT / match[1]
@@ -115,10 +119,21 @@ def demo_page(app, docname, source):
         cells = jupytext.read(path, fmt="py:light").cells
         # The title is that of the page.
         cells[0].source = re.sub(r"\A# .*\n*", "", cells[0].source)
-        text = [cell.source if cell.cell_type == "markdown" else f"```python\n{cell.source}\n```" for cell in cells]
+        files = {"Python": "py", "notebook": "ipynb"}
+        links = [f'<a href="../notebooks/{path.stem}.{end}" download>{kind}</a>' for kind, end in files.items()]
+        text = [f"To download: {', '.join(links)}."]
+        text += [cell.source if cell.cell_type == "markdown" else f"```python\n{cell.source}\n```" for cell in cells]
         return "\n\n".join(text).replace("\n```\n\n```python\n", "\n\n")  # neighbouring blocks of code are one
 
     source[0] = re.sub(r"^<!-- demo: (\S+) -->$", text_of, source[0], flags=re.MULTILINE)
+
+
+def write_notebooks(app, error):
+    """The demos as files to download, as Python and as notebooks."""
+    if error is None and app.builder.format == "html":
+        folder = pathlib.Path(app.outdir) / "notebooks"
+        for path in notebooks.write(folder):
+            shutil.copy(path, folder)
 
 
 def copy_mathjax(app, error):
@@ -170,3 +185,4 @@ def setup(app):
     app.connect("source-read", demo_page)
     app.connect("autodoc-process-docstring", plain_docstring, priority=100)
     app.connect("build-finished", copy_mathjax)
+    app.connect("build-finished", write_notebooks)

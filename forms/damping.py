@@ -10,7 +10,8 @@ def rayleigh(velocity, v, law, density, alpha, beta, mass_dx, stiffness_dx):
     Args:
         velocity: UFL function, or trial function for the damping matrix [L/T].
         law: a linear law; its stiffness is the one that damps.
-        alpha: mass factor [1/T]. beta: stiffness factor [T].
+        alpha: mass factor [1/T].
+        beta: stiffness factor [T].
     """
     if not law.linear:
         raise ValueError(f"Rayleigh damping takes the stiffness of a linear law, not of {law.name}")

@@ -11,8 +11,11 @@ def weighted_residual(u, w, k, f, q, dx=ufl.dx, ds=ufl.ds):
     """Integral of w H(u) + integral of w J(u), integrated by parts, with the sign changed: zero at the solution.
 
     Args:
-        u: field. w: weight; Galerkin's choice is the test function, seed (3.36).
-        k: conductivity. f: source per volume. q: flux into the body per area.
+        u: field.
+        w: weight; Galerkin's choice is the test function, seed (3.36).
+        k: conductivity.
+        f: source per volume.
+        q: flux into the body per area.
     """
     return flux(u, w, k, dx) - ufl.inner(f, w) * dx - ufl.inner(q, w) * ds
 

@@ -33,6 +33,17 @@ def facet_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
     return p + 1 + _dimension(cell) * (g - 1) + (g if hypothesis == "axisymmetric" else 0)
 
 
+def follower_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
+    """Degree for a pressure on the deformed surface, whose normal holds the gradient of the displacement."""
+    more = (degree - 1) * (_dimension(cell) - 1) + degree - 1
+    return facet_degree(cell, degree, geometry_degree, hypothesis) + more
+
+
+def nodal_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
+    """Degree of the Gauss-Lobatto rule whose points are the nodes of a quadrilateral or hexahedron."""
+    return 2 * degree - 1
+
+
 def metadata(degree, rule=None):
     """Metadata of a UFL measure. rule: None (Basix's default) or a name such as "Gauss-Jacobi" or "GLL"."""
     data = {"quadrature_degree": int(degree)}

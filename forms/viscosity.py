@@ -14,7 +14,9 @@ def bulk(u, velocity, v, law, density, linear, quadratic, dx=ufl.dx):
     (1955).
 
     Args:
-        u: displacement, UFL function [L]. velocity: UFL function [L/T]. density: per reference volume [M/L^3].
+        u: displacement, UFL function [L].
+        velocity: UFL function [L/T].
+        density: per reference volume [M/L^3].
         linear, quadratic: factors [1].
     """
     mesh = ufl.domain.extract_unique_domain(velocity)

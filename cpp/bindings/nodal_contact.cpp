@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
-#include "dolfinx_impact/enforcement/KinematicContact.h"
-#include "dolfinx_impact/enforcement/PenaltyContact.h"
+#include "dolfinx_impact/enforcement/node_to_surface/KinematicContact.h"
+#include "dolfinx_impact/enforcement/node_to_surface/PenaltyContact.h"
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -141,7 +141,7 @@ void set_kinematic_history(KinematicContact& self, const nb::dict& dict)
 
 nb::dict counters(const NodeToSurface& self)
 {
-  const auto& c = self.tracking().counters();
+  const auto& c = self.tracker().counters();
   nb::dict out;
   out["steps"] = c.steps;
   out["nodes"] = c.nodes;

@@ -90,10 +90,6 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           nb::arg("b").noconvert(), nb::arg("times"), "Assemble several times in a row (for timing)")
       .def_prop_ro("flops", &InternalForce::flops);
   m.def(
-      "lump_hrz", [](const Integral& mass, const FunctionSpace& V, Vector d)
-      { lump_hrz(mass, V, {d.data(), d.size()}); }, nb::arg("mass"), nb::arg("V"), nb::arg("diagonal").noconvert(),
-      "Add the HRZ-lumped mass to diagonal (a view is changed)");
-  m.def(
       "cell_masses_hrz", [](const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
       { return bindings::take(cell_masses_hrz(mass, V, coefficients)); }, nb::arg("mass"), nb::arg("V"),
       nb::arg("coefficients"), nb::rv_policy::move, "HRZ-lumped mass by cell and local degree of freedom");
@@ -109,8 +105,4 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       { return bindings::take(cell_spectra(matrix, V, coefficients, {masses.data(), masses.size()})); },
       nb::arg("matrix"), nb::arg("V"), nb::arg("coefficients"), nb::arg("masses"), nb::rv_policy::move,
       "Smallest and largest eigenvalue of the lumped mass's inverse times the matrix, norm of the skew part, by cell");
-  m.def(
-      "lump_nodal", [](const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, Vector d)
-      { lump_nodal(nodal, row_sum, V, {d.data(), d.size()}); }, nb::arg("nodal"), nb::arg("row_sum"), nb::arg("V"),
-      nb::arg("diagonal").noconvert(), "Add the nodal (GLL) lumped mass to diagonal (a view is changed)");
 }

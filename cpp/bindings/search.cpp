@@ -2,9 +2,9 @@
 #include "arrays.h"
 #include "dolfinx_impact/search/BoxTree.h"
 #include "dolfinx_impact/search/Exchange.h"
-#include "dolfinx_impact/search/PairSearch.h"
 #include "dolfinx_impact/search/boxes.h"
-#include "dolfinx_impact/search/project.h"
+#include "dolfinx_impact/search/closest_point/PairSearch.h"
+#include "dolfinx_impact/search/closest_point/SurfaceSearch.h"
 
 using namespace dolfinx_impact::search;
 using dolfinx_impact::surface::Facets;

@@ -59,8 +59,11 @@ Meeting Configuration::meet(std::size_t i, const Vector& moved, bool closed) con
     return m;
   }
   const Surface& master = pairs_.master_;
-  const auto meets = [&](const Facet& facet, double gap, const Vec<double>& normal, const auto& f)
+  const auto meets = [&](std::int64_t number, const Local& xi, double gap, const Vec<double>& normal, const auto& f)
   {
+    const Facet& facet = master.facets[number];
+    m.facet = number;
+    m.xi = xi;
     m.width = diameter(facet);
     m.gap = gap;
     m.normal = normal;
@@ -88,7 +91,8 @@ Meeting Configuration::meet(std::size_t i, const Vector& moved, bool closed) con
     const double depth = dot(d, n), far = 0.05 * diameter(facet);
     if (norm(d - depth * n) < far)
     {
-      meets(facet, depth, n, s.f);
+      meets(foot.facet, foot.xi, depth, n, s.f);
+      m.on_facet = true;
       return m;
     }
     m.beside = true;
@@ -99,7 +103,8 @@ Meeting Configuration::meet(std::size_t i, const Vector& moved, bool closed) con
     return m;
   const Facet& facet = master.facets[foot.facet];
   const auto projection = projector_->follow<double>(foot, gather(master, facet, u_), m.x);
-  meets(facet, projection.gap, projection.normal, projection.f);
+  meets(foot.facet, foot.xi, projection.gap, projection.normal, projection.f);
+  m.on_facet = foot.dim == master.tdim() or foot.distance <= 1e-10 * diameter(facet);
   return m;
 }
 

@@ -131,6 +131,12 @@ Vec<double> NodePairs::relative(const Vector& motion, const Vec<double>& rigid, 
   return result;
 }
 
+Vec<double> NodePairs::facet_normal(const Meeting& m, const Vector& u) const
+{
+  const Facet& facet = master_.facets[m.facet];
+  return spot<double>(master_, facet, gather(master_, facet, u), m.xi).normal();
+}
+
 void NodePairs::add(Vector& force, const Vec<double>& f, std::int64_t node, const Meeting& m) const
 {
   for (int c = 0; c < gdim(); ++c)

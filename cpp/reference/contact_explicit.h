@@ -14,6 +14,9 @@ struct Meeting
   Vec<double> x, normal;                                ///< position of the node, normal out of the master [L], [1]
   std::vector<std::int64_t> masters;                    ///< nodes of the facet; none if the master is rigid
   std::vector<double> phi;                              ///< its shape functions at the closest point
+  std::int64_t facet = -1;                              ///< of the master
+  Local xi{0, 0};                                       ///< the closest point's place on it
+  bool on_facet = false;                                ///< the normal is the facet's (not that from an edge or vertex)
   bool beside = false; ///< the outer rim, by more than a twentieth of the facet; also without master
   bool below = false;  ///< beside the rim and below the facet that ends there
   double width = std::numeric_limits<double>::infinity(); ///< of the facet, at rest; infinite if rigid [L]
@@ -45,6 +48,8 @@ public:
   double smallest_diameter() const;
   /// Motion of the slave node against the master's point.
   Vec<double> relative(const Vector& motion, const Vec<double>& rigid, std::int64_t node, const Meeting& m) const;
+  /// The facet's normal at the closest point's place in the configuration u.
+  Vec<double> facet_normal(const Meeting& m, const Vector& u) const;
   /// Adds f to the slave node and the opposite to the master.
   void add(Vector& force, const Vec<double>& f, std::int64_t node, const Meeting& m) const;
   /// Forces c_j on the facet's nodes that take back the moment of f and its reaction at the positions of u.

@@ -101,6 +101,8 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
       continue;
     const std::int64_t node = pairs_.nodes()[i];
     closed.push_back({std::int64_t(i), node, m, pairs_.relative(motion, rigid, node, m), {}});
+    if (m.on_facet) // forces act at t_n, along the normal that the facet has then
+      closed.back().m.normal = pairs_.facet_normal(m, step.u);
     closed.back().leaves = leaves;
   }
   std::map<std::int64_t, double> sums; // s_j: what weighs on the masters

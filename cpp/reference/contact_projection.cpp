@@ -259,7 +259,8 @@ Foot Projector::nearest(const Vec<double>& x, const Vec<double>& normal) const
     const Foot foot = closest_on(f, x);
     if (best.facet < 0 ? foot.distance > best.distance : not preferred(foot))
       continue;
-    if (dot(spot<double>(master_, master_.facets[f], u_[f], foot.xi).normal(), normal) < 0)
+    if (dot(spot<double>(master_, master_.facets[f], u_[f], foot.xi).normal(), normal) <
+        -1e-9) // docs: right angles do not face
       best = foot;
   }
   return best;

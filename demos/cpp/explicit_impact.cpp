@@ -9,7 +9,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/la/Vector.h>
 #include <dolfinx/mesh/generation.h>
-#include <dolfinx_impact/enforcement/PenaltyContact.h>
+#include <dolfinx_impact/enforcement/node_to_surface/PenaltyContact.h>
 #include <dolfinx_impact/integrators/CentralDifference.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/lump.h>

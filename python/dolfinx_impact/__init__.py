@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Contact-impact for DOLFINx: UFL forms compiled to verified C++ kernels.
 
-The classes a user composes are here; the stages they stand on are modules of their own (jit, operators, materials,
-loads, problem, verify), and the physics in UFL is dolfinx_impact.forms.
+The classes a user composes are here. The packages they stand on follow the data flow: assembly (kernels, operators,
+lumped mass), contact, statics, dynamics, io. The physics in UFL is dolfinx_impact.forms; theory has closed forms,
+verify the comparison with the hand-written solver.
 """
 
 from . import _cpp, forms, theory, verify
@@ -19,6 +20,7 @@ from .contact import (
     RigidSurface,
 )
 from .dynamics.explicit import ExplicitProblem
+from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .assembly.lumped_mass import lumped_mass
@@ -60,7 +62,9 @@ __all__ = [
     "compile_expression",
     "compile_form",
     "forms",
+    "jit",
     "lumped_mass",
+    "operators",
     "read_mesh",
     "theory",
     "verify",

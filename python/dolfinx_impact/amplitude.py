@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Functions of time: of loads, prescribed motion and rigid obstacles."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+from dolfinx.fem import DirichletBC
 
 from .common.collective import comm_of, guard
+from .common.types import FloatArray
 from .materials import _number
 
 
@@ -12,14 +17,17 @@ class Amplitude:
 
     Args:
         what: a number, a callable of the time [T], a pair (times, values) that is linear in between and constant
-            outside, or None (one at all times; vectors: zero). size: components of its values.
+            outside, or None (one at all times; vectors: zero).
+        name: for messages.
+        size: components of its values.
 
     Raises:
         TypeError: another kind. ValueError: values of another shape, not finite, times that do not increase.
     """
 
-    def __init__(self, what, name, size=1):
+    def __init__(self, what: Any, name: str, size: int = 1) -> None:
         self.name, self.size = name, size
+        self._function: Callable[[float], Any]
         if what is None:
             still = np.ones(1) if size == 1 else np.zeros(size)
             self._function = lambda t: still
@@ -33,14 +41,14 @@ class Amplitude:
         else:
             raise TypeError(f"{name} must be a function of time or a pair (times, values), found {what!r:.60}")
 
-    def _table(self, times, values):
+    def _table(self, times: Any, values: Any) -> Callable[[float], FloatArray]:
         times, values = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
         if len(times) == 0 or len(values) != len(times) or np.any(np.diff(times) <= 0):
             raise ValueError(f"{self.name}: a table needs increasing times and as many values")
         columns = values.reshape(len(times), -1).T
         return lambda t: np.array([np.interp(t, times, column) for column in columns])
 
-    def sample(self, times):
+    def sample(self, times: FloatArray) -> FloatArray:
         """Values at the times: (num_times, size)."""
         rows = np.array([np.asarray(self._function(t), dtype=float).ravel() for t in times])
         if rows.shape != (len(times), self.size):
@@ -55,12 +63,15 @@ class PrescribedMotion:
     """Displacement prescribed as a function of time: that of a Dirichlet boundary condition times an amplitude.
 
     Args:
-        bc: dolfinx DirichletBC on the displacement space or a part of it. amplitude: as for Amplitude, a function of
-            time or a table [1].
+        bc: Dirichlet boundary condition on the displacement space or a part of it.
+        amplitude: as for Amplitude, a function of time or a table [1].
     """
 
-    def __init__(self, bc, amplitude):
+    def __init__(self, bc: DirichletBC, amplitude: Any) -> None:
         with guard(comm_of(bc), "PrescribedMotion", amplitude=amplitude):
             if not hasattr(bc, "dof_indices"):
                 raise TypeError(f"PrescribedMotion takes a DirichletBC, found {type(bc).__name__}")
             self.bc, self.amplitude = bc, Amplitude(amplitude, "amplitude of a prescribed motion")
+
+    def __repr__(self) -> str:
+        return f"PrescribedMotion(of {len(self.bc.dof_indices()[0])} degrees of freedom of this rank)"

@@ -2,6 +2,7 @@
 """The command `dolfinx-impact`: verify, demo, bench, info."""
 
 import argparse
+import contextlib
 import difflib
 import os
 import shutil
@@ -16,11 +17,11 @@ FORWARDED = {
 
 
 def demos():
-    """Name -> (file, title) of the demos in the package; the title is the first heading of the file."""
+    """Name -> (file, title) of the demos and applications in the package; the title is the first heading of a file."""
     from . import demos as package
 
-    found = {}
-    for path in sorted(Path(package.__file__).parent.glob("*.py")):
+    folder, found = Path(package.__file__).parent, {}
+    for path in sorted(folder.glob("*.py")) + sorted(folder.glob("applications/*.py")):
         if not path.name.startswith("_"):
             with open(path, encoding="utf-8") as file:
                 first = file.readline()
@@ -28,14 +29,23 @@ def demos():
     return found
 
 
+def is_application(path):
+    """Is this file one of demos/applications? These keep their results in a RunFolder; a demo writes where it runs."""
+    return Path(path).parent.name == "applications"
+
+
 def _listing():
-    return "\n".join(f"  {name:20s} {title}" for name, (_, title) in demos().items())
+    lines = {False: ["demos, to copy from:"], True: ["applications:"]}
+    for name, (path, title) in demos().items():
+        lines[is_application(path)].append(f"  {name:20s} {title}")
+    return "\n".join(lines[False] + lines[True])
 
 
 def _surroundings(output, in_space=False):
     """Environment of a demo's process: output folder, one thread per rank, Open MPI as root and with few cores."""
     env = dict(os.environ)
     env.setdefault("OMP_NUM_THREADS", "1")
+    env.setdefault("MPLBACKEND", "Agg")  # pictures go into files
     env.setdefault("OMPI_MCA_rmaps_base_oversubscribe", "1")
     env.setdefault("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe")
     if hasattr(os, "geteuid") and os.geteuid() == 0:
@@ -48,10 +58,10 @@ def _surroundings(output, in_space=False):
     return env
 
 
-def _run(command, env):
+def _run(command, env, folder=None):
     """Run a command in the foreground; its exit status, 128 + signal where a signal ended it."""
     sys.stdout.flush()
-    with subprocess.Popen(command, env=env) as process:
+    with subprocess.Popen(command, env=env, cwd=folder) as process:
         while True:
             try:
                 status = process.wait()
@@ -90,13 +100,29 @@ def demo(arguments):
             return 2
         # -m mpi4py: an exception on one rank ends all of them
         command = [launcher, "-n", str(arguments.ranks), sys.executable, "-m", "mpi4py", path]
-    return _run(command, _surroundings(arguments.output, arguments.in_space))
+    env = _surroundings(arguments.output, arguments.in_space)
+    if is_application(path):
+        return _run(command, env)
+    folder = Path(arguments.output or Path("results", arguments.name))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        print(f"results cannot be written to {folder}: {error.strerror}; give another --output DIR", file=sys.stderr)
+        return 2
+    status = _run(command, env, folder)
+    if status == 0:
+        print(f"results in {folder}")
+    return status
 
 
 def _size(folder):
     """Number of files in a folder and their size [MB]."""
-    files = [p for p in Path(folder).rglob("*") if p.is_file()] if Path(folder).is_dir() else []
-    return len(files), sum(p.stat().st_size for p in files) / 1e6
+    sizes = []
+    for path in Path(folder).rglob("*") if Path(folder).is_dir() else ():
+        with contextlib.suppress(FileNotFoundError):  # a compiler that runs removes files of the cache meanwhile
+            if path.is_file():
+                sizes.append(path.stat().st_size)
+    return len(sizes), sum(sizes) / 1e6
 
 
 def kernels_by_form():
@@ -160,7 +186,7 @@ def _parser():
         commands.add_parser(name, help=text.partition(" (")[0], add_help=False)
     sub = commands.add_parser("demo", help="run a demo; --list says which there are")
     sub.add_argument("name", nargs="?", metavar="NAME", help="of the demo")
-    sub.add_argument("--list", action="store_true", help="list the demos")
+    sub.add_argument("--list", action="store_true", help="list the demos and applications")
     sub.add_argument("--ranks", type=int, default=1, metavar="N", help="number of MPI processes (default 1)")
     sub.add_argument("--output", metavar="DIR", help="folder of the results (default results/NAME)")
     sub.add_argument("--3d", action="store_true", dest="in_space", help="in space, where a demo has both (rail_joint)")

@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: MIT
 """Loads with checked input; their virtual work is in forms/loads.py."""
 
+from typing import Any
+
 import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
-from dolfinx.mesh import exterior_facet_indices
+from dolfinx.fem import Constant, FunctionSpace
+from dolfinx.mesh import Mesh, MeshTags, exterior_facet_indices
 
 from .assembly import operators
 from .common.collective import comm_of, guard
+from .common.types import FloatArray, IntArray
 from .forms import loads, quadrature
 from .materials import _number
 
 VARYING = 2  # more degrees of quadrature for a load that is an expression
 
 
-def _vector(name, value, gdim):
+def _vector(name: str, value: Any, gdim: int) -> FloatArray:
     try:
         if any(isinstance(x, (str, bytes)) for x in np.ravel(np.asarray(value, dtype=object))):
             raise TypeError
@@ -28,7 +32,7 @@ def _vector(name, value, gdim):
     return array
 
 
-def check_tag(tags, tag, mesh, what):
+def check_tag(tags: MeshTags, tag: int, mesh: Mesh, what: str) -> None:
     """Raise ValueError, on all ranks alike, unless some facet of the boundary carries the tag."""
     tdim = mesh.topology.dim
     if tags.dim != tdim - 1:
@@ -48,13 +52,13 @@ def check_tag(tags, tag, mesh, what):
         )
 
 
-def _tag(tag):
+def _tag(tag: Any) -> int:
     if isinstance(tag, bool) or not isinstance(tag, (int, float, np.integer, np.floating)) or tag != tag // 1:
         raise TypeError(f"a tag must be an integer, found {tag!r:.60}")
     return int(tag)
 
 
-def facet_tags_of(what, facet_tags):
+def facet_tags_of(what: str, facet_tags: MeshTags) -> MeshTags:
     """Tags that a load or a pair was given, of the right kind."""
     if not hasattr(facet_tags, "find"):
         raise TypeError(f"{what}: facet_tags must be MeshTags of facets, found {type(facet_tags).__name__}")
@@ -65,16 +69,20 @@ class _Load:
     """Common part: value as a constant that can be changed between solves (`.constant.value`); of a UFL expression a
     factor of it, one at first."""
 
-    amplitude = None
+    amplitude: Any = None
+    vector: Any
+    constant: Constant
+    _mesh: Mesh
+    _reached: Any
 
-    def _prepare(self, mesh, value):
+    def _prepare(self, mesh: Mesh, value: Any) -> Constant:
         if getattr(self, "constant", None) is None or self._mesh is not mesh:
             self._mesh = mesh
             self.constant = fem.Constant(mesh, np.asarray(value, dtype=default_scalar_type))
             self._reached = np.zeros_like(self.constant.value)
         return self.constant
 
-    def _vector(self, name, mesh):
+    def _vector(self, name: str, mesh: Mesh) -> Any:
         """The load's `vector` in UFL: constants, or a factor times an expression."""
         if not isinstance(self.vector, ufl.core.expr.Expr):
             return self._prepare(mesh, _vector(name, self.vector, mesh.geometry.dim))
@@ -87,10 +95,20 @@ class _Load:
             raise ValueError(f"{name} is an expression on another mesh than the displacement")
         return self._prepare(mesh, 1.0) * self.vector
 
-    def _varies(self):
+    def __repr__(self) -> str:
+        where = f"tag={self.tag}, " if isinstance(self, _FacetLoad) else ""
+        return f"{type(self).__name__}({where}{self._what()})"
+
+    def _what(self) -> str:
+        """What acts, as `repr` shows it."""
+        if self._varies():
+            return "vector=expression"
+        return f"vector={np.asarray(self.vector).tolist()}"
+
+    def _varies(self) -> bool:
         return isinstance(self.vector, ufl.core.expr.Expr)
 
-    def ramps(self):
+    def ramps(self) -> list[tuple[Constant, FloatArray]]:
         """Pairs (constant, value reached by earlier solves): what load steps run through."""
         return [(self.constant, self._reached)]
 
@@ -105,10 +123,10 @@ class BodyForce(_Load):
         amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
     """
 
-    def __init__(self, vector, per_mass=True, amplitude=None):
+    def __init__(self, vector: Any, per_mass: bool = True, amplitude: Any = None) -> None:
         self.vector, self.per_mass, self.amplitude = vector, bool(per_mass), amplitude
 
-    def form(self, u, v, material):
+    def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         """External virtual work."""
         V = u.function_space
         mesh = V.mesh
@@ -125,16 +143,19 @@ class BodyForce(_Load):
             for t, m in material.parts()
         )
 
-    def _dofs(self, V):
+    def _dofs(self, V: FunctionSpace) -> IntArray:
         return np.arange(V.dofmap.index_map.size_local * V.dofmap.index_map_bs)
 
 
 class _FacetLoad(_Load):
-    def _dofs(self, V):
+    facet_tags: MeshTags
+    tag: int
+
+    def _dofs(self, V: FunctionSpace) -> IntArray:
         nodes = fem.locate_dofs_topological(V, self.facet_tags.dim, self.facet_tags.find(self.tag))
         return (V.dofmap.bs * nodes[:, None] + np.arange(V.dofmap.bs)).ravel()
 
-    def _measure(self, u, material, extra=0):
+    def _measure(self, u: Any, material: Any, extra: int = 0) -> Any:
         V = u.function_space
         mesh = V.mesh
         check_tag(self.facet_tags, self.tag, mesh, type(self).__name__)
@@ -148,7 +169,8 @@ class Traction(_FacetLoad):
     """Dead traction on facets.
 
     Args:
-        facet_tags: dolfinx MeshTags over facets. tag: of the loaded facets.
+        facet_tags: MeshTags over facets.
+        tag: tag of the loaded facets.
         vector: components per reference area [F/L^2]; or a UFL expression of the place and of functions, for one that
             varies.
         amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
@@ -157,12 +179,12 @@ class Traction(_FacetLoad):
         ValueError: the tag does not exist, wrong number of components; on all ranks.
     """
 
-    def __init__(self, facet_tags, tag, vector, amplitude=None):
+    def __init__(self, facet_tags: MeshTags, tag: int, vector: Any, amplitude: Any = None) -> None:
         with guard(comm_of(facet_tags), "Traction", tag=tag, vector=vector, amplitude=amplitude):
             self.facet_tags, self.tag = facet_tags_of("Traction", facet_tags), _tag(tag)
         self.vector, self.amplitude = vector, amplitude
 
-    def form(self, u, v, material):
+    def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         """External virtual work."""
         mesh = u.function_space.mesh
         t, ds = self._vector("traction", mesh), self._measure(u, material, extra=VARYING if self._varies() else 0)
@@ -173,15 +195,20 @@ class FollowerPressure(_FacetLoad):
     """Pressure that stays normal to the deformed surface.
 
     Args:
-        facet_tags, tag: where. pressure: positive pushes on the body [F/L^2].
+        facet_tags: MeshTags over facets.
+        tag: tag of the loaded facets.
+        pressure: positive pushes on the body [F/L^2].
     """
 
-    def __init__(self, facet_tags, tag, pressure):
+    def __init__(self, facet_tags: MeshTags, tag: int, pressure: float) -> None:
         with guard(comm_of(facet_tags), "FollowerPressure", tag=tag, pressure=pressure):
             self.facet_tags, self.tag = facet_tags_of("FollowerPressure", facet_tags), _tag(tag)
             self.pressure = _number("pressure", pressure, unit=" [F/L^2]")
 
-    def form(self, u, v, material):
+    def _what(self) -> str:
+        return f"pressure={self.pressure}"
+
+    def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         """External virtual work; depends on u."""
         mesh = u.function_space.mesh
         p = self._prepare(mesh, self.pressure)
@@ -193,13 +220,15 @@ class DeadLoad:
     """Nodal forces of a load that does not follow the body, for the explicit integrator.
 
     Args:
-        load: of this module. form: its virtual work. V: displacement space.
+        load: load of this module.
+        form: its virtual work, UFL form of rank 1.
+        V: displacement space.
 
     Attributes:
         dofs: owned degrees of freedom on which any value of the load acts.
     """
 
-    def __init__(self, load, form, V):
+    def __init__(self, load: Any, form: Any, V: FunctionSpace) -> None:
         self._force = operators.InternalForce(form)
         self._inputs = operators.Inputs(self._force.compiled.constants, self._force.coefficients.values())
         num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -212,15 +241,15 @@ class DeadLoad:
             load.constant.value = value
         self.dofs = self.dofs[self.dofs < num_owned].astype(np.int32)
 
-    def changed(self):
+    def changed(self) -> bool:
         """Has a value of the load changed on this rank since `values`?"""
         return self._inputs.changed()
 
-    def forces(self):
+    def forces(self) -> FloatArray:
         """Forces on `dofs` at the present values [F]. Collective."""
         return self._force.apply().array[self.dofs]
 
-    def values(self):
+    def values(self) -> FloatArray:
         """The same, taken over: from now on only other values have changed. Collective."""
         self._inputs.take()
         return self.forces()

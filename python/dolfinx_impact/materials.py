@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: MIT
 """Materials with checked parameters; their physics is in forms/materials.py."""
 
+from __future__ import annotations
+
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
+from dolfinx.fem import Constant
+from dolfinx.mesh import Mesh, MeshTags
 
 from .common.collective import comm_of, guard
 from .forms import materials as laws
 
 
-def _number(name, value, low=None, unit=""):
+def _number(name: str, value: Any, low: float | None = None, unit: str = "") -> float:
     try:
         if isinstance(value, (str, bytes, bool)):
             raise TypeError
@@ -39,9 +45,9 @@ class _Material:
         TypeError: a value that is not a number.
     """
 
-    law_class = None
+    law_class: type[laws.Law]
 
-    def __init__(self, E, nu, density=None, hypothesis=None):
+    def __init__(self, E: float, nu: float, density: float | None = None, hypothesis: str | None = None) -> None:
         self.E = _number("Young's modulus E", E, 0.0, " [F/L^2]")
         self.nu = _number("Poisson's ratio nu", nu)
         if self.nu == 0.5:
@@ -58,14 +64,14 @@ class _Material:
             raise ValueError(f"hypothesis {hypothesis!r} is unknown: use one of {', '.join(laws.HYPOTHESES)}")
         self.hypothesis = hypothesis
         self.cell_tags = None
-        self._constants = {}
+        self._constants: dict[tuple[int, str], Constant] = {}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return (
             f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r})"
         )
 
-    def hypothesis_on(self, mesh):
+    def hypothesis_on(self, mesh: Mesh) -> str:
         """The hypothesis on a given mesh; "3d" when none was given and the mesh is 3D.
 
         Raises:
@@ -81,22 +87,22 @@ class _Material:
         laws.check_hypothesis(hypothesis, mesh.geometry.dim)
         return hypothesis
 
-    def parts(self):
+    def parts(self) -> list[tuple[int | None, _Material]]:
         """Pairs (cell tag or None, material)."""
         return [(None, self)]
 
-    def _constant(self, mesh, name, value):
+    def _constant(self, mesh: Mesh, name: str, value: float) -> Constant:
         key = (mesh.ufl_id() if hasattr(mesh, "ufl_id") else id(mesh), name)
         if key not in self._constants:
             self._constants[key] = fem.Constant(mesh, default_scalar_type(value))
         return self._constants[key]
 
-    def law(self, mesh):
+    def law(self, mesh: Mesh) -> laws.Law:
         """The law in UFL with parameters as constants of the mesh (forms/materials.py)."""
         E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
         return self.law_class(E, nu, self.hypothesis_on(mesh))
 
-    def mass_density(self, mesh):
+    def mass_density(self, mesh: Mesh) -> Constant:
         """Density as a constant of the mesh, for a mass.
 
         Raises:
@@ -106,7 +112,7 @@ class _Material:
             raise ValueError(f"{self!r} has the density 0: without mass there are no waves, use a StaticProblem")
         return self.density_constant(mesh)
 
-    def density_constant(self, mesh):
+    def density_constant(self, mesh: Mesh) -> Constant:
         """Density as a constant of the mesh.
 
         Raises:
@@ -116,7 +122,7 @@ class _Material:
             raise ValueError(f"{self!r} has no density: a mass was asked for")
         return self._constant(mesh, "density", self.density)
 
-    def stress(self, u):
+    def stress(self, u: Any) -> Any:
         """Stress of a displacement: Cauchy for small strain, first Piola-Kirchhoff for finite strain [F/L^2].
 
         Args:
@@ -130,12 +136,12 @@ class _Material:
         return self.law(mesh).stress(u)
 
     @property
-    def lame(self):
+    def lame(self) -> tuple[float, float]:
         """Lame's constants (lambda, mu) [F/L^2]."""
         return laws.lame(self.E, self.nu)
 
     @property
-    def wave_speed(self):
+    def wave_speed(self) -> float:
         """Dilatational wave speed [L/T]: seed (3.80), plane waves in 3D and plane strain; sheets in plane stress."""
         if self.density is None or self.density == 0.0:
             what = "no density" if self.density is None else "the density 0"
@@ -147,17 +153,17 @@ class _Material:
 
 
 class LinearElastic(_Material):
-    __doc__ = "Small-strain elasticity, sigma = lambda tr(eps) I + 2 mu eps. " + _Material.__doc__
+    __doc__ = "Small-strain elasticity, sigma = lambda tr(eps) I + 2 mu eps. " + str(_Material.__doc__)
     law_class = laws.LinearElastic
 
 
 class StVenantKirchhoff(_Material):
-    __doc__ = "Green's strain and second Piola-Kirchhoff stress in Hooke's law. " + _Material.__doc__
+    __doc__ = "Green's strain and second Piola-Kirchhoff stress in Hooke's law. " + str(_Material.__doc__)
     law_class = laws.StVenantKirchhoff
 
 
 class NeoHookean(_Material):
-    __doc__ = "Compressible neo-Hookean solid (Bonet & Wood 2008, 6.27). " + _Material.__doc__
+    __doc__ = "Compressible neo-Hookean solid (Bonet & Wood 2008, 6.27). " + str(_Material.__doc__)
     law_class = laws.NeoHookean
 
 
@@ -172,7 +178,7 @@ class MaterialMap:
         ValueError: a tag without material or without cells anywhere, cells without tag, mixed hypotheses; on all ranks.
     """
 
-    def __init__(self, cell_tags, materials):
+    def __init__(self, cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:
         with guard(comm_of(cell_tags), "MaterialMap", materials=materials):
             _check_map(cell_tags, materials)
         self.cell_tags = cell_tags
@@ -195,19 +201,24 @@ class MaterialMap:
         if untagged:
             raise ValueError(f"{untagged} cells carry no tag: every cell needs a material")
 
-    def hypothesis_on(self, mesh):
+    def __repr__(self) -> str:
+        return f"MaterialMap({{{', '.join(f'{tag}: {m!r}' for tag, m in self.parts())}}})"
+
+    def hypothesis_on(self, mesh: Mesh) -> str:
+        """The hypothesis of all materials on a given mesh."""
         return next(iter(self.materials.values())).hypothesis_on(mesh)
 
-    def parts(self):
+    def parts(self) -> list[tuple[int, _Material]]:
+        """Pairs (cell tag, material)."""
         return sorted(self.materials.items())
 
     @property
-    def wave_speed(self):
+    def wave_speed(self) -> float:
         """Largest of the materials' wave speeds [L/T]."""
         return max(m.wave_speed for m in self.materials.values())
 
 
-def _check_map(cell_tags, materials):
+def _check_map(cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:
     """Arguments of a MaterialMap, on this rank."""
     if not hasattr(cell_tags, "topology") or not hasattr(cell_tags, "indices"):
         raise TypeError(f"cell_tags must be dolfinx MeshTags of cells, found {type(cell_tags).__name__}")
@@ -232,13 +243,17 @@ class Rayleigh:
     """Rayleigh damping C = alpha M + beta K, seed (3.67).
 
     Args:
-        alpha: mass factor, not negative [1/T]. beta: stiffness factor, not negative [T].
+        alpha: mass factor, not negative [1/T].
+        beta: stiffness factor, not negative [T].
     """
 
-    def __init__(self, alpha=0.0, beta=0.0):
+    def __init__(self, alpha: float = 0.0, beta: float = 0.0) -> None:
         self.alpha = _number("Rayleigh factor alpha", alpha)
         self.beta = _number("Rayleigh factor beta", beta)
         if self.alpha < 0 or self.beta < 0:
             raise ValueError(
                 f"Rayleigh factors alpha={alpha}, beta={beta} must not be negative: they would feed energy in"
             )
+
+    def __repr__(self) -> str:
+        return f"Rayleigh(alpha={self.alpha}, beta={self.beta})"

@@ -9,6 +9,8 @@ import subprocess
 import sys
 
 STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "integrators")
+# Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
+ROOMS = {"search": (".", "closest_point", "node_tracker")}
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
 LONG = 400  # lines of a file that are worth a look
@@ -79,6 +81,26 @@ def layer_violations(root):
                 where = parts[0] if len(parts) > 1 and parts[0] in STAGES + ("bindings", "reference") else None
             if where is not None and where not in allowed:
                 complaints.append(f"{path.relative_to(cpp)}: {stage} must not include {name}")
+    return complaints
+
+
+def room_violations(root):
+    """Rule 1 inside a stage: a room includes itself and the rooms before it."""
+    library = pathlib.Path(root).resolve() / "cpp" / "dolfinx_impact"
+    complaints = []
+    for stage, rooms in ROOMS.items():
+        for path in sources(library / stage, CXX):
+            room = path.parent.relative_to(library / stage).as_posix()
+            if room not in rooms:
+                complaints.append(f"{path.relative_to(library)}: not in a room of {stage}")
+                continue
+            for _, name in includes(path):
+                target = _resolve(path, name, (library.parent, library))
+                if target is None or not target.is_relative_to(library / stage):
+                    continue
+                where = target.parent.relative_to(library / stage).as_posix()
+                if where not in rooms[: rooms.index(room) + 1]:
+                    complaints.append(f"{path.relative_to(library)}: {room} must not include {name}")
     return complaints
 
 
@@ -244,10 +266,10 @@ def versions(root):
 
 
 def demos_without_assert(root):
-    """Demos whose last statement asserts nothing. Files that begin with an underscore are no demos."""
-    complaints = []
-    for path in sources(pathlib.Path(root) / "demos", (".py",)):
-        if path.name.startswith("_"):
+    """Demos and applications whose last statement asserts nothing. Models and figures are in folders below."""
+    folder, complaints = pathlib.Path(root) / "demos", []
+    for path in sorted(folder.glob("*.py")) + sorted(folder.glob("applications/*.py")):
+        if path.name == "__init__.py":
             continue
         body = ast.parse(path.read_text(), str(path)).body
         if not body or not isinstance(body[-1], ast.Assert) or isinstance(body[-1].test, ast.Constant):

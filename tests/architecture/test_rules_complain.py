@@ -50,6 +50,35 @@ def test_layers_complain(tree, name, include):
     assert name in complaint
 
 
+GOOD_ROOMS = {
+    "BoxTree.h": "#include <vector>\n",
+    "Exchange.h": '#include "BoxTree.h"\n',
+    "closest_point/SurfaceSearch.h": '#include "../BoxTree.h"\n#include "../../surface/Facets.h"\n',
+    "node_tracker/NodeTracker.h": '#include "../closest_point/SurfaceSearch.h"\n#include "../Exchange.h"\n',
+}
+
+
+def test_rooms_pass_a_good_tree(tree):
+    root = tree({f"cpp/dolfinx_impact/search/{name}": text for name, text in GOOD_ROOMS.items()})
+    assert rules.room_violations(root) == []
+
+
+@pytest.mark.parametrize(
+    "name, include",
+    [
+        ("closest_point/edges.h", '"../node_tracker/NodeTracker.h"'),
+        ("closest_point/edges.h", "<dolfinx_impact/search/node_tracker/NodeTracker.h>"),  # by the installed name
+        ("Exchange.h", '"node_tracker/NodeTracker.h"'),
+        ("pairs.cpp", '"closest_point/SurfaceSearch.h"'),
+        ("elsewhere/file.h", "<vector>"),  # a folder that is no room
+    ],
+)
+def test_rooms_complain(tree, name, include):
+    files = {**GOOD_ROOMS, name: f"#include {include}\n"}
+    (complaint,) = rules.room_violations(tree({f"cpp/dolfinx_impact/search/{n}": text for n, text in files.items()}))
+    assert name in complaint
+
+
 @pytest.mark.parametrize(
     "name, text",
     [
@@ -143,12 +172,14 @@ def test_versions_are_found(tree):
     assert rules.versions(root) == {"pyproject.toml": "1.2.3", "CITATION.cff": "1.2.4"}
 
 
+@pytest.mark.parametrize("name", ["demos/a.py", "demos/_a.py", "demos/applications/a.py"])
 @pytest.mark.parametrize(
     "text", ["", "print(1)\n", "assert x\nprint(1)\n", "assert True\n", "def f():\n    assert x\n"]
 )
-def test_demos_complain(tree, text):
-    assert len(rules.demos_without_assert(tree({"demos/a.py": text}))) == 1
+def test_demos_complain(tree, text, name):
+    assert len(rules.demos_without_assert(tree({name: text}))) == 1
 
 
 def test_demos_pass(tree):
-    assert rules.demos_without_assert(tree({"demos/a.py": "x = 1\nassert x == 1\n", "demos/__init__.py": ""})) == []
+    good = {"demos/a.py": "x = 1\nassert x == 1\n", "demos/__init__.py": "", "demos/applications/models/m.py": ""}
+    assert rules.demos_without_assert(tree(good)) == []

@@ -12,6 +12,10 @@ def test_a_stage_includes_earlier_stages_only(checkout):
     assert rules.layer_violations(checkout) == []
 
 
+def test_a_room_of_a_stage_includes_earlier_rooms_only(checkout):
+    assert rules.room_violations(checkout) == []
+
+
 def test_the_hand_written_solver_shares_nothing(checkout):
     assert rules.reference_violations(checkout) == []
 

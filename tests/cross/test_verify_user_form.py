@@ -4,9 +4,12 @@
 import textwrap
 
 import pytest
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
 
 from dolfinx_impact.forms import registry
-from dolfinx_impact.verify import user_form
+from dolfinx_impact.verify import cross_check, user_form
 from dolfinx_impact.verify.report import Report
 
 ELASTICITY = """
@@ -238,3 +241,23 @@ def test_a_poisson_residual_with_flux(tmp_path):
 def test_the_rank_of_every_name_is_that_of_its_form(name):
     rank = len(registry.build(name, "quadrilateral", 1).form.arguments())
     assert user_form._rank(name) == rank or name in user_form.ALIASES
+
+
+@pytest.mark.parametrize("shear, passes", [(1, True), (2, False)])
+def test_a_form_on_a_mesh_of_dolfinx(shear, passes):
+    """cross_check takes the form itself; its constants have names, its displacement is the only coefficient."""
+    square = mesh.create_unit_square(MPI.COMM_SELF, 2, 2, mesh.CellType.quadrilateral)
+    V = fem.functionspace(square, ("Lagrange", 1, (2,)))
+    u, v, mu, lmbda = fem.Function(V), ufl.TestFunction(V), fem.Constant(square, 0.0), fem.Constant(square, 0.0)
+    F = ufl.Identity(2) + ufl.grad(u)
+    first, J = shear * mu / 2 * (ufl.tr(F.T * F) - 2), ufl.det(F)
+    energy = (first - mu * ufl.ln(J) + lmbda / 2 * ufl.ln(J) ** 2) * ufl.dx(degree=2)
+    found = cross_check(ufl.derivative(energy, u, v), operator="neo_hookean", constants={"mu": mu, "lmbda": lmbda})
+    assert {row.level for row in found.rows} == {"element", "operator"} and found.passed == passes
+
+
+def test_a_form_needs_an_operator():
+    square = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+    v = ufl.TestFunction(fem.functionspace(square, ("Lagrange", 1)))
+    with pytest.raises(ValueError, match="operator is None: name one of elasticity"):
+        cross_check(v * ufl.dx)

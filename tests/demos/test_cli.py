@@ -15,7 +15,8 @@ def test_list_names_every_demo_with_its_title(impact):
     assert status == 0
     for name, (path, title) in cli.demos().items():
         assert name in output and title in output and path.exists()
-    assert "wheel_on_rail" in output and "_wheel_figures" not in output
+    assert output.index("hertz ") < output.index("applications:") < output.index("wheel_on_rail")
+    assert "__init__" not in output and "figures" not in output
 
 
 def test_an_unknown_demo_lists_what_there_is(impact):
@@ -34,6 +35,7 @@ def test_bad_arguments_give_status_2(arguments, impact):
 @pytest.mark.parametrize("ranks", (1, 2))
 @pytest.mark.parametrize("code, wanted", (("import sys; sys.exit(7)", 7), ("raise SystemExit(0)", 0), ("1 / 0", 1)))
 def test_the_exit_status_passes_through(ranks, code, wanted, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     script = tmp_path / "own.py"
     script.write_text(f"from mpi4py import MPI\n{code}\n")
     monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
@@ -41,6 +43,7 @@ def test_the_exit_status_passes_through(ranks, code, wanted, tmp_path, monkeypat
 
 
 def test_a_signal_gives_128_more(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     script = tmp_path / "own.py"
     script.write_text("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)\n")
     monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
@@ -53,7 +56,34 @@ def test_output_reaches_the_demo_as_a_full_path(tmp_path, monkeypatch, capfd):
     monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
     monkeypatch.chdir(tmp_path)
     assert cli.main(["demo", "own", "--output", "here"]) == 0
-    assert capfd.readouterr().out.strip() == str(tmp_path / "here")
+    assert capfd.readouterr().out.splitlines() == [str(tmp_path / "here"), "results in here"]
+
+
+@pytest.mark.parametrize("output, folder", ((("--output", "here"), "here"), ((), "results/own")))
+def test_a_demo_runs_in_the_folder_of_its_results(output, folder, tmp_path, monkeypatch, capfd):
+    script = tmp_path / "own.py"
+    script.write_text("import os\nprint(os.getcwd())\n")
+    monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["demo", "own", *output]) == 0
+    assert capfd.readouterr().out.splitlines() == [str(tmp_path / folder), f"results in {folder}"]
+
+
+def test_an_application_runs_where_it_was_started(tmp_path, monkeypatch, capfd):
+    script = tmp_path / "applications" / "own.py"
+    script.parent.mkdir()
+    script.write_text("import os\nprint(os.getcwd())\n")
+    monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["demo", "own"]) == 0
+    assert capfd.readouterr().out.strip() == str(tmp_path)
+
+
+def test_a_folder_that_cannot_be_made_gives_status_2(tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setattr(cli, "demos", lambda: {"own": (tmp_path / "own.py", "Own")})
+    assert cli.main(["demo", "own", "--output", str(tmp_path / "file" / "below")]) == 2
+    assert "results cannot be written to" in capsys.readouterr().err
 
 
 def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):

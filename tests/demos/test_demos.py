@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Every demo runs, on one rank and on two, and leaves its files; every demo is a page that ends with an assert."""
+"""Every demo and application runs, on one rank and on two, and leaves its files; each is a page that ends with an
+assert."""
 
 import ast
 import json
@@ -9,12 +10,13 @@ import sys
 
 import jupytext
 import pytest
+from outputs import numbers, words
 
 from dolfinx_impact import cli
 
 pytestmark = pytest.mark.alone
 
-DEMOS = sorted(cli.demos())
+ALL = sorted(cli.demos())
 FILES = {
     "wheel_on_rail": (
         "axis.csv", "axis.h5", "two_solvers.png", "wheel_on_rail_2d.png", "wheel_on_rail_3d.png", "wheel_on_rail_2d.bp",
@@ -37,14 +39,14 @@ FILES = {
 }  # fmt: skip
 
 
-def test_every_demo_says_what_it_leaves():
-    assert set(FILES) == set(DEMOS)
+def test_every_application_says_what_it_leaves():
+    assert set(FILES) == {name for name, (path, _) in cli.demos().items() if cli.is_application(path)}
 
 
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", (1, 2))
-@pytest.mark.parametrize("name", DEMOS)
-def test_a_demo_runs_and_leaves_its_files(name, ranks, impact, tmp_path):
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_an_application_runs_and_leaves_its_files(name, ranks, impact, tmp_path):
     folder = tmp_path / "here"
     status, output, errors = impact("demo", name, "--ranks", ranks, "--output", folder)
     assert status == 0, output + errors
@@ -66,7 +68,19 @@ def test_the_rail_joint_in_space(impact, tmp_path):
     assert "rail_joint_3d_5.bp" in {path.name for path in (tmp_path / "here").iterdir()}
 
 
-@pytest.mark.parametrize("name", DEMOS)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_the_printed_output_of_an_application_is_that_of_the_pages(name, impact, checkout, tmp_path):
+    """The whole run, not the short one of the tests: the same words, and as many numbers; times differ."""
+    folder = tmp_path / "here"
+    status, output, errors = impact("demo", name, "--output", folder, timeout=1200, env={"IMPACT_DEMO_FAST": "0"})
+    assert status == 0, output + errors
+    output = output.replace(str(folder), f"results/{name}")
+    printed = (checkout / "docs" / "figures" / f"demo_{name}.txt").read_text()
+    assert words(output) == words(printed) and len(numbers(output)) == len(numbers(printed))
+
+
+@pytest.mark.parametrize("name", ALL)
 def test_a_demo_is_a_page(name):
     path = cli.demos()[name][0]
     page = jupytext.read(path, fmt="py:light")
@@ -99,9 +113,9 @@ def test_a_wrong_number_makes_the_demo_fail(tmp_path):
 
 def test_the_gallery_shows_the_demos(checkout):
     gallery = (checkout / "docs" / "gallery.md").read_text()
-    for name in DEMOS:
+    for name in ALL:
         assert f"demo {name}" in gallery, f"docs/gallery.md does not say how to run {name}"
-        for file in FILES[name]:
+        for file in FILES.get(name, [f"{name}.png"]):
             if file.endswith(".png"):
                 picture = checkout / "docs" / "figures" / f"demo_{file}"
                 assert f"figures/{picture.name}" in gallery

@@ -44,7 +44,7 @@ def test_folders_are_there(readme, checkout):
 
 def test_make_targets_exist(readme, checkout):
     targets = re.findall(r"^([a-z-]+):.*##", (checkout / "Makefile").read_text(), re.MULTILINE)
-    named = set(re.findall(r"\bmake (demo|test|verify|bench|docs|shell)\b", readme))
+    named = set(re.findall(r"\bmake (demo|test|verify|bench|docs|notebooks|shell)\b", readme))
     assert {"demo", "test"} <= named <= set(targets)
 
 

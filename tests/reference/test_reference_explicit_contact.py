@@ -107,7 +107,9 @@ def test_equal_bars_swap_velocities(kind):
     sign = np.where(np.arange(len(model.field_points)) < pair.split, 1.0, -1.0)
     v0 = np.stack([v * sign, 0 * sign], 1).reshape(-1)
     dt = 0.9 * model.stable_step()
-    run = model.run_explicit(dt, int(2.8 * L / c / dt), v0=v0, contacts=[contact])
+    # Apart by a step's way: contact that is there from the first step gives nothing back, so that no node would leave.
+    u0 = np.stack([-2 * v * dt * (sign > 0), 0 * sign], 1).reshape(-1)
+    run = model.run_explicit(dt, int(2.8 * L / c / dt), u0=u0, v0=v0, contacts=[contact])
     mass = model.mass(lumped=True)[::2]
     half = mass[sign > 0].sum()
     assert np.isclose(mass[sign > 0] @ run.v[-1, ::2][sign > 0] / half, -v, rtol=2e-2)

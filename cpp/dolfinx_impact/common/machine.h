@@ -8,9 +8,12 @@ namespace dolfinx_impact::common
 /// than the caches; three arrays counted (McCalpin's STREAM triad).
 double triad_bandwidth();
 
-/// Double-precision operations per second of one core: independent fused multiply-adds in the widest vectors that
-/// kernels are compiled for; a multiply-add counts as two.
-double peak_flops();
+/// Double-precision operations per second of one core, in processor time: independent multiply-adds, fused where the
+/// processor does that; a multiply-add counts as two.
+/// @param[in] lanes numbers in a vector, 2, 4 (AVX2) or 8 (AVX-512); 0: the best of those that this processor has
+/// @return operations per second; 0 if the processor does not have such vectors
+/// @throws std::invalid_argument for other numbers
+double peak_flops(int lanes = 0);
 
 /// Give memory that set-up no longer needs back to the system, where the C library can.
 void release_memory();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../operators/CooMatrix.h"
-#include "../search/PairSearch.h"
+#include "../search/closest_point/PairSearch.h"
 #include "mortar.h"
 #include <memory>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../search/project.h"
+#include "../search/closest_point/SurfaceSearch.h"
 #include "Rigid.h"
 #include <span>
 #include <vector>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "segments.h"
+#include "../search/closest_point/facet_projection.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -235,7 +236,7 @@ bool facing(const FacetPoint& a, const FacetPoint& b)
   double product = 0.0;
   for (int c = 0; c < 3; ++c)
     product += a.normal[c] * b.normal[c];
-  return product < 0.0;
+  return product < -search::right_angle;
 }
 } // namespace
 

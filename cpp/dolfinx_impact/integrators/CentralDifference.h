@@ -20,7 +20,7 @@ namespace dolfinx_impact::integrators
 using operators::FunctionSpace;
 
 /// Explicit integration with lumped mass; docs/explicit/scheme.md has the equations. A step is: exchange ghosts,
-/// kernels, contact, exchange forces, update. Cells without ghosts are computed while ghosts travel.
+/// kernels, contact, exchange forces, update. Cells without ghosts are computed while ghosts are exchanged.
 class CentralDifference
 {
 public:

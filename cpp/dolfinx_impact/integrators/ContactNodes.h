@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../enforcement/NodalContact.h"
+#include "../enforcement/node_to_surface/NodalContact.h"
 #include "NodalFields.h"
 #include <memory>
 #include <span>

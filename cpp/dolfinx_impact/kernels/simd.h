@@ -193,15 +193,16 @@ inline T abs(T x)
 {
   return x < 0.0 ? -x : x;
 }
+// As fmin and fmax: if one argument is not a number, the result is the other one.
 template <Vector T>
 inline T min(T a, T b)
 {
-  return a < b ? a : b;
+  return (a < b) | (b != b) ? a : b;
 }
 template <Vector T>
 inline T max(T a, T b)
 {
-  return a > b ? a : b;
+  return (a > b) | (b != b) ? a : b;
 }
 } // namespace math
 } // namespace dolfinx_impact::kernels

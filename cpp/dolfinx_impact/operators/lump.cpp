@@ -9,31 +9,6 @@
 
 namespace dolfinx_impact::operators
 {
-namespace
-{
-/// Add masses by cell to those of the nodes.
-void add_cells(const std::vector<std::int32_t>& cells, const std::vector<double>& masses, const FunctionSpace& V,
-               std::span<double> diagonal)
-{
-  const int bs = V.dofmap()->bs();
-  auto m = masses.begin();
-  for (std::int32_t cell : cells)
-    for (std::int32_t node : V.dofmap()->cell_dofs(cell))
-      for (int c = 0; c < bs; ++c)
-        diagonal[std::size_t(bs) * node + c] += *m++;
-}
-} // namespace
-
-void lump_hrz(const Integral& mass, const FunctionSpace& V, std::span<double> diagonal)
-{
-  add_cells(mass.entities, cell_masses_hrz(mass, V), V, diagonal);
-}
-
-void lump_nodal(const Integral& nodal, const Integral& row_sum, const FunctionSpace& V, std::span<double> diagonal)
-{
-  add_cells(nodal.entities, cell_masses_nodal(nodal, row_sum, V), V, diagonal);
-}
-
 std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
 {
   const impact_kernel& k = *mass.kernel;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Exchange.h"
-#include "travel.h"
+#include "facet_exchange.h"
 #include <algorithm>
 #include <functional>
 #include <stdexcept>
@@ -10,17 +10,6 @@ namespace dolfinx_impact::search
 namespace
 {
 using dolfinx::common::IndexMap;
-
-/// This rank's facets with their nodes' global numbers and owners.
-Travellers globalise(const IndexMap& nodes, const surface::Facets& facets)
-{
-  Travellers out{facets, std::vector<std::int64_t>(facets.nodes.size()), {}};
-  nodes.local_to_global(facets.nodes, out.nodes);
-  const int rank = dolfinx::MPI::rank(nodes.comm());
-  for (std::int32_t node : facets.nodes)
-    out.owners.push_back(node < nodes.size_local() ? rank : nodes.owners()[node - nodes.size_local()]);
-  return out;
-}
 
 void check(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master, double reach)
 {
@@ -40,13 +29,13 @@ Exchange::Exchange(const surface::FunctionSpace& V, const surface::Facets& slave
 {
   check(V, slave, master, reach);
   const IndexMap& nodes = *V.dofmap()->index_map;
-  const Travellers own = globalise(nodes, slave);
-  Travellers candidates = send_to_overlapping(nodes.comm(), globalise(nodes, master), slave, reach);
+  const FacetPackets own = pack(nodes, slave);
+  FacetPackets candidates = send_to_overlapping(nodes.comm(), pack(nodes, master), slave, reach);
 
   // Ghosts: nodes of either side that other ranks own, by their global numbers.
   const auto range = nodes.local_range();
   std::vector<std::pair<std::int64_t, int>> found;
-  for (const Travellers* side : {&own, static_cast<const Travellers*>(&candidates)})
+  for (const FacetPackets* side : {&own, static_cast<const FacetPackets*>(&candidates)})
     for (std::size_t i = 0; i < side->nodes.size(); ++i)
       if (side->nodes[i] < range[0] || side->nodes[i] >= range[1])
         found.emplace_back(side->nodes[i], side->owners[i]);

@@ -9,9 +9,9 @@
 namespace dolfinx_impact::search
 {
 /// The facets of a pair as this rank needs them: its own slave facets, and all master facets, its own or of other
-/// ranks, whose boxes come within `reach` of the box of its slave facets. Master facets travel only between ranks whose
-/// boxes overlap, in neighbourhood collectives; no rank holds the whole surface. Both structs number their nodes by one
-/// nodal map: the owned blocks of the displacement space first, then ghosts.
+/// ranks, whose boxes come within `reach` of the box of its slave facets. Master facets are sent only between ranks
+/// whose boxes overlap, in neighbourhood collectives; no rank holds the whole surface. Both structs number their nodes
+/// by one nodal map: the owned blocks of the displacement space first, then ghosts.
 class Exchange
 {
 public:
@@ -45,6 +45,6 @@ public:
 
 private:
   surface::Facets _slave, _master;
-  std::unique_ptr<dolfinx::la::Vector<double>> _values; ///< over the map; also the buffer of what travels
+  std::unique_ptr<dolfinx::la::Vector<double>> _values; ///< over the map; also the buffer of what is sent
 };
 } // namespace dolfinx_impact::search

@@ -4,14 +4,8 @@
 
 namespace dolfinx_impact::search
 {
-namespace
-{
 using surface::FacetElement;
 using surface::FacetShape;
-
-constexpr int triangle_edges[3][2] = {{1, 2}, {0, 2}, {0, 1}};
-constexpr int quadrilateral_edges[4][2] = {{0, 1}, {0, 2}, {1, 3}, {2, 3}};
-} // namespace
 
 void control_points(const FacetElement& element, int gdim, const double* x, double* control)
 {
@@ -22,10 +16,7 @@ void control_points(const FacetElement& element, int gdim, const double* x, doub
   const int edges = element.shape == FacetShape::interval ? 1 : corners;
   for (int e = 0; e < edges; ++e)
   {
-    constexpr int interval[2] = {0, 1};
-    const int* ends = element.shape == FacetShape::interval   ? interval
-                      : element.shape == FacetShape::triangle ? triangle_edges[e]
-                                                              : quadrilateral_edges[e];
+    const int* ends = surface::edge_corners(element.shape, e);
     for (int c = 0; c < gdim; ++c)
       control[(corners + e) * gdim + c] =
           2 * x[(corners + e) * gdim + c] - (x[ends[0] * gdim + c] + x[ends[1] * gdim + c]) / 2;

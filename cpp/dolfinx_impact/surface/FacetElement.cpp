@@ -38,7 +38,9 @@ void interval(int degree, double x, int order, double* out)
 
 /// Node i of the quadrilateral as a pair of one-dimensional nodes.
 constexpr int quad_nodes[9][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 0}, {0, 2}, {1, 2}, {2, 1}, {2, 2}};
+constexpr int interval_ends[2] = {0, 1};
 constexpr int triangle_edges[3][2] = {{1, 2}, {0, 2}, {0, 1}};
+constexpr int quadrilateral_edges[4][2] = {{0, 1}, {0, 2}, {1, 3}, {2, 3}};
 
 /// Tensor product of derivatives of order dx and dy.
 void quadrilateral(int degree, int num_nodes, const double* xi, int dx, int dy, double* out)
@@ -169,5 +171,12 @@ bool FacetElement::inside(const double* xi, double margin) const
   if (shape == FacetShape::triangle)
     return xi[0] + xi[1] <= 1 + margin;
   return xi[0] <= 1 + margin && xi[1] <= 1 + margin;
+}
+
+const int* edge_corners(FacetShape shape, int edge)
+{
+  return shape == FacetShape::interval   ? interval_ends
+         : shape == FacetShape::triangle ? triangle_edges[edge]
+                                         : quadrilateral_edges[edge];
 }
 } // namespace dolfinx_impact::surface

@@ -44,4 +44,7 @@ struct FacetElement
   /// Is xi inside the reference facet, widened by `margin`?
   bool inside(const double* xi, double margin = 0.0) const;
 };
+
+/// Corners at the ends of an edge of a facet of dimension 2; in a facet of dimension 1 edge 0 is the facet.
+const int* edge_corners(FacetShape shape, int edge);
 } // namespace dolfinx_impact::surface

@@ -33,6 +33,9 @@ struct Facets
   const double* x_of(std::size_t f) const { return x.data() + f * geometry.num_nodes() * gdim; }
 };
 
+/// Longest distance between corners of a facet in the reference configuration [L].
+double diameter(const Facets& facets, std::size_t f);
+
 /// Current positions from displacements: x = X + u.
 /// @param[in,out] facets
 /// @param[in] u nodal displacements, u[node*gdim + c], numbered as facets.nodes [L]

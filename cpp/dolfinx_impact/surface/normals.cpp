@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "normals.h"
+#include <algorithm>
 #include <cmath>
 
 namespace dolfinx_impact::surface
@@ -58,6 +59,21 @@ std::int8_t orientation(const FacetElement& element, int gdim, const double* X, 
   for (int c = 0; c < gdim; ++c)
     outward += p.normal[c] * (p.x[c] - cell_centre[c]);
   return outward >= 0.0 ? 1 : -1;
+}
+
+double diameter(const Facets& facets, std::size_t f)
+{
+  const double* X = facets.X_of(f);
+  double largest = 0.0;
+  for (int i = 0; i < facets.geometry.num_corners(); ++i)
+    for (int j = 0; j < i; ++j)
+    {
+      double squared = 0.0;
+      for (int c = 0; c < facets.gdim; ++c)
+        squared += std::pow(X[i * facets.gdim + c] - X[j * facets.gdim + c], 2);
+      largest = std::max(largest, squared);
+    }
+  return std::sqrt(largest);
 }
 
 void move(Facets& facets, const double* u)

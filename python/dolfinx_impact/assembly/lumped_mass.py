@@ -76,7 +76,8 @@ def cell_masses(V, parts, hypothesis, cell_tags=None, scheme="auto"):
     """Lumped mass cell by cell. Collective.
 
     Args:
-        V, scheme: as for lumped_mass. parts: pairs (cell tag or None, density in UFL). hypothesis, cell_tags: of the
+        V, scheme: as for lumped_mass.
+        parts: pairs (cell tag or None, density in UFL). hypothesis, cell_tags: of the
             material.
 
     Returns:

@@ -206,7 +206,8 @@ class Inputs:
     """Constants and coefficients that a form reads, and whether they have changed since they were last taken over.
 
     Args:
-        constants, coefficients: those of the form. without: functions that somebody else keeps up to date.
+        constants, coefficients: those of the form.
+        without: functions that somebody else keeps up to date.
     """
 
     def __init__(self, constants, coefficients, without=()):
@@ -278,7 +279,8 @@ class Tangent:
     """Matrix of a bilinear form in a PETSc matrix that is created once; FFCx's own C kernels, DOLFINx's assembly.
 
     Args:
-        form: UFL form of rank 2. bcs: DirichletBC objects; their rows and columns are zeroed, one on the diagonal.
+        form: UFL form of rank 2.
+        bcs: DirichletBC objects; their rows and columns are zeroed, one on the diagonal.
     """
 
     def __init__(self, form, bcs=()):

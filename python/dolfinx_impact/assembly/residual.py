@@ -14,7 +14,8 @@ def check_residual(form, u):
     """Refuse what is no residual of the displacement u, on this rank: for use under a guard (collective.py).
 
     Args:
-        form: what was given. u: displacement function.
+        form: what was given.
+        u: displacement function.
 
     Raises:
         TypeError: not a UFL form. ValueError: no test function or a trial function, a test function of another space,
@@ -54,7 +55,8 @@ def split(form, velocity):
     """A residual F(u, v) as the sum of F(u, 0) and F(u, v) - F(u, 0).
 
     Args:
-        form: UFL form of rank 1. velocity: the function v.
+        form: UFL form of rank 1.
+        velocity: the function v.
 
     Returns:
         F(u, 0), and the part that comes with the velocity, or None. Where F is linear in v this is its derivative in
@@ -81,7 +83,8 @@ def check_radius(tangent, u, axisymmetric):
     a plane body resists neither.
 
     Args:
-        tangent: CellMatrices of the residual's derivative. u: displacement function.
+        tangent: CellMatrices of the residual's derivative.
+        u: displacement function.
         axisymmetric: is the hypothesis of the problem "axisymmetric"?
 
     Raises:

@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +45,7 @@ def step_seconds(problem, steps, rounds=3):
     """Processor seconds per step of `advance`, best and median of the rounds."""
     times = []
     for k in range(rounds + 1):
-        dt = 0.9 * problem._safe
+        dt = 0.9 * problem._stepper.safe_step
         count = steps if k else max(2, steps // 5)  # the first round warms up
         begin, first = time.process_time(), problem.step
         problem.advance(problem.time + count * dt, progress=False)
@@ -123,7 +124,8 @@ class Blocks:
     """A block pressed and thrown on a clamped one, sliding; meshes that do not match.
 
     Args:
-        n, layers: cells along each side of the interface, and down. contact: None, or a class; friction: coefficient.
+        n, layers: cells along each side of the interface, and down.
+        contact: None, or a class; friction: coefficient.
     """
 
     def __init__(self, n, layers, contact=None, friction=0.0):
@@ -160,10 +162,10 @@ CONTACTS = (
 
 def contact_seconds(problem, steps):
     """Wall-clock seconds per step of contact, as the integrator's own clock tells, and of everything."""
-    first, begin, spent = problem.step, time.perf_counter(), problem._cpp.contact_seconds
-    problem.advance(problem.time + steps * 0.9 * problem._safe, progress=False)
+    first, begin, spent = problem.step, time.perf_counter(), problem._cpp_object.contact_seconds
+    problem.advance(problem.time + steps * 0.9 * problem._stepper.safe_step, progress=False)
     count = problem.step - first
-    return (problem._cpp.contact_seconds - spent) / count, (time.perf_counter() - begin) / count
+    return (problem._cpp_object.contact_seconds - spent) / count, (time.perf_counter() - begin) / count
 
 
 def contact_rows(share=SHARE_BLOCKS, cost=COST_BLOCKS, steps=(30, 25), rounds=(5, 12)):
@@ -200,7 +202,7 @@ def output_rows(n, steps=1000, rounds=2):
         # The first frame, which brings the mesh, was written before the loop: it is no part of it.
         begin, first, before = time.perf_counter(), problem.step, recorder.seconds
         for _ in range(rounds):
-            problem.advance(problem.time + steps * 0.9 * problem._safe, progress=False)
+            problem.advance(problem.time + steps * 0.9 * problem._stepper.safe_step, progress=False)
             saved = time.perf_counter()
             problem.save(Path(folder) / "checkpoint.h5")
             writing += time.perf_counter() - saved
@@ -259,7 +261,7 @@ def _memory(n):
     gc.collect()
     before = resident()
     setup, problem = explicit_problem(MPI.COMM_SELF, n)
-    problem.advance(20 * 0.9 * problem._safe, progress=False)
+    problem.advance(20 * 0.9 * problem._stepper.safe_step, progress=False)
     gc.collect()
     return {"cells": setup.num_cells, "kB": (resident() - before) / setup.num_cells * 1e-3}
 
@@ -271,24 +273,30 @@ def _rate(n, steps=60, rounds=3):
     cells = comm.allreduce(setup.num_cells, MPI.SUM) / comm.size
     for _ in range(rounds + 1):
         comm.Barrier()
-        begin, first, sent = time.perf_counter(), problem.step, np.array(problem._cpp.traffic)
-        problem.advance(problem.time + steps * 0.9 * problem._safe, progress=False)
+        begin, first, sent = time.perf_counter(), problem.step, np.array(problem._cpp_object.traffic)
+        problem.advance(problem.time + steps * 0.9 * problem._stepper.safe_step, progress=False)
         comm.Barrier()
         rates.append(cells * (problem.step - first) / (time.perf_counter() - begin) * 1e-6)
-        sent = (np.array(problem._cpp.traffic) - sent) / (problem.step - first)
+        sent = (np.array(problem._cpp_object.traffic) - sent) / (problem.step - first)
     messages, values = comm.allreduce(sent[0], MPI.MAX), comm.allreduce(sent[1], MPI.MAX)
     return {"rate": float(np.median(rates[1:])), "cells": cells, "messages": messages, "values": values}
 
 
-def rows(large=False, ranks=0):
-    """All rows; ranks: also whole steps on so many."""
-    hexahedron = ("hexahedron",)
-    out = step_rows([c for c in bench.CASES if c[0] in ("tetrahedron", "hexahedron")], own=hexahedron)
-    out += step_rows(bench.FINITE, materials.NeoHookean, baselines=("A",))
-    out += contact_rows(rounds=(7, 25) if large else (5, 12))
-    out += output_rows(48 if large else 20) + (output_rows(20) if large else [])
-    out += memory_rows(64 if large else 40)
-    return out + (rank_rows(ranks) if ranks > 1 else [])
+def jobs(large=False, ranks=0):
+    """What the command measures of explicit dynamics: pairs (text, function that returns rows).
+
+    Args:
+        large: larger models and more rounds.
+        ranks: also whole steps on so many ranks; 0: without.
+    """
+    solids = [c for c in bench.CASES if c[0] in ("tetrahedron", "hexahedron")]
+    out = [(f"explicit step, {c[0]} P{c[1]}", partial(step_rows, (c,), own=("hexahedron",))) for c in solids]
+    neo_hookean = partial(step_rows, law=materials.NeoHookean, baselines=("A",))
+    out += [(f"explicit step, neo_hookean, {c[0]} P{c[1]}", partial(neo_hookean, (c,))) for c in bench.FINITE]
+    out.append(("explicit contact", partial(contact_rows, rounds=(7, 25) if large else (5, 12))))
+    out += [("explicit output", partial(output_rows, n)) for n in ((48, 20) if large else (20,))]
+    out.append(("explicit memory", partial(memory_rows, 64 if large else 40)))
+    return out + ([(f"explicit steps on {ranks} ranks", partial(rank_rows, ranks))] if ranks > 1 else [])
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from mpi4py import MPI
 
 from .. import _cpp, materials
 from . import contact as bench_contact
+from .rows import PEAK, impossible, measure, row
 from ..assembly import operators
 from ..io.hdf5 import write_whole
 
@@ -40,6 +42,7 @@ CASES = (
     ("hexahedron", 2, 20),
 )
 FINITE = (("tetrahedron", 2, 22), ("hexahedron", 1, 50))
+RANK_CELLS = (("hexahedron", 1, 48), ("tetrahedron", 2, 26))
 
 
 def best_time(function, at_least=0.05, rounds=3):
@@ -136,16 +139,14 @@ def force_rows(cases=CASES, law=materials.LinearElastic, bandwidth=None, peak=No
                 )
             )
         if peak:
-            rows.append(
-                row(f"{name}: share of peak flops", label, 1, operator.flops / seconds * 1e-9, "GFLOP/s", peak * 1e-9)
-            )
+            rows.append(row(f"{name}: {PEAK}", label, 1, operator.flops / seconds * 1e-9, "GFLOP/s", peak * 1e-9))
             rows.append(
                 row(f"{name}: share of bandwidth", label, 1, setup.bytes() / seconds * 1e-9, "GB/s", bandwidth * 1e-9)
             )
     return rows
 
 
-def rank_rows(ranks=2, cells=(("hexahedron", 1, 48), ("tetrahedron", 2, 26))):
+def rank_rows(ranks=2, cells=RANK_CELLS):
     """Per-core speed on several ranks against one rank with as many cells a rank; ghosts are exchanged every time."""
     rows = []
     for cell, degree, n in cells:
@@ -160,7 +161,7 @@ def rank_rows(ranks=2, cells=(("hexahedron", 1, 48), ("tetrahedron", 2, 26))):
 def _rank_rate(ranks, cell, degree, n):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "rate.json"
-        own = [sys.executable, "-m", "dolfinx_impact.bench", "--rate", cell, str(degree), str(n), str(path)]
+        own = [sys.executable, "-m", "dolfinx_impact.bench.run", "--rate", cell, str(degree), str(n), str(path)]
         subprocess.run((["mpirun", "-n", str(ranks)] if ranks > 1 else []) + own, check=True, capture_output=True)
         return json.loads(path.read_text())
 
@@ -182,18 +183,6 @@ def _rate(cell, degree, n, path):
         Path(path).write_text(json.dumps(mean))
 
 
-def row(name, cell, ranks, value, unit, baseline):
-    return {
-        "name": name,
-        "cell": cell,
-        "ranks": ranks,
-        "value": float(value),
-        "unit": unit,
-        "baseline": float(baseline),
-        "ratio": float(value / baseline),
-    }
-
-
 def machine(bandwidth, peak):
     model = platform.processor()
     try:
@@ -211,23 +200,39 @@ def machine(bandwidth, peak):
     }
 
 
-def show(rows, about):
-    from rich.console import Console
-    from rich.table import Table
+def jobs(bandwidth, peak, large=False, ranks=0):
+    """All measurements, in their order.
 
-    console = Console(width=130)
-    console.print(", ".join(f"{k} {v:.1f}" if isinstance(v, float) else f"{k} {v}" for k, v in about.items()))
-    table = Table(title="Ratios within this run; medians of 3")
-    for column in ("name", "cell", "ranks", "value", "unit", "baseline", "ratio"):
-        table.add_column(column, justify="left" if column in ("name", "cell", "unit") else "right")
-    for r in rows:
-        numbers = f"{r['value']:.2f}", r["unit"], f"{r['baseline']:.2f}", f"{r['ratio']:.2f}"
-        table.add_row(r["name"], r["cell"], str(r["ranks"]), *numbers)
-    console.print(table)
+    Args:
+        bandwidth: memory bandwidth of a core [B/s].
+        peak: operations per second of a core [1/s].
+        large: also contact problems of 300,000 unknowns.
+        ranks: also whole explicit steps on so many ranks; 0: without.
+    """
+    from . import explicit as bench_explicit  # which uses this module
+
+    laws = [(materials.LinearElastic, CASES)]
+    laws += [(law, FINITE) for law in (materials.StVenantKirchhoff, materials.NeoHookean)]
+    out = [
+        (f"{law.law_class.name} force, {case[0]} P{case[1]}", partial(force_rows, (case,), law, bandwidth, peak))
+        for law, cases in laws
+        for case in cases
+    ]
+    out += [(f"force on 2 ranks, {c[0]} P{c[1]}", partial(rank_rows, 2, (c,))) for c in RANK_CELLS]
+    out += bench_explicit.jobs(large, ranks)
+    cases = bench_contact.CASES + (bench_contact.LARGE if large else ())
+    return out + [(f"static contact, {c[0]}", partial(bench_contact.contact_rows, row, (c,))) for c in cases]
 
 
 def main(argv=None):
-    """Returns the exit status."""
+    """Run the command.
+
+    Args:
+        argv: arguments; None: those of the process.
+
+    Returns:
+        The exit status: 1 where a row cannot be true.
+    """
     parser = argparse.ArgumentParser(prog="dolfinx-impact bench", description=__doc__)
     parser.add_argument("--json", metavar="OUT", help="write rows and machine here")
     parser.add_argument("--large", action="store_true", help="also contact problems of 300,000 unknowns")
@@ -238,21 +243,17 @@ def main(argv=None):
         _rate(*args.rate)
         return 0
     bandwidth, peak = _cpp.bench.triad_bandwidth(), _cpp.bench.peak_flops()
-    rows = force_rows(bandwidth=bandwidth, peak=peak)
-    for law in (materials.StVenantKirchhoff, materials.NeoHookean):
-        rows += force_rows(FINITE, law, bandwidth, peak)
-    rows += rank_rows()
-    from . import explicit as bench_explicit  # which uses this module
-
-    rows += bench_explicit.rows(args.large, args.ranks)
-    rows += bench_contact.contact_rows(row, bench_contact.CASES + (bench_contact.LARGE if args.large else ()))
     about = machine(bandwidth, peak)
-    show(rows, about)
+    print(", ".join(f"{k} {v:.1f}" if isinstance(v, float) else f"{k} {v}" for k, v in about.items()))
+    rows = measure(jobs(bandwidth, peak, args.large, args.ranks))
     if args.json:
         path = Path(args.json)
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, json.dumps({"rows": rows, "machine": about}, indent=1) + "\n")
-    return 0
+    complaints = impossible(rows)
+    for complaint in complaints:
+        print(f"bench: {complaint}", file=sys.stderr)
+    return 1 if complaints else 0
 
 
 if __name__ == "__main__":

@@ -84,7 +84,8 @@ def displacement(u, solid=True):
     """A displacement: a vector function of a Lagrange space with a component per direction of a 2D or 3D mesh.
 
     Args:
-        u: what a user gave. solid: of a material or in contact; False: of a residual of the user's own, whose unknowns
+        u: what a user gave.
+        solid: of a material or in contact; False: of a residual of the user's own, whose unknowns
             may be others.
     """
     function("u", u)

@@ -114,7 +114,9 @@ def agree(comm, error, call=""):
     """Raise on all ranks if any rank has an error. Collective, one reduction.
 
     Args:
-        comm: communicator. error: exception of this rank, or None. call: name, for messages.
+        comm: communicator.
+        error: exception of this rank, or None.
+        call: name, for messages.
     """
     if comm.size > 1:
         _exchange(channel(comm), call, error, {})
@@ -162,7 +164,7 @@ def describe(value):
         return f"form {value.signature()[:16]}"
     if isinstance(value, type):
         return f"class {value.__name__}"
-    if type(value).__module__.split(".")[0] == __package__:
+    if type(value).__module__.split(".")[0] == __package__.split(".")[0]:
         return f"{type(value).__name__} {describe({k: v for k, v in vars(value).items() if k[0] != '_'})}"
     if callable(value):
         return "a function"

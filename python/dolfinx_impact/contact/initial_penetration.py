@@ -24,8 +24,10 @@ class InitialPenetration:
     """Gaps of the contact points in the reference configuration, obstacles where they were made. Collective.
 
     Args:
-        pair: ContactPair. V: displacement space. slave, master: this rank's facets (master None: rigid).
-        x: (n, gdim) positions of the contact points [L]. gap: (n), infinite where there is no master [L].
+        pair: ContactPair.
+        V: displacement space. slave, master: this rank's facets (master None: rigid).
+        x: (n, gdim) positions of the contact points [L].
+        gap: (n), infinite where there is no master [L].
 
     Attributes:
         num_points: contact points of all ranks that penetrate. depth: their largest penetration [L]. where: its place,
@@ -119,7 +121,8 @@ def nearly_touching(comm, gap, size):
     """Up to which gap points are to be closed where bodies nearly touch; None: they are apart. Collective.
 
     Args:
-        gap: (n), infinite where there is no master [L]. size: (n) of the points' facets [L].
+        gap: (n), infinite where there is no master [L].
+        size: (n) of the points' facets [L].
     """
     near = gap[gap < NEARLY * size]
     largest = comm.allreduce(float(np.max(near, initial=-np.inf)), MPI.MAX)

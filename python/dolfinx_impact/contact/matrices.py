@@ -12,7 +12,10 @@ def rectangle(comm, num_rows, num_columns, rows, cols, values, block=1):
     """Matrix whose entries any rank may give; equal places add up. Collective.
 
     Args:
-        num_rows, num_columns: of this rank. rows, cols: global numbers. values: entries. block: size of blocks.
+        num_rows, num_columns: of this rank.
+        rows, cols: global numbers.
+        values: entries.
+        block: size of blocks.
     """
     A = PETSc.Mat().create(comm)
     A.setSizes(((num_rows, PETSc.DETERMINE), (num_columns, PETSc.DETERMINE)))
@@ -32,7 +35,8 @@ class NodalSum:
     """Sums and updates of nodal values over the ranks.
 
     Args:
-        index_map: of nodes (owned, then ghosts). block: values per node.
+        index_map: of nodes (owned, then ghosts).
+        block: values per node.
     """
 
     def __init__(self, index_map, block):

@@ -83,7 +83,9 @@ class ContactOutput:
         Values at quadrature points (penalty) become means at the slave's nodes; see PenaltyContact.at_nodes.
 
         Args:
-            problem: StaticProblem. values: one of the arrays, (n) or (n, gdim). name: of the function.
+            problem: StaticProblem.
+            values: one of the arrays, (n) or (n, gdim).
+            name: of the function.
         """
         with guard(self.comm, "field", name=name):
             if len(np.atleast_1d(values)) != len(self.points):

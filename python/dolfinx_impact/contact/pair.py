@@ -51,6 +51,9 @@ class ContactPair:
         self.remove_penetration = bool(remove_penetration)
         self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
 
+    def __repr__(self):
+        return f"ContactPair({self.name!r}: slave {self.slave}, master {self.master!r}, friction {self.friction})"
+
     def _check(self, facet_tags, slave, master, friction, search_distance):
         """Arguments of a pair, on this rank."""
         self.facet_tags, self.slave = facet_tags_of("ContactPair", facet_tags), _tag(slave)

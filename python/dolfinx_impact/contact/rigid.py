@@ -42,6 +42,15 @@ class _Rigid:
         self._displacement = np.zeros(3)
         self.motion = None
 
+    def __repr__(self):
+        moved = f", displacement={self._displacement.tolist()}" if np.any(self._displacement) else ""
+        driven = ", motion=..." if self.motion is not None else ""
+        return f"{type(self).__name__}({self._made_of()}{moved}{driven})"
+
+    def _made_of(self):
+        """Arguments as `repr` shows them."""
+        return f"center={self._point.tolist()}, radius={self._radius}"
+
     def same_on_all_ranks(self):
         """What collective.describe compares."""
         return [self._kind, self._point, self._direction, self._radius, self._displacement, self.motion]
@@ -86,6 +95,9 @@ class RigidPlane(_Rigid):
     def __init__(self, point, normal):
         super().__init__("plane", _vector("point", point), _unit("normal", normal), 0.0)
 
+    def _made_of(self):
+        return f"point={self._point.tolist()}, normal={self._direction.tolist()}"
+
     def _turn(self):
         return f"turn the plane's normal {self._direction.tolist()} round, it must point out of the obstacle"
 
@@ -101,7 +113,8 @@ class RigidSphere(_Rigid):
     """Rigid ball; in an axisymmetric problem its centre must be on the axis.
 
     Args:
-        center: (2 or 3 components) [L]. radius: positive; negative for a cavity that holds the body [L].
+        center: (2 or 3 components) [L].
+        radius: positive; negative for a cavity that holds the body [L].
     """
 
     def __init__(self, center, radius):
@@ -112,9 +125,14 @@ class RigidCylinder(_Rigid):
     """Rigid cylinder of infinite length.
 
     Args:
-        center: a point of its axis (2 or 3 components) [L]. radius: positive; negative for a bore that holds the body
-            [L]. axis: direction of the axis; on plane meshes it points out of the plane [1].
+        center: a point of its axis (2 or 3 components) [L].
+        radius: positive; negative for a bore that holds the body
+            [L].
+        axis: direction of the axis; on plane meshes it points out of the plane [1].
     """
 
     def __init__(self, center, radius, axis=(0.0, 0.0, 1.0)):
         super().__init__("cylinder", _vector("center", center), _unit("axis", axis), _radius(radius))
+
+    def _made_of(self):
+        return f"{super()._made_of()}, axis={self._direction.tolist()}"

@@ -29,6 +29,9 @@ class RigidSurface(_Rigid):
         parts = b"".join(np.ascontiguousarray(n, dtype=float).tobytes() for n in numbers)
         self._checksum = hashlib.blake2b(parts, digest_size=16).hexdigest()
 
+    def _made_of(self):
+        return f"{self._gdim}D" if self._gdim else ""
+
     def same_on_all_ranks(self):
         """What stands for it where ranks are compared."""
         return [self._checksum, self.displacement, self.motion]
@@ -112,7 +115,9 @@ class RigidSurface(_Rigid):
         mesh's ranks.
 
         Args:
-            mesh: DOLFINx mesh, filled by the obstacle. facet_tags: MeshTags over its facets. tag: of the surface.
+            mesh: DOLFINx mesh, filled by the obstacle.
+            facet_tags: MeshTags over its facets.
+            tag: of the surface.
 
         Raises:
             ValueError: the tag does not exist, or not on the boundary; on all ranks.

@@ -2,6 +2,7 @@
 """Composes material, loads, prescribed motion and contact into an explicit problem; seed (3.67)-(3.80)."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import ufl
@@ -16,19 +17,25 @@ from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
 from ..contact.explicit.springs import stiffness
-from .time_stepping import March
 from ..forms import elasticity, viscosity
 from ..forms import materials as laws
 from ..loads import DeadLoad
 from ..materials import Rayleigh, _number
 from ..io.mesh_check import check_cells
 from ..assembly.residual import check_radius, split
+from . import energy_gain
+from .current_state import CurrentState
+from .functions_of_time import FunctionsOfTime
+from .inputs import Inputs
+from .recorder import Recorder, check_arguments
 from .restart import Restart
+from .run_history import RunHistory
 from .stable_step import METHODS, Frequencies, cell_sizes, damped
+from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
 
 
-class ExplicitProblem(Unique, March, Restart):
+class ExplicitProblem(Unique):
     """Motion of bodies under lumped mass by central differences; docs/explicit/scheme.md has the equations.
 
     Args:
@@ -140,7 +147,7 @@ class ExplicitProblem(Unique, March, Restart):
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
         self._viscosity = self._check_viscosity(bulk_viscosity)
         self._internal = operators.SplitForce(internal, u)
-        self._cpp = _cpp.integrators.CentralDifference(
+        self._cpp_object = _cpp.integrators.CentralDifference(
             V._cpp_object, self._internal.forces(), linear, self.mass.array, self.damping.alpha,
             getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
@@ -153,17 +160,31 @@ class ExplicitProblem(Unique, March, Restart):
             self._term(resisting, _cpp.integrators.WorkKind.damping)
         self.acceleration = fem.Function(V, name="acceleration")
         self._add_damping(v)
-        self._amplitudes = []
+        self._functions = FunctionsOfTime()
         self._set_loads(self.loads, v)
         self._set_motion(bcs)
         self.contact = [c._bind_explicit(self) for c in contact]
         for c in self.contact:
             motion = c.motion
-            self._cpp.add_contact(c._cpp, [-1] * 3 if motion is None else self._columns(motion))
-        self._begin()
+            columns = [-1] * 3 if motion is None else self._functions.add(motion)
+            self._cpp_object.add_contact(c._cpp_object, columns)
+        inputs = Inputs(self.comm, self._cpp_object, self._terms, self._loads, self._frequencies)
+        self._history = RunHistory(len(self.contact), mesh.geometry.dim)
+        self._state = CurrentState(
+            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history
+        )  # fmt: skip
+        self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, self._nonlinear)
+        self._restart = Restart(self, self._stepper)
+        self._stepper.start(u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
         _cpp.integrators.release_memory()
 
     # --- set-up ----------------------------------------------------------------------------------------------------
+
+    def __repr__(self):
+        size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
+        what = "residual of its own" if self.material is None else repr(self.material)
+        parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
+        return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
 
     @staticmethod
     def _check_velocity(velocity, u):
@@ -233,7 +254,7 @@ class ExplicitProblem(Unique, March, Restart):
     def _term(self, form, account):
         term = operators.SplitForce(form, self.u, self.velocity)
         self._terms.append(term)
-        self._cpp.add_term(term.forces(), account)
+        self._cpp_object.add_term(term.forces(), account)
 
     def _set_loads(self, loads, v):
         self._loads = []
@@ -246,7 +267,7 @@ class ExplicitProblem(Unique, March, Restart):
                 self._term(form, _cpp.integrators.WorkKind.external)
                 continue
             dead = DeadLoad(load, form, self.space)
-            self._cpp.add_load(dead.dofs, dead.values(), self._columns(amplitude)[0])
+            self._cpp_object.add_load(dead.dofs, dead.values(), self._functions.add(amplitude)[0])
             self._loads.append(dead)
 
     def _set_motion(self, bcs):
@@ -259,7 +280,7 @@ class ExplicitProblem(Unique, March, Restart):
             taken[dofs] = True
             values = np.zeros(len(self.u.x.array))
             bc.set(values)
-            column = -1 if amplitude is None else self._columns(amplitude)[0]
+            column = -1 if amplitude is None else self._functions.add(amplitude)[0]
             start = values[dofs] * (1.0 if amplitude is None else amplitude.sample([0.0])[0, 0])
             jump = float(np.max(np.abs(start - self.u.x.array[dofs]), initial=0.0))
             size = self.comm.allreduce(float(np.max(np.abs(start), initial=0.0)), MPI.MAX)
@@ -268,15 +289,152 @@ class ExplicitProblem(Unique, March, Restart):
                     "a prescribed displacement jumps at the start: let u have its value, or use PrescribedMotion with "
                     "an amplitude that begins where u is"
                 )
-            self._cpp.prescribe(dofs.astype(np.int32), values[dofs], column)
+            self._cpp_object.prescribe(dofs.astype(np.int32), values[dofs], column)
             self._supports.append((dofs, values[dofs], column))
         self.prescribed = taken
 
-    def _columns(self, amplitude):
-        """Columns of the table of amplitudes for one more function of time (three for vectors)."""
-        first = sum(a.size for a in self._amplitudes)
-        self._amplitudes.append(amplitude)
-        return [first + k for k in range(amplitude.size)]
+    # --- running ---------------------------------------------------------------------------------------------------
+
+    def advance(
+        self,
+        until: float,
+        dt: float | str = "auto",
+        callback: Callable[["ExplicitProblem"], None] | None = None,
+        progress: bool = True,
+        unsafe: bool = False,
+        energy_limits: tuple[float, float] | None = energy_gain.LIMITS,
+    ) -> None:
+        """Go on to a time. Collective.
+
+        Args:
+            until: time to reach [T].
+            dt: step, or "auto": 0.9 of the stable step; steps are equal and at most that [T].
+            callback: called as callback(problem) after each step, and before the first step of a run (at step 0). What
+                it changes, constants, functions and loads of forms, holds from the time at which it is called; ghosts
+                are brought up to date.
+            progress: show a bar on rank 0.
+            unsafe: take a dt beyond the stable step all the same, with a warning.
+            energy_limits: two numbers, or None for no limits. The energy that the run has gained without the work of
+                loads and supports, relative to the energies so far (docs/explicit/energies.md): beyond the first it
+                warns, once; beyond the second it stops [1].
+
+        Raises:
+            TypeError, ValueError: a time that has passed, dt not positive, beyond the stable step, or so small that the
+                time cannot be reached; energy limits that are no two positive numbers in order; arguments that differ
+                between ranks.
+            RuntimeError: called from a callback of `advance`; or the run went unstable or gained energy beyond the
+                limit; the message says when and where, displacement and velocity are back at the last good state, from
+                which works count anew and friction has no history.
+            KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
+
+        What the callback raises on one rank is raised on all. After KeyboardInterrupt, or an exception of the callback,
+        the problem is as after the last step: it may be saved, and `advance` to the same time goes on with the very
+        steps that were left.
+        """
+        with guard(self.comm, "advance", callback=callback, unsafe=bool(unsafe)) as ranks:
+            until, limits = self._stepper.check_arguments(until, callback), energy_gain.checked(energy_limits)
+            ranks.same(until=until, dt=dt, energy_limits=limits)
+        if until != self.time:
+            self._stepper.advance(until, dt, callback, progress, unsafe, limits)
+
+    @property
+    def time(self) -> float:
+        """Time that was reached [T]."""
+        return self._stepper.time
+
+    @property
+    def step(self) -> int:
+        """Number of steps that were taken."""
+        return self._stepper.step
+
+    @property
+    def energy(self) -> dict[str, float]:
+        """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, external,
+        total [F L] and drift [1]; docs/explicit/energies.md."""
+        return dict(self._state.energy)
+
+    @property
+    def energy_history(self) -> np.ndarray:
+        """Time and energies before every step, the first at the start of the run, (num_steps, 9): time [T], then those
+        of `energy` in its order, external last [F L]. Runs of more than `history_limit` steps: every second, fourth,
+        ... step."""
+        return self._history.energies
+
+    @property
+    def force_history(self) -> list[np.ndarray]:
+        """Contact forces on the slaves, by contact: list of arrays (num_steps, gdim) at the times of `energy_history`
+        [F]."""
+        return self._history.forces
+
+    @property
+    def history_limit(self) -> int:
+        """Largest number of rows that histories keep in memory, 250,000 unless set; a Recorder writes all rows [1]."""
+        return self._history.limit
+
+    @history_limit.setter
+    def history_limit(self, value: int) -> None:
+        self._history.limit = value
+
+    # --- files -----------------------------------------------------------------------------------------------------
+
+    def record(
+        self, path=None, fields=("displacement", "velocity"), every=100, points=None, points_every=10
+    ) -> Recorder:
+        """Write fields and histories into a folder from now on; see Recorder. Collective.
+
+        Args:
+            path: folder; None as for RunFolder.
+            fields: some of displacement, velocity, acceleration.
+            every: steps between frames.
+            points: (n, gdim) places whose nearest nodes' motion is kept every `points_every` steps [L].
+            points_every: steps between samples of points.
+
+        Returns:
+            Recorder; `close()` it at the end.
+
+        Raises:
+            ValueError: unknown fields, intervals that are no positive integers.
+            RuntimeError: the folder cannot be written; on all ranks.
+        """
+        with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
+            fields, points = check_arguments(self, path, fields, every, points, points_every)
+            ranks.same(points=points)
+        return Recorder(self, self._stepper, self._state, path, fields, every, points, points_every)
+
+    def save(self, path) -> None:
+        """Write a checkpoint, HDF5: all that a run needs to go on as if it had not stopped. Collective.
+
+        It is written as PATH.part and then renamed: if anything goes wrong with it an earlier file at `path` is as it
+        was. Recorders write their histories up to now after it. Ctrl-C waits until that is done.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            RuntimeError: the folder cannot be written, no space is left; on all ranks.
+        """
+        self._restart.save(path)
+
+    def restore(self, path) -> None:
+        """Go on from a checkpoint of the same problem, written on any number of ranks. Collective.
+
+        The same are mesh, materials, damping, scheme, supports, loads, contacts, and their functions of time up to the
+        time of the checkpoint, to the last digit. Values of loads (`constant.value`) must be those that they had when
+        it was written; afterwards they may be changed, as between any two calls of `advance`.
+
+        On as many ranks as wrote it the run goes on bit for bit (if DOLFINx numbers the mesh as it did then, which it
+        does not always on three ranks and more), on others to round-off. `advance` with the time that
+        the interrupted call had continues with its very steps. Constants, functions and loads that were changed in the
+        course of the run are not in the file: set them before.
+
+        Args:
+            path: file that `save` has written.
+
+        Raises:
+            RuntimeError: the file cannot be read, or is damaged.
+            ValueError: it is of another mesh, material, ...; on all ranks. The problem is then as it was.
+        """
+        self._restart.restore(path)
 
     # --- the stable step -------------------------------------------------------------------------------------------
 

@@ -11,19 +11,20 @@ class History:
     every second (fourth, ...) row is taken: the first row stays, rows stay equally far apart.
 
     Args:
-        width: numbers in a row. limit: largest number of rows, two or more.
+        row_type: data type of a row, structured or of several numbers.
+        limit: largest number of rows, two or more.
 
     Attributes:
         stride: one of so many rows is kept. last: the row added last, kept or not; None at first.
     """
 
-    def __init__(self, width, limit=LIMIT):
-        self._width, self._limit = width, limit
+    def __init__(self, row_type: np.dtype, limit: int = LIMIT) -> None:
+        self._type, self._limit = row_type, limit
         self.clear()
 
     def clear(self):
         """Forget all rows."""
-        self._table, self._size = np.zeros((0, self._width)), 0
+        self._table, self._size = np.zeros(0, self._type), 0
         self._count, self.stride, self.last = 0, 1, None
 
     @property
@@ -38,7 +39,7 @@ class History:
         self._thin()
 
     def add(self, rows):
-        """Append rows, (n, width)."""
+        """Append rows, (n,) of the row type."""
         if len(rows) == 0:
             return
         self.last = rows[-1].copy()
@@ -51,12 +52,12 @@ class History:
         self._thin()
 
     def rows(self):
-        """All rows kept, (n, width); a copy."""
+        """All rows kept, (n,) of the row type; a copy."""
         return self._table[: self._size].copy()
 
     def _reserve(self, size):
         if size > len(self._table):
-            table = np.zeros((max(size, 2 * len(self._table), 64), self._width))
+            table = np.zeros(max(size, 2 * len(self._table), 64), self._type)
             table[: self._size] = self._table[: self._size]
             self._table = table
 

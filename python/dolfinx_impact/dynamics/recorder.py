@@ -10,6 +10,7 @@ from ..common import arguments
 from ..io import hdf5
 from ..io.frames import Frames
 from ..io.run_folder import RunFolder
+from .run_history import ENERGIES
 
 UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
 FIELDS = ("displacement", "velocity", "acceleration")
@@ -56,8 +57,9 @@ class Recorder:
         seconds: wall-clock time that frames, samples and histories have taken while the problem ran.
     """
 
-    def __init__(self, problem, path, fields, every, points, points_every):
+    def __init__(self, problem, stepper, state, path, fields, every, points, points_every):
         self.problem, self.every, self.points_every = problem, int(every), int(points_every)
+        self._stepper, self._state = stepper, state
         self._nodes = [] if points is None else self._nearest(points)
         self.folder = RunFolder(path, comm=problem.comm, name="explicit")
         functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
@@ -72,6 +74,7 @@ class Recorder:
         self._flushed = time.monotonic()
         self.seconds = 0.0
         self.after()
+        stepper.recorders.append(self)
 
     def _nearest(self, points):
         """For each point the node nearest to it: (rank, number there). Collective."""
@@ -87,7 +90,6 @@ class Recorder:
 
     def _open(self):
         """History file with growing datasets, on rank 0."""
-        from .time_stepping import ENERGIES
 
         def fill(file):
             gdim, grow = self.problem.space.mesh.geometry.dim, {"chunks": True}
@@ -115,7 +117,7 @@ class Recorder:
         return min(waits)
 
     def take(self, rows):
-        """Rows of steps, to be written by and by."""
+        """Rows of the RunHistory, to be written by and by."""
         self._rows.append(rows)
         self._waiting += len(rows)
 
@@ -124,7 +126,7 @@ class Recorder:
         p, begin = self.problem, time.perf_counter()
         frame, sample = p.step % self.every == 0, bool(self._nodes) and p.step % self.points_every == 0
         if (frame or sample) and p.step != self._frame:
-            p._copy_motion()
+            self._state.update_functions()
             self._frame = p.step
             if sample:
                 self._sample()
@@ -153,19 +155,15 @@ class Recorder:
         Raises:
             RuntimeError: no room; on all ranks. What was written before is there, the rest is kept for the next time.
         """
-        from .time_stepping import ENERGIES
-
         p, samples, rows = self.problem, self._samples, self._rows
 
         def work(file):
             if rows:
-                table = np.vstack(rows)
-                gdim = p.space.mesh.geometry.dim
-                for k, name in enumerate(("time", *ENERGIES)):
-                    _append(file[name], table[:, k])
+                table = np.concatenate(rows)
+                for name in ("time", *ENERGIES):
+                    _append(file[name], table[name])
                 for k in range(len(p.contact)):
-                    first = 1 + len(ENERGIES) + 3 * k
-                    _append(file[f"force_{k}"], table[:, first : first + gdim])
+                    _append(file[f"force_{k}"], table["force"][:, k, : p.space.mesh.geometry.dim])
             if samples:
                 values = np.array([v for _, v in samples])
                 _append(file["points/time"], np.array([t for t, _ in samples]))
@@ -184,8 +182,8 @@ class Recorder:
         try:
             self.flush()
         finally:
-            if self in self.problem._recorders:
-                self.problem._recorders.remove(self)
+            if self in self._stepper.recorders:
+                self._stepper.recorders.remove(self)
             if self._writer is not None:
                 self._writer.close()
                 self._writer = None

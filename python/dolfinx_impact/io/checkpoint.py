@@ -19,7 +19,7 @@ from . import seal
 from .hdf5 import Sketch, reserve, write_at
 from .signature import signature, supports
 
-FORMAT = 5
+FORMAT = 6
 SAME = 1e-9  # of sums over nodes and of their places: another mesh differs by more, another sum of the same by less
 CELLS = ("cells/input", "cells/nodes")
 
@@ -57,7 +57,8 @@ def lay_out(attributes, tables):
     """An HDF5 file with attributes and room for tables.
 
     Args:
-        attributes: dict of numbers and texts. tables: dict name -> (shape, dtype).
+        attributes: dict of numbers and texts.
+        tables: dict name -> (shape, dtype).
 
     Returns:
         Sketch of what is in the file already; dict name -> offset of the table's rows (None where it has none).
@@ -83,8 +84,10 @@ def write(path, problem, arrays, nodal, ranks, attributes):
     """Write a checkpoint. Collective.
 
     Args:
-        arrays: dict name -> owned rows by node. nodal: dict name -> (nodes, rows): values at some owned nodes. ranks:
-            dict name -> vector of this rank. attributes: dict of numbers and texts.
+        arrays: dict name -> owned rows by node.
+        nodal: dict name -> (nodes, rows): values at some owned nodes. ranks:
+            dict name -> vector of this rank.
+        attributes: dict of numbers and texts.
 
     Raises:
         RuntimeError: on all ranks: the folder cannot be written, no space is left; an earlier file is as it was.
@@ -162,11 +165,13 @@ class Reader:
     """A checkpoint opened for a problem, read and looked at as a whole. Collective.
 
     Args:
-        arrays, nodal, ranks: dicts name -> number of columns: the tables that the problem needs. attributes: names of
+        arrays, nodal, ranks: dicts name -> number of columns: the tables that the problem needs.
+        attributes: names of
             the attributes.
 
     Attributes:
-        attributes: dict. arrays: dict name -> rows of this rank's owned nodes.
+        attributes: dict.
+        arrays: dict name -> rows of this rank's owned nodes.
 
     Raises:
         RuntimeError: it cannot be read, or is damaged. ValueError: it is that of another mesh, material, ...; on all
@@ -246,7 +251,8 @@ class Reader:
         """Rows low to high of a table of known type, verified.
 
         Args:
-            columns: number of them; None: a vector. rows: how many the whole table must have; None: any number.
+            columns: number of them; None: a vector.
+            rows: how many the whole table must have; None: any number.
         """
         if name not in self._tables:
             raise seal.Damaged(f"the table {name} is missing")

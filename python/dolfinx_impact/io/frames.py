@@ -24,7 +24,9 @@ class Frames:
     """A series of frames in a folder FILE.bp.
 
     Args:
-        folder: RunFolder. name: of the file, ending in .bp. functions: list of fem.Function on one mesh, of one degree.
+        folder: RunFolder.
+        name: of the file, ending in .bp.
+        functions: list of fem.Function on one mesh, of one degree.
 
     Raises:
         RuntimeError: no room, or the folder cannot be written; on all ranks.

@@ -88,10 +88,14 @@ def draw(grids, clim, cmap="viridis", size=(900, 700), box=None, view=None, log=
     """Image (height, width, 3) of grids coloured by the point data "value".
 
     Args:
-        grids: list of PyVista grids. clim: range of the colours. size: in pixels.
+        grids: list of PyVista grids.
+        clim: range of the colours.
+        size: in pixels.
         box: (xmin, xmax, ymin, ymax) of a view along z, which fills the image; None: everything.
         view: (direction towards the eye, up, focal point or None) of a parallel projection in 3D.
-        log: colours by logarithm. edges: draw the cells' edges. zoom: of the camera, where there is no box.
+        log: colours by logarithm.
+        edges: draw the cells' edges.
+        zoom: of the camera, where there is no box.
         above: colour of values beyond the range.
     """
     import pyvista

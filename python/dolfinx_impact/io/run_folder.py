@@ -73,7 +73,8 @@ class RunFolder:
     Args:
         path: folder, made if it is not there; None: IMPACT_OUTPUT, or results/<name>.
         parameters: what makes this run different from another; written to parameters.json with versions and ranks.
-        comm: communicator of the run. name: of the run, for the default folder and parameters.json.
+        comm: communicator of the run.
+        name: of the run, for the default folder and parameters.json.
 
     Raises:
         RuntimeError: the folder cannot be made or written; on all ranks.
@@ -85,6 +86,9 @@ class RunFolder:
         self.path = Path(comm.bcast(str(self.path), root=0))
         together(comm, self._make)
         self.write_parameters(parameters or {})
+
+    def __repr__(self):
+        return f"RunFolder({str(self.path)!r}, name={self.name!r}, ranks={self.comm.size})"
 
     def __enter__(self):
         return self

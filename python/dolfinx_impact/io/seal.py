@@ -32,7 +32,8 @@ def table(parts, structure, size):
     """The seal of a file, as bytes to be written behind its end.
 
     Args:
-        parts: sections of data, of all ranks. structure: function (begin, end) -> bytes of what lies between them.
+        parts: sections of data, of all ranks.
+        structure: function (begin, end) -> bytes of what lies between them.
         size: of the file.
     """
     rows, at = [], 0

@@ -64,10 +64,10 @@ def supports(problem):
     return nodes, np.ascontiguousarray(rows[nodes].transpose(0, 2, 1)).reshape(-1, 3 * bs)
 
 
-def functions_of_time(problem, time, beyond):
+def functions_of_time(functions, time, beyond):
     """Values of all functions of time up to the present, as a flat array."""
     times = np.append(np.linspace(0.0, time, 5), beyond)
-    return problem._table(times).ravel()
+    return functions.table(times).ravel()
 
 
 def short(text):

@@ -2,16 +2,32 @@
 """Checks of what users give, shared by all closed forms."""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from ..common.types import ArrayLike
 
-def number(name, value, unit="[1]", low=0.0, closed=False, high=math.inf, infinite=False):
+
+def number(
+    name: str,
+    value: Any,
+    unit: str = "[1]",
+    low: float | None = 0.0,
+    closed: bool = False,
+    high: float = math.inf,
+    infinite: bool = False,
+) -> float:
     """The value as a float.
 
     Args:
-        name: for the message. unit: for the message.
-        low, high: range, None for no lower limit; `low` itself is allowed if `closed`, `high` always.
+        name: for the message.
+        value: what was given.
+        unit: for the message.
+        low: lower limit; None: without.
+        closed: is `low` itself allowed?
+        high: upper limit, itself allowed.
         infinite: np.inf is a value, too.
 
     Raises:
@@ -34,7 +50,7 @@ def number(name, value, unit="[1]", low=0.0, closed=False, high=math.inf, infini
     return found
 
 
-def radius(name, value):
+def radius(name: str, value: Any) -> float:
     """A radius of curvature [L]: any number but zero; negative for a concave body, np.inf for a flat one."""
     found = number(name, value, "[L]", low=None, infinite=True)
     if found == 0.0:
@@ -42,7 +58,7 @@ def radius(name, value):
     return found
 
 
-def poisson(name, value, incompressible=True):
+def poisson(name: str, value: Any, incompressible: bool = True) -> float:
     """Poisson's ratio [1]: above -1, at most 0.5 (below it unless `incompressible`)."""
     found = number(name, value, low=-1.0, high=0.5)
     if found == 0.5 and not incompressible:
@@ -50,7 +66,7 @@ def poisson(name, value, incompressible=True):
     return found
 
 
-def choice(name, value, allowed):
+def choice(name: str, value: Any, allowed: Sequence[str]) -> str:
     """One of the allowed words."""
     if not isinstance(value, str):
         raise TypeError(f"{name} must be one of {', '.join(allowed)}, found {value!r:.60}")
@@ -59,7 +75,7 @@ def choice(name, value, allowed):
     return value
 
 
-def exactly_one(**given):
+def exactly_one(**given: Any) -> str:
     """The name of the one argument that is not None.
 
     Raises:
@@ -71,7 +87,7 @@ def exactly_one(**given):
     return found[0]
 
 
-def points(*coordinates):
+def points(*coordinates: ArrayLike) -> Any:
     """Coordinates [L] as float arrays of one shape; 0-d arrays for scalars.
 
     Raises:
@@ -83,10 +99,10 @@ def points(*coordinates):
         arrays = [np.asarray(c, dtype=float) for c in coordinates]
     except (TypeError, ValueError):
         raise TypeError(f"coordinates must be real numbers [L], found {coordinates!r:.80}") from None
-    arrays = np.broadcast_arrays(*arrays)
-    return arrays if len(arrays) > 1 else arrays[0]
+    alike = np.broadcast_arrays(*arrays)
+    return alike if len(alike) > 1 else alike[0]
 
 
-def root(value):
+def root(value: ArrayLike) -> Any:
     """Square root of the positive part: edges of contacts without round-off complaints."""
     return np.sqrt(np.maximum(value, 0.0))

@@ -3,20 +3,23 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .result import Result
 
 
-def profile(x, y, Rx, Ry, body=1):
+def profile(x: ArrayLike, y: ArrayLike, Rx: float, Ry: float, body: int | None = 1) -> FloatArray | float:
     """Height of a body's surface over the common tangent plane, seed (3.1) for body 1, (3.2) for body 2, corrected.
 
     The axes are the body's principal directions; z points into body 1. Valid for x, y small against the radii.
 
     Args:
-        x, y: where, scalars or arrays [L]. Rx, Ry: principal radii [L]. body: 1 or 2.
+        x, y: where, scalars or arrays [L]. Rx, Ry: principal radii [L].
+        body: 1 or 2.
 
     Returns:
         z = x^2/(2 Rx) + y^2/(2 Ry) for body 1, the negative of it for body 2 [L].
@@ -45,26 +48,26 @@ class RelativeCurvature(Result):
     rotation: float = 0.0
 
     @property
-    def Rx(self):
+    def Rx(self) -> float:
         """R' = 1/(2 A), np.inf where the bodies conform along x [L]."""
         return 0.5 / self.A if self.A > 0 else math.inf
 
     @property
-    def Ry(self):
+    def Ry(self) -> float:
         """R'' = 1/(2 B), np.inf where the bodies conform along y [L]."""
         return 0.5 / self.B if self.B > 0 else math.inf
 
-    def gap(self, x, y):
+    def gap(self, x: ArrayLike, y: ArrayLike) -> FloatArray | float:
         """Distance of the undeformed surfaces [L]; x, y along the axes of this gap, scalars or arrays [L]."""
         x, y = checks.points(x, y)
         return (self.A * x**2 + self.B * y**2)[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         s = np.linspace(-1, 1, 201) * 0.1 / max(self.A, self.B)
         return "x, y [L]", "gap [L]", [("along x", s, self.gap(s, 0)), ("along y", s, self.gap(0, s))]
 
 
-def relative_radius(R1, R2):
+def relative_radius(R1: float, R2: float) -> float:
     """R of two cylinders or spheres, 1/R = 1/R1 + 1/R2 [L].
 
     Raises:
@@ -79,7 +82,7 @@ def relative_radius(R1, R2):
     return 1.0 / curvature
 
 
-def relative_curvature(R1x, R1y, R2x, R2y, angle=0.0):
+def relative_curvature(R1x: float, R1y: float, R2x: float, R2y: float, angle: ArrayLike = 0.0) -> RelativeCurvature:
     """Relative curvatures of two bodies, seed (3.3), corrected; at an angle as in Johnson 4.1.
 
     For an angle of zero 1/R' = 1/R1x + 1/R2x and 1/R'' = 1/R1y + 1/R2y. Else the two curvature tensors are added

@@ -3,10 +3,12 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .result import Result
 
 
@@ -17,7 +19,8 @@ class WinklerContact(Result):
     Attributes:
         approach: depth of indentation [L].
         Rx, Ry: principal radii of the indenter; one of them infinite: a line contact [L].
-        modulus: K [F/L^2]. depth: of the foundation, h [L].
+        modulus: K [F/L^2].
+        depth: of the foundation, h [L].
         a, b: half widths along x and y, infinite along an infinite radius [L].
         peak_pressure: K approach/h [F/L^2].
         load: [F]; of a line contact per length [F/L].
@@ -34,27 +37,27 @@ class WinklerContact(Result):
     load: float
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float:
         """d load / d approach [F/L]; of a line contact per length [F/L^2]."""
         return (2.0 if math.isfinite(self.a * self.b) else 1.5) * self.load / self.approach
 
-    def displacement(self, x, y=0.0):
+    def displacement(self, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray | float:
         """u = approach - x^2/(2 Rx) - y^2/(2 Ry) where that is positive, else 0, seed (3.9); scalars or arrays [L]."""
         x, y = checks.points(x, y)
         return np.maximum(self.approach - x**2 / (2 * self.Rx) - y**2 / (2 * self.Ry), 0.0)[()]
 
-    def pressure(self, x, y=0.0):
+    def pressure(self, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray | float:
         """p = (K/h) u, seed (3.10) and (3.11), corrected; zero outside contact; scalars or arrays [L] -> [F/L^2]."""
         return self.modulus / self.depth * self.displacement(x, y)
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         names = [(name, size) for name, size in (("along x", self.a), ("along y", self.b)) if math.isfinite(size)]
         s = np.linspace(-1.2, 1.2, 481) * max(size for _, size in names)
         curves = [(name, s, self.pressure(*((s, 0.0) if name == "along x" else (0.0, s)))) for name, _ in names]
         return "x, y [L]", "pressure [F/L²]", curves
 
 
-def winkler(approach, Rx, Ry, modulus, depth):
+def winkler(approach: float, Rx: float, Ry: float, modulus: float, depth: float) -> WinklerContact:
     """A rigid indenter pressed into a Winkler foundation, seed (3.9)-(3.12), corrected.
 
     Half axes sqrt(2 approach R), load pi K approach^2 sqrt(Rx Ry)/h. With one infinite radius it is a line contact with

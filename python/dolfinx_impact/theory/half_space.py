@@ -5,14 +5,26 @@ It shares nothing with the closed forms of the contacts, so these can be checked
 """
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.integrate import quad
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 
 
-def half_space_displacement(pressure, x, y, a, b, E, nu, num=None):
+def half_space_displacement(
+    pressure: Callable[..., Any],
+    x: ArrayLike,
+    y: ArrayLike,
+    a: float,
+    b: float,
+    E: float,
+    nu: float,
+    num: int | None = None,
+) -> FloatArray | float:
     """u_z(x, y) = (1 - nu^2)/(pi E) iint p(s, t)/sqrt((x - s)^2 + (y - t)^2) ds dt, seed (3.6), corrected.
 
     The pressure acts on the ellipse with semi-axes a, b about the origin. Integrated along rays from (x, y), where the
@@ -57,7 +69,9 @@ def half_space_displacement(pressure, x, y, a, b, E, nu, num=None):
     return ((1.0 - nu**2) / (math.pi * E) * u)[()]
 
 
-def half_plane_displacement(pressure, x, half_width, E, nu):
+def half_plane_displacement(
+    pressure: Callable[..., Any], x: ArrayLike, half_width: float, E: float, nu: float
+) -> FloatArray | float:
     """u_z(x) - u_z(0) = -2 (1 - nu^2)/(pi E) int p(s) ln|(x - s)/s| ds: (3.6) in plane strain, Johnson 2.3.
 
     Args:
@@ -76,13 +90,13 @@ def half_plane_displacement(pressure, x, half_width, E, nu):
     a = checks.number("half_width", half_width, "[L]")
     E, nu = checks.number("Young's modulus E", E, "[F/L^2]", infinite=True), checks.poisson("Poisson's ratio nu", nu)
 
-    def integral(X):
+    def integral(X: float) -> float:
         if X == 0.0:
             return 0.0
         # s = a sin(angle) takes the roots at the edges; the pieces end at the logarithms' singular points.
         ends = sorted({-math.pi / 2, 0.0, math.asin(max(-1.0, min(1.0, X / a))), math.pi / 2})
 
-        def value(angle):
+        def value(angle: float) -> float:
             s = a * math.sin(angle)
             kernel = math.log(abs((X - s) / s)) if s != 0.0 and s != X else 0.0  # nodes that fall on the singular point
             return float(pressure(s)) * math.cos(angle) * a * kernel

@@ -6,12 +6,14 @@ The integrals of (3.8) are Carlson's symmetric elliptic integrals: neither circl
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .bodies import Bodies
 from .curvature import RelativeCurvature, relative_curvature
 from .result import Result
@@ -40,25 +42,25 @@ class HertzElliptic(Result):
     peak_pressure: float
 
     @property
-    def rotation(self):
+    def rotation(self) -> float:
         """Angle from body 1's first principal direction to x; zero where the bodies' axes coincide [rad]."""
         return self.curvature.rotation
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float:
         """d load / d approach = 3 P/(2 approach) [F/L]."""
         return 1.5 * self.load / self.approach
 
-    def load_at(self, approach):
+    def load_at(self, approach: float) -> float:
         """Load at another approach of the same bodies, P ~ approach^1.5 [F]."""
         return self.load * (checks.number("approach", approach, "[L]", closed=True) / self.approach) ** 1.5
 
-    def pressure(self, x, y):
+    def pressure(self, x: ArrayLike, y: ArrayLike) -> FloatArray | float:
         """p = p0 sqrt(1 - x^2/a^2 - y^2/b^2), seed (3.7), zero outside; scalars or arrays [L] -> [F/L^2]."""
         x, y = checks.points(x, y)
         return self.peak_pressure * checks.root(1.0 - (x / self.a) ** 2 - (y / self.b) ** 2)[()]
 
-    def displacement(self, x, y, body=None):
+    def displacement(self, x: ArrayLike, y: ArrayLike, body: int | None = None) -> FloatArray | float:
         """Normal surface displacement, positive into the body; in contact approach - A x^2 - B y^2, seed (3.4) [L].
 
         Everywhere (3 P/(4 pi E*)) int_s^inf (1 - x^2/(a^2 + t) - y^2/(b^2 + t)) dt/Q(t) with s = 0 in contact,
@@ -66,7 +68,8 @@ class HertzElliptic(Result):
         ellipsoid.
 
         Args:
-            x, y: scalars or arrays [L]. body: 1, 2 or None for the sum of both.
+            x, y: scalars or arrays [L].
+            body: 1, 2 or None for the sum of both.
         """
         x, y = checks.points(x, y)
         a2, b2 = self.a**2, self.b**2
@@ -80,20 +83,20 @@ class HertzElliptic(Result):
         factor = 0.75 * self.load / (math.pi * self.bodies.modulus)
         return (self.bodies.share(body) * factor * u)[()]
 
-    def gap(self, x, y):
+    def gap(self, x: ArrayLike, y: ArrayLike) -> FloatArray | float:
         """Gap of the deformed surfaces: zero in contact, positive outside, seed (3.5), corrected [L]."""
         x, y = checks.points(x, y)
         outside = (x / self.a) ** 2 + (y / self.b) ** 2 > 1.0
         gap = self.curvature.gap(x, y) - self.approach + self.displacement(x, y)
         return np.where(outside, gap, 0.0)[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         s = np.linspace(-1.2, 1.2, 481) * max(self.a, self.b)
         curves = [("along x", s, self.pressure(s, 0.0)), ("along y", s, self.pressure(0.0, s))]
         return "x, y [L]", "pressure [F/L²]", curves
 
 
-def axis_ratio(ratio):
+def axis_ratio(ratio: float) -> float:
     """b/a of the ellipse for A/B = ratio <= 1, so the smaller semi-axis over the larger one [1].
 
     From the quotient of the first two equations (3.8), which grows with b/a; in logarithms its slope lies between
@@ -102,7 +105,7 @@ def axis_ratio(ratio):
     if ratio == 1.0:
         return 1.0
 
-    def residual(log_k):
+    def residual(log_k: float) -> float:
         k2 = math.exp(2 * log_k)
         return math.log(elliprd(0.0, k2, 1.0) / elliprd(0.0, 1.0, k2)) - math.log(ratio)
 
@@ -111,7 +114,18 @@ def axis_ratio(ratio):
     return math.exp(brentq(residual, low - margin, min(high + margin, 0.0), xtol=1e-15, rtol=1e-15))
 
 
-def hertz_elliptic(load, R1x, R1y, R2x, R2y, E1, nu1, E2, nu2, angle=0.0):
+def hertz_elliptic(
+    load: float,
+    R1x: float,
+    R1y: float,
+    R2x: float,
+    R2y: float,
+    E1: float,
+    nu1: float,
+    E2: float,
+    nu2: float,
+    angle: ArrayLike = 0.0,
+) -> HertzElliptic:
     """Contact of two bodies with principal radii of any size, without friction; seed (3.3)-(3.8), corrected.
 
     The semi-axis a lies along x, b along y, whichever is larger. For an angle other than zero x is the principal

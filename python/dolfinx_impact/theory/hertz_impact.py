@@ -4,12 +4,14 @@
 import functools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .bodies import Bodies
 from .curvature import relative_radius
 from .result import Result
@@ -19,7 +21,7 @@ _DURATION = 4 * math.sqrt(math.pi) * float(gamma(0.4) / gamma(0.9)) / 5
 
 
 @functools.cache
-def _approach_curve():
+def _approach_curve() -> Any:
     """y(s): approach over its largest value against time over (largest approach/velocity); y'' = -(5/4) y^1.5.
 
     The same for every impact. Integrated to the turning point only: the way out mirrors the way in.
@@ -61,7 +63,7 @@ class HertzImpact(Result):
     max_radius: float
     peak_pressure: float
 
-    def approach(self, t):
+    def approach(self, t: ArrayLike) -> Any:
         """Approach at times t after first touch, zero before and after contact; scalar or array [T] -> [L].
 
         m approach'' = -(4/3) E* sqrt(R) approach^1.5, integrated numerically to ten digits.
@@ -71,21 +73,23 @@ class HertzImpact(Result):
         y = _approach_curve()(np.maximum(s, 0.0).ravel())[0].reshape(s.shape)
         return (self.max_approach * np.where(s > 0, np.maximum(y, 0.0), 0.0))[()]
 
-    def force(self, t):
+    def force(self, t: ArrayLike) -> FloatArray | float:
         """Force at times t after first touch, zero before and after contact; scalar or array [T] -> [F]."""
         return self.peak_force * (self.approach(t) / self.max_approach) ** 1.5
 
-    def history(self, num=201):
+    def history(self, num: int = 201) -> tuple[FloatArray, Any]:
         """(times, forces) from first touch to separation, num values each [T; F]."""
         t = np.linspace(0.0, self.duration, int(checks.number("num", num, low=2, closed=True)))
         return t, self.force(t)
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         t = np.linspace(-0.1, 1.1, 481) * self.duration
         return "time [T]", "force [F]", [("", t, self.force(t))]
 
 
-def hertz_impact(velocity, mass1, mass2, R1, R2, E1, nu1, E2, nu2):
+def hertz_impact(
+    velocity: float, mass1: float, mass2: float, R1: float, R2: float, E1: float, nu1: float, E2: float, nu2: float
+) -> HertzImpact:
     """Impact of two spheres without friction; Hertz 1882, Johnson 11.4(a).
 
     max_approach = (15 m V^2/(16 sqrt(R) E*))^(2/5), duration 2.943275 max_approach/V. Valid while waves cross the

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from .hertz import hertz_point
 from .result import Result
 
 
-def impact_stress(density, c, v, density2=None, c2=None):
+def impact_stress(
+    density: float, c: float | None, v: float, density2: float | None = None, c2: float | None = None
+) -> float:
     """Stress behind the wave of an impact, seed (3.82): rho c v.
 
     One material: a bar that meets a rigid wall at speed v, or equal bars with closing speed 2 v. Two materials:
@@ -62,7 +65,7 @@ class BarImpact(Result):
     shortening: float
     separates: bool
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         t = np.array([-0.1, 0, 0, 1, 1, 1.2]) * self.release_time
         stress = np.array([0, 0, 1, 1, 0, 0]) * self.stress
         if not self.separates:
@@ -70,7 +73,9 @@ class BarImpact(Result):
         return "time [T]", "contact stress [F/L²]", [("", t, stress)]
 
 
-def bar_impact(velocity, length, density, E, density2=None, E2=None):
+def bar_impact(
+    velocity: float, length: float, density: float, E: float, density2: float | None = None, E2: float | None = None
+) -> BarImpact:
     """Impact of an elastic bar, one-dimensional waves; Johnson 11.1, seed (3.82).
 
     A rigid wall: stress rho c v, contact 2 L/c, rebound with v. A second bar of the same section, at rest, whose own
@@ -127,7 +132,7 @@ class YieldVelocity(Result):
     printed: float
     yield_stress: float
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         curves = []
         for name, v, stress in (
             ("bar", self.bar, self.yield_stress),
@@ -137,7 +142,7 @@ class YieldVelocity(Result):
         return "impact velocity [L/T]", "stress up to yield [F/L²]", curves
 
 
-def yield_velocity(yield_stress, density, E, nu, c=None):
+def yield_velocity(yield_stress: float, density: float, E: float, nu: float, c: float | None = None) -> YieldVelocity:
     """Largest impact velocity that stays elastic, seed (3.83) with the wave speed that belongs to the stress state.
 
     Args:

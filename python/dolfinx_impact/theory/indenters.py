@@ -3,15 +3,17 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .bodies import Bodies
 from .result import Result
 
 
-def _acosh_of_inverse(ratio):
+def _acosh_of_inverse(ratio: FloatArray) -> FloatArray:
     """acosh(1/|ratio|) inside |ratio| < 1, zero outside, infinite at zero."""
     ratio = np.minimum(np.abs(ratio), 1.0)
     return np.arccosh(np.divide(1.0, ratio, out=np.full(ratio.shape, np.inf), where=ratio > 0))
@@ -33,12 +35,12 @@ class Wedge(Result):
     bodies: Bodies
     half_width: float
 
-    def pressure(self, x):
+    def pressure(self, x: ArrayLike) -> FloatArray | float:
         """p = (E* cot(alpha)/pi) acosh(a/|x|), zero outside, np.inf at the apex; x scalar or array [L] -> [F/L^2]."""
         scale = self.bodies.modulus / math.tan(self.half_angle) / math.pi
         return (scale * _acosh_of_inverse(checks.points(x) / self.half_width))[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         x = np.linspace(-1.2, 1.2, 480) * self.half_width  # an even number: no node at the apex
         return "x [L]", "pressure [F/L²]", [("", x, self.pressure(x))]
 
@@ -62,28 +64,37 @@ class Cone(Result):
     approach: float
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float:
         """d load / d approach = 2 E* a [F/L]."""
         return 2 * self.bodies.modulus * self.a
 
-    def pressure(self, r):
+    def pressure(self, r: ArrayLike) -> FloatArray | float:
         """p = (E* cot(alpha)/2) acosh(a/r), zero outside, np.inf at the apex; r scalar or array [L] -> [F/L^2]."""
         scale = self.bodies.modulus / math.tan(self.half_angle) / 2
         return (scale * _acosh_of_inverse(checks.points(r) / self.a))[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         r = np.linspace(-1.2, 1.2, 480) * self.a
         return "r [L]", "pressure [F/L²]", [("", r, self.pressure(r))]
 
 
-def _half_angle(value):
+def _half_angle(value: Any) -> float:
     found = checks.number("half_angle", value, "[rad]")
     if found >= math.pi / 2:
         raise ValueError(f"half_angle is {found:g} rad: it must be below pi/2 (a blunt indenter: a little below)")
     return found
 
 
-def wedge(half_angle, E1, nu1, E2, nu2, *, load_per_length=None, half_width=None):
+def wedge(
+    half_angle: float,
+    E1: float,
+    nu1: float,
+    E2: float,
+    nu2: float,
+    *,
+    load_per_length: float | None = None,
+    half_width: float | None = None,
+) -> Wedge:
     """A blunt wedge on a half-plane, without friction; seed (3.14), corrected: P = a E* cot(alpha).
 
     Valid for half angles close to pi/2: the slope cot(alpha) is small.
@@ -109,7 +120,17 @@ def wedge(half_angle, E1, nu1, E2, nu2, *, load_per_length=None, half_width=None
     return Wedge(load, half_angle, bodies, load / slope)
 
 
-def cone(half_angle, E1, nu1, E2, nu2, *, load=None, a=None, approach=None):
+def cone(
+    half_angle: float,
+    E1: float,
+    nu1: float,
+    E2: float,
+    nu2: float,
+    *,
+    load: float | None = None,
+    a: float | None = None,
+    approach: float | None = None,
+) -> Cone:
     """A blunt cone on a half-space, without friction; Love 1939: P = (pi/2) a^2 E* cot(alpha).
 
     approach = (pi/2) a cot(alpha). Valid for half angles close to pi/2.

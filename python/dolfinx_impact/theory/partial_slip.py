@@ -3,16 +3,20 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.special import binom
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .hertz import HertzLine, HertzPoint, hertz_line, hertz_point
 from .result import Result
 
 
-def tangential_ratio(load, tangential_load, friction, unit):
+def tangential_ratio(
+    load: float, tangential_load: float | None, friction: float, unit: str
+) -> tuple[float, float, float]:
     """(Q, friction, Q/(friction P)), checked.
 
     Raises:
@@ -27,9 +31,9 @@ def tangential_ratio(load, tangential_load, friction, unit):
     return Q, friction, Q / (friction * load)
 
 
-def _traction(contact, friction, size, stick, x):
+def _traction(contact: HertzLine | HertzPoint, friction: float, size: float, stick: float, x: FloatArray) -> Any:
     """friction p, in the stick zone less the same shape scaled to that zone."""
-    q = friction * contact.pressure(x)
+    q = np.asarray(friction * contact.pressure(x))
     if stick > 0:
         q = q - friction * contact.peak_pressure * stick / size * checks.root(1.0 - (x / stick) ** 2)
     return q[()]
@@ -51,17 +55,27 @@ class CattaneoMindlinLine(Result):
     friction: float
     stick_half_width: float
 
-    def traction(self, x):
+    def traction(self, x: ArrayLike) -> FloatArray | float:
         """q = friction p0 [sqrt(1 - x^2/a^2) - (c/a) sqrt(1 - x^2/c^2)], zero outside; x in [L] -> [F/L^2]."""
         return _traction(self.contact, self.friction, self.contact.half_width, self.stick_half_width, checks.points(x))
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         x = np.linspace(-1.2, 1.2, 961) * self.contact.half_width
         limit = self.friction * self.contact.pressure(x)
         return "x [L]", "traction [F/L²]", [("friction times pressure", x, limit), ("traction", x, self.traction(x))]
 
 
-def cattaneo_mindlin_line(load_per_length, tangential_load_per_length, friction, R1, R2, E1, nu1, E2, nu2):
+def cattaneo_mindlin_line(
+    load_per_length: float,
+    tangential_load_per_length: float,
+    friction: float,
+    R1: float,
+    R2: float,
+    E1: float,
+    nu1: float,
+    E2: float,
+    nu2: float,
+) -> CattaneoMindlinLine:
     """Partial slip of cylinders in plane strain; Johnson 7.2(a). The shift is not determined in a half-plane.
 
     Valid for bodies of like elastic constants (beta = 0 in dundurs), a constant P, and Q that grows from zero.
@@ -106,15 +120,15 @@ class CattaneoMindlin(Result):
     cycle_dissipation: float
 
     @property
-    def full_shift(self):
+    def full_shift(self) -> float:
         """Shift at which the bodies begin to slide, (3 friction P/(16 a)) [(2 - nu1)/G1 + (2 - nu2)/G2] [L]."""
         return _full_shift(self.contact, self.friction)
 
-    def traction(self, r):
+    def traction(self, r: ArrayLike) -> FloatArray | float:
         """q = friction p0 [sqrt(1 - r^2/a^2) - (c/a) sqrt(1 - r^2/c^2)], zero outside; r in [L] -> [F/L^2]."""
         return _traction(self.contact, self.friction, self.contact.a, self.stick_radius, checks.points(r))
 
-    def slip(self, r):
+    def slip(self, r: ArrayLike) -> FloatArray | float:
         """Slip between the bodies, zero for r <= c, mean over the circle; r scalar or array, not outside contact [L].
 
         shift less the surface displacements of both tractions, which are those of (3.42) in Johnson with the tangential
@@ -126,17 +140,17 @@ class CattaneoMindlin(Result):
         slip = self.full_shift * r**2 / 2 * np.where(r > c, shape, 0.0)
         return np.where(r <= 1.0, slip, np.nan)[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         r = np.linspace(-1.2, 1.2, 961) * self.contact.a
         limit = self.friction * self.contact.pressure(r)
         return "r [L]", "traction [F/L²]", [("friction times pressure", r, limit), ("traction", r, self.traction(r))]
 
 
-def _full_shift(contact, friction):
+def _full_shift(contact: HertzPoint, friction: float) -> float:
     return 3 * friction * contact.load / (16 * contact.a) * contact.bodies.tangential_compliance
 
 
-def _loop(q):
+def _loop(q: float) -> float:
     """1 - (1 - q)^(5/3) - (5 q/6) [1 + (1 - q)^(2/3)], 0 <= q <= 1: by its series where it cancels."""
     if q > 0.1:
         return 1 - (1 - q) ** (5 / 3) - 5 * q / 6 * (1 + (1 - q) ** (2 / 3))
@@ -144,7 +158,17 @@ def _loop(q):
     return float(np.sum((-1.0) ** n * (5 / 6 * binom(2 / 3, n - 1) - binom(5 / 3, n)) * q**n))
 
 
-def cattaneo_mindlin(load, tangential_load, friction, R1, R2, E1, nu1, E2, nu2):
+def cattaneo_mindlin(
+    load: float,
+    tangential_load: float,
+    friction: float,
+    R1: float,
+    R2: float,
+    E1: float,
+    nu1: float,
+    E2: float,
+    nu2: float,
+) -> CattaneoMindlin:
     """Partial slip of spheres; Johnson 7.2(b), work of slip after Mindlin, Mason, Osmer and Deresiewicz 1952.
 
     Valid for bodies of like elastic constants (beta = 0 in dundurs), a constant P, and Q that grows from zero; the
@@ -152,7 +176,8 @@ def cattaneo_mindlin(load, tangential_load, friction, R1, R2, E1, nu1, E2, nu2):
     {1 - (1 - k)^(5/3) - (5 k/6) [1 + (1 - k)^(2/3)]}, k = Q/(friction P).
 
     Args:
-        load: P [F]. tangential_load: Q [F].
+        load: P [F].
+        tangential_load: Q [F].
         friction, R1, R2, E1, nu1, E2, nu2: as for cattaneo_mindlin_line.
 
     Returns:

@@ -3,10 +3,12 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .result import Result
 
 CONDITIONS = ("frictionless", "bonded", "sliding")
@@ -29,18 +31,18 @@ class FlatPunch(Result):
     load_per_length: float
     half_width: float
     condition: str
-    nu: float
+    nu: float | None
     tangential_load_per_length: float = 0.0
     eta: float = 0.0
     gamma: float = 0.0
 
     @property
-    def _factor(self):
+    def _factor(self) -> float:
         if self.condition == "bonded":  # 2 (1 - nu)/sqrt(3 - 4 nu) = cosh(pi eta)
             return math.cosh(math.pi * self.eta) / math.pi
         return math.cos(math.pi * self.gamma) / math.pi
 
-    def _tractions(self, x):
+    def _tractions(self, x: ArrayLike) -> tuple[FloatArray | float, FloatArray | float]:
         """(pressure, shear) inside, zero outside, infinite at the edges."""
         x = checks.points(x) / self.half_width
         inside = np.abs(x) < 1.0
@@ -55,7 +57,7 @@ class FlatPunch(Result):
             p, q = scale * (P * cos - Q * sin), scale * (P * sin + Q * cos)
         return np.where(np.abs(x) == 1.0, np.inf, p)[()], q[()]
 
-    def pressure(self, x):
+    def pressure(self, x: ArrayLike) -> FloatArray | float:
         """Pressure under the punch, zero outside, np.inf at the edges; x scalar or array [L] -> [F/L^2].
 
         Frictionless P/(pi sqrt(a^2 - x^2)). Bonded p + i q = (2 (1 - nu)/sqrt(3 - 4 nu)) (P + i Q)/(pi sqrt(a^2 - x^2))
@@ -64,11 +66,11 @@ class FlatPunch(Result):
         """
         return self._tractions(x)[0]
 
-    def shear(self, x):
+    def shear(self, x: ArrayLike) -> FloatArray | float:
         """Shear traction on the half-plane along +x, zero outside and where frictionless; as `pressure` [F/L^2]."""
         return self._tractions(x)[1]
 
-    def near_edge_pressure(self, s):
+    def near_edge_pressure(self, s: ArrayLike) -> FloatArray | float:
         """Leading term at small distances s > 0 from the edge x = +a; bonded, Q = 0: seed (3.13), corrected [F/L^2].
 
         (2 (1 - nu)/(pi sqrt(3 - 4 nu))) P (2 a s)^(-1/2) cos(eta ln(2 a/s)); valid for s much smaller than a.
@@ -84,13 +86,13 @@ class FlatPunch(Result):
         return (scale * (P * np.cos(angle) - Q * np.sin(angle)))[()]
 
     @property
-    def first_sign_change(self):
+    def first_sign_change(self) -> float | None:
         """1 - x/a where the bonded pressure first turns negative for Q = 0; None where it does not [1]."""
         if self.eta == 0.0 or self.tangential_load_per_length:
             return None
         return 2.0 / (1.0 + math.exp(math.pi / (2 * self.eta)))
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         x = np.sin(np.linspace(-1, 1, 401) * math.pi / 2 * 0.97) * self.half_width
         curves = [("pressure", x, self.pressure(x))]
         if self.condition != "frictionless":
@@ -99,8 +101,13 @@ class FlatPunch(Result):
 
 
 def flat_punch(
-    load_per_length, half_width, nu=None, condition="frictionless", friction=0.0, tangential_load_per_length=0.0
-):
+    load_per_length: float,
+    half_width: float,
+    nu: float | None = None,
+    condition: str = "frictionless",
+    friction: float = 0.0,
+    tangential_load_per_length: float = 0.0,
+) -> FlatPunch:
     """A rigid flat punch with square corners on an elastic half-plane, plane strain; seed (3.13), corrected.
 
     The pressure does not depend on Young's modulus, without friction not even on nu.
@@ -133,9 +140,9 @@ def flat_punch(
         raise ValueError(
             f"a tangential load goes with condition='bonded', found {condition!r}; sliding it is friction P"
         )
-    if condition == "bonded":
+    if condition == "bonded" and nu is not None:
         return FlatPunch(load, a, condition, nu, Q, eta=math.log(3 - 4 * nu) / (2 * math.pi))
-    gamma = math.atan(friction * (1 - 2 * nu) / (2 * (1 - nu))) / math.pi if friction else 0.0
+    gamma = math.atan(friction * (1 - 2 * nu) / (2 * (1 - nu))) / math.pi if friction and nu is not None else 0.0
     return FlatPunch(load, a, condition, nu, friction * load, gamma=gamma)
 
 
@@ -159,15 +166,15 @@ class CircularPunch(Result):
     load: float
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float:
         """Load per approach [F/L]."""
         return self.load / self.approach
 
-    def _frictionless(self, what):
+    def _frictionless(self, what: str) -> None:
         if self.condition == "bonded":
             raise ValueError(f"the {what} of the bonded circular punch has no closed form here, only its load has")
 
-    def pressure(self, r):
+    def pressure(self, r: ArrayLike) -> FloatArray | float:
         """p = P/(2 pi a sqrt(a^2 - r^2)), zero outside, np.inf at the edge; without friction only.
 
         Args:
@@ -182,7 +189,7 @@ class CircularPunch(Result):
         p = np.divide(self.load / (2 * math.pi * self.radius**2), depth, out=np.full(r.shape, np.inf), where=depth > 0)
         return np.where(r > 1.0, 0.0, p)[()]
 
-    def displacement(self, r):
+    def displacement(self, r: ArrayLike) -> FloatArray | float:
         """Normal surface displacement: approach under the punch, (2/pi) approach asin(a/r) outside [L].
 
         Raises:
@@ -192,14 +199,16 @@ class CircularPunch(Result):
         r = np.maximum(np.abs(checks.points(r)) / self.radius, 1.0)
         return (2 / math.pi * self.approach * np.arcsin(1.0 / r))[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         if self.condition == "bonded":
             return "approach [L]", "load [F]", [("bonded", np.array([0, self.approach]), np.array([0, self.load]))]
         r = np.sin(np.linspace(-1, 1, 401) * math.pi / 2 * 0.97) * self.radius
         return "r [L]", "pressure [F/L²]", [("", r, self.pressure(r))]
 
 
-def circular_punch(approach, radius, E, nu, condition="frictionless"):
+def circular_punch(
+    approach: float, radius: float, E: float, nu: float, condition: str = "frictionless"
+) -> CircularPunch:
     """A rigid flat circular punch on an elastic half-space; Johnson 3.4, bonded after Mossakovski.
 
     P = 2 E a approach/(1 - nu^2) without friction; bonded 4 G a approach ln(3 - 4 nu)/(1 - 2 nu).

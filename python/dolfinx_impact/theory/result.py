@@ -3,6 +3,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -10,10 +11,10 @@ class Result(ABC):
     """Base of the results. Frozen: an answer does not change after it was given."""
 
     @abstractmethod
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         """(label of the abscissa, label of the ordinate, list of (name of a curve, abscissae, ordinates))."""
 
-    def plot(self, ax=None):
+    def plot(self, ax: Any = None) -> Any:
         """Draw the result.
 
         Args:

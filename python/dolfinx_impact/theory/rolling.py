@@ -3,10 +3,12 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .hertz import HertzLine, hertz_line
 from .partial_slip import tangential_ratio
 from .result import Result
@@ -30,7 +32,7 @@ class Carter(Result):
     stick_half_width: float
     creep: float
 
-    def traction(self, x):
+    def traction(self, x: ArrayLike) -> FloatArray | float:
         """q = friction p, in the strip less (d/a) friction p0 sqrt(1 - (x - a + d)^2/d^2); zero outside [F/L^2].
 
         Args:
@@ -44,13 +46,25 @@ class Carter(Result):
         # Both parts have the same root at the leading edge; their difference may be a negative round-off there.
         return np.maximum(q, 0.0)[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         x = np.linspace(-1.2, 1.2, 961) * self.contact.half_width
         limit = self.friction * self.contact.pressure(x)
         return "x [L]", "traction [F/L²]", [("friction times pressure", x, limit), ("traction", x, self.traction(x))]
 
 
-def carter(load_per_length, friction, R1, R2, E1, nu1, E2, nu2, *, tangential_load_per_length=None, creep=None):
+def carter(
+    load_per_length: float,
+    friction: float,
+    R1: float,
+    R2: float,
+    E1: float,
+    nu1: float,
+    E2: float,
+    nu2: float,
+    *,
+    tangential_load_per_length: float | None = None,
+    creep: float | None = None,
+) -> Carter:
     """Steady rolling of two cylinders, plane strain; Carter 1926, Johnson 8.3.
 
     d/a = sqrt(1 - Q/(friction P)), creep = (friction a/R)(1 - d/a). A creep of friction a/R or more slides everywhere.

@@ -2,10 +2,12 @@
 """Small contact problems whose answers fit on a line: a press fit and a bar pulled over a rough plane."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .bodies import Bodies
 from .result import Result
 
@@ -26,7 +28,7 @@ class PressFit(Result):
     radius: float
     outer_radius: float
 
-    def _lame(self, r):
+    def _lame(self, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(A, B) of sigma = A -+ B/r^2 where r is; NaN outside the bodies."""
         i2, b2, c2 = self.inner_radius**2, self.radius**2, self.outer_radius**2
         shaft, ring = -self.pressure * b2 / (b2 - i2), self.pressure * b2 / (c2 - b2)
@@ -34,24 +36,34 @@ class PressFit(Result):
         B = np.where(r < self.radius, shaft * i2, ring * c2)
         return np.where((r < self.inner_radius) | (r > self.outer_radius), np.nan, A), B
 
-    def radial_stress(self, r):
+    def radial_stress(self, r: ArrayLike) -> FloatArray | float:
         """sigma_r; at the interface minus the pressure from both sides; r scalar or array [L] -> [F/L^2]."""
         r = checks.points(r)
         A, B = self._lame(r)
         return (A - np.divide(B, r**2, out=np.zeros_like(r), where=B != 0))[()]
 
-    def hoop_stress(self, r):
+    def hoop_stress(self, r: ArrayLike) -> FloatArray | float:
         """sigma_theta; the ring's at the interface itself, where it jumps; r scalar or array [L] -> [F/L^2]."""
         r = checks.points(r)
         A, B = self._lame(r)
         return (A + np.divide(B, r**2, out=np.zeros_like(r), where=B != 0))[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         r = np.linspace(self.inner_radius, self.outer_radius, 601)
         return "r [L]", "stress [F/L²]", [("radial", r, self.radial_stress(r)), ("hoop", r, self.hoop_stress(r))]
 
 
-def press_fit(interference, radius, outer_radius, E1, nu1, E2, nu2, inner_radius=0.0, hypothesis="plane_stress"):
+def press_fit(
+    interference: float,
+    radius: float,
+    outer_radius: float,
+    E1: float,
+    nu1: float,
+    E2: float,
+    nu2: float,
+    inner_radius: float = 0.0,
+    hypothesis: str = "plane_stress",
+) -> PressFit:
     """Pressure between a shaft (body 1) and a ring (body 2) shrunk on it, without friction; Lame.
 
     Solid shaft of the ring's material in plane stress: p = E d (c^2 - b^2)/(2 b c^2).
@@ -107,21 +119,21 @@ class BarPull(Result):
     end_displacement: float
     residual_displacement: float
 
-    def displacement(self, x):
+    def displacement(self, x: ArrayLike) -> FloatArray | float:
         """Displacement towards the pulled end under the full force; x >= 0 from the end, scalar or array [L] -> [L]."""
         left = np.maximum(1.0 - checks.points(x) / self.slip_length, 0.0)
         return (self.end_displacement * left**2)[()]
 
-    def tension(self, x):
+    def tension(self, x: ArrayLike) -> FloatArray | float:
         """Axial force in the bar under the full force; x >= 0 from the end, scalar or array [L] -> [F]."""
         return (self.force * np.maximum(1.0 - checks.points(x) / self.slip_length, 0.0))[()]
 
-    def _figure(self):
+    def _figure(self) -> tuple[str, str, list[tuple[Any, ...]]]:
         x = np.linspace(0.0, 1.3, 261) * self.slip_length
         return "x from the pulled end [L]", "displacement [L]", [("", x, self.displacement(x))]
 
 
-def bar_pull(force, normal_load_per_length, friction, E, area):
+def bar_pull(force: float, normal_load_per_length: float, friction: float, E: float, area: float) -> BarPull:
     """An elastic bar on a rigid plane with friction, pulled slowly at one end.
 
     Args:

@@ -10,10 +10,21 @@ from scipy.optimize import brentq
 from scipy.special import airy, itairy
 
 from . import checks
+from ..common.types import ArrayLike, FloatArray
 from .impact import bar_impact
 
 
-def bar_waves(x, t, velocity, length, density, E, density2=None, E2=None, length2=np.inf):
+def bar_waves(
+    x: ArrayLike,
+    t: ArrayLike,
+    velocity: float,
+    length: float,
+    density: float,
+    E: float,
+    density2: float | None = None,
+    E2: float | None = None,
+    length2: float = np.inf,
+) -> tuple[FloatArray, FloatArray]:
     """Stress and velocity in a bar that strikes a rigid wall or the end of another bar at rest, at x = 0.
 
     Sums of the waves that leave the contact and of what comes back from the free ends. Until the second bar's wave has
@@ -36,7 +47,7 @@ def bar_waves(x, t, velocity, length, density, E, density2=None, E2=None, length
     second = x > 0
     if density2 is None and np.any(second):
         raise ValueError("x is positive: a bar on a rigid wall has places below zero only")
-    c2, Z2 = (np.sqrt(E2 / density2), np.sqrt(E2 * density2)) if density2 is not None else (1.0, 1.0)
+    c2, Z2 = (np.sqrt(E2 / density2), np.sqrt(E2 * density2)) if density2 is not None and E2 is not None else (1.0, 1.0)
     c, Z, end = np.where(second, c2, exact.wave_speed), np.where(second, Z2, -np.sqrt(E * density)), np.abs(x)
     # The second bar's wave ends with the contact, the striker's is kept up by its own echo.
     lasts = np.where(second & exact.separates, exact.release_time, np.inf)
@@ -48,14 +59,15 @@ def bar_waves(x, t, velocity, length, density, E, density2=None, E2=None, length
     return exact.stress * (out - back + again), v
 
 
-def contact_pulse(t, release_time, lag, echo):
+def contact_pulse(t: FloatArray | float, release_time: float, lag: float, echo: float) -> FloatArray | float:
     """Contact stress over that of bar_impact where a spring is between the bars; zero from where it opens.
 
     With H = 1/(1 + s lag): the step's answer H less, from `release_time` on, `echo` times H^2, as the release has
     passed the spring before. Valid until 2 release_time.
 
     Args:
-        t: time after first touch [T]. release_time: 2 L/c [T].
+        t: time after first touch [T].
+        release_time: 2 L/c [T].
         lag: 1/(chi (1/Z1 + 1/Z2)), chi the stiffness per area, Z = rho c; a wall has 1/Z2 = 0 [T].
         echo: 2 Z2/(Z1 + Z2): 2 on a wall; for each bar whose release is back at `release_time` [1].
     """
@@ -64,7 +76,7 @@ def contact_pulse(t, release_time, lag, echo):
     return np.where(np.logical_or.accumulate((pulse < 0) & (b > 0)), 0.0, pulse)
 
 
-def front_error(distance, h, courant, lag=0.0):
+def front_error(distance: float, h: float, courant: float, lag: float = 0.0) -> float:
     """L2 error of a jump of 1 that has run through a bar of linear elements, lumped masses, central differences.
 
     By Parseval from the phase that every wave number k loses, k c - omega times the time, with
@@ -73,7 +85,9 @@ def front_error(distance, h, courant, lag=0.0):
     1/(1 + i k lag), leaves sqrt(lag/2) alone, of order 1/2 where the lag is some cells.
 
     Args:
-        distance: that the front has come [L]. h: length of the cells [L]. courant: c dt/h, at most 1 [1].
+        distance: that the front has come [L].
+        h: length of the cells [L].
+        courant: c dt/h, at most 1 [1].
         lag: of the spring times c [L].
 
     Returns:
@@ -91,7 +105,7 @@ def front_error(distance, h, courant, lag=0.0):
     return float(np.sqrt(h / np.pi * (lost.sum() * np.pi / count + 1 / np.pi)))
 
 
-def front_width(distance, h, courant):
+def front_width(distance: float, h: float, courant: float) -> float:
     """Width of a front of front_error without spring: far from the mesh it is the integral of Airy's function of
     (place - c t)/width; half its height is 0.42 widths behind its place [L].
 
@@ -102,7 +116,7 @@ def front_width(distance, h, courant):
     return (distance * h**2 * (1 - checks.number("courant", courant, high=1.0) ** 2) / 8) ** (1 / 3)
 
 
-def early_release(echo):
+def early_release(echo: float) -> float:
     """Impulse that a contact without spring lacks, as its release comes by such a front: in units of stress times
     width over c.
 
@@ -114,7 +128,7 @@ def early_release(echo):
     """
     echo = checks.number("echo", echo, low=1.0)
 
-    def front(xi):
+    def front(xi: float) -> float:
         """Integral of Ai from xi to infinity; itairy's are from 0 to abs(xi)."""
         return 1 / 3 - itairy(xi)[0] if xi >= 0 else 1 / 3 + itairy(-xi)[2]
 

@@ -30,8 +30,11 @@ class Body:
     """One body, both sides.
 
     Args:
-        domain: DOLFINx mesh on one rank. degree: of the displacement. material: dolfinx_impact material.
-        law: name of the law for the other side. rule: name of the rule for the other side, None: its default.
+        domain: DOLFINx mesh on one rank.
+        degree: of the displacement.
+        material: dolfinx_impact material.
+        law: name of the law for the other side.
+        rule: name of the rule for the other side, None: its default.
     """
 
     def __init__(self, domain, degree, material, law="linear_elastic", rule=None):

@@ -112,9 +112,13 @@ def evaluate(name, case, X, values, fields, rule, facet=None):
     """The hand-written solver's element tensor, in its own order.
 
     Args:
-        name: form. case: (cell, degree, geometry_degree, hypothesis). X: geometry nodes in its order.
-        values: constants by name. fields: displacements and the like by name, in its order.
-        rule: of the other side. facet: local vertices of a facet, in its numbers.
+        name: form.
+        case: (cell, degree, geometry_degree, hypothesis).
+        X: geometry nodes in its order.
+        values: constants by name.
+        fields: displacements and the like by name, in its order.
+        rule: of the other side.
+        facet: local vertices of a facet, in its numbers.
     """
     cell, degree, geometry_degree, hypothesis = case
     d = {"degree": degree, "geometry_degree": geometry_degree, "rule": rule}

@@ -83,8 +83,11 @@ class TwoBodies(bodies.Body):
     """Both sides of a pair of bodies. Other arguments as for Body.
 
     Args:
-        tags: of the facets. friction: coefficient [1]. rigid: (our obstacle, theirs), or None: the lower body is the
-        master. prescribed: our dofs with prescribed values.
+        tags: of the facets.
+        friction: coefficient [1].
+        rigid: (our obstacle, theirs), or None: the lower body is the
+        master.
+        prescribed: our dofs with prescribed values.
     """
 
     def __init__(self, domain, tags, degree, material, friction=0.0, rigid=None, prescribed=(), **options):

@@ -155,7 +155,8 @@ def solved(case, supports, method, solve, bound=lambda ours: None):
     """Both sides, stage by stage: yields name, problem, our contact, their solution.
 
     Args:
-        method: function of a ContactPair. solve: function of their dofs, values and the solution to start from.
+        method: function of a ContactPair.
+        solve: function of their dofs, values and the solution to start from.
         bound: called with our contact before anything moves.
     """
     body, theirs = case.body, None

@@ -5,6 +5,8 @@ import argparse
 import sys
 from pathlib import Path
 
+import ufl
+
 from ..forms import registry
 from . import (
     catalogue,
@@ -13,37 +15,60 @@ from . import (
     element,
     history,
     html,
-    operator,
     order,
     ranks,
     solution,
     spectrum,
     user_form,
 )
+from . import operator as operator_level
 from .report import Report
 
 LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "history", "ranks")
 
 
 def cross_check(
-    form_or_name=None, *, cells=None, degrees=None, levels=("element",), count=100, report=None, progress=False
+    form_or_name=None,
+    *,
+    operator=None,
+    constants=None,
+    hypothesis=None,
+    cells=None,
+    degrees=None,
+    levels=("element",),
+    count=100,
+    report=None,
+    progress=False,
 ):
-    """Compare forms of the catalogue with the hand-written solver.
+    """Compare forms of the catalogue, or a form of one's own, with the hand-written solver.
+
+    Every rank that calls it compares everything by itself.
 
     Args:
-        form_or_name: a name of forms.registry.NAMES, a path of a user's file, or None for all forms.
-        cells, degrees: to restrict to. levels: of LEVELS. count: random cells per element comparison.
+        form_or_name: a name of forms.registry.NAMES, a UFL form, a path of a user's file, or None for all forms.
+        operator: of a UFL form or a user's file: name of the operator that it is to be, for example "elasticity". None:
+            the name of the file.
+        constants: of a UFL form: dictionary from names (E, nu, mu, lmbda, density, ...) to its constants.
+        hypothesis: of a UFL form in the plane: "plane_strain" (default), "plane_stress" or "axisymmetric".
+        cells, degrees: to restrict to.
+        levels: of LEVELS.
+        count: random cells per element comparison.
 
     Returns:
         Report with .rows and .passed.
 
     Raises:
-        ValueError: unknown form, cell, degree or level.
+        ValueError: unknown form, operator, cell, degree or level; a UFL form without an operator.
     """
     _check(cells, degrees, levels)
     report = report if report is not None else Report(cells, degrees)
+    if isinstance(form_or_name, ufl.Form):
+        if operator is None:
+            raise ValueError(f"operator is None: name one of {', '.join(user_form.ALIASES)} for a form of your own")
+        user_form.check_form(report, form_or_name, operator, {**(constants or {}), "hypothesis": hypothesis})
+        return report
     if form_or_name is not None and str(form_or_name).endswith(".py"):
-        user_form.check(report, form_or_name)
+        user_form.check(report, form_or_name, operator)
         return report
     if form_or_name is not None and form_or_name not in registry.NAMES:
         raise ValueError(f"form {form_or_name!r} is unknown: the catalogue holds {', '.join(registry.NAMES)}")
@@ -54,7 +79,7 @@ def cross_check(
             element.compile_all(cases, progress)
         element.run(report, cases, count, progress)
     for level, module in (
-        ("operator", operator),
+        ("operator", operator_level),
         ("solution", solution),
         ("spectrum", spectrum),
         ("derivative", derivative),
@@ -130,7 +155,7 @@ def _run(report, args):
     folder = Path(args.output)
     folder.mkdir(parents=True, exist_ok=True)
     for level, module in (
-        ("operator", operator),
+        ("operator", operator_level),
         ("solution", solution),
         ("spectrum", spectrum),
         ("derivative", derivative),

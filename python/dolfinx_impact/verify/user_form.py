@@ -158,48 +158,49 @@ def check(report, path, operator=None, seed=2026):
     "operator".
 
     Args:
-        report: Report to add to. path: the user's file. operator: name of the operator; None: the file's name.
+        report: Report to add to.
+        path: the user's file.
+        operator: name of the operator; None: the file's name.
     """
     namespace, forms = load(path)
-    operator = operator or Path(path).stem
     for variable, form in forms.items():
-        rank = len(form.arguments())
-        name = operator_name(operator, rank)
-        dim = registry.CELLS.get(form.ufl_domain().ufl_cell().cellname(), 0)
-        own = namespace.get("hypothesis")
-        hypothesis = own or ("3d" if dim == 3 else "plane_strain")
-        case = _case(form, name, hypothesis)
-        names, values = _parameters(namespace, form, np.random.default_rng(seed), name, dim)
-        compiled = compile_form(form, names, MPI.COMM_SELF)
-        integrals = frontend.form_integrals(form, variable, names)
-        theirs = {i.integral_type: _rule(i, case[1]) for i in integrals}
-        settings = {"kernels": compiled, "names": names, "values": values, "theirs": theirs}
-        worst, where = element.difference(case, **settings)
-        note = where
-        if worst > element.TOLERANCE and dim == 2 and own is None:
-            for other in HYPOTHESES[1:]:
-                if (
-                    other != hypothesis
-                    and element.difference((*case[:4], other), 10, **settings)[0] < element.TOLERANCE
-                ):
-                    note += f". It agrees with {other}: write hypothesis = {other!r} into the file"
+        where = f"{variable} of {Path(path).name}"
+        check_form(report, form, operator or Path(path).stem, namespace, variable, where, seed)
+
+
+def check_form(report, form, operator, namespace, variable="form", where="form", seed=2026):
+    """Compare one UFL form with an operator of the hand-written solver; adds rows of level "element" and "operator".
+
+    Args:
+        report: Report to add to. form: on a symbolic mesh or on one of DOLFINx. operator: its name.
+        namespace: dictionary from names to the form's constants and coefficients, to numbers that it contains, and
+            from "hypothesis" to the hypothesis.
+        variable, where: what rows and their titles call the form.
+    """
+    rank = len(form.arguments())
+    name = operator_name(operator, rank)
+    dim = registry.CELLS.get(form.ufl_domain().ufl_cell().cellname(), 0)
+    own = namespace.get("hypothesis")
+    hypothesis = own or ("3d" if dim == 3 else "plane_strain")
+    case = _case(form, name, hypothesis)
+    names, values = _parameters(namespace, form, np.random.default_rng(seed), name, dim)
+    compiled = compile_form(form, names, MPI.COMM_SELF)
+    integrals = frontend.form_integrals(form, variable, names)
+    theirs = {i.integral_type: _rule(i, case[1]) for i in integrals}
+    settings = {"kernels": compiled, "names": names, "values": values, "theirs": theirs}
+    worst, note = element.difference(case, **settings)
+    if worst > element.TOLERANCE and dim == 2 and own is None:
+        for other in HYPOTHESES[1:]:
+            if other != hypothesis and element.difference((*case[:4], other), 10, **settings)[0] < element.TOLERANCE:
+                note += f". It agrees with {other}: write hypothesis = {other!r} into the file"
+    report.add("element", name, *case[1:], worst, element.TOLERANCE, element.REASON, where, note)
+    if worst <= element.TOLERANCE:
+        _check_rule(report, case, settings, variable)
+    if rank > 0 and all(k.integral_type == "cell" for k in compiled.kernels) and case[0] in _ASSEMBLED:
+        difference, note = _assembled(case, compiled, names, values, theirs["cell"])
         report.add(
-            "element",
-            name,
-            *case[1:],
-            worst,
-            element.TOLERANCE,
-            element.REASON,
-            f"{variable} of {Path(path).name}",
-            note,
+            "operator", name, *case[1:], difference, element.TOLERANCE, "round-off", f"{variable} assembled", note
         )
-        if worst <= element.TOLERANCE:
-            _check_rule(report, case, settings, variable)
-        if rank > 0 and all(k.integral_type == "cell" for k in compiled.kernels) and case[0] in _ASSEMBLED:
-            difference, note = _assembled(case, compiled, names, values, theirs["cell"])
-            report.add(
-                "operator", name, *case[1:], difference, element.TOLERANCE, "round-off", f"{variable} assembled", note
-            )
 
 
 def _check_rule(report, case, settings, variable):

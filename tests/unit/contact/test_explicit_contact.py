@@ -163,7 +163,7 @@ def test_a_body_that_would_go_through_in_a_step_is_caught(method):
         law=di.LinearElastic,
     )  # fmt: skip
     problem = run(b, [method(b.pair((1, "bottom"), (0, "top")))], 0.06)
-    assert 4.0 * problem._nominal > 0.35 * 0.1
+    assert 4.0 * problem._stepper.nominal_step > 0.35 * 0.1
     over = b.places(problem, 0)
     assert b.places(problem, 1)[:, 1].mean() > over[(over[:, 0] > 0.7) & (over[:, 0] < 1.25), 1].mean()
     np.testing.assert_allclose(momentum(b, problem), [0.0, -4.0 * 0.05], atol=1e-13)

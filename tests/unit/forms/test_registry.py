@@ -4,7 +4,8 @@
 import pytest
 import ufl
 
-from dolfinx_impact.forms import registry
+from dolfinx_impact.forms import registration, registry
+from dolfinx_impact.forms.compiler import emit, frontend
 from dolfinx_impact.forms.materials import HYPOTHESES, LAWS
 
 RANKS = {
@@ -80,3 +81,61 @@ def test_given_rule_and_degree_are_used():
 def test_hypotheses_of_laws():
     assert set(HYPOTHESES) == {"3d", "plane_strain", "plane_stress", "axisymmetric"}
     assert set(LAWS) == {"linear_elastic", "st_venant_kirchhoff", "neo_hookean"}
+
+
+@pytest.fixture
+def own_forms(monkeypatch):
+    """Forms registered in a test are forgotten after it."""
+    monkeypatch.setattr(registration, "FORMS", dict(registration.FORMS))
+    return registration.FORMS
+
+
+def spring_foundation(on, stiffness, centre, u):
+    x = ufl.SpatialCoordinate(on.mesh)
+    return stiffness * ufl.inner(x - centre, x - centre) * ufl.inner(u, on.test) * on.dx
+
+
+def test_a_form_of_ones_own_is_registered_and_built(own_forms):
+    register = registry.registered(
+        "foundation",
+        quadrature=lambda cell, degree, geometry_degree, hypothesis: 2 * degree + geometry_degree,
+        constants={"stiffness": registry.SCALAR, "centre": registry.VECTOR},
+        coefficients=("u",),
+        cells=("triangle", "hexahedron"),
+        excluded={"plane_stress": "a foundation has no thickness"},
+    )
+    assert register(spring_foundation) is spring_foundation
+    built = registry.build("foundation", "hexahedron", 2)
+    assert built.degree == 5 and built.rule is None
+    assert [built.names[c] for c in built.form.constants()] == ["stiffness", "centre"]
+    assert [c.ufl_shape for c in built.form.constants()] == [(), (3,)]
+    assert [built.names[c] for c in built.form.coefficients()] == ["u"]
+    (integral,) = built.form.integrals()
+    assert integral.metadata() == {"quadrature_degree": 5}
+    integrals = frontend.form_integrals(built.form, "foundation", built.names, "3d")
+    text, names = emit.source(integrals, "own_foundation")
+    assert len(names) == 1 and "own_foundation" in names[0] and names[0] in text
+    with pytest.raises(ValueError, match="foundation: only for cells triangle, hexahedron"):
+        registry.build("foundation", "tetrahedron", 1)
+    with pytest.raises(ValueError, match="foundation: a foundation has no thickness"):
+        registry.build("foundation", "triangle", 1, hypothesis="plane_stress")
+    with pytest.raises(ValueError, match="'founded' is unknown: .*poisson_residual, foundation"):
+        registry.build("founded", "triangle", 1)
+    assert "foundation" not in registry.NAMES  # the catalogue of the package, which verify compares
+
+
+def test_a_scalar_form_with_a_rule_of_its_own(own_forms):
+    @registry.registered("nodes", quadrature=lambda *_: 1, scalar=True, rule="GLL", cells=("quadrilateral",))
+    def nodes(on):
+        return on.test * on.dx
+
+    built = registry.build("nodes", "quadrilateral", 1, rule="default")
+    assert built.rule == "GLL" and built.form.arguments()[0].ufl_shape == ()
+
+
+def test_a_name_is_registered_once(own_forms):
+    with pytest.raises(ValueError, match="'mass' is registered already, by .*catalogue.inertia.mass"):
+        registry.registered("mass", quadrature=lambda *_: 1)(spring_foundation)
+    with pytest.raises(ValueError, match="cell 'prism' is unknown.*triangle"):
+        registry.registered("foundation", quadrature=lambda *_: 1, cells=("prism",))
+    assert "foundation" not in own_forms

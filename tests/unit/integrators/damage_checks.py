@@ -18,8 +18,17 @@ FLIPS = 500
 
 def everything(problem):
     """All that `restore` may change: motion, contact with its history, times, energies."""
-    saved = problem._cpp.save()
-    parts = [state(problem), [problem.time, problem.step, problem._safe, problem._nominal, problem._largest]]
+    saved = problem._cpp_object.save()
+    parts = [
+        state(problem),
+        [
+            problem.time,
+            problem.step,
+            problem._stepper.safe_step,
+            problem._stepper.nominal_step,
+            problem._history.largest,
+        ],
+    ]
     parts += [*saved["arrays"].values(), *(list(saved[table].values()) for table in ("works", "common"))]
     for contact in problem.contact:
         for side in contact.sides():
@@ -35,14 +44,14 @@ def after(problem, path, steps=60):
 
 def refused(problem, path, kinds, text="", same=True):
     """The error of restore, the same on all ranks, which leaves the problem as it was. Args: same: its text is, too."""
-    before, plan = everything(problem), problem._plan
+    before, plan = everything(problem), problem._stepper.schedule
     with pytest.raises(kinds) as error:
         problem.restore(path)
     said = str(error.value)
     assert len(set(COMM.allgather((type(error.value).__name__, said if same else "")))) == 1
     assert re.search(text, said), said
     np.testing.assert_array_equal(everything(problem), before)
-    assert problem._plan == plan
+    assert problem._stepper.schedule == plan
     return said
 
 
@@ -189,14 +198,14 @@ def check_content_that_cannot_be():
         "negative time": (attribute("time", -1.0), "time"),
         "infinite time": (attribute("time", np.inf), "time"),
         "text for a time": (attribute("time", "soon"), "time"),
-        "next time before": (attribute("beyond", 0.0), "time"),
+        "next time before": (attribute("next_time", 0.0), "time"),
         "negative step": (attribute("step", -5), "step"),
         "half a step": (attribute("step", 5.5), "step"),
-        "nan step": (attribute("safe", np.nan), "safe"),
-        "no step": (attribute("nominal", 0.0), "steps"),
-        "short plan": (attribute("plan", np.array([0.0, 1.0])), "plan"),
-        "nan plan": (attribute("plan", np.array([0.0, np.nan, 0, 5, 1])), "plan"),
-        "plan of another time": (attribute("plan", np.array([0.0, 1.0, 0, 7, 1])), "plan"),
+        "nan step": (attribute("safe_step", np.nan), "safe_step"),
+        "no step": (attribute("nominal_step", 0.0), "steps"),
+        "short schedule": (attribute("schedule", np.array([0.0, 1.0])), "schedule"),
+        "nan schedule": (attribute("schedule", np.array([0.0, np.nan, 0, 5, 1])), "schedule"),
+        "schedule of another time": (attribute("schedule", np.array([0.0, 1.0, 0, 7, 1])), "schedule"),
         "energy": (attribute("largest", -1.0), "energies"),
         "contact's totals": (attribute("contact0", np.zeros(2)), "contact0"),
         "nan totals": (attribute("contact0", np.full(5, np.nan)), "contact0"),

@@ -11,7 +11,7 @@ from dolfinx import fem, mesh
 from restart_checks import COMM, block_on_block, folder, state
 
 import dolfinx_impact as di
-from dolfinx_impact.dynamics import time_stepping
+from dolfinx_impact.dynamics import time_stepper
 from dolfinx_impact.common.interrupts import Interrupts
 
 LAST = COMM.rank == COMM.size - 1
@@ -37,7 +37,7 @@ class At:
 
     def __init__(self, problem, step, work):
         self.problem, self.step, self.work = problem, step, work
-        problem._recorders.append(self)
+        problem._stepper.recorders.append(self)
 
     def steps_left(self):
         return self.step - self.problem.step if self.problem.step < self.step else 10**9
@@ -79,7 +79,7 @@ def check_ctrl_c_within_a_piece():
         step = problem.step
         assert len(set(COMM.allgather(step))) == 1 and step > 1
         assert len(problem.energy_history) == step
-        assert problem.time == problem._plan.times(np.array(step))
+        assert problem.time == problem._stepper.schedule.times(np.array(step))
 
         other = block_on_block(**variant)
         At(other, step, reach)
@@ -95,7 +95,7 @@ def check_ctrl_c_within_a_piece():
 def check_left_in_a_callback_and_gone_on():
     """By Ctrl-C or an exception on one rank, at a step at which stiffness is looked at again: what is left goes on as
     if nothing had been, and so does its checkpoint."""
-    wanted, time_stepping.RECHECK = time_stepping.RECHECK, 20
+    wanted, time_stepper.RECHECK = time_stepper.RECHECK, 20
     try:
         for variant in VARIANTS[1:]:
             whole = block_on_block(**variant)
@@ -117,7 +117,7 @@ def check_left_in_a_callback_and_gone_on():
                 assert problem.step == whole.step
                 np.testing.assert_allclose(left, state(whole), rtol=1e-6, atol=1e-7)
     finally:
-        time_stepping.RECHECK = wanted
+        time_stepper.RECHECK = wanted
 
 
 def check_a_function_of_time_that_fails():
@@ -126,13 +126,13 @@ def check_a_function_of_time_that_fails():
     dt = 0.9 * problem.stable_step()
     problem.advance(200 * dt, progress=False)
     before = state(problem)
-    inner = problem._amplitudes[0]._function
-    problem._amplitudes[0]._function = lambda t: np.array([np.nan]) if LAST and t > 210 * dt else inner(t)
+    inner = problem._functions.amplitudes[0]._function
+    problem._functions.amplitudes[0]._function = lambda t: np.array([np.nan]) if LAST and t > 210 * dt else inner(t)
     with pytest.raises(ValueError, match="functions|amplitude|nan"):
         problem.advance(400 * dt, progress=False)
     assert problem.step == 200
     np.testing.assert_array_equal(state(problem), before)
-    problem._amplitudes[0]._function = inner
+    problem._functions.amplitudes[0]._function = inner
     problem.advance(400 * dt, progress=False)
     assert np.all(np.isfinite(state(problem)))
 

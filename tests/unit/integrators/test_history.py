@@ -12,7 +12,7 @@ from dolfinx_impact.dynamics.history import History
 @pytest.mark.parametrize("chunk", (1, 3, 7, 100))
 def test_rows_are_thinned_evenly(chunk):
     """However rows come: at most the limit, the first among them, equally far apart, the last one known."""
-    history, rows = History(2, 10), np.column_stack([np.arange(1000.0), -np.arange(1000.0)])
+    history, rows = History(np.dtype((float, (2,))), 10), np.column_stack([np.arange(1000.0), -np.arange(1000.0)])
     for k in range(0, 1000, chunk):
         history.add(rows[k : k + chunk])
         kept, seen = history.rows(), min(k + chunk, 1000)
@@ -28,7 +28,7 @@ def test_rows_are_thinned_evenly(chunk):
 
 
 def test_nothing_is_dropped_below_the_limit():
-    history, rows = History(1), np.arange(500.0)[:, None]
+    history, rows = History(np.dtype((float, (1,)))), np.arange(500.0)[:, None]
     history.add(rows[:0])
     assert history.last is None and history.rows().shape == (0, 1)
     for part in np.split(rows, (1, 100, 333)):

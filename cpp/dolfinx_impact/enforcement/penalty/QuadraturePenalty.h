@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../../operators/NodalMatrix.h"
-#include "../../search/PairSearch.h"
+#include "../../search/closest_point/PairSearch.h"
 #include "penalty.h"
 #include <memory>
 #include <petscvec.h>

@@ -35,6 +35,9 @@ class Kinematic:
             check_pair(pair)
             self.pair, self.sweeps = pair, integer("sweeps", sweeps, 1)
 
+    def __repr__(self):
+        return f"Kinematic({self.pair!r}, sweeps={self.sweeps})"
+
     def _bind(self, problem):
         raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")
 
@@ -74,9 +77,9 @@ class NodalResult(ContactOutput):
         self._surfaces = slave, self.obstacle if pair.rigid else master
         facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
         self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest, at rest
-        self._cpp = self.make(law, **options)
-        self.nodes, self.weight = self._cpp.nodes, self._cpp.areas
-        self._X = self._cpp.X.reshape(-1, self.gdim)
+        self._cpp_object = self.make(law, **options)
+        self.nodes, self.weight = self._cpp_object.nodes, self._cpp_object.areas
+        self._X = self._cpp_object.X.reshape(-1, self.gdim)
         self.motion = None
         if pair.rigid:
             place, motion = pair.master.displacement, pair.master.motion
@@ -106,8 +109,8 @@ class NodalResult(ContactOutput):
 
     def sides(self):
         """The C++ contact, and for balanced contact that of the other direction."""
-        other = None if self.kinematic else self._cpp.other
-        return [self._cpp] if other is None else [self._cpp, other]
+        other = None if self.kinematic else self._cpp_object.other
+        return [self._cpp_object] if other is None else [self._cpp_object, other]
 
     def reset_history(self):
         """Friction and energies begin anew, all nodes open."""
@@ -155,7 +158,7 @@ class NodalResult(ContactOutput):
         Raises:
             ValueError: on all ranks.
         """
-        deep = int(self._cpp.counters()["implausible"])  # kinematic contact looks at gaps in steps
+        deep = int(self._cpp_object.counters()["implausible"])  # kinematic contact looks at gaps in steps
         if self.problem.step == 0 and self.pair.rigid:
             deep = self._deep_in_obstacle()
         elif self.problem.step == 0 and self.kinematic:
@@ -191,14 +194,14 @@ class NodalResult(ContactOutput):
     def _gaps(self):
         """Gaps and normals, of open nodes as they are now."""
         if self._known is None:
-            self.problem._cpp.update_gaps()
-            results = self._cpp.results()
+            self.problem._cpp_object.update_gaps()
+            results = self._cpp_object.results()
             self._known = {name: results[name] for name in GAPS}
         return self._known
 
     def update_results(self):
         """Copy results of the last step. Collective."""
-        results = self._cpp.results()
+        results = self._cpp_object.results()
         for name in RESULTS[len(GAPS) :]:
             setattr(self, name, results[name])
         self._known = None
@@ -209,8 +212,8 @@ class NodalResult(ContactOutput):
             moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
         else:
             moments = np.cross(self.points, forces)
-        energy = self._cpp.energy()
-        totals = [self._cpp.force, moments.sum(axis=0), [self.weight[self.status > 0].sum(), energy["friction"]]]
+        energy = self._cpp_object.energy()
+        totals = [self._cpp_object.force, moments.sum(axis=0), [self.weight[self.status > 0].sum(), energy["friction"]]]
         sums = self.comm.allreduce(np.concatenate(totals), MPI.SUM)
         gdim = self.gdim
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])

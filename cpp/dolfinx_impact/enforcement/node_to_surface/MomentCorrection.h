@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../../surface/Facets.h"
+
+namespace dolfinx_impact::enforcement
+{
+/// Calls each(j) for the nodes of a facet; unrolled for the most common number.
+template <typename Each>
+inline void for_nodes(int num, Each&& each)
+{
+  if (num == 4)
+    for (int j = 0; j < 4; ++j)
+      each(j);
+  else
+    for (int j = 0; j < num; ++j)
+      each(j);
+}
+
+/// Forces without resultant on the nodes of a facet that give back the moment which a contact force and its reaction
+/// leave: c_j = omega x (x_j - mean), sum_j (x_j - mean) x c_j = e x f, e from the slave's node to the master's point
+/// (docs/explicit/penalty.md, "Moment correction").
+struct MomentCorrection
+{
+  double e[3], inverse[6];
+
+  /// @param[in] num nodes of the facet
+  /// @param[in] at at(j, c): position of node j
+  /// @param[in] phi shape functions at the master's point
+  /// @param[in] x position of the slave's node
+  /// @param[out] r x_j - mean, [j*D + c]
+  template <int D>
+  void set(int num, auto&& at, const double* phi, const double* x, double* r)
+  {
+    double mean[D] = {}, squares[D][D] = {};
+    const double part = 1.0 / num;
+    for (int c = 0; c < D; ++c)
+      e[c] = -x[c];
+    for_nodes(num,
+              [&](int j)
+              {
+                for (int c = 0; c < D; ++c)
+                {
+                  r[j * D + c] = at(j, c);
+                  mean[c] += part * r[j * D + c];
+                  e[c] += phi[j] * r[j * D + c];
+                }
+              });
+    for_nodes(num,
+              [&](int j)
+              {
+                for (int c = 0; c < D; ++c)
+                  r[j * D + c] -= mean[c];
+                for (int c = 0; c < D; ++c)
+                  for (int d = 0; d <= c; ++d)
+                    squares[c][d] += r[j * D + c] * r[j * D + d];
+              });
+    if constexpr (D == 2)
+      inverse[0] = 1.0 / (squares[0][0] + squares[1][1]);
+    else
+    {
+      // Inverse of sum |r|^2 I - r r^T, symmetric: xx, yy, zz, xy, xz, yz.
+      const double trace = squares[0][0] + squares[1][1] + squares[2][2];
+      const double xx = trace - squares[0][0], yy = trace - squares[1][1], zz = trace - squares[2][2];
+      const double xy = -squares[1][0], xz = -squares[2][0], yz = -squares[2][1];
+      const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+      const double per = 1.0 / (xx * a + xy * b + xz * c);
+      inverse[0] = a * per;
+      inverse[1] = (xx * zz - xz * xz) * per;
+      inverse[2] = (xx * yy - xy * xy) * per;
+      inverse[3] = b * per;
+      inverse[4] = c * per;
+      inverse[5] = (xy * xz - xx * yz) * per;
+    }
+  }
+
+  /// @param[in] num,r as in `set`
+  /// @param[in] f force on the slave's node
+  /// @param[in,out] add add(j, c, value): value is component c of node j's force
+  template <int D>
+  void forces(int num, const double* r, const double* f, auto&& add) const
+  {
+    if constexpr (D == 2)
+    {
+      const double omega = inverse[0] * (e[0] * f[1] - e[1] * f[0]);
+      for_nodes(num,
+                [&](int j)
+                {
+                  add(j, 0, -omega * r[j * D + 1]);
+                  add(j, 1, omega * r[j * D]);
+                });
+    }
+    else
+    {
+      const double m[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+      const double w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
+                           inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
+                           inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
+      for_nodes(num,
+                [&](int j)
+                {
+                  const double* a = r + j * D;
+                  add(j, 0, w[1] * a[2] - w[2] * a[1]);
+                  add(j, 1, w[2] * a[0] - w[0] * a[2]);
+                  add(j, 2, w[0] * a[1] - w[1] * a[0]);
+                });
+    }
+  }
+};
+} // namespace dolfinx_impact::enforcement

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: MIT
+#include "NodeToSurface.h"
+#include "../../search/closest_point/linear_facet.h"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+namespace dolfinx_impact::enforcement
+{
+using search::Projection;
+
+namespace
+{
+using surface::FacetElement;
+using surface::FacetShape;
+
+constexpr double shallow = 0.05; ///< of the facet: as deep a node may be met at first, as it may be beside the rim
+constexpr int most_parts = 1000; ///< of a step's way: nodes that move by more than 500 facets are found out somewhere
+
+const NodeToSurfaceOptions& checked(const NodeToSurfaceOptions& o)
+{
+  for (double value : {o.friction, o.search_distance})
+    if (!std::isfinite(value) || !(value >= 0.0))
+      throw std::invalid_argument("friction and search distance of a contact are finite and not negative");
+  return o;
+}
+
+/// Below the surface, not beside its rim.
+bool is_below(const Projection& at)
+{
+  return at.gap < 0.0 && at.rim != Projection::Rim::beside && at.rim != Projection::Rim::below;
+}
+
+void shape_values(const FacetElement& element, const double* xi, double* phi)
+{
+  if (element.degree > 1)
+    return element.values(xi, phi);
+  if (element.shape == FacetShape::quadrilateral)
+    search::linear::values<FacetShape::quadrilateral>(xi, phi);
+  else if (element.shape == FacetShape::triangle)
+    search::linear::values<FacetShape::triangle>(xi, phi);
+  else
+    search::linear::values<FacetShape::interval>(xi, phi);
+}
+} // namespace
+
+NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Facets& slave,
+                             const surface::Facets* master, const gap::Rigid* rigid,
+                             const NodeToSurfaceOptions& options)
+    : _options(checked(options)), _gdim(slave.gdim), _rigid(rigid != nullptr), _obstacle(rigid ? *rigid : gap::Rigid{}),
+      _candidates(V, slave, master, options.search_distance, options.axisymmetric), _tracker(_gdim, _candidates.X())
+{
+  if (rigid && rigid->gdim != _gdim)
+    throw std::invalid_argument("the rigid master has another dimension than the slave");
+  const std::size_t n = _candidates.nodes().size(), vector = n * _gdim;
+  _results = {std::vector<ContactStatus>(n, ContactStatus::open),
+              std::vector<double>(n, std::numeric_limits<double>::infinity()),
+              std::vector<double>(vector, 0.0),
+              std::vector<double>(n, 0.0),
+              std::vector<double>(vector, 0.0),
+              std::vector<double>(vector, 0.0)};
+  _tangential.assign(vector, 0.0);
+  _closed.assign(n, 0);
+  for (double area : _candidates.areas())
+    _per_area.push_back(1.0 / area);
+}
+
+void NodeToSurface::search(std::span<const double> u, std::span<const double> du)
+{
+  _candidates.search(u, du, deepest());
+}
+
+std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
+{
+  // Owners have all their nodes, also those that only slaves of other ranks push.
+  _needed.assign(_candidates.watched().begin(), _candidates.watched().end());
+  if (!_rigid)
+  {
+    _areas = _candidates.master_areas(all);
+    _facets = _candidates.numbered(all);
+    _around = _candidates.around(all);
+    for (const surface::Facets* facets : {&_facets, &_around})
+      _needed.insert(_needed.end(), facets->nodes.begin(), facets->nodes.end());
+  }
+  std::sort(_needed.begin(), _needed.end());
+  _needed.erase(std::unique(_needed.begin(), _needed.end()), _needed.end());
+  return _needed;
+}
+
+void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+{
+  _halo = &halo;
+  _candidates.number(numbers);
+  _inverse_mass.clear();
+  for (std::int32_t node : _candidates.numbers())
+    _inverse_mass.push_back(1.0 / mass[node]);
+  if (_rigid)
+    return;
+  std::vector<double> areas(halo.num_nodes(), 0.0);
+  for (std::int32_t& node : _facets.nodes)
+  {
+    areas[numbers[node]] = _areas[node];
+    node = numbers[node];
+  }
+  for (std::int32_t& node : _around.nodes)
+    node = numbers[node];
+  _tracker.reset(std::move(_facets), _candidates.numbers(), std::move(_around), _candidates.distance());
+  const auto masters = _tracker.master_nodes();
+  for (std::size_t k = 0; k < masters.size(); ++k)
+  {
+    search::MasterNode& master = _tracker.masters()[k];
+    master.inverse_mass = 1.0 / mass[masters[k]];
+    master.area_per_mass = areas[masters[k]] / mass[masters[k]];
+  }
+}
+
+void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment)
+{
+  _obstacle.displacement = displacement;
+  _obstacle_increment = increment;
+}
+
+NodalHistory NodeToSurface::history() const
+{
+  return {_tangential,
+          _results.slip,
+          _tracker.tracked_xi(),
+          _closed,
+          {_tracker.tracked().begin(), _tracker.tracked().end()}};
+}
+
+void NodeToSurface::set_history(const NodalHistory& history)
+{
+  const std::size_t n = num_nodes(), vector = n * _gdim;
+  if (history.tangential.size() != vector || history.slip.size() != vector || history.closed.size() != n ||
+      history.facet.size() != n || history.xi.size() != 2 * n)
+    throw std::invalid_argument("the history belongs to other nodes: this rank has " + std::to_string(n) +
+                                " slave nodes, found " + std::to_string(history.closed.size()));
+  _tangential = history.tangential;
+  _results.slip = history.slip;
+  _closed = history.closed;
+  _passage = {};
+  _tracker.set_tracked(history.facet, history.xi);
+}
+
+// --- what a node meets
+// ------------------------------------------------------------------------------------------------
+
+search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, const double* du, double back) const
+{
+  const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
+  double x[3];
+  for (int c = 0; c < _gdim; ++c)
+    x[c] = _candidates.X()[i * _gdim + c] + u[k + c] - (du ? back * (du[k + c] - _obstacle_increment[c]) : 0.0);
+  const gap::RigidPoint p = gap::evaluate(_obstacle, x);
+  search::Projection out;
+  out.status = search::ProjectionStatus::converged;
+  out.gap = p.gap;
+  std::copy_n(p.normal, 3, out.normal);
+  return out;
+}
+
+void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
+{
+  _results.gap[i] = at.gap;
+  if (!_rigid)
+    _tracker.release(i, at, u);
+  if (_results.status[i] == ContactStatus::open && _closed[i] != 1)
+    return; // it was before: all is zero
+  lose(i);
+  _results.status[i] = ContactStatus::open;
+  _results.pressure[i] = 0.0;
+  for (std::vector<double>* values : {&_results.traction, &_results.slip, &_tangential})
+    std::fill_n(values->data() + i * _gdim, _gdim, 0.0);
+  if (_closed[i] == 1)
+    _closed[i] = 0;
+}
+
+bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, bool keeps, Touch& touch)
+{
+  touch.i = i;
+  touch.node = _candidates.numbers()[i];
+  touch.at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du);
+  Projection& at = touch.at;
+  if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) && passes(touch, u, du))
+  {
+    open(i, at, u);
+    return false;
+  }
+  std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
+  const bool kept = keeps && _closed[i] == 1 && std::isfinite(at.gap);
+  if (is_marked(touch, u, du) || (!(at.gap < reach) && !kept))
+  {
+    open(i, at, u);
+    return false;
+  }
+  touch.num = 0;
+  if (_rigid)
+    return true;
+  const surface::Facets& master = _tracker.master();
+  touch.num = master.displacement.num_nodes();
+  touch.masters = master.nodes_of(at.facet);
+  touch.corners = _tracker.corners(at.facet);
+  shape_values(master.displacement, at.xi, touch.phi);
+  return true;
+}
+
+void NodeToSurface::update_gaps(const double* u)
+{
+  if (_rigid || !_halo)
+    return;
+  const double moved = _tracker.moved(u);
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+    if (_closed[i] != 1)
+    {
+      const Projection at = _tracker.evaluate(i, u, moved);
+      _results.gap[i] = at.gap;
+      std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
+    }
+}
+
+// --- through the surface
+// ----------------------------------------------------------------------------------------------
+
+/// Is a node marked: below the surface without having come through it, from beside the rim or found deep inside? A node
+/// without master keeps its mark, as nothing tells on which side it is.
+bool NodeToSurface::is_marked(const Touch& touch, const double* u, const double* du)
+{
+  const Projection& at = touch.at;
+  std::int8_t& closed = _closed[touch.i];
+  if (_rigid || !std::isfinite(at.gap))
+    return closed == marked;
+  const double diameter = _tracker.diameter(at.facet);
+  if (at.rim == Projection::Rim::below)
+    closed = marked;
+  else if (at.rim == Projection::Rim::beside || !(at.gap < 0.0))
+    closed = closed == marked ? 0 : closed;
+  else if (closed == 0 && -at.gap > shallow * diameter)
+  {
+    const Projection before = _tracker.locate_before(touch.i, u, du);
+    const bool met = std::isfinite(before.gap) && before.rim != Projection::Rim::below;
+    const double depth = 0.5 * diameter;
+    if (!met || (-at.gap > depth && !(before.gap > -depth)))
+    {
+      closed = marked;
+      _implausible += -at.gap > depth;
+    }
+  }
+  return closed == marked;
+}
+
+Projection NodeToSurface::point_before(std::size_t i, const double* u, const double* du, double back) const
+{
+  return _rigid ? rigid_point(i, u, du, back) : _tracker.locate_before(i, u, du, back);
+}
+
+void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const double* du, double* motion) const
+{
+  const std::size_t node = _candidates.numbers()[i];
+  for (int c = 0; c < _gdim; ++c)
+    motion[c] = du[node * _gdim + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+  if (_rigid)
+    return;
+  const surface::Facets& master = _tracker.master();
+  double phi[surface::FacetElement::max_nodes];
+  master.displacement.values(at.xi, phi);
+  for (int j = 0; j < master.displacement.num_nodes(); ++j)
+    for (int c = 0; c < _gdim; ++c)
+      motion[c] -= phi[j] * du[std::size_t(master.nodes_of(at.facet)[j]) * _gdim + c];
+}
+
+bool NodeToSurface::passes(Touch& touch, const double* u, const double* du)
+{
+  const std::size_t i = touch.i;
+  const bool open = _closed[i] == 0;
+  const double smallest = _candidates.smallest();
+  double motion[3];
+  const auto length = [&] { return std::sqrt(std::inner_product(motion, motion + _gdim, motion, 0.0)); };
+  if (_rigid)
+  {
+    relative_motion(i, touch.at, du, motion);
+    if (!(length() > 0.5 * smallest))
+      return false;
+  }
+  const Projection before = point_before(i, u, du, 1.0);
+  if ((open && !(before.gap > 0.0)) || !std::isfinite(before.gap))
+    return false;
+  relative_motion(i, before, du, motion);
+  const double way = length();
+  if (!(way > 0.5 * smallest))
+    return false;
+  const int parts = int(std::min(std::ceil(2.0 * way / smallest), double(most_parts)));
+  Projection first = touch.at;
+  double back = 0.0;
+  for (int k = 1; k < parts && back == 0.0; ++k)
+    if (const Projection at = point_before(i, u, du, 1.0 - double(k) / parts); is_below(at))
+    {
+      first = at;
+      back = 1.0 - double(k) / parts;
+    }
+  if (!is_below(first))
+    return false;
+  const double along = std::inner_product(motion, motion + _gdim, first.normal, 0.0);
+  const double diameter = _rigid ? smallest : _tracker.diameter(first.facet), facets = -along / diameter;
+  if (open && facets > 1.0)
+  {
+    if (facets > _passage.facets)
+      _passage = {_candidates.nodes()[i], facets};
+    return true;
+  }
+  first.gap += back * along;
+  if (back > 0.0 && first.gap < 0.0 && !(is_below(touch.at) && touch.at.gap < first.gap + 0.5 * diameter))
+    touch.at = first;
+  return false;
+}
+} // namespace dolfinx_impact::enforcement

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: MIT
+#include "PenaltyContact.h"
+#include "../friction.h"
+#include "MomentCorrection.h"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace dolfinx_impact::enforcement
+{
+using surface::FacetElement;
+
+namespace
+{
+const PenaltyContactOptions& checked(const PenaltyContactOptions& o, bool rigid)
+{
+  if (!std::isfinite(o.penalty) || !(o.penalty >= 0.0))
+    throw std::invalid_argument("the penalty of a contact is finite and not negative");
+  if (!(o.kappa > 0.0) || !std::isfinite(o.kappa))
+    throw std::invalid_argument("kappa is " + std::to_string(o.kappa) + ", it must be positive");
+  if (o.balanced && rigid)
+    throw std::invalid_argument("contact with a rigid obstacle has one direction: it cannot be balanced");
+  return o;
+}
+} // namespace
+
+PenaltyContact::PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave,
+                               const surface::Facets& master, const PenaltyContactOptions& options)
+    : PenaltyContact(V, slave, &master, nullptr, options)
+{
+  if (!options.balanced)
+    return;
+  PenaltyContactOptions one_way = options;
+  one_way.balanced = false;
+  _other = std::make_unique<PenaltyContact>(V, master, slave, one_way);
+  _share = _other->_share = 0.5;
+}
+
+PenaltyContact::PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
+                               const PenaltyContactOptions& options)
+    : PenaltyContact(V, slave, nullptr, &master, options)
+{
+}
+
+PenaltyContact::PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave,
+                               const surface::Facets* master, const gap::Rigid* rigid,
+                               const PenaltyContactOptions& options)
+    : NodeToSurface(V, slave, master, rigid, checked(options, rigid != nullptr)), _penalty(options.penalty),
+      _kappa(options.kappa), _stiffness(num_nodes(), 0.0), _springs(num_nodes())
+{
+}
+
+void PenaltyContact::search(std::span<const double> u, std::span<const double> du)
+{
+  NodeToSurface::search(u, du);
+  const auto nodes = NodeToSurface::remote_nodes();
+  const auto owners = NodeToSurface::remote_owners();
+  std::vector<std::pair<std::int64_t, int>> all;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    all.emplace_back(nodes[i], owners[i]);
+  if (_other)
+  {
+    _other->search(u, du);
+    for (std::size_t i = 0; i < _other->remote_nodes().size(); ++i)
+      all.emplace_back(_other->remote_nodes()[i], _other->remote_owners()[i]);
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  _all_remote.clear();
+  _all_owners.clear();
+  for (const auto& [node, owner] : all)
+  {
+    _all_remote.push_back(node);
+    _all_owners.push_back(owner);
+  }
+}
+
+std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
+{
+  const auto own = NodeToSurface::needs(all);
+  if (!_other)
+    return own;
+  const auto more = _other->needs(all);
+  _all_needed.clear();
+  std::set_union(own.begin(), own.end(), more.begin(), more.end(), std::back_inserter(_all_needed));
+  return _all_needed;
+}
+
+void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+{
+  NodeToSurface::number(halo, numbers, mass);
+  _master_force.assign(_tracker.master_nodes().size(), {});
+  if (_other)
+    _other->number(halo, numbers, mass);
+}
+
+double PenaltyContact::used(const NodalState& state) const
+{
+  return std::max(NodeToSurface::used(state), _other ? _other->used(state) : 0.0);
+}
+
+void PenaltyContact::forget_search()
+{
+  NodeToSurface::forget_search();
+  if (_other)
+    _other->forget_search();
+}
+
+ContactEnergy PenaltyContact::energy() const
+{
+  ContactEnergy out = _energy;
+  if (_other)
+  {
+    const ContactEnergy more = _other->energy();
+    out.stored += more.stored;
+    out.friction += more.friction;
+    out.normal += more.normal;
+  }
+  return out;
+}
+
+Passage PenaltyContact::passage() const
+{
+  const Passage more = _other ? _other->passage() : Passage{};
+  return more.facets > _passage.facets ? more : _passage;
+}
+
+void PenaltyContact::keep_normals(bool keep)
+{
+  NodeToSurface::keep_normals(keep);
+  if (_other)
+    _other->keep_normals(keep);
+}
+
+void PenaltyContact::set_springs(std::vector<Spring> springs)
+{
+  if (springs.size() != num_nodes())
+    throw std::invalid_argument("the springs belong to other nodes: this rank has " + std::to_string(num_nodes()) +
+                                " slave nodes, found " + std::to_string(springs.size()));
+  _springs = std::move(springs);
+}
+
+double PenaltyContact::deepest() const
+{
+  double deepest = 0.0;
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+    if (_closed[i] == 1)
+      deepest = std::max(deepest, -_springs[i].gap);
+  return deepest;
+}
+
+/// What is stored still, in a node that has not left through the surface, is lost.
+void PenaltyContact::lose(std::size_t i)
+{
+  _stiffness[i] = 0.0;
+  Spring& spring = _springs[i];
+  double squared = 0.0;
+  for (int c = 0; c < _gdim; ++c)
+    squared += _tangential[i * _gdim + c] * _tangential[i * _gdim + c];
+  _energy.normal -= normal_release(spring, 0.0);
+  _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance);
+}
+
+/// Reciprocal of the contact stiffness.
+inline double PenaltyContact::compliance(const Touch& touch, double dt) const
+{
+  const double per_area = _per_area[touch.i];
+  if (_penalty > 0.0)
+    return per_area / (_share * _penalty);
+  double own = _inverse_mass[touch.i], masters = 0.0;
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              const double weight = std::abs(touch.phi[j]);
+              const search::MasterNode& master = _tracker.masters()[touch.corners[j]];
+              own += weight * master.inverse_mass;
+              masters += weight * master.area_per_mass;
+            });
+  return dt * dt * (own + masters * per_area) / (_share * _kappa);
+}
+
+namespace
+{
+/// Mean of max(-g, 0) over gaps from g - |r|/2 to g + |r|/2.
+double mean_overlap(double g, double r)
+{
+  const double half = 0.5 * std::abs(r);
+  return g >= half ? 0.0 : g <= -half ? -g : (half - g) * (half - g) / (4.0 * half);
+}
+
+/// Part of the way from gap g - r to g that lies below zero.
+double part_below(double g, double r)
+{
+  if (g < 0.0)
+    return r < 0.0 ? std::min(1.0, g / r) : 1.0;
+  return r > g ? 1.0 - g / r : 0.0;
+}
+} // namespace
+
+/// A node leaves the surface: half of its last force's work is done on the way.
+/// @param[in] motion of the node against the master in the step [L]
+template <int D>
+void PenaltyContact::leave(std::size_t i, const double* n, double change, const double* motion)
+{
+  Spring& spring = _springs[i];
+  double* t = _tangential.data() + i * D;
+  _energy.normal -= normal_release(spring, change);
+  double along = 0.0, squared = 0.0, left = 0.0, work = 0.0;
+  for (int c = 0; c < D; ++c)
+    along += n[c] * t[c];
+  for (int c = 0; c < D; ++c)
+  {
+    const double turned = t[c] - along * n[c];
+    squared += t[c] * t[c];
+    left += turned * turned;
+    work += turned * motion[c];
+    t[c] = 0.0;
+  }
+  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keeps its size when the normal turns
+  _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
+}
+
+/// The force of a node that is near the master.
+template <int D>
+void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
+{
+  const std::size_t i = touch.i;
+  const search::Projection& at = touch.at;
+  const double* n = at.normal;
+  constexpr int W = D == 2 ? 2 : 4; // forces fill whole registers
+  double motion[D] = {}, r = 0.0, way_squared = 0.0;
+  for (int c = 0; c < D; ++c)
+    motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+  const search::MasterNode* masters = _tracker.masters();
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              for (int c = 0; c < D; ++c)
+                motion[c] -= touch.phi[j] * masters[touch.corners[j]].du[c];
+            });
+  for (int c = 0; c < D; ++c)
+  {
+    r += n[c] * motion[c];
+    way_squared += motion[c] * motion[c];
+  }
+  // Nodes that pass outside the master's boundary receive no force.
+  const double overlap = at.gap >= 0.0 && at.rim == search::Projection::Rim::beside ? 0.0 : mean_overlap(at.gap, r);
+  Spring& spring = _springs[i];
+  const bool begins = _closed[i] != 1;
+  double change = begins ? r : at.gap - spring.gap;
+  if (change * change > 4.0 * way_squared) // another facet is the nearest now: nothing has moved so far
+    change = std::copysign(2.0 * std::sqrt(way_squared), change);
+  double* t = _tangential.data() + i * D;
+  if (!(overlap > 0.0))
+  {
+    if (!begins)
+      leave<D>(i, n, change, motion);
+    return open(i, at, state.u);
+  }
+  if (!_rigid)
+    _tracker.track(i, at);
+
+  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
+  _energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, change, begins);
+  const double normal_force = spring.force;
+  double force[W] = {}, tangential_squared = 0.0;
+  for (int c = 0; c < D; ++c)
+    force[c] = normal_force * n[c];
+  ContactStatus status = ContactStatus::slip;
+  if (_options.friction > 0.0)
+  {
+    const double part = part_below(at.gap, r), limit = _options.friction * normal_force;
+    double trial[D], turned[D], slip[D], stored = 0.0;
+    for (int c = 0; c < D; ++c)
+    {
+      stored += 0.5 * t[c] * t[c] * last_compliance;
+      motion[c] -= r * n[c];
+      slip[c] = part * motion[c];
+    }
+    bool slips = coulomb<D>(n, k, per_k, limit, t, slip, trial), changed = false;
+    for (int c = 0; c < D; ++c)
+      turned[c] = trial[c] + k * part * motion[c];
+    _energy.friction +=
+        tangential_step<D>(spring.tangential_surplus, turned, stored, motion, k, per_k, limit, t, changed);
+    for (int c = 0; c < D; ++c)
+    {
+      if (changed)
+        slip[c] = part * motion[c] + (t[c] - turned[c]) * per_k;
+      tangential_squared += t[c] * t[c];
+      force[c] += t[c];
+      _results.slip[i * D + c] += slip[c];
+    }
+    if (!slips && !changed)
+      status = ContactStatus::stick;
+  }
+  const double per_area = _per_area[i];
+  for (int c = 0; c < D; ++c)
+  {
+    f[std::size_t(touch.node) * D + c] += force[c];
+    _force[c] += force[c];
+    _results.traction[i * D + c] = force[c] * per_area;
+  }
+  Sum* sums = _master_force.data();
+  for_nodes(touch.num,
+            [&](int j)
+            {
+              for (int c = 0; c < W; ++c)
+                sums[touch.corners[j]].force[c] -= touch.phi[j] * force[c];
+            });
+  // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
+  const surface::Facets& master = _tracker.master();
+  if (turns() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
+                  master.geometry.degree != master.displacement.degree))
+  {
+    double x[D], r[FacetElement::max_nodes * D];
+    for (int c = 0; c < D; ++c)
+      x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
+    MomentCorrection correction;
+    correction.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x, r);
+    correction.forces<D>(touch.num, r, force,
+                         [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
+  }
+  _closed[i] = 1;
+  _stiffness[i] = k;
+  _results.status[i] = status;
+  _results.gap[i] = at.gap;
+  _results.pressure[i] = normal_force * per_area;
+  _energy.stored += spring.stored() + 0.5 * tangential_squared * per_k;
+}
+
+template <int D>
+void PenaltyContact::add_all(const NodalState& state, double* f)
+{
+  Touch touch;
+  // No gap changes by more than this in a step.
+  const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracker.step();
+  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
+    if ((_rigid || !_tracker.skipped(i)) && meets(i, state.u, state.du, reach, true, touch))
+      add_node<D>(touch, state, f);
+  // Zero again for the next step.
+  const auto masters = _tracker.master_nodes();
+  for (std::size_t k = 0; k < masters.size(); ++k)
+    for (int c = 0; c < D; ++c)
+      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
+}
+
+void PenaltyContact::add_forces(const NodalState& state, double* f)
+{
+  _force.fill(0.0);
+  _energy.stored = 0.0;
+  if (!_rigid)
+  {
+    _candidates.advance(state.dt);
+    _tracker.advance(state.u, state.du);
+  }
+  _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
+  if (_other)
+  {
+    _other->add_forces(state, f);
+    for (int c = 0; c < _gdim; ++c)
+      _force[c] -= _other->_force[c];
+  }
+}
+
+NodalSprings PenaltyContact::springs_at(const double* u)
+{
+  if (!(_penalty > 0.0))
+    throw std::invalid_argument("springs without a given penalty depend on the step");
+  const surface::FacetElement& element = _tracker.master().displacement;
+  NodalSprings out;
+  out.num_masters = _rigid ? 0 : element.num_nodes();
+  const std::vector<double> still(_rigid ? 0 : std::size_t(_halo->num_nodes()) * _gdim, 0.0);
+  if (!_rigid)
+    _tracker.advance(u, still.data());
+  for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
+  {
+    const search::Projection at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, still.data());
+    if (!std::isfinite(at.gap))
+      continue;
+    out.nodes.push_back(_candidates.numbers()[i]);
+    out.stiffness.push_back(_share * _penalty * _candidates.areas()[i]);
+    out.normal.insert(out.normal.end(), at.normal, at.normal + _gdim);
+    if (_rigid)
+      continue;
+    double phi[surface::FacetElement::max_nodes];
+    element.values(at.xi, phi);
+    const std::int32_t* masters = _tracker.master().nodes_of(at.facet);
+    out.masters.insert(out.masters.end(), masters, masters + out.num_masters);
+    out.phi.insert(out.phi.end(), phi, phi + out.num_masters);
+  }
+  return out;
+}
+} // namespace dolfinx_impact::enforcement

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "NodeToSurface.h"
+#include "spring.h"
+#include <memory>
+
+namespace dolfinx_impact::enforcement
+{
+struct PenaltyContactOptions : NodeToSurfaceOptions
+{
+  double penalty = 0.0;  ///< pressure per penetration; 0: stiffness from masses and step [F/L^3]
+  double kappa = 0.5;    ///< what contact may add to the square of the highest frequency, times dt^2 [1]
+  bool balanced = false; ///< in both directions, each with half the stiffness
+};
+
+/// Springs of given stiffness of all slave nodes that have a master, closed or not.
+struct NodalSprings
+{
+  int num_masters = 0;
+  std::vector<std::int32_t> nodes;   ///< numbers of the slave nodes, and `num_masters` of the master for each
+  std::vector<std::int32_t> masters; ///< [s*num_masters + j]
+  std::vector<double> phi;           ///< shape functions there, as `masters`
+  std::vector<double> normal;        ///< [s*gdim + c]
+  std::vector<double> stiffness;     ///< [F/L]
+};
+
+/// Explicit contact by penalty: springs between slave nodes and the master, docs/explicit/penalty.md.
+class PenaltyContact : public NodeToSurface, public SpringForces
+{
+public:
+  /// Collective.
+  /// @param[in] V displacement space
+  /// @param[in] slave, master this rank's facets (make_surface)
+  /// @throws std::invalid_argument on all ranks for options out of range, facets of another space
+  PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
+                 const PenaltyContactOptions& options);
+  PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
+                 const PenaltyContactOptions& options);
+
+  void add_forces(const NodalState& state, double* f) override;
+
+  // With those of the other direction of balanced contact.
+  void search(std::span<const double> u, std::span<const double> du) override;
+  std::span<const std::int64_t> remote_nodes() const override { return _all_remote; }
+  std::span<const int> remote_owners() const override { return _all_owners; }
+  std::span<const std::int32_t> needs(operators::Halo& all) override;
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override;
+  double used(const NodalState& state) const override;
+  void forget_search() override;
+  ContactEnergy energy() const override;
+  Passage passage() const override;
+  void keep_normals(bool keep) override;
+  /// The other direction of balanced contact, or null.
+  PenaltyContact* other() { return _other.get(); }
+
+  /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
+  const std::vector<double>& stiffness() const { return _stiffness; }
+  /// By owned slave node.
+  const std::vector<Spring>& springs() const { return _springs; }
+  /// @throws std::invalid_argument for another number of nodes
+  void set_springs(std::vector<Spring> springs);
+  /// The springs in a configuration, after `number`, instead of a step. Not those of the other direction.
+  /// @param[in] u displacements of the Halo's nodes [L]
+  /// @throws std::invalid_argument without a given penalty
+  NodalSprings springs_at(const double* u);
+
+private:
+  PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
+                 const gap::Rigid* rigid, const PenaltyContactOptions& options);
+  double deepest() const override;
+  void lose(std::size_t i) override;
+  double compliance(const Touch& touch, double dt) const;
+  template <int D>
+  void leave(std::size_t i, const double* n, double change, const double* motion);
+  template <int D>
+  void add_node(Touch& touch, const NodalState& state, double* f);
+  template <int D>
+  void add_all(const NodalState& state, double* f);
+
+  double _penalty, _kappa;
+  double _share = 1.0; ///< of the stiffness: half when balanced
+  std::unique_ptr<PenaltyContact> _other;
+  std::vector<std::int64_t> _all_remote; ///< of both directions
+  std::vector<int> _all_owners;
+  std::vector<std::int32_t> _all_needed;
+  struct alignas(32) Sum
+  {
+    double force[4] = {};
+  };
+  std::vector<Sum> _master_force; ///< by position in NodeTracker's list of master nodes
+  std::vector<double> _stiffness;
+  std::vector<Spring> _springs;
+};
+} // namespace dolfinx_impact::enforcement

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+#include "TrackedSurface.h"
+#include "../../common/vectors.h"
+#include "../../surface/normals.h"
+#include "../boxes.h"
+#include "../closest_point/edge_normals.h"
+#include "../closest_point/linear_facet.h"
+#include "NormalRotation.h"
+#include <algorithm>
+#include <cmath>
+
+namespace dolfinx_impact::search
+{
+namespace
+{
+using surface::FacetElement;
+using surface::FacetShape;
+constexpr double shallow = 0.05; ///< of the facet: points outside the rim by less count as over the facet
+
+/// Where the first nodes of a facet are in an array of positions.
+struct Corners
+{
+  const double* X[4];
+  Corners(const double* facet, int gdim)
+  {
+    for (int i = 0; i < 4; ++i)
+      X[i] = facet + i * gdim;
+  }
+};
+} // namespace
+
+void TrackedSurface::reset(surface::Facets facets)
+{
+  _facets = std::move(facets);
+  const int gdim = _facets.gdim;
+  const FacetElement& element = _facets.geometry;
+  const int n_x = element.num_nodes(), n_u = _facets.displacement.num_nodes();
+  const bool linear = element.degree == 1 && _facets.displacement.degree == 1;
+  _kind =
+      linear && int(element.shape == FacetShape::interval) == int(gdim == 2) ? Kind(int(element.shape)) : Kind::general;
+  _diameters.assign(_facets.size(), 0.0);
+  for (std::size_t f = 0; f < _facets.size(); ++f)
+    _diameters[f] = surface::diameter(_facets, f);
+  _largest = _diameters.empty() ? 0.0 : *std::max_element(_diameters.begin(), _diameters.end());
+  _slope = NormalRotation::slope(element);
+  _phi.assign(n_x * n_u, 0.0);
+  for (int i = 0; i < n_x; ++i)
+    _facets.displacement.values(element.node(i).data(), _phi.data() + i * n_u);
+  bounding_boxes(_facets, _boxes);
+  _tree = BoxTree(gdim, _boxes);
+  _nodes = _facets.nodes;
+  std::sort(_nodes.begin(), _nodes.end());
+  _nodes.erase(std::unique(_nodes.begin(), _nodes.end()), _nodes.end());
+  _X.assign(_nodes.size() * gdim, 0.0);
+  _node_data.assign(_nodes.size(), {});
+  _nodes_per_facet = n_u;
+  _corners.resize(_facets.nodes.size());
+  for (std::size_t f = 0; f < _facets.size(); ++f)
+    for (int j = 0; j < n_u; ++j)
+    {
+      const std::size_t k = f * n_u + j;
+      const auto at = std::lower_bound(_nodes.begin(), _nodes.end(), _facets.nodes[k]);
+      _corners[k] = std::int32_t(at - _nodes.begin());
+      std::copy_n(_facets.X_of(f) + j * gdim, gdim, _X.data() + std::size_t(_corners[k]) * gdim);
+    }
+}
+
+double TrackedSurface::moved(const double* u) const
+{
+  const int gdim = _facets.gdim;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < _nodes.size(); ++k)
+    for (int c = 0; c < gdim; ++c)
+    {
+      const double x = _X[k * gdim + c] + u[std::size_t(_nodes[k]) * gdim + c];
+      largest = std::max(largest, std::abs(x - _node_data[k].x[c]));
+    }
+  return std::sqrt(double(gdim)) * largest;
+}
+
+void TrackedSurface::positions(std::int32_t f, Configuration at, double* x) const
+{
+  const int gdim = _facets.gdim, n_x = _facets.geometry.num_nodes(), n_u = _facets.displacement.num_nodes();
+  const std::int32_t* nodes = _facets.nodes_of(f);
+  const double* X = _facets.X_of(f);
+  if (n_x == n_u)
+  {
+    for (int i = 0; i < n_x; ++i)
+      for (int c = 0; c < gdim; ++c)
+      {
+        const std::size_t k = std::size_t(nodes[i]) * gdim + c;
+        x[i * gdim + c] = X[i * gdim + c] + at.at(k);
+      }
+    return;
+  }
+  for (int i = 0; i < n_x; ++i)
+    for (int c = 0; c < gdim; ++c)
+    {
+      double sum = X[i * gdim + c];
+      for (int j = 0; j < n_u; ++j)
+      {
+        const std::size_t k = std::size_t(nodes[j]) * gdim + c;
+        sum += _phi[i * n_u + j] * at.at(k);
+      }
+      x[i * gdim + c] = sum;
+    }
+}
+
+FacetProjection TrackedSurface::project(std::int32_t f, const double* facet, const double* x, const double* start) const
+{
+  ++_projections;
+  FacetProjection out;
+  bool found = false;
+  const Corners corners(facet, _facets.gdim);
+  switch (_kind)
+  {
+  case Kind::interval:
+    found = linear::project<FacetShape::interval>(corners.X, x, start, out);
+    break;
+  case Kind::triangle:
+    found = linear::project<FacetShape::triangle>(corners.X, x, start, out);
+    break;
+  case Kind::quadrilateral:
+    found = linear::project<FacetShape::quadrilateral>(corners.X, x, start, out);
+    break;
+  case Kind::general:
+    break;
+  }
+  if (found)
+    return out;
+  const bool curved = _facets.geometry.tdim() == 2;
+  const Starts starts =
+      curved ? bend(_facets.geometry, _facets.gdim, facet).starts(2 * _diameters[f]) : Starts::nearest;
+  return project_on_facet(_facets.geometry, _facets.gdim, facet, x, starts);
+}
+
+void TrackedSurface::normal(std::int32_t f, const double* facet, const double* xi, double* normal) const
+{
+  const double sign = _facets.orientation[f];
+  const Corners corners(facet, _facets.gdim);
+  switch (_kind)
+  {
+  case Kind::interval:
+    return linear::normal<FacetShape::interval>(corners.X, xi, sign, normal);
+  case Kind::triangle:
+    return linear::normal<FacetShape::triangle>(corners.X, xi, sign, normal);
+  case Kind::quadrilateral:
+    return linear::normal<FacetShape::quadrilateral>(corners.X, xi, sign, normal);
+  case Kind::general:
+    std::copy_n(surface::evaluate(_facets, f, facet, xi).normal, 3, normal);
+  }
+}
+
+double TrackedSurface::rotation_rate(std::int32_t f, const double* facet, const double* xi) const
+{
+  return NormalRotation::factor *
+         NormalRotation::rate(_facets.gdim - 1, surface::evaluate(_facets, f, facet, xi).tangents, _slope);
+}
+
+double TrackedSurface::box_distance(std::int32_t f, const double* x) const
+{
+  const auto corner = [&](int j) { return _node_data[corners(f)[j]].x; };
+  const double* X[4];
+  switch (_kind)
+  {
+  case Kind::interval:
+    for (int j = 0; j < 2; ++j)
+      X[j] = corner(j);
+    return std::sqrt(linear::box_distance<FacetShape::interval>(X, x));
+  case Kind::triangle:
+    for (int j = 0; j < 3; ++j)
+      X[j] = corner(j);
+    return std::sqrt(linear::box_distance<FacetShape::triangle>(X, x));
+  case Kind::quadrilateral:
+    for (int j = 0; j < 4; ++j)
+      X[j] = corner(j);
+    return std::sqrt(linear::box_distance<FacetShape::quadrilateral>(X, x));
+  case Kind::general:
+    break;
+  }
+  return 0.0;
+}
+
+Projection TrackedSurface::closest_point(const double* x, std::int32_t facet, const double* normal,
+                                         const FacetProjection& at, Configuration configuration,
+                                         std::span<const std::int32_t> near) const
+{
+  const int gdim = _facets.gdim;
+  const double diameter = _diameters[facet];
+  Projection out;
+  out.facet = facet;
+  out.status = at.status;
+  out.entity = at.entity;
+  std::copy_n(at.xi, 2, out.xi);
+  std::copy_n(normal, 3, out.normal);
+  double d[3] = {0.0, 0.0, 0.0};
+  for (int c = 0; c < gdim; ++c)
+    d[c] = x[c] - at.x[c];
+  const double along = dot(d, normal, gdim);
+  out.gap = out.clearance = along;
+  if (at.status == ProjectionStatus::converged)
+    return out;
+  if (at.distance <= 1e-10 * diameter)
+  {
+    // d has no direction: the node counts as one of the facet.
+    out.status = ProjectionStatus::converged;
+    out.entity = -1;
+    out.rim = Projection::Rim::near;
+    return out;
+  }
+  double mean[3];
+  const bool rim = mean_normal(at, facet, configuration, near, mean);
+  // Outside the rim by less than a twentieth of the facet: over the facet. Flush edges stay in contact.
+  const double aside = std::sqrt(std::max(at.distance * at.distance - along * along, 0.0));
+  if (rim && aside < shallow * diameter)
+  {
+    out.rim = Projection::Rim::near;
+    return out;
+  }
+  const bool ends = rim && beside(gdim, d, mean, diameter);
+  out.gap = (ends || dot(d, mean, gdim) >= 0.0 ? 1.0 : -1.0) * at.distance;
+  out.clearance = out.gap;
+  if (rim)
+  {
+    // The gap jumps where a node comes in from the side, also because the facet rotates.
+    out.rim = along < 0.0 ? Projection::Rim::below : Projection::Rim::beside;
+    out.clearance = 0.0;
+  }
+  for (int c = 0; c < gdim; ++c)
+    out.normal[c] = d[c] / out.gap;
+  return out;
+}
+
+/// Mean normal of the facets that meet at an edge or vertex; they are all in the list.
+/// @returns whether the surface ends there
+bool TrackedSurface::mean_normal(const FacetProjection& at, std::int32_t facet, Configuration configuration,
+                                 std::span<const std::int32_t> near, double* normal) const
+{
+  const auto each_near = [&](auto&& visit) { std::for_each(near.begin(), near.end(), visit); };
+  const auto normal_at = [&](std::int32_t f, const double* xi, double* n)
+  {
+    double nodes[3 * FacetElement::max_nodes];
+    positions(f, configuration, nodes);
+    this->normal(f, nodes, xi, n);
+  };
+  return search::mean_normal(_facets, at, facet, each_near, normal_at, normal);
+}
+
+void TrackedSurface::fit_tree(const double* u)
+{
+  for (std::size_t f = 0; f < _facets.size(); ++f)
+    positions(std::int32_t(f), {u}, _facets.x.data() + f * _facets.geometry.num_nodes() * _facets.gdim);
+  bounding_boxes(_facets, _boxes);
+  _tree.refit(_boxes);
+}
+} // namespace dolfinx_impact::search

@@ -1,0 +1,7 @@
+# SPDX-License-Identifier: MIT
+"""The catalogue of the package: one registered function per form, in modules named as those of the physics.
+
+The order of the imports is the order of the names.
+"""
+
+from . import laws, inertia, loads, damping, ale, galerkin  # noqa: F401

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: MIT
+"""Rows of the benchmark: what a row holds, which rows cannot be true, and how rows are shown as they come."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypedDict
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+PEAK = "share of peak flops"
+
+
+class Row(TypedDict):
+    """One timing and what it is compared with."""
+
+    name: str
+    cell: str
+    ranks: int
+    value: float
+    unit: str
+    baseline: float
+    ratio: float
+
+
+# What the progress bar counts: a text, and the function that measures some rows.
+Job = tuple[str, Callable[[], Iterable[Row]]]
+
+
+def row(name: str, cell: str, ranks: int, value: float, unit: str, baseline: float) -> Row:
+    """A row with its ratio.
+
+    Args:
+        name: what is measured, and what it is compared with.
+        cell: cell and degree, or the model.
+        ranks: number of MPI ranks.
+        value: measured value [unit].
+        unit: unit of value and baseline.
+        baseline: what it is compared with [unit].
+    """
+    return {
+        "name": name,
+        "cell": cell,
+        "ranks": ranks,
+        "value": float(value),
+        "unit": unit,
+        "baseline": float(baseline),
+        "ratio": float(value / baseline),
+    }
+
+
+def impossible(rows: Iterable[Row]) -> list[str]:
+    """Why rows cannot be true, a sentence for each such row: a kernel above the processor's peak, no finite number."""
+    complaints = []
+    for r in rows:
+        where = f"{r['name']} ({r['cell']})"
+        if not all(math.isfinite(x) for x in (r["value"], r["baseline"], r["ratio"])):
+            complaints.append(f"{where}: {r['value']} {r['unit']} against {r['baseline']} is no finite ratio")
+        elif r["name"].endswith(PEAK) and r["ratio"] > 1.0:
+            complaints.append(
+                f"{where}: {r['value']:.2f} {r['unit']} is {r['ratio']:.2f} times the peak of this processor, "
+                f"{r['baseline']:.2f} {r['unit']}: the count of operations, the time or the peak is wrong"
+            )
+    return complaints
+
+
+COLUMNS = "{:44s} {:34s} {:>5s} {:>10s} {:21s} {:>10s} {:>7s}"
+
+
+def line(r: Row) -> str:
+    """A row as a line of text."""
+    numbers = f"{r['value']:.2f}", r["unit"], f"{r['baseline']:.2f}", f"{r['ratio']:.2f}"
+    return COLUMNS.format(r["name"], r["cell"], str(r["ranks"]), *numbers).rstrip()
+
+
+def measure(jobs: Sequence[Job], console: Console | None = None) -> list[Row]:
+    """Run the jobs one after another and print each one's rows when it ends, above a progress bar.
+
+    Args:
+        jobs: what to measure.
+        console: where to print; None: standard output.
+    """
+    console = console or Console(soft_wrap=True)
+    rows: list[Row] = []
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("", total=len(jobs))
+
+        def say(text: str, **style: Any) -> None:
+            progress.console.print(text, markup=False, highlight=False, soft_wrap=True, **style)
+
+        say(COLUMNS.format("name", "cell", "ranks", "value", "unit", "baseline", "ratio"), style="bold")
+        for what, work in jobs:
+            progress.update(task, description=what)
+            for r in work():
+                rows.append(r)
+                say(line(r), style="red" if impossible([r]) else None)
+            progress.advance(task)
+    return rows

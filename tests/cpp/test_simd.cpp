@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Functions of the SIMD type against the scalar ones that the same kernels call.
+#include <bit>
+#include <catch2/catch_test_macros.hpp>
+#include <cstdint>
+#include <dolfinx_impact/kernels/simd.h>
+#include <limits>
+#include <vector>
+
+using namespace dolfinx_impact::kernels;
+
+namespace
+{
+bool same(double a, double b)
+{
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
+}
+
+template <int N>
+void compare_extrema()
+{
+  typedef typename Lanes<N>::type T;
+  constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> values{-infinity, -1.5, -0.0, 2.0, 7.0, infinity, nan};
+  for (double a : values)
+    for (double b : values)
+      for (int lane = 0; lane < N; ++lane)
+      {
+        if (a == 0.0 && b == 0.0)
+          continue;
+        T x = splat<T>(3.0), y = splat<T>(4.0); // the other lanes
+        x[lane] = a;
+        y[lane] = b;
+        const T low = math::min(x, y), high = math::max(x, y);
+        for (int l = 0; l < N; ++l)
+        {
+          CHECK(same(low[l], math::min(double(x[l]), double(y[l]))));
+          CHECK(same(high[l], math::max(double(x[l]), double(y[l]))));
+        }
+      }
+}
+} // namespace
+
+TEST_CASE("minimum and maximum of vectors are those of scalars, also where an argument is not a number")
+{
+  CHECK(math::min(std::numeric_limits<double>::quiet_NaN(), 1.0) == 1.0);
+  compare_extrema<4>();
+  compare_extrema<8>();
+}

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""The five demos to copy from: short, of public names only, and what the pages show is what they print and draw."""
+
+import ast
+import subprocess
+import sys
+
+import dolfinx_impact as di
+import jupytext
+import numpy as np
+import pytest
+from outputs import numbers, words
+from PIL import Image
+
+from dolfinx_impact import cli
+
+DEMOS = ("bar_on_wall", "block_with_friction", "hertz", "own_form", "two_bars")
+MODULES = {"basix", "dolfinx", "dolfinx_impact", "gmsh", "matplotlib", "mpi4py", "numpy", "ufl"}
+ROUND_OFF = 1e-9  # numbers below are round-off, which another number of ranks changes
+NOTEBOOK = """
+import sys
+import jupytext
+namespace = {"__name__": "__main__"}
+for cell in jupytext.read(sys.argv[1]).cells:
+    if cell.cell_type == "code":
+        exec(compile(cell.source, sys.argv[1], "exec"), namespace)
+"""
+
+
+def test_there_are_five():
+    assert {name for name, (path, _) in cli.demos().items() if not cli.is_application(path)} == set(DEMOS)
+
+
+@pytest.mark.parametrize("name", DEMOS)
+def test_it_can_be_copied(name):
+    """No module of its own, no switch, no private name: nothing but what a user has."""
+    text = cli.demos()[name][0].read_text()
+    assert 60 <= len(text.splitlines()) <= 100 and "environ" not in text
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            assert {alias.name.partition(".")[0] for alias in node.names} <= MODULES
+            assert not any(alias.name.startswith("dolfinx_impact.") for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.module.partition(".")[0] in MODULES - {"dolfinx_impact"}
+        elif isinstance(node, ast.Attribute):
+            assert not node.attr.startswith("_")
+            if isinstance(node.value, ast.Name) and node.value.id == "di":
+                assert node.attr in di.__all__
+
+
+def picture(path):
+    """A picture in grey, 48 x 24 values from 0 to 1."""
+    return np.asarray(Image.open(path).convert("L").resize((48, 24), Image.Resampling.BOX)) / 255
+
+
+def assert_as_in_the_pages(name, output, path, checkout):
+    """What a demo printed and drew is what its page shows."""
+    figures = checkout / "docs" / "figures"
+    printed = (figures / f"demo_{name}.txt").read_text()
+    again = f"run env/run python3 docs/demo_figures.py docs/figures {name}"
+    assert words(output) == words(printed), again
+    np.testing.assert_allclose(numbers(output), numbers(printed), rtol=2e-3, atol=ROUND_OFF, err_msg=again)
+    # Colours are fewer in the pages, and nodes in another order: some per mille of the mean grey.
+    assert np.abs(picture(path) - picture(figures / f"demo_{name}.png")).mean() < 0.01, again
+
+
+@pytest.fixture(scope="module")
+def notebooks(checkout, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("notebooks")
+    done = subprocess.run([sys.executable, checkout / "docs" / "notebooks.py", folder], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_every_demo_is_a_notebook(notebooks):
+    assert {path.name for path in notebooks.iterdir()} == {f"{name}.ipynb" for name in cli.demos()}
+    for name in cli.demos():
+        cells = jupytext.read(notebooks / f"{name}.ipynb").cells
+        assert cells[0].cell_type == "markdown" and {cell.cell_type for cell in cells} == {"markdown", "code"}
+
+
+@pytest.mark.alone
+@pytest.mark.parametrize("name", DEMOS)
+def test_a_notebook_runs(name, notebooks, checkout, tmp_path):
+    """On one rank: its code cells, in order, in one namespace, as a kernel runs them."""
+    command = [sys.executable, "-c", NOTEBOOK, notebooks / f"{name}.ipynb"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert_as_in_the_pages(name, f"{done.stdout}results in results/{name}\n", tmp_path / f"{name}.png", checkout)
+
+
+@pytest.mark.alone
+@pytest.mark.mpi
+@pytest.mark.parametrize("name, ranks", [("bar_on_wall", 1), *((name, 2) for name in DEMOS)])
+def test_a_demo_runs(name, ranks, impact, checkout, tmp_path):
+    """By the command, which needs nothing that the notebook has not."""
+    folder = tmp_path / "here"
+    status, output, errors = impact("demo", name, "--ranks", ranks, "--output", folder)
+    assert status == 0, output + errors
+    assert [path.name for path in folder.iterdir()] == [f"{name}.png"]
+    assert_as_in_the_pages(name, output.replace(str(folder), f"results/{name}"), folder / f"{name}.png", checkout)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""What objects say of themselves when they are printed: what they are, in a line."""
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+import dolfinx_impact as di
+from dolfinx_impact.io.run_folder import RunFolder
+
+STEEL = di.LinearElastic(200.0, 0.3, 2.0, "plane_strain")
+
+
+@pytest.fixture(scope="module")
+def square():
+    return mesh.create_unit_square(MPI.COMM_SELF, 2, 2)
+
+
+@pytest.fixture(scope="module")
+def facet_tags(square):
+    square.topology.create_connectivity(1, 2)
+    facets = mesh.exterior_facet_indices(square.topology)
+    return mesh.meshtags(square, 1, facets, np.arange(len(facets), dtype=np.int32))
+
+
+def test_materials(square):
+    cells = mesh.meshtags(square, 2, np.arange(8, dtype=np.int32), np.repeat([3, 1], 4).astype(np.int32))
+    soft = di.NeoHookean(1.0, 0.2, None, "plane_strain")
+    assert repr(STEEL) == "LinearElastic(E=200.0, nu=0.3, density=2.0, hypothesis='plane_strain')"
+    assert repr(di.MaterialMap(cells, {3: STEEL, 1: soft})) == f"MaterialMap({{1: {soft!r}, 3: {STEEL!r}}})"
+    assert repr(di.Rayleigh(0.5, 0.1)) == "Rayleigh(alpha=0.5, beta=0.1)"
+
+
+def test_loads(square, facet_tags):
+    x = ufl.SpatialCoordinate(square)
+    assert repr(di.BodyForce((0, -9.81))) == "BodyForce(vector=[0.0, -9.81])"
+    assert repr(di.BodyForce(x)) == "BodyForce(vector=expression)"
+    assert repr(di.Traction(facet_tags, 2, (1.0, 0.5))) == "Traction(tag=2, vector=[1.0, 0.5])"
+    assert repr(di.FollowerPressure(facet_tags, 3, 7)) == "FollowerPressure(tag=3, pressure=7.0)"
+
+
+def test_prescribed_motion(square):
+    V = fem.functionspace(square, ("Lagrange", 1, (2,)))
+    motion = di.PrescribedMotion(fem.dirichletbc(np.zeros(2), np.array([0, 1, 2], dtype=np.int32), V), 1.0)
+    assert repr(motion) == "PrescribedMotion(of 6 degrees of freedom of this rank)"
+
+
+def test_rigid_obstacles():
+    plane = di.RigidPlane((0, 1), (0, -2))
+    assert repr(plane) == "RigidPlane(point=[0.0, 1.0, 0.0], normal=[0.0, -1.0, 0.0])"
+    plane.displacement = (0.5, 0.0)
+    assert repr(plane).endswith(", displacement=[0.5, 0.0, 0.0])")
+    assert repr(di.RigidSphere((0, 1, 2), -3)) == "RigidSphere(center=[0.0, 1.0, 2.0], radius=-3.0)"
+    cylinder = di.RigidCylinder((0, 1), 2.0)
+    assert repr(cylinder) == "RigidCylinder(center=[0.0, 1.0, 0.0], radius=2.0, axis=[0.0, 0.0, 1.0])"
+    punch = di.RigidSurface.from_function(lambda x: 0.1 * x**2, (-1, 1), (0, 0), (0, 1))
+    assert repr(punch) == "RigidSurface(2D)"
+    punch.motion = lambda t: (0.0, t)
+    assert repr(punch) == "RigidSurface(2D, motion=...)"
+
+
+def test_pairs(facet_tags):
+    pair = di.ContactPair(facet_tags, slave=1, master=2, friction=0.3)
+    assert repr(pair) == "ContactPair('contact 1-2': slave 1, master 2, friction 0.3)"
+    ball = di.RigidSphere((0, 2), 1)
+    named = di.ContactPair(facet_tags, slave=1, master=ball, name="ball")
+    assert repr(named) == f"ContactPair('ball': slave 1, master {ball!r}, friction 0.0)"
+
+
+def test_run_folder(tmp_path):
+    assert (
+        repr(RunFolder(tmp_path, comm=MPI.COMM_SELF, name="cube"))
+        == f"RunFolder({str(tmp_path)!r}, name='cube', ranks=1)"
+    )
+
+
+def test_contacts(facet_tags):
+    pair = di.ContactPair(facet_tags, slave=1, master=2)
+    assert repr(di.Lagrange(pair)) == f"Lagrange({pair!r}, basis='dual')"
+    assert repr(di.Penalty(pair)) == f"Penalty({pair!r}, penalty='auto')"
+    augmented = di.Penalty(pair, penalty=10, tangential=5, augmented=True)
+    assert repr(augmented) == f"Penalty({pair!r}, penalty=10.0, tangential=5.0, augmented=True)"
+    assert repr(di.Kinematic(pair)) == f"Kinematic({pair!r}, sweeps=3)"
+
+
+def test_problems_and_report(square):
+    V = fem.functionspace(square, ("Lagrange", 1, (2,)))
+    fixed = fem.dirichletbc(np.zeros(2), fem.locate_dofs_geometrical(V, lambda x: x[0] < 0.1), V)
+    static = di.StaticProblem(fem.Function(V), STEEL, bcs=[fixed], loads=[di.BodyForce((0, -1))])
+    assert repr(static) == f"StaticProblem(18 unknowns, {STEEL!r}, 1 boundary conditions, 1 loads, 0 contacts)"
+    report = static.solve(steps=2)
+    assert str(report) == f"Report: converged, 2 increments, {sum(report.iterations)} iterations"
+    explicit = di.ExplicitProblem(fem.Function(V), STEEL)
+    assert repr(explicit) == f"ExplicitProblem(18 unknowns, {STEEL!r}, 0 loads, 0 contacts, step 0, time 0)"
