@@ -61,7 +61,8 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     known = np.zeros((2, 2))
     known[[0, 1], place] = -gap
     rows = _cpp.multipliers.Constraints(
-        np.array([0, 1], dtype=np.int32), np.array([0, 1], dtype=np.int32), frames, frames, constrained, known, tilt, place,
+        np.array([0, 1], dtype=np.int32), np.array([0, 1], dtype=np.int32), frames, frames, constrained,
+        known, tilt, place,
         np.array([0, 2, 4]), np.array([2, 3, 3, 4]),
         np.array([0.3, 0.4, 0.5, 0.8]) / np.array([0.7, 0.7, 1.3, 1.3]),
     )  # fmt: skip
