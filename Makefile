@@ -42,6 +42,12 @@ shell: ## an interactive shell inside the environment
 lint: ## formatters in check mode and flake8
 	$(RUN) --no-build make lint-here
 
+sanitize: ## the C++ library and its tests with address and undefined-behaviour sanitizers (a long build)
+	$(RUN) --no-build make sanitize-here
+
+tidy: ## clang-tidy on the C++ library and the hand-written solver (a part: make tidy FILES="cpp/dolfinx_impact/gap/*.cpp")
+	$(RUN) --no-build make tidy-here
+
 format: ## rewrite the sources as the formatters want them
 	$(RUN) --no-build sh -c 'find cpp demos -name "*.h" -o -name "*.cpp" | xargs -r clang-format-19 -i && black -q .'
 
@@ -85,3 +91,25 @@ docs-here:
 	python3 -m sphinx -q -W --keep-going -b html -d build/docs/doctrees docs build/docs/html
 	@ln -sfn docs/html build/site
 	@echo "docs: build/site/index.html"
+
+# A build folder of its own. What Open MPI and the other libraries keep until the process ends is not ours to free.
+SANITIZE := build/sanitize
+sanitize-here:
+	cmake -S cpp -B $(SANITIZE) -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=OFF -DIMPACT_SANITIZE=address,undefined \
+	  -DCMAKE_INSTALL_PREFIX=$(CURDIR)/$(SANITIZE)/install
+	cmake --build $(SANITIZE) -- -j2
+	cmake --install $(SANITIZE) >/dev/null
+	cmake -S tests/cpp -B $(SANITIZE)/tests -G Ninja -DCMAKE_BUILD_TYPE=Debug \
+	  -DCMAKE_PREFIX_PATH=$(CURDIR)/$(SANITIZE)/install/dolfinx_impact \
+	  -DCMAKE_CXX_FLAGS="-fsanitize=address,undefined -fno-omit-frame-pointer"
+	cmake --build $(SANITIZE)/tests -- -j2
+	@for program in unit_tests tangent_check; do \
+	  ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 $(SANITIZE)/tests/$$program || exit 1; done
+	@echo "sanitize: nothing found"
+
+FILES ?= $(shell find cpp/dolfinx_impact cpp/reference -name '*.cpp' | sort)
+tidy-here:
+	@command -v clang-tidy-19 >/dev/null || { echo "tidy: clang-tidy-19 is not installed" >&2; exit 1; }
+	cmake -S cpp -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=OFF >/dev/null
+	printf '%s\n' $(FILES) | xargs -P2 -n1 clang-tidy-19 -p build/tidy --quiet
+	@echo "tidy: nothing found"

@@ -43,8 +43,14 @@ def build(source, folder):
 
 
 @pytest.fixture(scope="module")
-def program(checkout, tmp_path_factory):
-    return build(checkout / "demos" / "cpp", tmp_path_factory.mktemp("demo_cpp")) / "elastic_block"
+def demos(checkout, tmp_path_factory):
+    """Folder with the programs of demos/cpp."""
+    return build(checkout / "demos" / "cpp", tmp_path_factory.mktemp("demo_cpp"))
+
+
+@pytest.fixture(scope="module")
+def program(demos):
+    return demos / "elastic_block"
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +63,44 @@ def test_demo_runs(program, ranks):
     output = run(["mpirun", "-n", ranks, program]) if ranks > 1 else run([program])
     (error,) = re.findall(r"\|K u - f\(u\)\| / \|f\(u\)\| = (\S+)", output)
     assert float(error) < 1e-12 and "refused" in output
+
+
+# What each prints, the number it must be, and how near: round-off of some hundred unknowns; Hertz's bodies are half
+# spaces, those of the demo are ten half-widths large; a wave on a mesh of 200 cells.
+CHECKS = {
+    "penalty_friction": [
+        (r"normal force / exact = (\S+)", 1.0, 1e-9),
+        (r"friction / \(coefficient \* normal force\) = (\S+)", 1.0, 1e-9),
+    ],
+    "hertz_multipliers": [(r"peak pressure / Hertz = (\S+)", 1.0, 0.01)],
+    "explicit_impact": [
+        (r"force on the wall / \(density c v A\) = (\S+)", 1.0, 0.01),
+        (r"impulse / \(2 m v\) = (\S+)", 1.0, 0.02),
+        (r"energy after / before = (\S+)", 1.0, 0.02),
+    ],
+}
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+@pytest.mark.parametrize("name", CHECKS)
+def test_contact_demos_meet_closed_forms(demos, name, ranks):
+    output = run(["mpirun", "-n", ranks, demos / name]) if ranks > 1 else run([demos / name])
+    for pattern, expected, tolerance in CHECKS[name]:
+        (value,) = re.findall(pattern, output)
+        assert abs(float(value) - expected) < tolerance, output
+
+
+def test_demos_are_short_and_use_public_headers(checkout):
+    """Under 150 lines each; every header of the package that one names is installed with it."""
+    installed = pathlib.Path(dolfinx_impact.__file__).parent / "include"
+    sources = sorted((checkout / "demos" / "cpp").glob("*.cpp"))
+    assert {s.stem for s in sources} == {*CHECKS, "elastic_block"}
+    for source in sources:
+        text = source.read_text()
+        assert len(text.splitlines()) < 150, source.name
+        assert '#include "' not in text, source.name
+        headers = re.findall(r"#include <(dolfinx_impact/[^>]+)>", text)
+        assert headers and all((installed / header).is_file() for header in headers), source.name
 
 
 def test_widths_agree(program):

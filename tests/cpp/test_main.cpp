@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Catch2's tests between MPI_Init and MPI_Finalize.
+// Catch2's tests between PetscInitialize and PetscFinalize.
 #include <catch2/catch_session.hpp>
-#include <mpi.h>
+#include <petscsys.h>
 
 int main(int argc, char* argv[])
 {
-  MPI_Init(&argc, &argv);
+  PetscInitialize(&argc, &argv, nullptr, nullptr);
   const int failed = Catch::Session().run(argc, argv);
-  MPI_Finalize();
+  PetscFinalize();
   return failed;
 }

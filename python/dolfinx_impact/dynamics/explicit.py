@@ -180,6 +180,12 @@ class ExplicitProblem(Unique):
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 
+    def __repr__(self):
+        size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
+        what = "residual of its own" if self.material is None else repr(self.material)
+        parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
+        return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
+
     @staticmethod
     def _check_velocity(velocity, u):
         if velocity is None:

@@ -79,6 +79,13 @@ class Report:
     unsettled: list = field(default_factory=list)
     seconds: dict = field(default_factory=dict)
 
+    def __str__(self):
+        end = "converged" if self.converged else "did not converge"
+        steps = f"{len(self.fractions)} increments, {sum(self.iterations)} iterations"
+        return (
+            f"Report: {end}, {steps}, cut back {self.cut_backs} times" if self.cut_backs else f"Report: {end}, {steps}"
+        )
+
     def add(self, increment, fraction):
         self.iterations.append(increment.iterations)
         self.residual_norms.append(increment.residual_norms)

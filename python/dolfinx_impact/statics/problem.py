@@ -109,6 +109,12 @@ class StaticProblem(Unique):
         # A tangent without u is that of a linear law: the same in all iterations of an increment.
         self._linear = not any(c is u for c in tangent.coefficients())
 
+    def __repr__(self):
+        size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
+        what = "residual of its own" if self.material is None else repr(self.material)
+        parts = f"{len(self.bcs)} boundary conditions, {len(self.loads)} loads, {len(self.contact)} contacts"
+        return f"StaticProblem({size} unknowns, {what}, {parts})"
+
     # --- residuals -------------------------------------------------------------------------------------------------
 
     def _assemble_residual(self):

@@ -74,3 +74,23 @@ def test_run_folder(tmp_path):
         repr(RunFolder(tmp_path, comm=MPI.COMM_SELF, name="cube"))
         == f"RunFolder({str(tmp_path)!r}, name='cube', ranks=1)"
     )
+
+
+def test_contacts(facet_tags):
+    pair = di.ContactPair(facet_tags, slave=1, master=2)
+    assert repr(di.Lagrange(pair)) == f"Lagrange({pair!r}, basis='dual')"
+    assert repr(di.Penalty(pair)) == f"Penalty({pair!r}, penalty='auto')"
+    augmented = di.Penalty(pair, penalty=10, tangential=5, augmented=True)
+    assert repr(augmented) == f"Penalty({pair!r}, penalty=10.0, tangential=5.0, augmented=True)"
+    assert repr(di.Kinematic(pair)) == f"Kinematic({pair!r}, sweeps=3)"
+
+
+def test_problems_and_report(square):
+    V = fem.functionspace(square, ("Lagrange", 1, (2,)))
+    fixed = fem.dirichletbc(np.zeros(2), fem.locate_dofs_geometrical(V, lambda x: x[0] < 0.1), V)
+    static = di.StaticProblem(fem.Function(V), STEEL, bcs=[fixed], loads=[di.BodyForce((0, -1))])
+    assert repr(static) == f"StaticProblem(18 unknowns, {STEEL!r}, 1 boundary conditions, 1 loads, 0 contacts)"
+    report = static.solve(steps=2)
+    assert str(report) == f"Report: converged, 2 increments, {sum(report.iterations)} iterations"
+    explicit = di.ExplicitProblem(fem.Function(V), STEEL)
+    assert repr(explicit) == f"ExplicitProblem(18 unknowns, {STEEL!r}, 0 loads, 0 contacts, step 0, time 0)"

@@ -35,6 +35,9 @@ class Kinematic:
             check_pair(pair)
             self.pair, self.sweeps = pair, integer("sweeps", sweeps, 1)
 
+    def __repr__(self):
+        return f"Kinematic({self.pair!r}, sweeps={self.sweeps})"
+
     def _bind(self, problem):
         raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")
 

@@ -42,6 +42,9 @@ class Lagrange:
             quadrature_degree = check_quadrature_degree(quadrature_degree)
         self.pair, self.quadrature_degree, self.basis = pair, quadrature_degree, basis
 
+    def __repr__(self):
+        return f"Lagrange({self.pair!r}, basis={self.basis!r})"
+
     def _bind_explicit(self, problem):
         raise ValueError("multipliers are for static problems: use Penalty or Kinematic in an ExplicitProblem")
 

@@ -65,6 +65,13 @@ class Penalty:
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
+    def __repr__(self):
+        options = [f"penalty={self.penalty or 'auto'!r}"]
+        if self.tangential is not None:
+            options.append(f"tangential={self.tangential}")
+        options += [f"{name}=True" for name in ("augmented", "balanced") if getattr(self, name)]
+        return f"Penalty({self.pair!r}, {', '.join(options)})"
+
     def _bind_explicit(self, problem):
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// Contact by multipliers at single nodes: frames, active set, constraints, condensation.
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <dolfinx_impact/enforcement/mortar/Condensation.h>
+#include <dolfinx_impact/enforcement/mortar/active_set.h>
+#include <stdexcept>
+
+using Catch::Approx;
+using namespace dolfinx_impact::enforcement;
+
+namespace
+{
+typedef std::vector<std::int8_t> Flags;
+typedef std::vector<double> Values;
+
+/// Arrays of two nodes in the plane, the normal along y, friction 0.5.
+struct TwoNodes
+{
+  Flags usable{1, 1}, active{1, 0}, sliding{0, 0}, fixed = Flags(4, 0);
+  Values gap{0.0, 1.0}, multiplier{2.0, 0.0}, slip = Values(4, 0.0), traction = Values(4, 0.0),
+                                              direction = Values(4, 0.0), opening{0.0, 0.0}, stiffness{10.0, 10.0},
+                                              normal{0.0, 1.0, 0.0, 1.0}, weight{0.5, 0.25}, cover{0.5, 0.25};
+  std::vector<std::int32_t> nodes{3, 7};
+  NodalFrames frames = frames_at(2, normal, fixed);
+
+  NodalMultipliers state(double friction = 0.5) const
+  {
+    return {.gdim = 2,
+            .friction = friction,
+            .usable = usable,
+            .active = active,
+            .gap = gap,
+            .multiplier = multiplier,
+            .sliding = sliding,
+            .slip = slip,
+            .traction = traction,
+            .direction = direction,
+            .opening = opening,
+            .stiffness = stiffness,
+            .lock = {}};
+  }
+  NodalGeometry geometry() const { return {nodes, normal, gap, slip, weight, cover, fixed, {}, frames}; }
+};
+} // namespace
+
+TEST_CASE("frames keep prescribed axes and contain the normal freed of them")
+{
+  const double s = std::sqrt(1.0 / 3.0);
+  const NodalFrames f = frames_at(3, Values{s, s, s, 1.0, 0.0, 0.0}, Flags{1, 0, 0, 1, 0, 0});
+  CHECK(f.length[0] == Approx(std::sqrt(2.0 / 3.0)).epsilon(1e-14));
+  CHECK(f.place[0] > 0);
+  CHECK(f.place[1] == -1); // the normal has no free part
+  CHECK(f.frames[0] == 1.0);
+  CHECK(f.frames[f.place[0]] == 0.0);
+  CHECK(f.frames[3 + f.place[0]] == Approx(std::sqrt(0.5)).epsilon(1e-14));
+  CHECK_THROWS_AS(frames_at(3, Values{1.0, 0.0}, Flags{0, 0}), std::invalid_argument);
+}
+
+TEST_CASE("nodes close that penetrate and open that pull")
+{
+  TwoNodes n;
+  CHECK(update_active_set(n.state(0.0), false, 1e-12, 2.0).active == Flags{1, 0});
+  n.gap[1] = -1e-3;
+  CHECK(update_active_set(n.state(0.0), false, 1e-12, 2.0).active == Flags{1, 1});
+  n.multiplier[0] = -1.0;
+  CHECK(update_active_set(n.state(0.0), false, 1e-12, 2.0).active == Flags{0, 1});
+  CHECK(update_active_set(n.state(0.0), true, 1e-12, 2.0).active == Flags{1, 1}); // there are no multipliers yet
+  n.usable = {1, 0};
+  CHECK(update_active_set(n.state(0.0), false, 1e-12, 2.0).active == Flags{0, 0});
+  n.usable = {1};
+  CHECK_THROWS_AS(update_active_set(n.state(0.0), false, 1e-12, 2.0), std::invalid_argument);
+}
+
+TEST_CASE("a node slips beyond Coulomb's bound, against its motion")
+{
+  TwoNodes n;
+  n.traction[0] = 0.9; // the bound is 1
+  CHECK(update_active_set(n.state(), false, 1e-12, 2.0).sliding == Flags{0, 0});
+  n.traction[0] = 1.1;
+  ActiveSet found = update_active_set(n.state(), false, 1e-12, 2.0);
+  CHECK(found.sliding == Flags{1, 0});
+  CHECK(found.direction[0] == 1.0);
+  n.sliding = found.sliding;
+  n.direction = found.direction;
+  CHECK(friction_tilt(n.state())[0] == 0.5);
+  SECTION("what slips on keeps slipping")
+  {
+    n.traction[0] = 1.0;
+    n.slip[0] = -0.1;
+    CHECK(update_active_set(n.state(), false, 1e-12, 2.0).sliding == Flags{1, 0});
+  }
+  SECTION("what would slip the other way comes to rest first")
+  {
+    n.traction[0] = 1.0;
+    n.slip[0] = 0.3; // trial traction 1 - 10 * 0.3
+    CHECK(update_active_set(n.state(), false, 1e-12, 2.0).sliding == Flags{0, 0});
+  }
+}
+
+TEST_CASE("multipliers are the forces that equilibrium lacks, per area")
+{
+  TwoNodes n;
+  Values multiplier(2), traction(4);
+  evaluate_multipliers(n.state(), n.geometry(), Values{0.2, 3.0, 5.0, 5.0}, Values(4, 0.0), {}, {}, multiplier,
+                       traction);
+  CHECK(multiplier == Values{6.0, 0.0});
+  CHECK(traction[0] == Approx(0.4).epsilon(1e-14));
+  CHECK(traction[1] == Approx(0.0).margin(1e-14));
+}
+
+TEST_CASE("constraints close the gap, and hold what sticks")
+{
+  TwoNodes n;
+  n.gap[0] = -0.25;
+  n.slip[0] = 0.125;
+  const Values tilt(4, 0.0);
+  const dolfinx_impact::gap::MasterRows facing{{0, 1}, {9}, {1.0}};
+  const Constraints c = constrain(n.state(), n.geometry(), tilt, facing);
+  REQUIRE(c.size() == 1);
+  CHECK(c.nodes[0] == 3);
+  CHECK(c.constrained == Flags{1, 1});
+  CHECK(c.known == Values{-0.125, 0.25});
+  CHECK(constrain(n.state(0.0), n.geometry(), tilt, facing).constrained == Flags{0, 1});
+  CHECK_THROWS_AS(constrain(n.state(), n.geometry(), tilt, {{0}, {}, {}}), std::invalid_argument);
+}
+
+TEST_CASE("condensed nodes follow their master")
+{
+  // Two nodes of the plane: node 0 lies on node 1 but for a gap of 0.5, normal along y.
+  Constraints c;
+  c.gdim = 2;
+  c.rows = {0};
+  c.nodes = {0};
+  c.frames = c.over = {1.0, 0.0, 0.0, 1.0};
+  c.constrained = {0, 1};
+  c.known = {0.0, -0.5};
+  c.tilt = {0.0, 0.0};
+  c.normal = {1};
+  c.pointers = {0, 1};
+  c.columns = {1};
+  c.values = {1.0};
+  const Condensation condensation(MPI_COMM_SELF, 4, 0, 2, {c});
+  CHECK(condensation.symmetric());
+  CHECK(condensation.pinned() == Flags{0, 1, 0, 0});
+  Vec y;
+  VecCreateSeq(MPI_COMM_SELF, 4, &y);
+  for (int i = 0; i < 4; ++i)
+    VecSetValue(y, i, i == 1 ? 0.0 : 1.0 + i, INSERT_VALUES);
+  CHECK(condensation.increment(y) == Values{1.0, 4.0 - 0.5, 3.0, 4.0});
+  VecDestroy(&y);
+  // The force on node 0 along the normal goes to node 1: its own equation is the multiplier's.
+  CHECK(condensation.residual(Values{1.0, 2.0, 3.0, 4.0}) == Values{1.0, 0.0, 3.0, 6.0});
+  CHECK(condensation.unknowns(Values{1.0, 2.0, 3.0, 4.0}) == Values{1.0, 0.0, 3.0, 4.0});
+  CHECK_THROWS_AS(condensation.residual(Values{1.0}), std::invalid_argument);
+  c.tilt = {0.5, 0.0};
+  CHECK_FALSE(Condensation(MPI_COMM_SELF, 4, 0, 2, {c}).symmetric());
+  CHECK_THROWS_AS(Condensation(MPI_COMM_SELF, 1, 0, 2, {c}), std::invalid_argument);
+}
