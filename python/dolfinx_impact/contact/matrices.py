@@ -8,19 +8,15 @@ from petsc4py import PETSc
 from .. import _cpp
 
 
-def matrix(comm, num_owned, rows, cols, values, block=1):
-    """Square matrix whose entries any rank may give; equal places add up. Collective.
+def rectangle(comm, num_rows, num_columns, rows, cols, values, block=1):
+    """Matrix whose entries any rank may give; equal places add up. Collective.
 
     Args:
-        num_owned: rows and columns of this rank. rows, cols: global numbers.
+        num_rows, num_columns: of this rank.
+        rows, cols: global numbers.
         values: entries.
         block: size of blocks.
     """
-    return rectangle(comm, num_owned, num_owned, rows, cols, values, block)
-
-
-def rectangle(comm, num_rows, num_columns, rows, cols, values, block=1):
-    """As `matrix`, with rows and columns of different spaces. Collective."""
     A = PETSc.Mat().create(comm)
     A.setSizes(((num_rows, PETSc.DETERMINE), (num_columns, PETSc.DETERMINE)))
     A.setBlockSize(block)
@@ -59,9 +55,3 @@ class NodalSum:
         self._vector.array[:] = np.ravel(values)
         self._vector.scatter_forward()
         return self._vector.array.reshape(-1, self.block).copy()
-
-
-def global_dofs(index_map, nodes, gdim):
-    """Global degrees of freedom of nodes: shape (len(nodes), gdim)."""
-    nodes = index_map.local_to_global(np.ascontiguousarray(nodes, dtype=np.int32))
-    return gdim * nodes[:, None] + np.arange(gdim)

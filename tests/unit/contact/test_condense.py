@@ -6,7 +6,7 @@ import pytest
 from mpi4py import MPI
 
 from dolfinx_impact import _cpp
-from dolfinx_impact.contact.matrices import matrix
+from dolfinx_impact.contact.matrices import rectangle
 from dolfinx_impact.statics.linear_solver import LinearSystem
 
 
@@ -61,8 +61,8 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     known = np.zeros((2, 2))
     known[[0, 1], place] = -gap
     rows = _cpp.multipliers.Constraints(
-        np.array([0, 1], dtype=np.int32), np.array([0, 1], dtype=np.int32), frames, frames, constrained,
-        known, tilt, place,
+        np.array([0, 1], dtype=np.int32), np.array([0, 1], dtype=np.int32),
+        frames, frames, constrained, known, tilt, place,
         np.array([0, 2, 4]), np.array([2, 3, 3, 4]),
         np.array([0.3, 0.4, 0.5, 0.8]) / np.array([0.7, 0.7, 1.3, 1.3]),
     )  # fmt: skip
@@ -70,7 +70,7 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     transformation = _cpp.multipliers.Condensation(comm, size, 0, gdim, [rows])
     assert transformation.symmetric != slips
     i, j = np.indices((size, size))
-    P = matrix(comm, size, i.ravel(), j.ravel(), K.ravel())
+    P = rectangle(comm, size, size, i.ravel(), j.ravel(), K.ravel())
     b, x, product = P.createVecLeft(), P.createVecRight(), P.createVecLeft()
     system = LinearSystem(P, [], True, transformation, transformation.pinned, 1.0)
     system.load(-f, x, b)
