@@ -127,7 +127,7 @@ if differ > 1e-8 * p0:  # Newton's tolerance of 1e-10 of the forces, at one node
 states, found, problem, m = last[1]
 contact = problem.contact[0]
 force = 2 * contact.force[1]
-nodal = contact.forces().reshape(-1, 2)
+nodal = contact.contact_forces().reshape(-1, 2)
 unbalanced = np.abs(comm.allreduce(nodal.sum(axis=0))).max() / force
 tension = comm.allreduce(float(np.min(contact.pressure, initial=0.0)), MPI.MIN)
 penetration = -comm.allreduce(float(np.min(contact.gap, initial=0.0)), MPI.MIN)

@@ -86,7 +86,7 @@ if comm.rank == 0:
 summary = comm.bcast(summary, root=0)
 peak, contact_area = summary["peak"] / hertz.peak_pressure - 1, 4 * contact.area / (np.pi * hertz.a * hertz.b) - 1
 balance = abs(4 * contact.force[2] / load - 1)
-forces = contact.forces().reshape(-1, 3).sum(axis=0)
+forces = contact.contact_forces().reshape(-1, 3).sum(axis=0)
 opposite = np.abs(comm.allreduce(forces, MPI.SUM)).max() / load
 run.print(
     f"""

@@ -9,7 +9,7 @@ from dolfinx.fem import DirichletBC
 
 from .common.collective import comm_of, guard
 from .common.types import FloatArray
-from .materials import _number
+from .common.arguments import number
 
 
 class Amplitude:
@@ -36,7 +36,7 @@ class Amplitude:
         elif isinstance(what, tuple) and len(what) == 2 and np.ndim(what[0]) == 1:
             self._function = self._table(*what)
         elif size == 1:
-            value = _number(name, what)
+            value = number(name, what)
             self._function = lambda t: value
         else:
             raise TypeError(f"{name} must be a function of time or a pair (times, values), found {what!r:.60}")

@@ -13,7 +13,7 @@ from .assembly import operators
 from .common.collective import comm_of, guard
 from .common.types import FloatArray, IntArray
 from .forms import loads, quadrature
-from .materials import _number
+from .common.arguments import number
 
 VARYING = 2  # more degrees of quadrature for a load that is an expression
 
@@ -203,7 +203,7 @@ class FollowerPressure(_FacetLoad):
     def __init__(self, facet_tags: MeshTags, tag: int, pressure: float) -> None:
         with guard(comm_of(facet_tags), "FollowerPressure", tag=tag, pressure=pressure):
             self.facet_tags, self.tag = facet_tags_of("FollowerPressure", facet_tags), _tag(tag)
-            self.pressure = _number("pressure", pressure, unit=" [F/L^2]")
+            self.pressure = number("pressure", pressure, unit=" [F/L^2]")
 
     def _what(self) -> str:
         return f"pressure={self.pressure}"

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,22 +12,9 @@ from dolfinx import default_scalar_type, fem
 from dolfinx.fem import Constant
 from dolfinx.mesh import Mesh, MeshTags
 
+from .common.arguments import number
 from .common.collective import comm_of, guard
 from .forms import materials as laws
-
-
-def _number(name: str, value: Any, low: float | None = None, unit: str = "") -> float:
-    try:
-        if isinstance(value, (str, bytes, bool)):
-            raise TypeError
-        number = float(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number, found {value!r}") from None
-    if not math.isfinite(number):
-        raise ValueError(f"{name} is {number}: give a finite number{unit}")
-    if low is not None and not number > low:
-        raise ValueError(f"{name} is {number}: it must be greater than {low}{unit}")
-    return number
 
 
 class _Material:
@@ -48,8 +34,8 @@ class _Material:
     law_class: type[laws.Law]
 
     def __init__(self, E: float, nu: float, density: float | None = None, hypothesis: str | None = None) -> None:
-        self.E = _number("Young's modulus E", E, 0.0, " [F/L^2]")
-        self.nu = _number("Poisson's ratio nu", nu)
+        self.E = number("Young's modulus E", E, 0.0, " [F/L^2]")
+        self.nu = number("Poisson's ratio nu", nu)
         if self.nu == 0.5:
             raise ValueError(
                 "Poisson's ratio nu is 0.5: an incompressible solid has no finite Lame constant. Use 0.499, or a mixed "
@@ -57,7 +43,7 @@ class _Material:
             )
         if not -1.0 < self.nu < 0.5:
             raise ValueError(f"Poisson's ratio nu is {self.nu}: it must lie between -1 and 0.5")
-        self.density = None if density is None else _number("density", density, unit=" [M/L^3]")
+        self.density = None if density is None else number("density", density, unit=" [M/L^3]")
         if self.density is not None and self.density < 0.0:
             raise ValueError(f"density is {self.density}: it must not be negative [M/L^3]")
         if hypothesis is not None and hypothesis not in laws.HYPOTHESES:
@@ -248,8 +234,8 @@ class Rayleigh:
     """
 
     def __init__(self, alpha: float = 0.0, beta: float = 0.0) -> None:
-        self.alpha = _number("Rayleigh factor alpha", alpha)
-        self.beta = _number("Rayleigh factor beta", beta)
+        self.alpha = number("Rayleigh factor alpha", alpha)
+        self.beta = number("Rayleigh factor beta", beta)
         if self.alpha < 0 or self.beta < 0:
             raise ValueError(
                 f"Rayleigh factors alpha={alpha}, beta={beta} must not be negative: they would feed energy in"

@@ -11,6 +11,9 @@ import sys
 STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "integrators")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
 ROOMS = {"search": (".", "closest_point", "node_tracker")}
+# Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
+PACKAGES = ("common", "materials", "amplitude", "assembly", "loads", "io", "theory", "contact", "statics", "dynamics")
+PACKAGES += ("verify", "bench", "cli")
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
 LONG = 400  # lines of a file that are worth a look
@@ -101,6 +104,29 @@ def room_violations(root):
                 where = target.parent.relative_to(library / stage).as_posix()
                 if where not in rooms[: rooms.index(room) + 1]:
                     complaints.append(f"{path.relative_to(library)}: {room} must not include {name}")
+    return complaints
+
+
+def package_violations(root):
+    """Rule 1 for python/dolfinx_impact: a package or module imports itself and those that come before it."""
+    base = pathlib.Path(root).resolve() / "python" / "dolfinx_impact"
+    last = len(PACKAGES)
+    complaints = []
+    for path in sources(base, (".py",)):
+        parts = path.relative_to(base).with_suffix("").parts
+        if parts == ("__init__",):  # the whole package is put together here
+            continue
+        if parts[0] not in PACKAGES:
+            complaints.append(f"{path.relative_to(root)}: {parts[0]} has no place in the order of the packages")
+            continue
+        here = PACKAGES.index(parts[0])
+        for node in ast.walk(ast.parse(path.read_text(), str(path))):
+            if not isinstance(node, ast.ImportFrom) or node.level < len(parts):
+                continue
+            names = [node.module.split(".")[0]] if node.module else [alias.name for alias in node.names]
+            for name in names:
+                if (PACKAGES.index(name) if name in PACKAGES else last if (base / name).exists() else -1) > here:
+                    complaints.append(f"{path.relative_to(root)}:{node.lineno}: {parts[0]} must not import {name}")
     return complaints
 
 

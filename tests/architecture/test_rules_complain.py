@@ -50,6 +50,35 @@ def test_layers_complain(tree, name, include):
     assert name in complaint
 
 
+GOOD_PACKAGES = {
+    "__init__.py": "from .dynamics.explicit import ExplicitProblem\n",
+    "contact/mortar/lagrange.py": "from ... import _cpp\nfrom ..pair import ContactPair\nfrom ...loads import tag\n",
+    "dynamics/explicit.py": "from .. import forms\nfrom ..contact import ContactPair\nfrom .restart import Restart\n",
+}
+
+
+def test_packages_pass_a_good_tree(tree):
+    root = tree({f"python/dolfinx_impact/{name}": text for name, text in GOOD_PACKAGES.items()})
+    assert rules.package_violations(root) == []
+
+
+@pytest.mark.parametrize(
+    "name, line",
+    [
+        ("contact/pair.py", "from ..statics.newton import Newton"),
+        ("contact/pair.py", "def late():\n    from ..dynamics import explicit"),
+        ("materials.py", "from .assembly import jit"),
+        ("loads.py", "from . import io"),
+        ("misc/helpers.py", "import numpy"),  # a package that has no place
+    ],
+)
+def test_packages_complain(tree, name, line):
+    files = {**GOOD_PACKAGES, "io/__init__.py": "", name: line + "\n"}
+    root = tree({f"python/dolfinx_impact/{n}": text for n, text in files.items()})
+    (complaint,) = rules.package_violations(root)
+    assert name in complaint
+
+
 GOOD_ROOMS = {
     "BoxTree.h": "#include <vector>\n",
     "Exchange.h": '#include "BoxTree.h"\n',

@@ -16,6 +16,16 @@ def test_a_room_of_a_stage_includes_earlier_rooms_only(checkout):
     assert rules.room_violations(checkout) == []
 
 
+def test_a_python_package_imports_earlier_packages_only(checkout):
+    assert rules.package_violations(checkout) == []
+
+
+def test_the_order_of_the_packages_is_that_of_the_page(checkout):
+    page = (checkout / "docs" / "architecture.md").read_text()
+    places = [page.index(f"`{name}/`" if f"`{name}/`" in page else f"`{name}.py`") for name in rules.PACKAGES]
+    assert places == sorted(places)
+
+
 def test_the_hand_written_solver_shares_nothing(checkout):
     assert rules.reference_violations(checkout) == []
 

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..common import arguments
-from . import operators
+from . import operators, problem_arguments
 from ..common.collective import comm_of, guard
 from ..forms import inertia, quadrature
 from .jit import compile_form
@@ -43,7 +43,7 @@ def lumped_mass(V, material, scheme="auto"):
     """
     with guard(comm_of(V, material), "lumped_mass", material=material, scheme=scheme):
         arguments.function_space("V", V)
-        arguments.material(material)
+        problem_arguments.material(material)
         if material.cell_tags is not None:
             arguments.tags("MaterialMap", material.cell_tags, V.mesh, V.mesh.topology.dim)
     mesh = V.mesh

@@ -5,18 +5,44 @@ Each raises TypeError for an argument of another kind, ValueError for a value th
 found and what to do.
 """
 
+import math
 import os
+from typing import Any
 
 import numpy as np
 from dolfinx import fem
 
-from ..materials import MaterialMap, _Material, _number
-from ..assembly.residual import check_residual
 
 ROUND_OFF = 1e-12  # of the mesh's extent: coordinates below it are zero
 LARGEST_DEGREE = 60  # of quadrature: rules of higher degree have thousands of points on every facet, more in cells
 RULES = ("default", "Gauss-Jacobi", "Gauss-Legendre", "GL", "Gauss-Lobatto-Legendre", "GLL", "Xiao-Gimbutas", "vertex",
          "custom", "gauss_jacobi", "gll", "xiao_gimbutas")  # fmt: skip
+
+
+def number(name: str, value: Any, low: float | None = None, unit: str = "") -> float:
+    """A finite number.
+
+    Args:
+        name: what the number is, for the message.
+        value: what was given.
+        low: the number must be greater than this; None: it may be any.
+        unit: for the message, with a blank before it.
+
+    Raises:
+        TypeError: no number.
+        ValueError: not finite, or not greater than `low`.
+    """
+    try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError
+        found = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number, found {value!r}") from None
+    if not math.isfinite(found):
+        raise ValueError(f"{name} is {found}: give a finite number{unit}")
+    if low is not None and not found > low:
+        raise ValueError(f"{name} is {found}: it must be greater than {low}{unit}")
+    return found
 
 
 def integer(name, value, low, high=None, unit=""):
@@ -37,10 +63,10 @@ def integer(name, value, low, high=None, unit=""):
 
 def tolerance(name, value):
     """A relative or absolute tolerance of a solution."""
-    number = _number(name, value)
-    if number < 0.0 or (name == "rtol" and number >= 1.0):
-        raise ValueError(f"{name} is {number}: give {'a number from 0 to 1' if name == 'rtol' else 'zero or more'}")
-    return number
+    found = number(name, value)
+    if found < 0.0 or (name == "rtol" and found >= 1.0):
+        raise ValueError(f"{name} is {found}: give {'a number from 0 to 1' if name == 'rtol' else 'zero or more'}")
+    return found
 
 
 def _range(low, high):
@@ -117,54 +143,6 @@ def displacement(u, solid=True):
         raise ValueError(f"the space of u is {kind} ({element}): a displacement needs a continuous one; use {needed}")
 
 
-def problem(u, given_material, residual, bcs, loads, contact, axisymmetric=False, explicit=False):
-    """What static and explicit problems have in common; values that must be the same on all ranks, as a dict."""
-    if (given_material is None) == (residual is None):
-        raise ValueError("give either a material or a residual of your own")
-    contact = sequence("contact", contact, "contacts")
-    displacement(u, solid=residual is None or bool(contact))
-    V, mesh = u.function_space, u.function_space.mesh
-    tdim = mesh.topology.dim
-    if residual is None:
-        material(given_material)
-        if given_material.cell_tags is not None:
-            tags("MaterialMap", given_material.cell_tags, mesh, tdim)
-        radii(given_material.hypothesis_on(mesh), mesh)
-    else:
-        check_residual(residual, u)
-        radii("axisymmetric" if axisymmetric else None, mesh)
-    for bc in sequence("bcs", bcs, "DirichletBC"):
-        boundary_values("bcs", getattr(bc, "bc", bc) if explicit else bc, V)
-    for load in sequence("loads", loads, "loads"):
-        if not hasattr(load, "form"):
-            raise TypeError(f"loads must hold Traction, BodyForce, FollowerPressure, found {type(load).__name__}")
-        if not explicit and getattr(load, "amplitude", None) is not None:
-            raise ValueError(
-                f"{type(load).__name__} has an amplitude, a function of time: that is for explicit problems; static "
-                "ones go to the present value of the load in steps"
-            )
-        if hasattr(load, "facet_tags"):
-            tags(type(load).__name__, load.facet_tags, mesh, tdim - 1)
-    for c in contact:
-        if hasattr(c, "facet_tags"):
-            ways = ("Penalty", "Kinematic") if explicit else ("Lagrange", "Penalty")
-            hint = " or ".join(f"contact=[di.{way}(pair)]" for way in ways)
-            raise TypeError(f"contact holds a ContactPair: say how it is enforced, {hint}")
-        if not hasattr(c, "_bind") or isinstance(c, type):
-            found = c.__name__ if isinstance(c, type) else type(c).__name__
-            raise TypeError(f"contact must hold Lagrange, Penalty or Kinematic of pairs, found {found}")
-        tags(c.pair.name, c.pair.facet_tags, mesh, tdim - 1)
-    return {
-        "material": given_material,
-        "residual": residual,
-        "u among the coefficients": None if residual is None else [f is u for f in residual.coefficients()],
-        "bcs": [value_of(bc) for bc in bcs],
-        "loads": list(loads),
-        "contact": contact,
-        "axisymmetric": axisymmetric,
-    }
-
-
 def measures(form):
     """Quadrature that a user asked for in the measures of a form."""
     for integral in form.integrals():
@@ -174,18 +152,6 @@ def measures(form):
         rule = integral.metadata().get("quadrature_rule")
         if rule not in (None, *RULES):
             raise ValueError(f"quadrature_rule is {rule!r}: use one of {', '.join(RULES)}")
-
-
-def material(m):
-    """A material or a MaterialMap."""
-    if isinstance(m, (_Material, MaterialMap)):
-        return
-    if isinstance(m, type) and issubclass(m, (_Material, MaterialMap)):
-        raise TypeError(f"material is the class {m.__name__}: make a material of it, {m.__name__}(E=..., nu=..., ...)")
-    found = repr(m) if isinstance(m, str) else type(m).__name__
-    raise TypeError(
-        f"material must be a material, found {found}: for example LinearElastic(E=..., nu=..., density=...)"
-    )
 
 
 def radii(hypothesis, mesh):

@@ -11,7 +11,7 @@ from .. import _cpp
 from ..common.arguments import LARGEST_DEGREE, integer
 from ..common.collective import comm_of, guard
 from ..loads import _tag, check_tag, facet_tags_of
-from ..materials import _number
+from ..common.arguments import number
 from .matrices import NodalSum
 from .rigid import _Rigid
 
@@ -66,12 +66,12 @@ class ContactPair:
             raise ValueError(
                 f"slave and master have the same tag {self.slave}: self-contact is not supported, tag two surfaces"
             )
-        self.friction = _number("friction", friction)
+        self.friction = number("friction", friction)
         if self.friction < 0.0:
             raise ValueError(f"friction is {self.friction}: a coefficient of friction is zero or positive")
         self.search_distance = None
         if search_distance is not None:
-            self.search_distance = _number("search_distance", search_distance, 0.0, " [L]")
+            self.search_distance = number("search_distance", search_distance, 0.0, " [L]")
 
     def surfaces(self, V):
         """This rank's slave and master facets on the displacement space V (the master is None if rigid). Collective.

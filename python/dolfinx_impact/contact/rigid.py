@@ -4,7 +4,7 @@
 import numpy as np
 
 from .. import _cpp
-from ..materials import _number
+from ..common.arguments import number
 
 
 def _vector(name, value):
@@ -103,7 +103,7 @@ class RigidPlane(_Rigid):
 
 
 def _radius(value):
-    radius = _number("radius", value, unit=" [L]")
+    radius = number("radius", value, unit=" [L]")
     if radius == 0.0:
         raise ValueError("the radius of a rigid obstacle is zero")
     return radius

@@ -9,7 +9,7 @@ from scipy.linalg import solve_banded
 
 from .. import _cpp
 from ..loads import check_tag
-from ..materials import _number
+from ..common.arguments import number
 from .rigid import _Rigid, _unit, _vector
 
 FIRST, MOST = 64, {2: 1 << 17, 3: 1 << 10}  # cells of a grid along one direction: at first, and at most by dimension
@@ -64,7 +64,7 @@ class RigidSurface(_Rigid):
             wanted = "(low, high)" if size == 2 else "two pairs (low, high)"
             raise ValueError(f"bounds are {bounds.tolist()}: give {wanted}, low below high")
         lengths = bounds[:, 1] - bounds[:, 0]
-        tolerance = 1e-7 * lengths.max() if tolerance is None else _number("tolerance", tolerance, 0.0, " [L]")
+        tolerance = 1e-7 * lengths.max() if tolerance is None else number("tolerance", tolerance, 0.0, " [L]")
         cells = np.full(size - 1, FIRST)
         while True:
             coefficients, errors = _spline(height, bounds, cells, tolerance)

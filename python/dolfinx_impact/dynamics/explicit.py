@@ -12,7 +12,7 @@ from ufl.algorithms import expand_derivatives
 
 from .. import _cpp
 from ..common import arguments
-from ..assembly import operators
+from ..assembly import operators, problem_arguments
 from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
@@ -20,7 +20,8 @@ from ..contact.explicit.springs import stiffness
 from ..forms import elasticity, viscosity
 from ..forms import materials as laws
 from ..loads import DeadLoad
-from ..materials import Rayleigh, _number
+from ..common.arguments import number
+from ..materials import Rayleigh
 from ..io.mesh_check import check_cells
 from ..assembly.residual import check_radius, split
 from . import energy_gain
@@ -96,7 +97,7 @@ class ExplicitProblem(Unique):
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
-            given = arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
+            given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
             self._check_velocity(velocity, u)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
@@ -143,7 +144,7 @@ class ExplicitProblem(Unique):
             if hypothesis in (None, "axisymmetric"):
                 check_radius(self._frequencies.stiffness, u, self.axisymmetric)
             self._frequencies.check_signs()
-        self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(_number("mass_scaling", mass_scaling, 0.0))
+        self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
         self._viscosity = self._check_viscosity(bulk_viscosity)
         self._internal = operators.SplitForce(internal, u)
@@ -202,7 +203,7 @@ class ExplicitProblem(Unique):
     def _density(self, density, mesh):
         if isinstance(density, ufl.core.expr.Expr):
             return density
-        return fem.Constant(mesh, default_scalar_type(_number("density", density, 0.0, " [M/L^3]")))
+        return fem.Constant(mesh, default_scalar_type(number("density", density, 0.0, " [M/L^3]")))
 
     def _frequencies_masses(self):
         masses = self._frequencies.masses()

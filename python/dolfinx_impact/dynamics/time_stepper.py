@@ -12,7 +12,7 @@ import numpy as np
 
 from ..common.collective import agree, attempt
 from ..common.interrupts import Interrupts
-from ..materials import _number
+from ..common.arguments import number
 from . import energy_gain
 from .failed_run import FailedRun
 from .progress import ProgressBar
@@ -106,7 +106,7 @@ class TimeStepper:
             raise RuntimeError(
                 "advance was called while it runs, by a callback: let the callback return, and call advance again after"
             )
-        until = _number("until", until, unit=" [T]")
+        until = number("until", until, unit=" [T]")
         if until < self.time:
             raise ValueError(f"until is {until:g}, but the time is {self.time:g} already")
         if callback is not None and not callable(callback):
@@ -248,7 +248,7 @@ class TimeStepper:
             nominal = SAFETY * self.safe_step
             known = self.schedule is not None and self.schedule.auto and not self.nominal_step > nominal
         else:
-            nominal = _number("dt", dt, 0.0, " [T]")
+            nominal = number("dt", dt, 0.0, " [T]")
             known = self.schedule is not None and nominal == self.nominal_step
             if nominal > self.safe_step * (1 + 1e-12):
                 text = f"dt = {nominal:.6g} is beyond the stable step {self.safe_step:.6g}"
@@ -260,14 +260,14 @@ class TimeStepper:
             return  # a run that was restored or interrupted goes on with the very steps it had
         if not math.isfinite(nominal):
             raise ValueError("nothing limits the step: give dt")
-        number = (until - self.time) / nominal * (1 - 1e-12)
-        if number > MOST_STEPS or nominal < np.spacing(until):
+        needed = (until - self.time) / nominal * (1 - 1e-12)
+        if needed > MOST_STEPS or nominal < np.spacing(until):
             why = ": the stable step is that small; check the mesh for tiny cells and the contacts for a large penalty"
             raise ValueError(
-                f"a step of {nominal:g} takes {number:.3g} steps to the time {until:g}, more than {MOST_STEPS:g}"
+                f"a step of {nominal:g} takes {needed:.3g} steps to the time {until:g}, more than {MOST_STEPS:g}"
                 f"{why if isinstance(dt, str) else '; take a larger dt'}"
             )
-        count = max(1, math.ceil(number))
+        count = max(1, math.ceil(needed))
         self.nominal_step = nominal
         self.schedule = StepSchedule(self.time, until, self.step, self.step + count, dt == "auto")
         self.integrator.set_contact_step(nominal)

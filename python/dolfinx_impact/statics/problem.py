@@ -8,7 +8,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..common import arguments
-from ..assembly import operators
+from ..assembly import operators, problem_arguments
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
 from .linear_solver import LinearSolver
@@ -62,7 +62,7 @@ class StaticProblem(Unique):
         with guard(comm_of(u, residual, bcs, material, loads, contact), "StaticProblem") as ranks:
             if residual is not None and loads:
                 raise ValueError("write the loads into your own residual: they need the hypothesis of a material")
-            given = arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric)
+            given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric)
             arguments.options(options)
             ranks.same(**given, options=options, prefix=prefix)
         self.u, self.material, self.bcs, self.loads = u, material, list(bcs), list(loads)

@@ -8,7 +8,7 @@ from mpi4py import MPI
 from ... import _cpp
 from ...common.arguments import integer
 from ...common.collective import comm_of, guard
-from ...materials import _number
+from ...common.arguments import number
 from .automatic import automatic_penalty, check_penalty
 from .facets import FacetKeeper
 from ..matrices import NodalSum
@@ -59,9 +59,9 @@ class Penalty:
             check_pair(pair)
             self.quadrature_degree = check_quadrature_degree(quadrature_degree)
             auto = isinstance(penalty, str) and penalty == "auto"
-            self.penalty = None if auto else _number("penalty", penalty, 0.0, " [F/L^3]")
-            self.tangential = None if tangential is None else _number("tangential penalty", tangential, 0.0, " [F/L^3]")
-            self.tolerance = _number("tolerance", tolerance, 0.0)
+            self.penalty = None if auto else number("penalty", penalty, 0.0, " [F/L^3]")
+            self.tangential = None if tangential is None else number("tangential penalty", tangential, 0.0, " [F/L^3]")
+            self.tolerance = number("tolerance", tolerance, 0.0)
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
