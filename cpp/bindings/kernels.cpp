@@ -118,6 +118,21 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
           nb::arg("A").noconvert(), nb::arg("w"), nb::arg("c"), nb::arg("x"), nb::arg("entity") = 0,
           nb::arg("lanes") = 1, "Element tensor of `lanes` cells, added to A; layout in kernels/Kernel.h")
       .def(
+          "tabulate_cells",
+          [](const Kernel& s, InOut A, In w, In c, In x, std::size_t num_cells)
+          {
+            const std::size_t n = std::size_t(s.k->shape[0]) * s.k->shape[1], m = s.k->size_w;
+            if (A.size() != n * num_cells || w.size() != m * num_cells || c.size() != std::size_t(s.k->size_c) ||
+                (num_cells > 0 && x.size() % (3 * num_cells) != 0))
+              throw std::invalid_argument("arrays do not have the sizes of the kernel times the number of cells");
+            const std::size_t size_x = num_cells > 0 ? x.size() / num_cells : 0;
+            for (std::size_t i = 0; i < num_cells; ++i)
+              tabulate(*s.k, 1)(A.data() + n * i, w.data() + m * i, c.data(), x.data() + size_x * i, 0);
+          },
+          nb::arg("A").noconvert(), nb::arg("w"), nb::arg("c"), nb::arg("x"), nb::arg("num_cells"),
+          "Element tensors of many cells, one after another in each array, added to A; layout of a cell in "
+          "kernels/Kernel.h")
+      .def(
           "check_mesh", [](const Kernel& s, const dolfinx::mesh::Mesh<double>& mesh) { check_mesh(*s.k, mesh); },
           nb::arg("mesh"), "Raise RuntimeError unless the kernel was compiled for this kind of mesh")
       .def_prop_ro("address", [](const Kernel& s) { return reinterpret_cast<std::uintptr_t>(s.k); });

@@ -13,7 +13,6 @@ import ufl
 from . import algebra as alg
 from . import tensor
 from .arguments import ElementTensor
-from .cxx import CxxFormatter
 from .schedule import Schedule
 from .sumfactorisation import evaluate_field
 
@@ -250,8 +249,8 @@ class KernelWriter:
 
     def _used_tables(self, body):
         """Names of the tables the code reads, in order: reduced tables replace some that were collected first."""
-        text = "".join(CxxFormatter()(b) for b in body)
-        return [n for n in self.tables if f"{n}[" in text]
+        read = set().union(*map(_arrays_read, body)) if body else set()
+        return [n for n in self.tables if n in read]
 
     def _weight(self, rule):
         if self.integral.integral_type == "expression":
@@ -290,3 +289,13 @@ class KernelWriter:
             for index, size in reversed(list(zip(rule.indices(self.tdim), sizes))):
                 loop = [L.ForRange(index, 0, size, loop)]
         return before + [L.Section(f"points of rule {rule.number}", loop, [])] + element_tensor.after()
+
+
+def _arrays_read(node):
+    """Names of the arrays that an LNodes tree accesses."""
+    if isinstance(node, (list, tuple)):
+        return set().union(*map(_arrays_read, node))
+    if not isinstance(node, L.LNode):
+        return set()
+    own = {node.array.name} if isinstance(node, L.ArrayAccess) else set()
+    return own.union(*map(_arrays_read, vars(node).values()))

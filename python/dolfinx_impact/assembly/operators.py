@@ -339,17 +339,16 @@ class PointValues:
         points, components = self.kernel.shape
         out = np.zeros((num_cells, points, components))
         c = _constants(self.compiled, self.kernel)
-        w = np.empty(sum(e["num_dofs"] for e in self.kernel.coefficients))
-        functions = [(e, self.compiled.coefficients[e["position"]]) for e in self.kernel.coefficients]
-        for f in functions:
-            f[1].x.scatter_forward()
-        x, dofmap = self.mesh.geometry.x, self.mesh.geometry.dofmap
-        for cell in range(num_cells):
-            for e, f in functions:
-                bs = f.function_space.dofmap.bs
-                dofs = f.function_space.dofmap.cell_dofs(cell)
-                w[e["offset"] : e["offset"] + e["num_dofs"]] = f.x.array.reshape(-1, bs)[dofs].ravel()
-            self.kernel.tabulate(out[cell].reshape(-1), w, c, np.ascontiguousarray(x[dofmap[cell]]).reshape(-1))
+        parts = []
+        for e in self.kernel.coefficients:
+            f = self.compiled.coefficients[e["position"]]
+            f.x.scatter_forward()
+            dofmap = f.function_space.dofmap
+            parts.append((e["offset"], f.x.array.reshape(-1, dofmap.bs)[dofmap.list[:num_cells]]))
+        w = [values.reshape(num_cells, -1) for _, values in sorted(parts, key=lambda part: part[0])]
+        w = np.hstack(w) if w else np.empty((num_cells, 0))
+        x = self.mesh.geometry.x[self.mesh.geometry.dofmap[:num_cells]]
+        self.kernel.tabulate_cells(out.reshape(-1), w.reshape(-1), c, x.reshape(-1), num_cells)
         return out
 
 

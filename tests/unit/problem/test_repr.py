@@ -92,5 +92,5 @@ def test_problems_and_report(square):
     assert repr(static) == f"StaticProblem(18 unknowns, {STEEL!r}, 1 boundary conditions, 1 loads, 0 contacts)"
     report = static.solve(steps=2)
     assert str(report) == f"Report: converged, 2 increments, {sum(report.iterations)} iterations"
-    explicit = di.ExplicitProblem(fem.Function(V), STEEL)
+    explicit = di.ExplicitProblem(fem.Function(V), STEEL, velocity=fem.Function(V))
     assert repr(explicit) == f"ExplicitProblem(18 unknowns, {STEEL!r}, 0 loads, 0 contacts, step 0, time 0)"
