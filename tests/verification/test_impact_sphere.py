@@ -70,6 +70,8 @@ class Sphere(Impact):
         closed = np.flatnonzero(force > 1e-3 * self.hertz.peak_force)
         duration = times[closed[-1]] - (times[closed[0]] - (times[1] - times[0]))
         restitution = pushes[-1] / (mass(problem, self.ball) * self.speed)
+        energies = problem.energy_history
+        self.gained = -energies[:, 5].min() / energies[0, 1]  # by contact, over the kinetic energy at the start
         return force.max() / self.hertz.peak_force, duration / self.hertz.duration, restitution, problem.energy["drift"]
 
 
@@ -106,10 +108,12 @@ def test_sphere_on_half_space(method):
 @pytest.mark.parametrize("method", BOTH)
 def test_sphere_as_the_slave(method):
     """A slave four times coarser than its master, whose node on the axis lies over the end of the master's surface:
-    stable, energy and peak force as they are the other way round. (The time of contact is not: masters between slave
-    nodes go on to tremble, and touch once more.)"""
-    peak, _, restitution, drift = Sphere(1.0, rigid=False, slave="ball").run(method)
+    stable, energy and peak force as they are the other way round. The default energy limits are in force; nothing is
+    gained but for fluctuations. (The time of contact is not the same: masters between slave nodes touch once more.)"""
+    sphere = Sphere(1.0, rigid=False, slave="ball")
+    peak, _, restitution, drift = sphere.run(method)
     assert peak == pytest.approx(1.0, abs=0.03) and 0.95 < restitution < 1.0 and abs(drift) < 0.01
+    assert sphere.gained < 1e-3  # nodes that chatter may give a little before they take; unstable contact gave 36
 
 
 if __name__ == "__main__":

@@ -105,6 +105,10 @@ Facets make_surface(const FunctionSpace& V, std::span<const std::int32_t> facets
   out.displacement = {facet_shape(cell), degree};
   out.geometry = {facet_shape(cell), std::max(degree, cmap.degree())};
   const int num_facets = dolfinx::mesh::cell_num_entities(cell, tdim - 1);
+  // A submesh has no input: its cells count by their global numbers.
+  const std::vector<std::int64_t> cell_numbers = topology->original_cell_index.empty()
+                                                     ? topology->index_map(tdim)->global_indices()
+                                                     : topology->original_cell_index.front();
   const auto dofs = facet_dofs(V, out.displacement, cell, num_facets);
 
   // Geometry shape functions at the facets' nodes, one table per local facet.
@@ -152,7 +156,7 @@ Facets make_surface(const FunctionSpace& V, std::span<const std::int32_t> facets
         out.X.push_back(x);
       }
     out.orientation.push_back(orientation(out.geometry, gdim, out.X.data() + first, centre));
-    out.id.push_back(8 * topology->original_cell_index[0][c] + local);
+    out.id.push_back(8 * cell_numbers[c] + local);
   }
   out.x = out.X;
   return out;

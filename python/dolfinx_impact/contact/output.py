@@ -11,8 +11,8 @@ from ..common.collective import guard
 class ContactOutput:
     """Results of a contact; arrays are over this rank's contact points, totals over all ranks and the same on all.
 
-    A class derived from this has points, gap, normal, pressure, traction, slip, status, weight, covered(), forces() and
-    `comm`.
+    A class derived from this has points, gap, normal, pressure, traction, slip, status, weight, covered(),
+    contact_forces() and `comm`.
     """
 
     @property

@@ -6,6 +6,7 @@ import math
 import numpy as np
 from mpi4py import MPI
 
+from ..common.cell_numbers import input_cell_numbers
 from . import energy_gain
 
 
@@ -18,7 +19,7 @@ def describe_node(V, node: int) -> str:
     """
     cell = int(np.argmax(np.any(V.dofmap.list == node, axis=1)))
     x = V.tabulate_dof_coordinates()[node]
-    number = int(V.mesh.topology.original_cell_index[cell])
+    number = int(input_cell_numbers(V.mesh.topology)[cell])
     text = f"cell {number} (number in the mesh's input) at {x[: V.mesh.geometry.dim].round(9).tolist()}"
     geometry = V.mesh.geometry
     places = geometry.x[geometry.dofmap[cell]]

@@ -12,6 +12,7 @@ from mpi4py import MPI
 from .. import _cpp
 from ..assembly import operators
 from ..assembly.jit import compile_form
+from ..common.cell_numbers import input_cell_numbers
 
 METHODS = ("length", "element", "eigenvalue")
 
@@ -193,7 +194,7 @@ class Frequencies:
             if len(bad):
                 mesh, cell = self.u.function_space.mesh, bad[0]
                 middle = mesh.geometry.x[mesh.geometry.dofmap[cell], : mesh.geometry.dim].mean(axis=0)
-                first = int(mesh.topology.original_cell_index[cell]), middle.round(9).tolist()
+                first = int(input_cell_numbers(mesh.topology)[cell]), middle.round(9).tolist()
             found = [f for f in self.comm.allgather(first) if f is not None]
             if found:
                 number, place = found[0]

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
+from ..common.cell_numbers import has_input
 from . import seal
 from .hdf5 import Sketch, reserve, write_at
 from .signature import signature, supports
@@ -34,7 +35,16 @@ def nodes_of(space):
 
 
 def input_cells(mesh):
-    """Numbers of this rank's owned cells in the mesh's input."""
+    """Numbers of this rank's owned cells in the mesh's input.
+
+    Raises:
+        RuntimeError: a submesh, which has no such numbers: its cells could not be told on other ranks.
+    """
+    if not has_input(mesh.topology):
+        raise RuntimeError(
+            "a checkpoint tells cells by their numbers in the mesh's input, which a submesh does not have: make the "
+            "mesh with create_mesh, or read it from a file"
+        )
     return mesh.topology.original_cell_index[: mesh.topology.index_map(mesh.topology.dim).size_local]
 
 

@@ -10,6 +10,7 @@ from mpi4py import MPI
 import basix
 import numpy as np
 
+from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import comm_of, guard
 
 SHOWN = 5  # cells or nodes named in an error
@@ -50,7 +51,7 @@ def check_mesh(
     cell_map = mesh.topology.index_map(mesh.topology.dim)
     mine = [
         (
-            int(cell_map.local_range[0] + c), int(mesh.topology.original_cell_index[c]), centroid[c],
+            int(cell_map.local_range[0] + c), int(input_cell_numbers(mesh.topology)[c]), centroid[c],
             label(tag_of.get(c), cell_names), "zero volume" if flat[c] else "folded or inverted" if not over[c] else
             "lies over a neighbour (inverted)",
         )
