@@ -40,11 +40,11 @@ operators.Energy.value = lambda self: (self._update(), self._cpp_object.value())
 # Every rank reports its own part of the total contact force.
 LOCAL_TOTAL = """
 from dolfinx_impact.contact.output import ContactOutput
-right = ContactOutput.total
+right = ContactOutput.update_totals
 def total(self):
     right(self)
     self.force = (self.weight[:, None] * self.traction)[self.status > 0].sum(axis=0)
-ContactOutput.total = total
+ContactOutput.update_totals = total
 """
 
 
@@ -57,7 +57,7 @@ pair._surface = lambda V, facets: right(V, facets if MPI.COMM_WORLD.rank == 0 el
 """
 # Energies of this rank's part of the bodies.
 LOCAL_ENERGIES = """
-from dolfinx_impact.explicit import ExplicitProblem
+from dolfinx_impact.dynamics.explicit import ExplicitProblem
 right = ExplicitProblem.energy_history.fget
 def energy_history(self):
     n = self.num_owned

@@ -43,7 +43,7 @@ def test_a_folder_that_cannot_be_made_is_an_error_on_all_ranks(ranks, mpirun, tm
     code = """
     import sys
     from mpi4py import MPI
-    from dolfinx_impact.results import RunFolder
+    from dolfinx_impact.io.run_folder import RunFolder
     try:
         RunFolder(sys.argv[1])
     except RuntimeError as error:
@@ -64,8 +64,8 @@ def test_fields_and_gathering(ranks, mpirun, tmp_path):
     import numpy as np
     from dolfinx import fem, mesh
     from mpi4py import MPI
-    from dolfinx_impact.gather import gather_field, gather_mesh
-    from dolfinx_impact.results import RunFolder
+    from dolfinx_impact.io.gather import gather_field, gather_mesh
+    from dolfinx_impact.io.run_folder import RunFolder
     comm = MPI.COMM_WORLD
     m = mesh.create_rectangle(comm, [[0, 0], [2, 1]], [7, 5], mesh.CellType.quadrilateral)
     u = fem.Function(fem.functionspace(m, ("Lagrange", 2, (2,))), name="u")

@@ -18,7 +18,7 @@ import numpy as np
 from mpi4py import MPI
 from restart_checks import block_on_block
 import dolfinx_impact as di
-from dolfinx_impact import recorder as module
+from dolfinx_impact.dynamics import recorder as module
 comm, folder, case = MPI.COMM_WORLD, Path(sys.argv[1]), sys.argv[2]
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 module.INTERVAL = 0.0
@@ -126,7 +126,7 @@ from pathlib import Path
 import numpy as np
 from dolfinx import fem, mesh
 from mpi4py import MPI
-from dolfinx_impact.results import RunFolder
+from dolfinx_impact.io.run_folder import RunFolder
 comm, folder = MPI.COMM_WORLD, Path(sys.argv[1])
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 run = RunFolder(folder / "run", comm=comm)
