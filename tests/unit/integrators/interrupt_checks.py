@@ -236,7 +236,7 @@ def check_statics_goes_back_to_the_last_converged_state():
         def counted(problem, wanted=0):
             """Counts iterations, notes accepted states, and presses Ctrl-C in one iteration."""
             contact, count, accepted = problem.contact[0], [], []
-            update, accept = contact.update, contact.accept
+            update, accept = contact.update_gap, contact.accept_step
 
             def updated(u):
                 count.append(1)
@@ -248,7 +248,7 @@ def check_statics_goes_back_to_the_last_converged_state():
                 accept()
                 accepted.append((len(count), problem.u.x.array.copy()))
 
-            contact.update, contact.accept = updated, noted
+            contact.update_gap, contact.accept_step = updated, noted
             return accepted
 
         whole, plane, _ = make()
