@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The hand-written finite element solver: NumPy in, NumPy out, no FEniCS inside.
+"""The hand-written finite element solver: it takes and returns NumPy arrays and uses no part of FEniCS.
 
-Classical elements (B^T D B, own shape functions, own quadrature tables, own node order) against which the kernels
-generated from UFL are verified. See `reference_nodes` for the node order; degrees of freedom are node-major with the
-component fastest. Units are the caller's; the docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
+Classical elements (B^T D B, shape functions, quadrature tables and node order of its own) verify the kernels that are
+generated from UFL. `reference_nodes` states the node order; degrees of freedom are node-major with the component
+fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
 from . import contact, elements, explicit, model, rules, sparse

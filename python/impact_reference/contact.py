@@ -3,15 +3,18 @@
 
 Signs: the normal points out of the master, the gap is positive when open, pressures are positive in compression and are
 forces per reference area, tractions act on the slave, a contact force stands on the right-hand side. Status: 0 open,
-1 stick, 2 slip (a closed point without friction slips). Not a fast code: it is what a fast one is compared with.
+1 stick, 2 slip (a closed point without friction slips). The code is simple rather than fast: fast code is compared with
+it.
 """
 
 from dataclasses import dataclass, field
+from typing import TypeAlias, Union
 
 import numpy as np
 
 from . import _reference, rules
-from .model import _floats, _integers, _vector
+from .array_types import ArrayLike, BoolArray, FloatArray, IntArray, Rule
+from .model import Model, _floats, _integers, _vector
 from .sparse import Csr
 
 OPEN, STICK, SLIP = 0, 1, 2
@@ -19,90 +22,133 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 @dataclass
 class RigidPlane:
-    """Half-space below a point [L] and behind a normal that points out of it; both (gdim)."""
+    """Rigid half-space. Its displacement is read whenever a contact is evaluated or solved.
 
-    point: np.ndarray
-    normal: np.ndarray
-    displacement: np.ndarray = 0.0  # (gdim) [L]; read whenever a Contact is evaluated or solved
+    Args:
+        point: point of the plane, shape (gdim) [L].
+        normal: normal that points out of the half-space, shape (gdim) [1].
+        displacement: rigid displacement, shape (gdim) [L].
+    """
+
+    point: ArrayLike
+    normal: ArrayLike
+    displacement: ArrayLike = 0.0
 
 
 @dataclass
 class RigidSphere:
-    """Ball; a disc in plane problems, a ball on the axis or a torus in axisymmetric ones. center (gdim) [L]."""
+    """Rigid ball; a disc in plane problems, a ball on the axis or a torus in axisymmetric ones.
 
-    center: np.ndarray
-    radius: float  # [L]
-    displacement: np.ndarray = 0.0  # (gdim) [L]
+    Args:
+        center: centre, shape (gdim) [L].
+        radius: radius [L].
+        displacement: rigid displacement, shape (gdim) [L].
+    """
+
+    center: ArrayLike
+    radius: float
+    displacement: ArrayLike = 0.0
 
 
 @dataclass
 class RigidCylinder:
-    """Endless cylinder about an axis through the center (gdim) [L]; in 2D a disc, without axis."""
+    """Rigid cylinder of infinite length; in the plane a disc, without axis.
 
-    center: np.ndarray
-    radius: float  # [L]
-    axis: np.ndarray = None  # (3) [1]
-    displacement: np.ndarray = 0.0  # (gdim) [L]
+    Args:
+        center: point of the axis, shape (gdim) [L].
+        radius: radius [L].
+        axis: direction of the axis, shape (3); None in the plane [1].
+        displacement: rigid displacement, shape (gdim) [L].
+    """
+
+    center: ArrayLike
+    radius: float
+    axis: ArrayLike | None = None
+    displacement: ArrayLike = 0.0
+
+
+Obstacle: TypeAlias = Union[RigidPlane, RigidSphere, RigidCylinder]
+# Shape, point, direction and radius as the compiled module takes them.
+_ObstacleData: TypeAlias = tuple[str, FloatArray, FloatArray, float]
+# u, load, u at the history, obstacle's displacement, traction, slip, touched, penalty multipliers, mortar multipliers.
+_State: TypeAlias = tuple[
+    FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray, FloatArray, FloatArray
+]
 
 
 @dataclass
 class History:
     """Converged state that friction refers to."""
 
-    u: np.ndarray  # (num_dofs) [L]
-    displacement: np.ndarray  # of the rigid master (gdim) [L]
-    traction: np.ndarray  # tangential, at the slave's points (num_points, gdim) [F/L^2]
-    slip: np.ndarray  # sum over the steps (num_points, gdim) [L]
-    touched: np.ndarray  # 1 where a point was closed, integers (num_points)
+    u: FloatArray  # (num_dofs) [L]
+    displacement: FloatArray  # of the rigid master (gdim) [L]
+    traction: FloatArray  # tangential, at the slave's points (num_points, gdim) [F/L^2]
+    slip: FloatArray  # sum over the steps (num_points, gdim) [L]
+    touched: IntArray  # 1 where a point was closed (num_points)
 
 
 @dataclass
 class Points:
     """Values at the quadrature points of the slave, facet by facet."""
 
-    gap: np.ndarray  # inf without master [L]
-    normal: np.ndarray  # out of the master (num_points, gdim); zero without master
-    facet: np.ndarray  # row of `master`, or -1
-    coordinate: np.ndarray  # own reference coordinates on that facet (num_points, gdim - 1)
-    position: np.ndarray  # current, of the slave point (num_points, gdim) [L]
-    weight: np.ndarray  # reference area of the point, 2 pi R in it if axisymmetric [L^2], [L] in the plane
-    pressure: np.ndarray  # [F/L^2]
-    traction: np.ndarray  # tangential (num_points, gdim) [F/L^2]
-    status: np.ndarray  # 0 open, 1 stick, 2 slip
+    gap: FloatArray  # inf without master (num_points) [L]
+    normal: FloatArray  # out of the master, zero without master (num_points, gdim) [1]
+    facet: IntArray  # row of `master`, or -1 (num_points)
+    coordinate: FloatArray  # reference coordinates of the projection on that facet (num_points, gdim - 1) [1]
+    position: FloatArray  # current position of the slave point (num_points, gdim) [L]
+    weight: FloatArray  # reference area of the point, including 2 pi R if axisymmetric [L^2], in the plane [L]
+    pressure: FloatArray  # (num_points) [F/L^2]
+    traction: FloatArray  # tangential (num_points, gdim) [F/L^2]
+    status: IntArray  # 0 open, 1 stick, 2 slip (num_points)
 
 
 @dataclass
 class Penalty:
-    """Answer of `Contact.penalty`."""
+    """Result of `Contact.penalty`."""
 
-    force: np.ndarray  # on both bodies (num_dofs) [F]
-    tangent: Csr  # derivative of minus the force: to be added to K [F/L]
+    force: FloatArray  # on both bodies (num_dofs) [F]
+    tangent: Csr  # derivative of minus the force, to be added to K [F/L]
     points: Points
     history: History  # of this state, for the next step
 
-    gap = property(lambda self: self.points.gap)
-    pressure = property(lambda self: self.points.pressure)
-    traction = property(lambda self: self.points.traction)
-    status = property(lambda self: self.points.status)
+    @property
+    def gap(self) -> FloatArray:
+        """Gap at the slave's points, shape (num_points) [L]."""
+        return self.points.gap
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Contact pressure at the slave's points, shape (num_points) [F/L^2]."""
+        return self.points.pressure
+
+    @property
+    def traction(self) -> FloatArray:
+        """Tangential traction at the slave's points, shape (num_points, gdim) [F/L^2]."""
+        return self.points.traction
+
+    @property
+    def status(self) -> IntArray:
+        """Status of the slave's points, shape (num_points): 0 open, 1 stick, 2 slip."""
+        return self.points.status
 
 
 @dataclass
 class Mortar:
-    """Answer of `Contact.mortar`. Nodes are those of the field."""
+    """Result of `Contact.mortar`. Nodes are those of the field."""
 
-    D: Csr  # int psi_j phi_k dA_0 (num_nodes, num_nodes)
-    M: Csr  # int psi_j phi_l dA_0, l on the master (num_nodes, num_nodes)
-    gamma: np.ndarray  # int psi_j (x_s - x_m) dA_0 (num_nodes, gdim)
-    normals: np.ndarray  # (num_nodes, gdim), zero off the slave
-    moved: np.ndarray  # sum D_jk du_k - sum M_jl du_l since the history (num_nodes, gdim)
-    cover: np.ndarray  # int psi_j (num_nodes)
-    participates: np.ndarray  # True where a multiplier lives
-    force: np.ndarray  # of the multipliers (num_dofs) [F]
+    D: Csr  # int psi_j phi_k dA_0 (num_nodes, num_nodes) [L^2]
+    M: Csr  # int psi_j phi_l dA_0, l on the master (num_nodes, num_nodes) [L^2]
+    gamma: FloatArray  # int psi_j (x_s - x_m) dA_0 (num_nodes, gdim) [L^3]
+    normals: FloatArray  # zero off the slave (num_nodes, gdim) [1]
+    moved: FloatArray  # sum D_jk du_k - sum M_jl du_l since the history (num_nodes, gdim) [L^3]
+    cover: FloatArray  # int psi_j dA_0 (num_nodes) [L^2]
+    participates: BoolArray  # True where a node has a multiplier (num_nodes)
+    force: FloatArray  # of the multipliers (num_dofs) [F]
     tangent: Csr  # derivative of minus this force at constant multipliers [F/L]
 
     @property
-    def gap(self):
-        """n_j . gamma_j / int psi_j [L]; inf where no multiplier lives."""
+    def gap(self) -> FloatArray:
+        """Weighted gap n_j . gamma_j / int psi_j, shape (num_nodes); inf at nodes without multiplier [L]."""
         part = self.participates
         gap = np.full(len(part), np.inf)
         gap[part] = np.einsum("ja,ja->j", self.normals[part], self.gamma[part]) / self.cover[part]
@@ -111,28 +157,28 @@ class Mortar:
 
 @dataclass
 class ContactSolution:
-    """Answer of the solvers. For multipliers pressure, gap and status are per field node, for penalty per point."""
+    """Result of the solvers. For multipliers the values are per field node, for the penalty method per point."""
 
-    u: np.ndarray  # (num_dofs) [L]
-    pressure: np.ndarray  # [F/L^2]
-    traction: np.ndarray  # tangential [F/L^2]
-    gap: np.ndarray  # inf where there is no master or no multiplier [L]
-    status: np.ndarray
-    contact_force: np.ndarray  # (num_dofs) [F]
-    reactions: np.ndarray  # internal force less load and contact force on fixed dofs, zero elsewhere [F]
-    iterations: list  # Newton's, of every load step
-    residuals: list
-    multipliers: np.ndarray = None  # z_j (num_nodes, gdim) [F/L^2]
-    points: Points = None  # of the penalty method
-    history: History = None
-    state: tuple = field(default=None, repr=False)  # what `start` takes
+    u: FloatArray  # (num_dofs) [L]
+    pressure: FloatArray  # (num_nodes or num_points) [F/L^2]
+    traction: FloatArray  # tangential (num_nodes or num_points, gdim) [F/L^2]
+    gap: FloatArray  # inf without master or multiplier (num_nodes or num_points) [L]
+    status: IntArray  # 0 open, 1 stick, 2 slip (num_nodes or num_points)
+    contact_force: FloatArray  # (num_dofs) [F]
+    reactions: FloatArray  # internal force less load and contact force on fixed dofs, zero elsewhere (num_dofs) [F]
+    iterations: list[int]  # Newton's, of every load step
+    residuals: list[float]  # at the end of every load step, relative [1]
+    multipliers: FloatArray | None = None  # z_j of mortar contact (num_nodes, gdim) [F/L^2]
+    points: Points | None = None  # of the penalty method
+    history: History | None = None
+    state: _State | None = field(default=None, repr=False)  # for the argument `start` of the solvers
 
 
-def _obstacle(master, gdim):
+def _obstacle(master: Obstacle, gdim: int) -> _ObstacleData:
     zero = np.zeros(gdim)
     if isinstance(master, RigidPlane):
         return ("plane", _vector(master.point), _vector(master.normal), 0.0)
-    axis = getattr(master, "axis", None)
+    axis = master.axis if isinstance(master, RigidCylinder) else None
     if isinstance(master, RigidCylinder) and gdim == 3 and axis is None:
         raise ValueError("a rigid cylinder in space needs an axis")
     shape = "sphere" if isinstance(master, RigidSphere) else "cylinder"
@@ -140,38 +186,58 @@ def _obstacle(master, gdim):
 
 
 class Contact:
-    """Contact of two parts of the surface of a Model, or of one and a rigid obstacle.
+    """Contact of two parts of the surface of a Model, or of one part and a rigid obstacle.
 
-    slave, master: facets (m, nodes), as in Model.traction; master may be a RigidPlane, RigidSphere or RigidCylinder.
-    friction: Coulomb's coefficient [1]. prescribed: dofs with Dirichlet values, which the normals of mortar contact
-    respect. rule: None, a degree, or (points, weights): on the facet (interval [-1, 1], triangle, quadrilateral
-    [-1, 1]^2) for the penalty method and rigid masters; on the interval or triangle that segments are made of for
-    mortar integrals. search_distance [L]: masters further away do not count; None for no limit.
-    ValueError for facets that are repeated or not on the boundary, and for numbers out of range.
+    Args:
+        model: the bodies.
+        slave: points of every slave facet, shape (num_facets, nodes per facet); its vertices suffice.
+        master: points of every master facet, as `slave`; or a rigid obstacle.
+        friction: Coulomb's friction coefficient [1].
+        rule: None, a degree, a name, or a pair (points, weights). For the penalty method and rigid masters it belongs
+            to the facet (interval [-1, 1], triangle, quadrilateral [-1, 1]^2); for mortar integrals to the intervals
+            or triangles that the facets are divided into.
+        prescribed: degrees of freedom with Dirichlet values, which the normals of mortar contact respect.
+        search_distance: masters further away are ignored; None for no limit [L].
+
+    Raises:
+        ValueError: facets that are repeated or not on the boundary, or numbers out of range.
+        TypeError: facets that are not integers.
     """
 
-    def __init__(self, model, slave, master, friction=0.0, rule=None, prescribed=(), search_distance=None):
+    def __init__(
+        self,
+        model: Model,
+        slave: ArrayLike,
+        master: ArrayLike | Obstacle,
+        friction: float = 0.0,
+        rule: Rule | float = None,
+        prescribed: ArrayLike = (),
+        search_distance: float | None = None,
+    ) -> None:
         self.model, self.friction, self.rule = model, float(friction), rule
         self.gdim = model.field_points.shape[1]
-        rigid = isinstance(master, (RigidPlane, RigidSphere, RigidCylinder))
-        self.obstacle = master if rigid else None
-        facets = np.zeros((0, 1), dtype=np.int64) if rigid else _integers(master, "master", 2)
+        self.obstacle: Obstacle | None = None
+        facets: IntArray = np.zeros((0, 1), dtype=np.int64)
+        if isinstance(master, (RigidPlane, RigidSphere, RigidCylinder)):
+            self.obstacle = master
+        else:
+            facets = _integers(master, "master", 2)
         prescribed = np.asarray(prescribed, dtype=np.int64).reshape(-1)
         limit = np.inf if search_distance is None else float(search_distance)
         self._contact = _reference.Contact(
             model._model,
             _integers(slave, "slave", 2),
             facets,
-            [_obstacle(master, self.gdim)] if rigid else [],
+            [] if self.obstacle is None else [_obstacle(self.obstacle, self.gdim)],
             self.friction,
             prescribed,
             limit,
         )
         self.facet_rule = self._resolve(rules.facet_type(model.cell_type), 2 * model.degree + 2)
-        self.num_points = self._contact.num_facets * len(self.facet_rule[1])
+        self.num_points: int = self._contact.num_facets * len(self.facet_rule[1])
 
-    def _resolve(self, cell, default):
-        rule = default if self.rule is None else self.rule
+    def _resolve(self, cell: str, default: int) -> tuple[FloatArray, FloatArray]:
+        rule: Rule | float = default if self.rule is None else self.rule
         if isinstance(rule, (int, float, np.number)):
             if int(rule) != rule or rule < 0:
                 raise ValueError(f"rule is {rule!r}: give a degree, a name or (points, weights)")
@@ -182,40 +248,73 @@ class Contact:
             raise ValueError(f"a rule here needs points of shape (n, {self.gdim - 1}) and n weights")
         return points, weights
 
-    def segment_rule(self):
-        """Points and weights of mortar integrals: on segments, or on the facet if the master is rigid."""
+    def segment_rule(self) -> tuple[FloatArray, FloatArray]:
+        """Rule of mortar integrals: on segments of facets, or on the facet if the master is rigid.
+
+        Returns:
+            Points, shape (num_points, gdim - 1) [1], and weights, shape (num_points) [1].
+        """
         cell, p = rules.facet_type(self.model.cell_type), self.model.degree
         affine = cell != "quadrilateral" and p == 1 and self.model.geometry_degree == 1
         if self.obstacle is None and cell == "quadrilateral":
             cell = "triangle"
         return self._resolve(cell, 3 * p + (2 if affine else 4))
 
-    def _displacement(self):
+    def _displacement(self) -> FloatArray:
         if self.obstacle is None:
             return np.zeros(self.gdim)
         return np.broadcast_to(_floats(self.obstacle.displacement), (self.gdim,)).copy()
 
-    def no_history(self):
-        """The state before anything happened."""
+    def no_history(self) -> History:
+        """History of a contact that was never closed.
+
+        Returns:
+            History with zero displacements, tractions and slips.
+        """
         zero = np.zeros((self.num_points, self.gdim))
         touched = np.zeros(self.num_points, dtype=np.int64)
         return History(np.zeros(self.model.num_dofs), np.zeros(self.gdim), zero, zero.copy(), touched)
 
-    def _history(self, history):
+    def _history(self, history: History | None) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray]:
         h = self.no_history() if history is None else history
         traction, slip = _floats(h.traction), _floats(h.slip)
         if traction.shape != (self.num_points, self.gdim) or slip.shape != traction.shape:
             raise ValueError(f"a history of this contact has {self.num_points} points, found {traction.shape}")
         return _vector(h.u), _vector(h.displacement), traction, slip, _integers(h.touched, "touched", 1)
 
-    def closest_points(self, u):
-        """Points: gap, normal, master facet, coordinate and position of every slave point; pressures are zero."""
+    def closest_points(self, u: ArrayLike) -> Points:
+        """Closest points of the master to the slave's quadrature points.
+
+        Args:
+            u: displacements, shape (num_dofs) [L].
+
+        Returns:
+            Gap, normal, master facet, coordinate and position of every slave point; pressures are zero.
+        """
         return self.penalty(u, 0.0).points
 
-    def penalty(self, u, chi, chi_t=None, history=None, multiplier=None):
-        """Gauss point to surface at u (num_dofs) [L] with chi [F/L^3]; returns a Penalty.
+    def penalty(
+        self,
+        u: ArrayLike,
+        chi: float,
+        chi_t: float | None = None,
+        history: History | None = None,
+        multiplier: ArrayLike | None = None,
+    ) -> Penalty:
+        """Forces and tangent of penalty contact at quadrature points.
 
-        chi_t (default chi) is the tangential stiffness, multiplier (num_points) the lambda_q of the augmented method.
+        Args:
+            u: displacements, shape (num_dofs) [L].
+            chi: normal penalty [F/L^3].
+            chi_t: tangential penalty; None takes `chi` [F/L^3].
+            history: state that friction refers to; None for a contact that was never closed.
+            multiplier: multipliers lambda_q of the augmented method, shape (num_points); None for zero [F/L^2].
+
+        Returns:
+            Force, tangent, values at the points and the new history.
+
+        Raises:
+            ValueError: penalties that are not positive, or arrays of a wrong size.
         """
         chi_t = chi if chi_t is None else chi_t
         if not (np.isfinite(chi) and chi >= 0 and np.isfinite(chi_t) and chi_t >= 0) or chi > 0 == chi_t:
@@ -234,10 +333,27 @@ class Contact:
         )
         return Penalty(force, Csr(*tangent.arrays), Points(*points), History(*history))
 
-    def mortar(self, u, basis="dual", multipliers=None, history=None):
-        """Mortar integrals at u (num_dofs) [L], and the force of multipliers (num_nodes, gdim); returns a Mortar.
+    def mortar(
+        self,
+        u: ArrayLike,
+        basis: str = "dual",
+        multipliers: ArrayLike | None = None,
+        history: History | None = None,
+    ) -> Mortar:
+        """Mortar integrals, and the force of multipliers.
 
-        basis: "dual", "standard" (the shape functions) or "linear" (hats of the corners). ValueError for others.
+        Args:
+            u: displacements, shape (num_dofs) [L].
+            basis: basis of the multipliers: "dual", "standard" (the shape functions) or "linear" (linear functions of
+                the corners).
+            multipliers: multipliers z_j, shape (num_nodes, gdim); None for zero [F/L^2].
+            history: state that friction refers to; None for a contact that was never closed.
+
+        Returns:
+            Integrals, normals, force and tangent.
+
+        Raises:
+            ValueError: an unknown basis, or multipliers of a wrong shape.
         """
         nodes = len(self.model.field_points)
         z = np.zeros((nodes, self.gdim)) if multipliers is None else _floats(multipliers)
@@ -256,7 +372,7 @@ class Contact:
         D, M, tangent = (Csr(*a.arrays) for a in (D, M, tangent))
         return Mortar(D, M, gamma, normals, moved, cover, part.astype(bool), force, tangent)
 
-    def _start(self, start):
+    def _start(self, start: ContactSolution | _State | None) -> _State | None:
         if start is not None:
             return start.state if isinstance(start, ContactSolution) else start
         h, nodes = self.no_history(), len(self.model.field_points)
@@ -264,7 +380,9 @@ class Contact:
         z = np.zeros((nodes, self.gdim))
         return (h.u, load, h.u, h.displacement, h.traction, h.slip, h.touched, np.zeros(0), z)
 
-    def _loads(self, fixed_dofs, values, load):
+    def _loads(
+        self, fixed_dofs: ArrayLike, values: ArrayLike, load: ArrayLike | None
+    ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
         fixed = _integers(fixed_dofs, "fixed_dofs", 1)
         values = np.broadcast_to(_floats(values), fixed.shape).copy()
         load = np.zeros(self.model.num_dofs) if load is None else _vector(load)
@@ -272,22 +390,39 @@ class Contact:
 
     def solve_penalty(
         self,
-        fixed_dofs,
-        values=0.0,
-        load=None,
-        chi=None,
-        chi_t=None,
-        steps=1,
-        start=None,
-        augmented=False,
-        tolerance=1e-12,
-        max_iterations=60,
-    ):
-        """Equilibrium by the penalty method; returns a ContactSolution.
+        fixed_dofs: ArrayLike,
+        values: ArrayLike = 0.0,
+        load: ArrayLike | None = None,
+        chi: float | None = None,
+        chi_t: float | None = None,
+        steps: int = 1,
+        start: ContactSolution | _State | None = None,
+        augmented: bool = False,
+        tolerance: float = 1e-12,
+        max_iterations: int = 60,
+    ) -> ContactSolution:
+        """Equilibrium by the penalty method.
 
-        Prescribed values, load and the obstacle's displacement go linearly from the state `start` (an earlier
-        solution; at rest by default) to what is given here, in `steps` steps. augmented: Uzawa's method with linear
-        multipliers on the facets. RuntimeError if Newton's method fails.
+        Prescribed values, load and the obstacle's displacement vary linearly from the state `start` to the arguments.
+
+        Args:
+            fixed_dofs: prescribed degrees of freedom, shape (num_fixed).
+            values: their displacements: one number, or shape (num_fixed) [L].
+            load: external force, shape (num_dofs); None for zero [F].
+            chi: normal penalty [F/L^3].
+            chi_t: tangential penalty; None takes `chi` [F/L^3].
+            steps: number of load steps.
+            start: an earlier solution, or its `state`; None for the bodies at rest.
+            augmented: use Uzawa's method with linear multipliers on the facets.
+            tolerance: bound on the relative residual [1].
+            max_iterations: bound on Newton's iterations per load step.
+
+        Returns:
+            Solution with values at the quadrature points.
+
+        Raises:
+            ValueError: penalties that are not positive.
+            RuntimeError: Newton's method does not converge.
         """
         if chi is None or not chi > 0 or (chi_t is not None and not chi_t > 0):
             raise ValueError(f"penalties must be positive, found chi = {chi!r}, chi_t = {chi_t!r}")
@@ -313,16 +448,36 @@ class Contact:
 
     def solve_lagrange(
         self,
-        fixed_dofs,
-        values=0.0,
-        load=None,
-        steps=1,
-        basis="dual",
-        start=None,
-        tolerance=1e-12,
-        max_iterations=60,
-    ):
-        """Equilibrium with mortar multipliers; arguments as for solve_penalty. Returns a ContactSolution."""
+        fixed_dofs: ArrayLike,
+        values: ArrayLike = 0.0,
+        load: ArrayLike | None = None,
+        steps: int = 1,
+        basis: str = "dual",
+        start: ContactSolution | _State | None = None,
+        tolerance: float = 1e-12,
+        max_iterations: int = 60,
+    ) -> ContactSolution:
+        """Equilibrium with mortar multipliers.
+
+        Prescribed values, load and the obstacle's displacement vary linearly from the state `start` to the arguments.
+
+        Args:
+            fixed_dofs: prescribed degrees of freedom, shape (num_fixed).
+            values: their displacements: one number, or shape (num_fixed) [L].
+            load: external force, shape (num_dofs); None for zero [F].
+            steps: number of load steps.
+            basis: basis of the multipliers, as in `mortar`.
+            start: an earlier solution, or its `state`; None for the bodies at rest.
+            tolerance: bound on the relative residual [1].
+            max_iterations: bound on Newton's iterations per load step.
+
+        Returns:
+            Solution with values at the field nodes.
+
+        Raises:
+            ValueError: an unknown basis.
+            RuntimeError: Newton's method does not converge.
+        """
         result = self._contact.solve_lagrange(
             *self.model._strain_rule(),
             *self.segment_rule(),

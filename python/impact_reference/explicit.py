@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: MIT
 """Central differences as docs/explicit/scheme.md states them: the loop, its histories and its stable step."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, TypeAlias, Union
 
 import numpy as np
 
 from . import _reference
-from .contact import RigidCylinder, RigidPlane, RigidSphere, _obstacle
-from .model import _floats, _integers, _vector
+from .array_types import ArrayLike, FloatArray, IntArray, TimeValues
+from .contact import Obstacle, RigidCylinder, RigidPlane, RigidSphere, _obstacle
+from .model import Model, _floats, _integers, _vector
+
+# A vector, or a pair (vector, amplitude over time).
+Load: TypeAlias = Union[ArrayLike, tuple[ArrayLike, TimeValues]]
 
 ENERGIES = (
     "kinetic",
@@ -24,7 +30,14 @@ ENERGIES = (
 
 
 class _Nodal:
-    def __init__(self, slave, master, friction, search_distance, motion):
+    def __init__(
+        self,
+        slave: ArrayLike,
+        master: ArrayLike | Obstacle,
+        friction: float,
+        search_distance: float | None,
+        motion: TimeValues | None,
+    ) -> None:
         self.slave, self.master, self.friction = slave, master, float(friction)
         self.search_distance = np.nan if search_distance is None else float(search_distance)
         self.motion = motion
@@ -32,12 +45,19 @@ class _Nodal:
         if motion is not None and not self.rigid:
             raise ValueError("motion is for rigid masters; a deformable one moves with its nodes")
 
-    def _arguments(self, model, times, lumping):
+    def _bind(self, model: Model, times: FloatArray, lumping: str) -> Any:  # an object of the compiled module
+        raise NotImplementedError
+
+    def _arguments(self, model: Model, times: FloatArray, lumping: str) -> tuple[Any, ...]:  # of the compiled classes
         d = model.points.shape[1]
-        facets = np.zeros((0, 1), dtype=np.int64) if self.rigid else _integers(self.master, "master", 2)
-        obstacle = [_obstacle(self.master, d)] if self.rigid else []
-        motion = self.master.displacement if self.rigid and self.motion is None else self.motion
-        displacement = _levels(0.0 if motion is None else motion, times, d, "motion")
+        facets: IntArray = np.zeros((0, 1), dtype=np.int64)
+        obstacle, motion = [], self.motion
+        if isinstance(self.master, (RigidPlane, RigidSphere, RigidCylinder)):
+            obstacle = [_obstacle(self.master, d)]
+            motion = self.master.displacement if motion is None else motion
+        else:
+            facets = _integers(self.master, "master", 2)
+        displacement = _time_levels(0.0 if motion is None else motion, times, d, "motion")
         mass = model.mass(lumped=True, scheme=lumping)
         slave = _integers(self.slave, "slave", 2)
         return model._model, slave, facets, obstacle, self.search_distance, mass, displacement
@@ -46,21 +66,40 @@ class _Nodal:
 class NodalPenalty(_Nodal):
     """Node-to-surface penalty contact of docs/explicit/penalty.md, for `Model.run_explicit`.
 
-    slave, master: facets (m, nodes), as in `Contact`; master may be a RigidPlane, RigidSphere or RigidCylinder.
-    friction: Coulomb's coefficient [1]. penalty [F/L^3]: None takes stiffnesses from masses and the step. balanced:
-    once in each direction with half the stiffness. search_distance [L]: masters further away do not count, nor
-    further than twice a step's motion of node and master against each other; None takes the longest distance between
-    corners of any facet. motion [L]: of a rigid master, (gdim), a function of t, or a table (times, (n, gdim)); None
-    takes master.displacement throughout. Running raises ValueError for facets that are repeated or not on the boundary.
+    A run raises ValueError for facets that are repeated or not on the boundary.
+
+    Args:
+        slave: points of every slave facet, shape (num_facets, nodes per facet); its vertices suffice.
+        master: points of every master facet, as `slave`; or a rigid obstacle.
+        friction: Coulomb's friction coefficient [1].
+        penalty: penalty; None takes stiffnesses from the masses and the step [F/L^3].
+        balanced: apply the contact once in each direction, with half the stiffness.
+        search_distance: masters further away are ignored, and so are masters further away than twice the motion of
+            node and master against each other in a step; None takes the longest distance between corners of any
+            facet [L].
+        motion: displacement of a rigid master over time: shape (gdim), a function of t, or a table (times, values) with
+            values of shape (n, gdim); None takes `master.displacement` at all times [L].
+
+    Raises:
+        ValueError: a penalty that is not positive, or a motion of a deformable master.
     """
 
-    def __init__(self, slave, master, friction=0.0, penalty=None, balanced=False, search_distance=None, motion=None):
+    def __init__(
+        self,
+        slave: ArrayLike,
+        master: ArrayLike | Obstacle,
+        friction: float = 0.0,
+        penalty: float | None = None,
+        balanced: bool = False,
+        search_distance: float | None = None,
+        motion: TimeValues | None = None,
+    ) -> None:
         super().__init__(slave, master, friction, search_distance, motion)
         if penalty is not None and not penalty > 0:
             raise ValueError(f"penalty is {penalty!r}: it must be positive, or None")
         self.penalty, self.balanced = penalty, bool(balanced)
 
-    def _bind(self, model, times, lumping):
+    def _bind(self, model: Model, times: FloatArray, lumping: str) -> _reference.NodalPenalty:
         arguments = self._arguments(model, times, lumping)
         return _reference.NodalPenalty(*arguments, self.friction, float(self.penalty or 0), self.balanced)
 
@@ -68,45 +107,65 @@ class NodalPenalty(_Nodal):
 class NodalKinematic(_Nodal):
     """Kinematic contact of docs/explicit/kinematic.md, for `Model.run_explicit`.
 
-    Arguments as in NodalPenalty, and sweeps.
+    Args:
+        slave: points of every slave facet, shape (num_facets, nodes per facet); its vertices suffice.
+        master: points of every master facet, as `slave`; or a rigid obstacle.
+        friction: Coulomb's friction coefficient [1].
+        sweeps: number of sweeps over the nodes in a step.
+        search_distance: masters further away are ignored, as in `NodalPenalty` [L].
+        motion: displacement of a rigid master over time, as in `NodalPenalty` [L].
+
+    Raises:
+        ValueError: a motion of a deformable master.
     """
 
-    def __init__(self, slave, master, friction=0.0, sweeps=3, search_distance=None, motion=None):
+    def __init__(
+        self,
+        slave: ArrayLike,
+        master: ArrayLike | Obstacle,
+        friction: float = 0.0,
+        sweeps: int = 3,
+        search_distance: float | None = None,
+        motion: TimeValues | None = None,
+    ) -> None:
         super().__init__(slave, master, friction, search_distance, motion)
         self.sweeps = int(sweeps)
 
-    def _bind(self, model, times, lumping):
+    def _bind(self, model: Model, times: FloatArray, lumping: str) -> _reference.NodalKinematic:
         return _reference.NodalKinematic(*self._arguments(model, times, lumping), self.friction, self.sweeps)
 
 
 @dataclass
 class ContactHistory:
-    """What a contact did; the first axis counts the states kept. Status: 0 open, 1 stick, 2 slip (or no friction)."""
+    """Values of a contact over time; the first axis counts the states kept.
 
-    total: np.ndarray  # on the slave (num_states, gdim) [F]
-    force: np.ndarray  # nodal, on both bodies (num_states, num_dofs) [F]
-    nodes: np.ndarray  # of the slave: field nodes (num_slave_nodes)
-    gap: np.ndarray  # penalty: at t_n; kinematic: what is left at t_(n+1); inf without master (num_states, nodes) [L]
-    status: np.ndarray  # (num_states, num_slave_nodes)
-    traction: np.ndarray  # friction's force on a slave node (num_states, num_slave_nodes, gdim) [F]
-    slip: np.ndarray  # since it closed (num_states, num_slave_nodes, gdim) [L]
+    The gap is that of t_n for the penalty method, and what remains at t_(n+1) for kinematic contact.
+    """
+
+    total: FloatArray  # force on the slave (num_states, gdim) [F]
+    force: FloatArray  # nodal, on both bodies (num_states, num_dofs) [F]
+    nodes: IntArray  # field nodes of the slave (num_slave_nodes)
+    gap: FloatArray  # inf without master (num_states, num_slave_nodes) [L]
+    status: IntArray  # 0 open, 1 stick, 2 slip or closed without friction (num_states, num_slave_nodes)
+    traction: FloatArray  # friction force on a slave node (num_states, num_slave_nodes, gdim) [F]
+    slip: FloatArray  # since it closed (num_states, num_slave_nodes, gdim) [L]
 
 
 @dataclass
 class ExplicitResult:
-    """Answer of `Model.run_explicit`; the first axis counts the states kept, the initial one is the first."""
+    """Result of `Model.run_explicit`; the first axis counts the states kept, the initial one is the first."""
 
-    time: np.ndarray  # (num_states) [T]
-    u: np.ndarray  # (num_states, num_dofs) [L]
-    v: np.ndarray  # at the time levels, (3.75) (num_states, num_dofs) [L/T]
-    a: np.ndarray  # (num_states, num_dofs) [L/T^2]
-    v_half: np.ndarray  # half a step later (num_states, num_dofs) [L/T]
-    support: np.ndarray  # on prescribed dofs, zero elsewhere (num_states, num_dofs) [F]
-    energies: dict  # of arrays (num_states) [F L]: see ENERGIES; drift [1]
-    contacts: list  # a ContactHistory of each contact
+    time: FloatArray  # (num_states) [T]
+    u: FloatArray  # (num_states, num_dofs) [L]
+    v: FloatArray  # at the time levels, (3.75) (num_states, num_dofs) [L/T]
+    a: FloatArray  # (num_states, num_dofs) [L/T^2]
+    v_half: FloatArray  # half a step later (num_states, num_dofs) [L/T]
+    support: FloatArray  # force on prescribed dofs, zero elsewhere (num_states, num_dofs) [F]
+    energies: dict[str, FloatArray]  # by the names of ENERGIES, each (num_states) [F L]; drift is relative [1]
+    contacts: list[ContactHistory]  # one of each contact
 
 
-def _levels(table, times, width, what):
+def _time_levels(table: TimeValues, times: FloatArray, width: int, what: str) -> FloatArray:
     """Values at time levels, shape (len(times), width): a constant, a function of t, or (times, values), linear."""
     if callable(table):
         rows = [np.broadcast_to(_floats(table(t)), (width,)) for t in times]
@@ -123,50 +182,59 @@ def _levels(table, times, width, what):
     return np.broadcast_to(_floats(table), (len(times), width)).copy()
 
 
-def _loads(loads, times, num_dofs):
-    """Rows of loads and their amplitudes (len(times), num_loads)."""
+def _loads(
+    loads: FloatArray | Sequence[Load] | None, times: FloatArray, num_dofs: int
+) -> tuple[FloatArray, FloatArray]:
+    """Loads, shape (num_loads, num_dofs), and their amplitudes, shape (len(times), num_loads)."""
     if loads is None:
         loads = []
     elif isinstance(loads, np.ndarray) and loads.ndim == 1:
         loads = [loads]
     pairs = [load if isinstance(load, tuple) else (load, 1.0) for load in loads]
     vectors = np.array([_vector(vector) for vector, _ in pairs]).reshape(len(pairs), num_dofs)
-    amplitudes = [_levels(amplitude, times, 1, "load")[:, 0] for _, amplitude in pairs]
+    amplitudes = [_time_levels(amplitude, times, 1, "load")[:, 0] for _, amplitude in pairs]
     return vectors, np.ascontiguousarray(np.array(amplitudes).reshape(len(pairs), len(times)).T)
 
 
-def _scheme(scheme):
+def _is_classical(scheme: str) -> bool:
     if scheme not in ("half_step", "classical"):
         raise ValueError(f"unknown scheme {scheme!r}: use 'half_step' or 'classical'")
     return scheme == "classical"
 
 
 def run_explicit(
-    model,
-    dt,
-    num_steps=None,
+    model: Model,
+    dt: ArrayLike,
+    num_steps: int | None = None,
     *,
-    u0=None,
-    v0=None,
-    fixed_dofs=(),
-    values=0.0,
-    loads=None,
-    alpha=0.0,
-    beta=0.0,
-    scheme="half_step",
-    viscosity=None,
-    contacts=(),
-    lumping="auto",
-    every=1,
-):
-    """See `Model.run_explicit`."""
+    u0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    fixed_dofs: ArrayLike = (),
+    values: TimeValues = 0.0,
+    loads: FloatArray | Sequence[Load] | None = None,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    scheme: str = "half_step",
+    viscosity: tuple[float, float] | None = None,
+    contacts: Sequence[_Nodal] = (),
+    lumping: str = "auto",
+    every: int = 1,
+) -> ExplicitResult:
+    """Explicit dynamics of a model; the other arguments, units and errors are those of `Model.run_explicit`.
+
+    Args:
+        model: the bodies.
+
+    Returns:
+        States, energies and contact histories.
+    """
     steps = _vector(dt)
     if num_steps is not None:
         if steps.size not in (1, num_steps):
             raise ValueError(f"dt has {steps.size} steps, but num_steps is {num_steps}")
         steps = np.broadcast_to(steps, (num_steps,)).copy()
-    classical = _scheme(scheme)
-    # As the loop adds them up.
+    classical = _is_classical(scheme)
+    # cumsum adds in the order of the compiled loop, so that both have the same round-off.
     times = np.cumsum(np.concatenate([[0.0], steps, steps[-1:]]))
     fixed = np.asarray(fixed_dofs, dtype=np.int64).reshape(-1)
     vectors, amplitudes = _loads(loads, times[:-1], model.num_dofs)
@@ -182,7 +250,7 @@ def run_explicit(
         zero if u0 is None else _vector(u0),
         zero if v0 is None else _vector(v0),
         fixed,
-        _levels(values, times, fixed.size, "values"),
+        _time_levels(values, times, fixed.size, "values"),
         vectors,
         amplitudes,
         float(alpha),
@@ -205,9 +273,24 @@ def run_explicit(
 
 
 def stable_step(
-    model, method="element", alpha=0.0, beta=0.0, scheme="half_step", fixed_dofs=(), contacts=(), u=None, lumping="auto"
-):
-    """See `Model.stable_step`."""
+    model: Model,
+    method: str = "element",
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    scheme: str = "half_step",
+    fixed_dofs: ArrayLike = (),
+    contacts: Sequence[_Nodal] = (),
+    u: ArrayLike | None = None,
+    lumping: str = "auto",
+) -> float:
+    """Longest stable step of a model; the other arguments, units and errors are those of `Model.stable_step`.
+
+    Args:
+        model: the bodies.
+
+    Returns:
+        Stable step [T].
+    """
     u = np.zeros(model.num_dofs) if u is None else _vector(u)
     bound = [contact._bind(model, np.zeros(2), lumping) for contact in contacts if isinstance(contact, NodalPenalty)]
     if method == "length":
@@ -224,5 +307,5 @@ def stable_step(
         raise ValueError(f"unknown method {method!r}: use 'length', 'element' or 'eigenvalue'")
     if method != "eigenvalue":
         frequency = np.sqrt(frequency**2 + sum(contact.added_frequency(u) for contact in bound))
-    damped = 0.0 if _scheme(scheme) else (alpha / frequency + beta * frequency) / 2
+    damped = 0.0 if _is_classical(scheme) else (alpha / frequency + beta * frequency) / 2
     return 2 / frequency * (np.sqrt(1 + damped**2) - damped)

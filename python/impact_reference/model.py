@@ -1,36 +1,45 @@
 # SPDX-License-Identifier: MIT
 """Whole models: assembly, statics, natural frequencies."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
 from . import _reference, rules
+from ._reference import Material
+from .array_types import ArrayLike, FloatArray, IntArray, Rule, TimeValues
 from .sparse import Csr
+
+if TYPE_CHECKING:
+    from .explicit import ExplicitResult, Load, NodalKinematic, NodalPenalty
 
 
 @dataclass
 class StaticSolution:
     """Result of `Model.solve_static`; unpacks as `u, reactions`."""
 
-    u: np.ndarray  # displacements (num_dofs) [L]
-    reactions: np.ndarray  # internal force minus load on fixed dofs, zero elsewhere (num_dofs) [F]
-    iterations: list  # Newton iterations of every load step
-    residuals: list  # relative residual at the end of every load step
+    u: FloatArray  # displacements (num_dofs) [L]
+    reactions: FloatArray  # internal force minus load on fixed dofs, zero elsewhere (num_dofs) [F]
+    iterations: list[int]  # Newton iterations of every load step
+    residuals: list[float]  # relative residual at the end of every load step [1]
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[FloatArray]:
         return iter((self.u, self.reactions))
 
 
-def _floats(values):
+def _floats(values: ArrayLike) -> FloatArray:
     return np.ascontiguousarray(values, dtype=float)
 
 
-def _vector(values):
+def _vector(values: ArrayLike) -> FloatArray:
     return np.atleast_1d(_floats(values)).reshape(-1)
 
 
-def _integers(values, what, ndim):
+def _integers(values: ArrayLike, what: str, ndim: int) -> IntArray:
     array = np.asarray(values)
     if array.size and not np.issubdtype(array.dtype, np.integer):
         raise TypeError(f"{what} must hold integers, found {array.dtype}")
@@ -42,29 +51,41 @@ def _integers(values, what, ndim):
 class Model:
     """Body of hand-written elements, seed (3.17)-(3.30).
 
-    points: (num_points, gdim) [L]; cells: (num_cells, nodes per cell of geometry_degree) in own node order (see
-    `reference_nodes`). `degree` of the displacement field defaults to the geometry's. If they differ, the model numbers
-    its own field nodes: `field_points` (num_nodes, gdim), `field_cells`. Degree of freedom = gdim * node + component.
-    Several materials: cell_tags (num_cells) and materials={tag: Material}; `material` may then be None.
-    `rule` is used for every integral over cells, `facet_rule` over facets; None takes the default of each purpose, and
-    so do purposes that a dict {purpose: rule} leaves out ("stiffness", "finite_strain", "mass", "load").
-    Raises ValueError for data out of range, connectivity that does not fit, unused points, inverted or empty cells.
+    If the degrees of field and geometry differ, the model numbers its own field nodes: `field_points`, shape
+    (num_nodes, gdim) [L], and `field_cells`. The degree of freedom of a component is gdim * node + component.
+
+    Args:
+        points: points of the geometry, shape (num_points, gdim) [L].
+        cells: points of every cell in the order of `reference_nodes`, shape (num_cells, nodes per cell).
+        cell_type: "triangle", "quadrilateral", "tetrahedron" or "hexahedron".
+        material: material of all cells; None where `materials` is given.
+        degree: degree of the displacement field, 1 or 2; None takes the geometry's.
+        geometry_degree: degree of the geometry, 1 or 2.
+        rule: rule of all integrals over cells; or a dict from purposes ("stiffness", "finite_strain", "mass", "load")
+            to rules. None, and purposes that the dict leaves out, take the default.
+        facet_rule: rule of integrals over facets; None takes the default.
+        cell_tags: tag of every cell, shape (num_cells); needed with `materials`.
+        materials: material of every tag.
+
+    Raises:
+        ValueError: data out of range, connectivity that does not fit, unused points, inverted or empty cells.
+        TypeError: cells or tags that are not integers.
     """
 
     def __init__(
         self,
-        points,
-        cells,
-        cell_type,
-        material=None,
+        points: ArrayLike,
+        cells: ArrayLike,
+        cell_type: str,
+        material: Material | None = None,
         *,
-        degree=None,
-        geometry_degree=1,
-        rule=None,
-        facet_rule=None,
-        cell_tags=None,
-        materials=None,
-    ):
+        degree: int | None = None,
+        geometry_degree: int = 1,
+        rule: Rule | dict[str, Rule] = None,
+        facet_rule: Rule = None,
+        cell_tags: ArrayLike | None = None,
+        materials: Mapping[int, Material] | None = None,
+    ) -> None:
         if (material is None) == (materials is None):
             raise ValueError("give either one material or materials={tag: Material}")
         if materials is not None and cell_tags is None:
@@ -72,9 +93,10 @@ class Model:
         points = _floats(points)
         if points.ndim != 2:
             raise ValueError(f"points must have shape (num_points, gdim), found {points.shape}")
+        tags: list[int] = []
         if materials is None:
-            materials, tags = {0: material}, []
-        else:
+            materials = {0: material}
+        elif cell_tags is not None:
             tags = [int(tag) for tag in _integers(cell_tags, "cell_tags", 1)]
         materials = {int(tag): law for tag, law in materials.items()}
         self.degree = geometry_degree if degree is None else degree
@@ -83,18 +105,18 @@ class Model:
         self.materials = materials
         self.rule = rule
         self.facet_rule = facet_rule
-        self.axisymmetric = next(iter(materials.values())).hypothesis == "axisymmetric"
+        self.axisymmetric: bool = next(iter(materials.values())).hypothesis == "axisymmetric"
         self.linear = all(law.law == "linear_elastic" for law in materials.values())
         self._model = _reference.Model(
             points, _integers(cells, "cells", 2), cell_type, materials, tags, self.degree, geometry_degree
         )
         self.points = points
         self.cells = np.asarray(cells)
-        self.field_points = self._model.field_points
-        self.field_cells = self._model.field_cells
+        self.field_points: FloatArray = self._model.field_points
+        self.field_cells: IntArray = self._model.field_cells
         self.num_dofs = self.field_points.size
 
-    def _rule(self, purpose):
+    def _rule(self, purpose: str) -> tuple[FloatArray, FloatArray]:
         facet = purpose == "facet"
         cell = rules.facet_type(self.cell_type) if facet else self.cell_type
         rule = self.facet_rule if facet else self.rule
@@ -102,98 +124,249 @@ class Model:
             rule = rule.get(purpose)
         return rules.points_and_weights(cell, rule, purpose, self.degree, self.geometry_degree, self.axisymmetric)
 
-    def _strain_rule(self):
+    def _strain_rule(self) -> tuple[FloatArray, FloatArray]:
         return self._rule("stiffness" if self.linear else "finite_strain")
 
-    def _matrix(self, matrix):
+    def _matrix(self, matrix: _reference.Csr) -> Csr:
         return Csr(*matrix.arrays)
 
-    def stiffness(self):
-        """K of linear elasticity, whatever the law, seed (3.26); Csr [F/L]."""
+    def stiffness(self) -> Csr:
+        """Stiffness matrix K of linear elasticity, whatever the law, seed (3.26).
+
+        Returns:
+            K, shape (num_dofs, num_dofs) [F/L].
+        """
         return self._matrix(self._model.stiffness(*self._rule("stiffness")))
 
-    def mass(self, lumped=False, scheme="auto"):
-        """Consistent mass, Csr [M]; or with lumped=True the diagonal, shape (num_dofs) [M], see element_lumped_mass."""
+    @overload
+    def mass(self, lumped: Literal[False] = False, scheme: str = "auto") -> Csr: ...
+
+    @overload
+    def mass(self, lumped: Literal[True], scheme: str = "auto") -> FloatArray: ...
+
+    def mass(self, lumped: bool = False, scheme: str = "auto") -> Csr | FloatArray:
+        """Consistent or lumped mass matrix.
+
+        Args:
+            lumped: return the diagonal of the lumped mass.
+            scheme: how the mass is lumped, as in `element_lumped_mass`.
+
+        Returns:
+            Consistent mass, shape (num_dofs, num_dofs) [M]; lumped: the diagonal, shape (num_dofs) [M].
+        """
         if lumped:
             return self._model.lumped_mass(*self._rule("mass"), scheme)
         return self._matrix(self._model.mass(*self._rule("mass")))
 
-    def damping(self, alpha, beta):
-        """Rayleigh damping alpha M + beta K of (3.67), alpha [1/T], beta [T]; Csr [F T/L]."""
+    def damping(self, alpha: float, beta: float) -> Csr:
+        """Rayleigh damping matrix alpha M + beta K, seed (3.67).
+
+        Args:
+            alpha: factor of the mass [1/T].
+            beta: factor of the stiffness [T].
+
+        Returns:
+            Damping, shape (num_dofs, num_dofs) [F T/L].
+        """
         strain, mass = self._rule("stiffness"), self._rule("mass")
         return self._matrix(self._model.damping(*strain, *mass, float(alpha), float(beta)))
 
-    def energy(self, u):
-        """Strain energy of u (num_dofs) [L]; a float [F L]."""
+    def energy(self, u: ArrayLike) -> float:
+        """Strain energy.
+
+        Args:
+            u: displacements, shape (num_dofs) [L].
+
+        Returns:
+            Energy [F L].
+        """
         return self._model.energy(*self._strain_rule(), _vector(u))
 
-    def internal_force(self, u):
-        """Internal force of u (num_dofs) [L]; shape (num_dofs) [F]."""
+    def internal_force(self, u: ArrayLike) -> FloatArray:
+        """Internal force.
+
+        Args:
+            u: displacements, shape (num_dofs) [L].
+
+        Returns:
+            Force, shape (num_dofs) [F].
+        """
         return self._model.internal_force(*self._strain_rule(), _vector(u))
 
-    def tangent(self, u):
-        """Derivative of the internal force at u (num_dofs) [L]; Csr [F/L]."""
+    def tangent(self, u: ArrayLike) -> Csr:
+        """Derivative of the internal force.
+
+        Args:
+            u: displacements, shape (num_dofs) [L].
+
+        Returns:
+            Tangent, shape (num_dofs, num_dofs) [F/L].
+        """
         return self._matrix(self._model.tangent(*self._strain_rule(), _vector(u)))
 
-    def stress(self, u, rule=None):
-        """Stress (num_cells, num_points, num_strains) [F/L^2] and position (..., gdim) [L] at the points of a rule."""
+    def stress(self, u: ArrayLike, rule: Rule = None) -> tuple[FloatArray, FloatArray]:
+        """Stress at the points of a rule: Cauchy for a linear law, 2nd Piola-Kirchhoff otherwise.
+
+        Args:
+            u: displacements, shape (num_dofs) [L].
+            rule: None (the rule of the stiffness), a name, or a pair (points, weights).
+
+        Returns:
+            Stress, shape (num_cells, num_points, num_strains) [F/L^2], and positions of the points in the reference
+            configuration, shape (num_cells, num_points, gdim) [L].
+        """
         if rule is None:
             points, weights = self._rule("stiffness")
         else:
             points, weights = rules.points_and_weights(self.cell_type, rule, None, None, None, None)
-        values, places = self._model.stress(points, weights, _vector(u))
+        values, positions = self._model.stress(points, weights, _vector(u))
         shape = (len(self.cells), len(weights), -1)
-        return values.reshape(shape), places.reshape(shape)
+        return values.reshape(shape), positions.reshape(shape)
 
-    def body_force(self, f):
-        """Load of a constant force per volume f (gdim) [F/L^3]; shape (num_dofs) [F]."""
+    def body_force(self, f: ArrayLike) -> FloatArray:
+        """Load of a constant force per volume.
+
+        Args:
+            f: force per volume, shape (gdim) [F/L^3].
+
+        Returns:
+            Load, shape (num_dofs) [F].
+        """
         return self._model.body_force(*self._rule("load"), _vector(f))
 
-    def traction(self, facets, t):
-        """Load of a constant traction t (gdim) [F/L^2] on facets (m, nodes): geometry nodes, vertices suffice; [F]."""
+    def traction(self, facets: ArrayLike, t: ArrayLike) -> FloatArray:
+        """Load of a constant traction on facets.
+
+        Args:
+            facets: points of every facet, shape (num_facets, nodes per facet); its vertices suffice.
+            t: traction, shape (gdim) [F/L^2].
+
+        Returns:
+            Load, shape (num_dofs) [F].
+        """
         return self._model.traction(*self._rule("facet"), _integers(facets, "facets", 2), _vector(t))
 
-    def follower_pressure(self, u, facets, p):
-        """Force (num_dofs) [F] and df/du (Csr) [F/L] of a pressure p [F/L^2] pushing on deformed boundary facets."""
+    def follower_pressure(self, u: ArrayLike, facets: ArrayLike, p: float) -> tuple[FloatArray, Csr]:
+        """Load of a pressure that stays normal to deformed boundary facets, and its tangent.
+
+        Args:
+            u: displacements, shape (num_dofs) [L].
+            facets: points of every facet, shape (num_facets, nodes per facet); its vertices suffice.
+            p: pressure, positive where it pushes on the surface [F/L^2].
+
+        Returns:
+            Load f, shape (num_dofs) [F], and df/du, shape (num_dofs, num_dofs) [F/L].
+        """
         facets = _integers(facets, "facets", 2)
         force, tangent = self._model.follower_pressure(*self._rule("facet"), facets, _vector(u), float(p))
         return force, self._matrix(tangent)
 
-    def gyroscopic(self, spin, centre):
-        """G of seed (3.56) for a frame rotating with spin [1/T] about centre (gdim) [L]; Csr [M/T]."""
+    def gyroscopic(self, spin: ArrayLike, centre: ArrayLike) -> Csr:
+        """Gyroscopic matrix G of a rotating frame, seed (3.56).
+
+        Args:
+            spin: angular velocity: one number in the plane, shape (3) in space [1/T].
+            centre: point on the axis, shape (gdim) [L].
+
+        Returns:
+            G, shape (num_dofs, num_dofs) [M/T].
+        """
         return self._matrix(self._model.gyroscopic(*self._rule("mass"), _vector(spin), _vector(centre)))
 
-    def ale_inertia(self, spin, centre):
-        """W of seed (3.57); Csr [M/T^2]."""
+    def ale_inertia(self, spin: ArrayLike, centre: ArrayLike) -> Csr:
+        """Inertia matrix W of a rotating frame, seed (3.57).
+
+        Args:
+            spin: angular velocity: one number in the plane, shape (3) in space [1/T].
+            centre: point on the axis, shape (gdim) [L].
+
+        Returns:
+            W, shape (num_dofs, num_dofs) [M/T^2].
+        """
         return self._matrix(self._model.ale_inertia(*self._rule("mass"), _vector(spin), _vector(centre)))
 
-    def ale_load(self, spin, centre):
-        """int rho A^T w dV, seed (3.57); shape (num_dofs) [F]."""
+    def ale_load(self, spin: ArrayLike, centre: ArrayLike) -> FloatArray:
+        """Load int rho A^T w dV of a rotating frame, seed (3.57).
+
+        Args:
+            spin: angular velocity: one number in the plane, shape (3) in space [1/T].
+            centre: point on the axis, shape (gdim) [L].
+
+        Returns:
+            Load, shape (num_dofs) [F].
+        """
         return self._model.ale_load(*self._rule("mass"), _vector(spin), _vector(centre))
 
-    def poisson(self, k=1.0):
-        """int k grad N_i . grad N_j dV for a scalar field on the field nodes; Csr."""
+    def poisson(self, k: float = 1.0) -> Csr:
+        """Matrix int k grad N_i . grad N_j dV of a scalar field on the field nodes.
+
+        Args:
+            k: diffusivity [1].
+
+        Returns:
+            Matrix, shape (num_nodes, num_nodes) [L^(gdim - 2)].
+        """
         return self._matrix(self._model.poisson(*self._rule("stiffness"), float(k)))
 
-    def scalar_load(self, f):
-        """int f N_i dV of the scalar field for a constant source f; shape (num_nodes)."""
+    def scalar_load(self, f: float) -> FloatArray:
+        """Load int f N_i dV of a scalar field for a constant source.
+
+        Args:
+            f: source per volume [1].
+
+        Returns:
+            Load, shape (num_nodes) [L^gdim].
+        """
         return self._model.scalar_load(*self._rule("load"), float(f))
 
-    def flux_load(self, facets, q):
-        """int q N_i dS of the scalar field for a constant flux q on facets (m, nodes); shape (num_nodes)."""
+    def flux_load(self, facets: ArrayLike, q: float) -> FloatArray:
+        """Load int q N_i dS of a scalar field for a constant flux through facets.
+
+        Args:
+            facets: points of every facet, shape (num_facets, nodes per facet); its vertices suffice.
+            q: flux per area [1].
+
+        Returns:
+            Load, shape (num_nodes) [L^(gdim - 1)].
+        """
         return self._model.flux_load(*self._rule("facet"), _integers(facets, "facets", 2), float(q))
 
-    def rigid_modes(self):
-        """Rigid motions as columns, shape (num_dofs, 3 | 6 | 1): translations, then rotations about the mean node."""
+    def rigid_modes(self) -> FloatArray:
+        """Rigid body modes: translations, then rotations about the mean of the nodes.
+
+        Returns:
+            Modes as columns, shape (num_dofs, n) [1 or L]: n is 6 in space, 3 in the plane, 1 if axisymmetric.
+        """
         return self._model.rigid_modes()
 
-    def solve_static(self, fixed_dofs, values=0.0, load=None, steps=1, tolerance=1e-10, max_iterations=25):
-        """Solves internal_force(u) = load with u[fixed_dofs] = values; returns a StaticSolution.
+    def solve_static(
+        self,
+        fixed_dofs: ArrayLike,
+        values: ArrayLike = 0.0,
+        load: ArrayLike | None = None,
+        steps: int = 1,
+        tolerance: float = 1e-10,
+        max_iterations: int = 25,
+    ) -> StaticSolution:
+        """Solve internal_force(u) = load with u[fixed_dofs] = values.
 
-        values: one number or one per fixed dof [L]; load (num_dofs) [F], None for zero. Linear laws: one sparse L D L^T
-        solution. Finite strain: Newton's method in `steps` load steps (halved on failure) until the free residual is
-        below `tolerance` times |internal force| + |load|. RuntimeError if singular (naming the rigid motions left free)
-        or not convergent.
+        Linear laws: one sparse L D L^T solution. Finite strain: Newton's method in load steps, which are halved where
+        it fails.
+
+        Args:
+            fixed_dofs: prescribed degrees of freedom, shape (num_fixed).
+            values: their displacements: one number, or shape (num_fixed) [L].
+            load: external force, shape (num_dofs); None for zero [F].
+            steps: number of load steps.
+            tolerance: bound on the free residual, relative to |internal force| + |load| [1].
+            max_iterations: bound on Newton's iterations per load step.
+
+        Returns:
+            Displacements, reactions and the record of the iterations.
+
+        Raises:
+            RuntimeError: a singular system (the message names the rigid body modes left free), or no convergence.
+            ValueError: arguments that do not fit.
         """
         fixed = _integers(fixed_dofs, "fixed_dofs", 1)
         values = np.broadcast_to(_floats(values), fixed.shape).copy()
@@ -202,11 +375,24 @@ class Model:
         result = self._model.solve_static(points, weights, fixed, values, load, steps, tolerance, max_iterations)
         return StaticSolution(*result)
 
-    def frequencies(self, n, fixed_dofs=(), lumped=False, scheme="auto"):
-        """Lowest n angular frequencies [1/T], increasing, and mass-orthonormal modes (num_dofs, n).
+    def frequencies(
+        self, n: int, fixed_dofs: ArrayLike = (), lumped: bool = False, scheme: str = "auto"
+    ) -> tuple[FloatArray, FloatArray]:
+        """Lowest natural frequencies and their modes by subspace iteration, Bathe ch. 11.6.
 
-        Rigid modes of free bodies come first with frequency 0 up to rounding. Subspace iteration, Bathe ch. 11.6.
-        RuntimeError if it does not converge.
+        Rigid body modes of free bodies come first, with frequency 0 up to round-off.
+
+        Args:
+            n: number of frequencies.
+            fixed_dofs: degrees of freedom without displacement, shape (num_fixed).
+            lumped: use the lumped mass.
+            scheme: how the mass is lumped, as in `element_lumped_mass`.
+
+        Returns:
+            Angular frequencies in increasing order, shape (n) [1/T], and mass-orthonormal modes, shape (num_dofs, n).
+
+        Raises:
+            RuntimeError: the iteration does not converge.
         """
         fixed = _integers(fixed_dofs, "fixed_dofs", 1)
         matrices = [self._model.stiffness(*self._rule("stiffness"))]
@@ -217,28 +403,112 @@ class Model:
             matrices.append(self._model.mass(*self._rule("mass")))
         return self._model.frequencies(matrices, diagonal, n, fixed)
 
-    def run_explicit(self, dt, num_steps=None, **options):
-        """Central differences by docs/explicit/scheme.md; returns an `explicit.ExplicitResult`.
+    def run_explicit(
+        self,
+        dt: ArrayLike,
+        num_steps: int | None = None,
+        *,
+        u0: ArrayLike | None = None,
+        v0: ArrayLike | None = None,
+        fixed_dofs: ArrayLike = (),
+        values: TimeValues = 0.0,
+        loads: FloatArray | Sequence[Load] | None = None,
+        alpha: float = 0.0,
+        beta: float = 0.0,
+        scheme: str = "half_step",
+        viscosity: tuple[float, float] | None = None,
+        contacts: Sequence[NodalPenalty | NodalKinematic] = (),
+        lumping: str = "auto",
+        every: int = 1,
+    ) -> ExplicitResult:
+        """Explicit dynamics by central differences, docs/explicit/scheme.md.
 
-        dt: a step [T] with num_steps, or an array of steps. Options, all by keyword:
-        u0, v0 (num_dofs) [L], [L/T]: initial state, None for zero. fixed_dofs, values: prescribed dofs and their
-        displacements [L]: a number, one per dof, a function of t, or a table (times, values per time), linear between
-        its times; known one step beyond the end it gives the last state its velocity. loads [F]: a vector (num_dofs) or
-        a list of vectors and pairs (vector, amplitude), amplitudes as `values` [1]. alpha [1/T], beta [T]: Rayleigh
-        damping, with the lumped mass. scheme: "half_step" or "classical" (equal steps, beta 0). viscosity: (b1, b2) [1]
-        or None. contacts: NodalPenalty and NodalKinematic. lumping: scheme of the mass. every: keep each state of that
-        number; the last is always kept. ValueError for data that do not fit, RuntimeError if the run overflows.
+        Values over time are a constant, a function of t, or a table (times, values) with linear interpolation.
+
+        Args:
+            dt: time step; or all steps, shape (num_steps) [T].
+            num_steps: number of steps; None where `dt` has all steps.
+            u0: initial displacements, shape (num_dofs); None for zero [L].
+            v0: initial velocities, shape (num_dofs); None for zero [L/T].
+            fixed_dofs: prescribed degrees of freedom, shape (num_fixed).
+            values: their displacements over time: one number or shape (num_fixed). The value one step beyond the end
+                gives the last state its velocity [L].
+            loads: an array, shape (num_dofs); or a list of vectors and of pairs (vector, amplitude over time) [F].
+            alpha: Rayleigh damping, factor of the lumped mass [1/T].
+            beta: Rayleigh damping, factor of the stiffness [T].
+            scheme: "half_step", or "classical" (equal steps, beta 0).
+            viscosity: linear and quadratic bulk viscosity (b1, b2); None for none [1].
+            contacts: contacts, `NodalPenalty` and `NodalKinematic`.
+            lumping: how the mass is lumped, as in `element_lumped_mass`.
+            every: keep each state whose number is a multiple of this; the last one is always kept.
+
+        Returns:
+            States, energies and contact histories.
+
+        Raises:
+            ValueError: data that do not fit.
+            RuntimeError: the run overflows.
         """
         from . import explicit
 
-        return explicit.run_explicit(self, dt, num_steps, **options)
+        return explicit.run_explicit(
+            self,
+            dt,
+            num_steps,
+            u0=u0,
+            v0=v0,
+            fixed_dofs=fixed_dofs,
+            values=values,
+            loads=loads,
+            alpha=alpha,
+            beta=beta,
+            scheme=scheme,
+            viscosity=viscosity,
+            contacts=contacts,
+            lumping=lumping,
+            every=every,
+        )
 
-    def stable_step(self, method="element", **options):
-        """Longest stable step [T] at rest: "length" (edge over wave speed), "element" (a bound) or "eigenvalue".
+    def stable_step(
+        self,
+        method: str = "element",
+        *,
+        alpha: float = 0.0,
+        beta: float = 0.0,
+        scheme: str = "half_step",
+        fixed_dofs: ArrayLike = (),
+        contacts: Sequence[NodalPenalty | NodalKinematic] = (),
+        u: ArrayLike | None = None,
+        lumping: str = "auto",
+    ) -> float:
+        """Longest stable step of `run_explicit`.
 
-        Options: alpha [1/T], beta [T] and scheme as in run_explicit; fixed_dofs, which "eigenvalue" holds; contacts at
-        u (num_dofs) [L], of which those with a penalty of their own shorten the step; lumping.
+        Args:
+            method: "length" (edge over wave speed), "element" (a bound by the cells' frequencies) or "eigenvalue".
+            alpha: Rayleigh damping, factor of the lumped mass [1/T].
+            beta: Rayleigh damping, factor of the stiffness [T].
+            scheme: "half_step" or "classical".
+            fixed_dofs: degrees of freedom without displacement, which "eigenvalue" respects, shape (num_fixed).
+            contacts: contacts; those with a penalty of their own shorten the step.
+            u: displacements at which the contacts are evaluated, shape (num_dofs); None for zero [L].
+            lumping: how the mass is lumped, as in `element_lumped_mass`.
+
+        Returns:
+            Stable step [T].
+
+        Raises:
+            ValueError: an unknown method or scheme.
         """
         from . import explicit
 
-        return explicit.stable_step(self, method, **options)
+        return explicit.stable_step(
+            self,
+            method,
+            alpha=alpha,
+            beta=beta,
+            scheme=scheme,
+            fixed_dofs=fixed_dofs,
+            contacts=contacts,
+            u=u,
+            lumping=lumping,
+        )

@@ -51,7 +51,8 @@ def test_sources_include_only_plain_eigen_nanobind_and_std():
 
 
 def test_python_sources_import_only_numpy():
-    allowed = {"numpy", "dataclasses", ""}
+    annotations = {"__future__", "collections", "typing"}
+    allowed = {"numpy", "dataclasses", "", *annotations}
     for file in sources("python/impact_reference", ".py"):
         for module in re.findall(r"^\s*(?:from|import)\s+([\w.]*)", file.read_text(), re.MULTILINE):
             assert module.split(".")[0] in allowed, f"{file.name} imports {module}"
