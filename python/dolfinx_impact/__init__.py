@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Contact-impact for DOLFINx: UFL forms compiled to verified C++ kernels.
 
-The classes a user composes are here. The packages they stand on follow the data flow: assembly (kernels, operators,
-lumped mass), contact, statics, dynamics, io. The physics in UFL is dolfinx_impact.forms; theory has closed forms,
-verify the comparison with the hand-written solver.
+This package exports the classes that a user composes. Its subpackages follow the data flow: assembly (kernels,
+operators, lumped mass), contact, statics, dynamics, io. `dolfinx_impact.forms` has the physics in UFL, `theory` has
+closed-form solutions, and `verify` compares the package with the hand-written solver.
 """
 
-from . import _cpp, forms, theory, verify
+from . import _cpp, forms, theory, verify  # type: ignore[attr-defined]  # _cpp is compiled
 from .amplitude import PrescribedMotion
 from .contact import (
     ContactPair,

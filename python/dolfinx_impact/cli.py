@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 FORWARDED = {
@@ -16,8 +17,12 @@ FORWARDED = {
 }
 
 
-def demos():
-    """Name -> (file, title) of the demos and applications in the package; the title is the first heading of a file."""
+def demos() -> dict[str, tuple[Path, str]]:
+    """Find the demos and applications of the package.
+
+    Returns:
+        File and title by name; the title is the first heading of the file.
+    """
     from . import demos as package
 
     folder, found = Path(package.__file__).parent, {}
@@ -29,19 +34,26 @@ def demos():
     return found
 
 
-def is_application(path):
-    """Is this file one of demos/applications? These keep their results in a RunFolder; a demo writes where it runs."""
+def is_application(path: Path | str) -> bool:
+    """Is a file one of demos/applications? An application writes to a RunFolder, a demo to the current folder.
+
+    Args:
+        path: file of a demo or an application.
+
+    Returns:
+        Whether it is an application.
+    """
     return Path(path).parent.name == "applications"
 
 
-def _listing():
+def _listing() -> str:
     lines = {False: ["demos, to copy from:"], True: ["applications:"]}
     for name, (path, title) in demos().items():
         lines[is_application(path)].append(f"  {name:20s} {title}")
     return "\n".join(lines[False] + lines[True])
 
 
-def _surroundings(output, in_space=False):
+def _environment(output: str | None, in_space: bool = False) -> dict[str, str]:
     """Environment of a demo's process: output folder, one thread per rank, Open MPI as root and with few cores."""
     env = dict(os.environ)
     env.setdefault("OMP_NUM_THREADS", "1")
@@ -58,21 +70,28 @@ def _surroundings(output, in_space=False):
     return env
 
 
-def _run(command, env, folder=None):
-    """Run a command in the foreground; its exit status, 128 + signal where a signal ended it."""
+def _run(command: Sequence[str], env: Mapping[str, str], folder: Path | None = None) -> int:
+    """Run a command in the foreground; returns its exit status, 128 + signal if a signal ended it."""
     sys.stdout.flush()
     with subprocess.Popen(command, env=env, cwd=folder) as process:
         while True:
             try:
                 status = process.wait()
                 break
-            except KeyboardInterrupt:  # the demo got it too, and ends in its own way
+            except KeyboardInterrupt:  # the demo receives it too and ends itself
                 continue
     return 128 - status if status < 0 else status
 
 
-def demo(arguments):
-    """Run one demo in a process of its own; returns the exit status."""
+def demo(arguments: argparse.Namespace) -> int:
+    """Run one demo in a process of its own.
+
+    Args:
+        arguments: parsed arguments of the command `demo`.
+
+    Returns:
+        Exit status: that of the demo, or 2 for arguments that cannot be used.
+    """
     known = demos()
     if arguments.list:
         print(_listing())
@@ -100,7 +119,7 @@ def demo(arguments):
             return 2
         # -m mpi4py: an exception on one rank ends all of them
         command = [launcher, "-n", str(arguments.ranks), sys.executable, "-m", "mpi4py", path]
-    env = _surroundings(arguments.output, arguments.in_space)
+    env = _environment(arguments.output, arguments.in_space)
     if is_application(path):
         return _run(command, env)
     folder = Path(arguments.output or Path("results", arguments.name))
@@ -115,30 +134,41 @@ def demo(arguments):
     return status
 
 
-def _size(folder):
+def _size(folder: Path | str) -> tuple[int, float]:
     """Number of files in a folder and their size [MB]."""
     sizes = []
     for path in Path(folder).rglob("*") if Path(folder).is_dir() else ():
-        with contextlib.suppress(FileNotFoundError):  # a compiler that runs removes files of the cache meanwhile
+        with contextlib.suppress(FileNotFoundError):  # a running compiler may remove files of the cache
             if path.is_file():
                 sizes.append(path.stat().st_size)
     return len(sizes), sum(sizes) / 1e6
 
 
-def kernels_by_form():
-    """Form -> cell with hypothesis -> degrees of the kernels compiled with the package."""
+def kernels_by_form() -> dict[str, dict[tuple[str, str], list[int]]]:
+    """Kernels that were compiled with the package.
+
+    Returns:
+        Degrees of the displacement by form, then by cell and hypothesis.
+    """
     from . import _cpp
     from .forms.registry import TABLE
 
-    table = {}
+    table: dict[str, dict[tuple[str, str], list[int]]] = {}
     for row in TABLE:
         if _cpp.kernels.find(row.name, row.cell, row.degree, row.geometry_degree, row.hypothesis):
             table.setdefault(row.name, {}).setdefault((row.cell, row.hypothesis), []).append(row.degree)
     return table
 
 
-def info(arguments):
-    """Print versions, kernels, SIMD width and caches; returns 0."""
+def info(arguments: argparse.Namespace) -> int:
+    """Print versions, kernels, SIMD width and caches.
+
+    Args:
+        arguments: parsed arguments of the command `info`, which has none.
+
+    Returns:
+        Exit status 0.
+    """
     from . import _cpp
     from .assembly.jit import cache_folder
     from .io.run_folder import versions
@@ -179,7 +209,7 @@ def info(arguments):
     return 0
 
 
-def _parser():
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("dolfinx-impact", description="Contact and impact for DOLFINx.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, text in FORWARDED.items():
@@ -196,8 +226,15 @@ def _parser():
     return parser
 
 
-def main(argv=None):
-    """Entry point; returns the exit status."""
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command `dolfinx-impact`.
+
+    Args:
+        argv: arguments; None for those of the process.
+
+    Returns:
+        Exit status.
+    """
     argv = sys.argv[1:] if argv is None else list(argv)
     if argv[:1] == ["verify"]:
         from .verify.run import main as verify_main

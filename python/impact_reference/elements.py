@@ -215,8 +215,8 @@ def second_piola(material: Material, F: ArrayLike) -> tuple[FloatArray, FloatArr
         F: deformation gradient, shape (3, 3); F[2, 2] is not read in plane stress [1].
 
     Returns:
-        S, shape (num_strains) [F/L^2]; dS/dE for engineering shears, shape (num_strains, num_strains) [F/L^2]; energy per
-        reference volume [F/L^2]. For a linear law: sigma, D and the energy of small strain.
+        S, shape (num_strains) [F/L^2]; dS/dE for engineering shears, shape (num_strains, num_strains) [F/L^2]; energy
+        per reference volume [F/L^2]. For a linear law: sigma, D and the energy of small strain.
 
     Raises:
         ValueError: a neo-Hookean material with det F <= 0.
@@ -380,8 +380,8 @@ def element_follower_pressure(
 ) -> tuple[FloatArray, FloatArray]:
     """External force of a pressure that stays normal to the deformed facet, and its tangent.
 
-    f_i = - int p N_i J F^-T n0 dA0 (Bonet & Wood ch. 8.5). Plane problems keep thickness 1 (plane stress too); axisymmetric
-    ones use the current radius.
+    f_i = - int p N_i J F^-T n0 dA0 (Bonet & Wood ch. 8.5). Plane problems keep thickness 1 (plane stress too);
+    axisymmetric ones use the current radius.
 
     Args:
         cell_type: cell, "triangle", "quadrilateral", "tetrahedron" or "hexahedron".

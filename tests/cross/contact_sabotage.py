@@ -18,7 +18,9 @@ def patches(case=PATCH):
 
 def solutions(friction=0.0, law="linear_elastic"):
     report = Report()
-    contact_static.both(report, "friction" if friction else "static", contact_static.pressed(*PATCH[:3], friction))
+    contact_static.compare_methods(
+        report, "friction" if friction else "static", contact_static.pressed(*PATCH[:3], friction)
+    )
     return report
 
 

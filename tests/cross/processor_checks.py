@@ -15,10 +15,10 @@ STEPS = 60
 def runs():
     """Bodies alone, in every law, scheme and damping; blocks thrown over an end, also from another start."""
     for cell, degree, make in history.RUNS:
-        if cell in CELLS and make in (history.alone, history.overhang):
+        if cell in CELLS and make in (history.without_contact, history.overhang):
             yield from make(cell, degree)
             if (make, degree) == (history.overhang, 1):
-                yield from history.other_starts(cell, degree, make, (4,))
+                yield from history.varied_runs(cell, degree, make, (4,))
 
 
 def results():

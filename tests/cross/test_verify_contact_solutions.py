@@ -34,12 +34,12 @@ def test_one_round_of_augmentation_too_few(monkeypatch):
 def test_a_solution_under_another_radius(shape):
     case = contact_static.under_obstacle("tetrahedron", "3d", 1, shape=shape)
     report = Report()
-    contact_static.both(report, "static", case)
+    contact_static.compare_methods(report, "static", case)
     assert_healthy(report, "contact", 15)
     assert all(shape.lower() in r.name for r in report.rows)
     case.body.rigid[1].radius *= 1 + 1e-6
     report = Report()
-    contact_static.both(report, "static", case)
+    contact_static.compare_methods(report, "static", case)
     failed(report, ["static_penalty", "static_augmented", "static_lagrange"])
 
 

@@ -48,11 +48,11 @@ def test_rows_in_space_pass(cell):
     assert report.passed and len(report.rows) > 10
 
 
-def compare_other_starts(runs, seeds=None):
+def compare_varied_runs(runs, seeds=None):
     report = Report()
     for cell, degree, make in runs:
-        for case in history.other_starts(cell, degree, make, seeds):
-            history.compare(report, case, history.OTHER_STEPS[case.body.gdim, degree])
+        for case in history.varied_runs(cell, degree, make, seeds):
+            history.compare(report, case, history.VARIATION_STEPS[case.body.gdim, degree])
     return report
 
 
@@ -62,30 +62,30 @@ SPACE = [run for run in history.RUNS if run[0] in ("hexahedron", "tetrahedron")]
 
 def test_other_starts_in_the_plane_pass():
     """Starts that the level itself does not have."""
-    report = compare_other_starts(PLANE, [11])
+    report = compare_varied_runs(PLANE, [11])
     assert report.passed and len(report.rows) > 100
 
 
 def test_another_start_in_space_passes():
-    report = compare_other_starts([("hexahedron", 1, history.overhang)], [11])
+    report = compare_varied_runs([("hexahedron", 1, history.overhang)], [11])
     assert report.passed and len(report.rows) > 10
 
 
 @pytest.mark.slow
 def test_many_starts_pass():
     for runs, seeds in ((PLANE, range(20, 32)), (SPACE, range(20, 23))):
-        report = compare_other_starts(runs, seeds)
+        report = compare_varied_runs(runs, seeds)
         assert report.passed and len(report.rows) > 100
 
 
 def test_a_start_is_another_one():
     """Step, attitude and velocities differ from start to start; a seed gives the same again."""
     first, second, again = (
-        next(iter(history.other_starts("quadrilateral", 1, history.overhang, [seed]))) for seed in (1, 2, 1)
+        next(iter(history.varied_runs("quadrilateral", 1, history.overhang, [seed]))) for seed in (1, 2, 1)
     )
     places = [case.body.V.tabulate_dof_coordinates()[:, :2] for case in (first, second, again)]
     velocities = [case.velocity(x) for case, x in zip((first, second, again), places)]
-    assert first.part == again.part != second.part
+    assert first.step_fraction == again.step_fraction != second.step_fraction
     for one, two, three in (places, velocities):
         assert np.array_equal(one, three) and np.abs(one - two).max() > 1e-3
 
@@ -112,7 +112,7 @@ def test_facing_by_the_normals_of_the_last_search_is_seen(cell, monkeypatch):
 
     monkeypatch.setattr(NodalResult, "__init__", keep)
     try:
-        report = compare_other_starts([(cell, 1, history.overhang)])
+        report = compare_varied_runs([(cell, 1, history.overhang)])
     except RuntimeError as error:  # springs that are pressed from nowhere bring energy
         assert "unstable" in str(error)
     else:

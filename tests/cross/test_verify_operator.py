@@ -140,8 +140,8 @@ def test_a_broken_lame_constant_shows_in_stiffness_force_and_energy(monkeypatch,
 
 
 def test_a_broken_node_map_is_caught(monkeypatch):
-    right = bodies.matched
-    monkeypatch.setattr(bodies, "matched", lambda *a: right(*a)[[1, 0, *range(2, 9)]])
+    right = bodies.match_nodes
+    monkeypatch.setattr(bodies, "match_nodes", lambda *a: right(*a)[[1, 0, *range(2, 9)]])
     report = linear()
     assert not report.passed
     assert {"linear_elastic.tangent", "linear_elastic.force", "mass", "lumped_mass"} <= {
@@ -160,4 +160,4 @@ def test_nodes_that_do_not_match_are_an_error(fault):
     else:
         y = y[:-1]
     with pytest.raises(RuntimeError, match="do not match"):
-        bodies.matched(x, y, 1.0)
+        bodies.match_nodes(x, y, 1.0)

@@ -116,11 +116,11 @@ def test_a_nan_in_a_vector_or_matrix_is_found_and_placed():
     ours = K.copy()
     ours.data = ours.data.copy()
     ours.data[7] = np.nan
-    difference, note = bodies.parted(body, ours, K)
+    difference, note = bodies.largest_difference(body, ours, K)
     assert np.isnan(difference) and "UFL nan" in note and "against" in note
     b = np.arange(1.0, body.model.num_dofs + 1)
     a = b.copy()
     a[5] = np.nan
-    difference, note = bodies.parted(body, a, b)
+    difference, note = bodies.largest_difference(body, a, b)
     place = np.round(body.V.tabulate_dof_coordinates()[2, :2], 4).tolist()
     assert np.isnan(difference) and note.startswith(f"node at {place} component 1: UFL nan")

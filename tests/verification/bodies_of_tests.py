@@ -5,9 +5,18 @@ import numpy as np
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from dolfinx_impact.verify.bodies import bend, block, curved
+from dolfinx_impact.verify.bodies import block, distort, with_quadratic_geometry
 
-__all__ = ["block", "curved", "bend", "rectangle", "tagged", "clamp", "every_boundary_dof", "value_at"]
+__all__ = [
+    "block",
+    "clamp",
+    "distort",
+    "every_boundary_dof",
+    "rectangle",
+    "tagged",
+    "value_at",
+    "with_quadratic_geometry",
+]
 
 
 def rectangle(cell, low, high, shape):

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import ufl
-from bodies_of_tests import block, clamp, curved, rectangle, tagged
+from bodies_of_tests import block, clamp, rectangle, tagged, with_quadratic_geometry
 from dolfinx import fem
 
 from dolfinx_impact import LinearElastic, StaticProblem, Traction
@@ -21,7 +21,7 @@ def quarter(n, cell, degree):
     """Quarter of a ring; with degree 2 the geometry is curved. The angle runs along y of the square."""
     domain = block(cell, n, distortion=0.0)
     if degree == 2:
-        domain = curved(domain)
+        domain = with_quadratic_geometry(domain)
     domain.geometry.x[:, 0] = A + (B - A) * domain.geometry.x[:, 0]
     r, angle = domain.geometry.x[:, 0].copy(), np.pi / 2 * domain.geometry.x[:, 1]
     tags = tagged(

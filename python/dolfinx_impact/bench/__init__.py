@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Timings, each as a ratio to something that is run side by side."""
+"""Benchmarks: each timing is stated as a ratio to a baseline that is measured in the same run."""

@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: MIT
 """Cost of a static contact solve, as a multiple of one linear solve of the same bodies tied together.
 
-Both in the same process, with the same linear solver and tolerance: a round body pressed on a flat one from first touch
-in one step, without friction, to a contact whose pressure is Hertz's.
+A round body is pressed on a flat one without friction, in one load step from first contact to Hertz's pressure. Both
+solves run in the same process with the same linear solver and tolerance.
 """
 
 import time
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from dolfinx import fem
+from dolfinx.fem import DirichletBC
 from mpi4py import MPI
 
-from .. import StaticProblem, materials, meshes
-from ..statics import newton
+from .. import materials, meshes
 from ..contact.mortar.lagrange import Lagrange
 from ..contact.pair import ContactPair
+from ..statics import newton
+from ..statics.problem import StaticProblem
+from .rows import Row
 
 RTOL = 1e-10
 # (name, cell, mesh size at the contact, of the largest cells): half-width 1, bodies of size 12, radius 50
@@ -28,38 +32,51 @@ LARGE = (
 )
 
 
-class Pressed:
-    """A quarter (2D: half) of a ball (cylinder) on a block, its top moved down.
+class PressedBodies:
+    """A quarter of a ball (in the plane: half of a cylinder) on a block; its top is displaced downwards.
 
     Args:
-        friction: 0, or more: then everything sticks as soon as it is closed.
+        cell: "quadrilateral" or "hexahedron".
+        h: mesh size at the contact [L].
+        coarse: size of the largest cells [L].
+        friction: Coulomb's friction coefficient [1].
     """
 
-    def __init__(self, cell, h, coarse, friction=0.0):
+    def __init__(self, cell: str, h: float, coarse: float, friction: float = 0.0) -> None:
         solid = cell == "hexahedron"
         recipe = "sphere_on_half_space" if solid else "cylinder_on_half_plane"
         sizes = {"radius": 50.0, "a": 1.0, "h": h, "width": 12.0, "height": 12.0, "coarse": coarse}
         model = meshes.make(recipe, MPI.COMM_SELF, **sizes, **({"core": 1.3, "symmetry": "quarter"} if solid else {}))
         gdim = model.mesh.geometry.dim
         self.V = V = fem.functionspace(model.mesh, ("Lagrange", 1, (gdim,)))
-        self.num_unknowns = gdim * V.dofmap.index_map.size_global
+        self.num_unknowns: int = gdim * V.dofmap.index_map.size_global
         down = -0.02 if solid else -0.03
 
-        def hold(name, component, value=0.0):
+        def prescribe(name: str, component: int, value: float = 0.0) -> DirichletBC:
             facets = model.facet_tags.find(model.tags[name])
             dofs = fem.locate_dofs_topological(V.sub(component), gdim - 1, facets)
-            return fem.dirichletbc(value, dofs, V.sub(component))
+            return fem.dirichletbc(np.asarray(value), dofs, V.sub(component))
 
-        bcs = [hold("bottom", c) for c in range(gdim)] + [hold("top", gdim - 1, down)]
-        bcs += [hold(f"symmetry_{axis}", c) for c, axis in enumerate("xy"[: gdim - 1])]
+        bcs = [prescribe("bottom", c) for c in range(gdim)] + [prescribe("top", gdim - 1, down)]
+        bcs += [prescribe(f"symmetry_{axis}", c) for c, axis in enumerate("xy"[: gdim - 1])]
         law = materials.LinearElastic(568.0, 0.3, hypothesis="3d" if solid else "plane_strain")
         tags = model.tags["slave_surface"], model.tags["master_surface"]
         pair = ContactPair(model.facet_tags, slave=tags[0], master=tags[1], friction=friction)
         self.problem = StaticProblem(fem.Function(V), law, bcs=bcs, contact=[Lagrange(pair)])
 
 
-def tied_seconds(model):
-    """One linear solve with every slave node tied to what it faces: residual, stiffness, condensation, solution."""
+def tied_seconds(model: PressedBodies) -> float:
+    """Time of one linear solve with every slave node tied to the master: residual, stiffness, condensation, solution.
+
+    Args:
+        model: bodies with friction, so that closed nodes stick.
+
+    Returns:
+        Wall-clock time [s].
+
+    Raises:
+        RuntimeError: the linear solver failed.
+    """
     problem, contact = model.problem, model.problem.contact[0]
     solver = newton.Newton(problem, RTOL, 0.0, 1)
     contact.begin_step(problem.u.x.array, None)
@@ -81,16 +98,23 @@ def tied_seconds(model):
     return seconds
 
 
-def contact_rows(row, cases=CASES):
-    """Rows: contact solve against tied solve; share of contact (search, integrals, assembly) in the contact solve.
+def contact_rows(
+    row: Callable[[str, str, int, float, str, float], Row],
+    cases: Sequence[tuple[str, str, float, float]] = CASES,
+) -> list[Row]:
+    """Measure the contact solve against the tied solve, and the share of contact (search, integrals, assembly) in it.
 
     Args:
-        row: function (name, cell, ranks, value, unit, baseline) -> dict.
+        row: function of name, cell, ranks, value, unit and baseline that makes a row.
+        cases: name, cell, mesh size at the contact and size of the largest cells [L].
+
+    Returns:
+        Rows.
     """
     rows = []
     for name, cell, h, coarse in cases:
-        tied = tied_seconds(Pressed(cell, h, coarse, friction=1.0))
-        model = Pressed(cell, h, coarse)
+        tied = tied_seconds(PressedBodies(cell, h, coarse, friction=1.0))
+        model = PressedBodies(cell, h, coarse)
         start = time.perf_counter()
         report = model.problem.solve(rtol=RTOL)
         seconds = time.perf_counter() - start

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Rows of the benchmark: what a row holds, which rows cannot be true, and how rows are shown as they come."""
+"""Rows of the benchmark: their content, a check for impossible values, and the table that grows during a run."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -12,7 +12,7 @@ PEAK = "share of peak flops"
 
 
 class Row(TypedDict):
-    """One timing and what it is compared with."""
+    """One measured value and its baseline."""
 
     name: str
     cell: str
@@ -28,15 +28,18 @@ Job = tuple[str, Callable[[], Iterable[Row]]]
 
 
 def row(name: str, cell: str, ranks: int, value: float, unit: str, baseline: float) -> Row:
-    """A row with its ratio.
+    """Make a row with its ratio.
 
     Args:
-        name: what is measured, and what it is compared with.
+        name: measured quantity and baseline.
         cell: cell and degree, or the model.
         ranks: number of MPI ranks.
         value: measured value [unit].
         unit: unit of value and baseline.
-        baseline: what it is compared with [unit].
+        baseline: value that it is compared with [unit].
+
+    Returns:
+        The row; its ratio is value over baseline [1].
     """
     return {
         "name": name,
@@ -50,7 +53,14 @@ def row(name: str, cell: str, ranks: int, value: float, unit: str, baseline: flo
 
 
 def impossible(rows: Iterable[Row]) -> list[str]:
-    """Why rows cannot be true, a sentence for each such row: a kernel above the processor's peak, no finite number."""
+    """Find rows that cannot be true: a kernel above the processor's peak, or a number that is not finite.
+
+    Args:
+        rows: rows of a run.
+
+    Returns:
+        A sentence for each such row.
+    """
     complaints = []
     for r in rows:
         where = f"{r['name']} ({r['cell']})"
@@ -68,17 +78,27 @@ COLUMNS = "{:44s} {:34s} {:>5s} {:>10s} {:21s} {:>10s} {:>7s}"
 
 
 def line(r: Row) -> str:
-    """A row as a line of text."""
+    """Line of the table for a row.
+
+    Args:
+        r: row.
+
+    Returns:
+        Text in columns.
+    """
     numbers = f"{r['value']:.2f}", r["unit"], f"{r['baseline']:.2f}", f"{r['ratio']:.2f}"
     return COLUMNS.format(r["name"], r["cell"], str(r["ranks"]), *numbers).rstrip()
 
 
 def measure(jobs: Sequence[Job], console: Console | None = None) -> list[Row]:
-    """Run the jobs one after another and print each one's rows when it ends, above a progress bar.
+    """Run the jobs one after another and print the rows of each when it ends, above a progress bar.
 
     Args:
-        jobs: what to measure.
-        console: where to print; None: standard output.
+        jobs: a text and a function that returns rows, for each job.
+        console: console to print to; None for standard output.
+
+    Returns:
+        All rows.
     """
     console = console or Console(soft_wrap=True)
     rows: list[Row] = []

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""`dolfinx-impact bench`: element applications per second, as ratios against DOLFINx in the same process and run.
+"""`dolfinx-impact bench`: element applications per second, as ratios to DOLFINx in the same process and run.
 
 Baseline A is dolfinx::fem::assemble_vector of the installed DOLFINx with FFCx's C kernel compiled -O3 -march=native,
-its coefficients packed into reused storage; baseline B is the same with -ffast-math, which shows how much of A's time
-is strict floating point. Ours never uses -ffast-math.
+its coefficients packed into reused storage. Baseline B is the same with -ffast-math; it shows which part of A's time is
+due to strict floating-point arithmetic. Our kernels never use -ffast-math.
 """
 
 import argparse
@@ -14,8 +14,10 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from typing import TypeAlias, Union
 
 import numpy as np
 import ufl
@@ -23,14 +25,19 @@ from dolfinx import cpp, fem, mesh
 from mpi4py import MPI
 
 from .. import _cpp, materials
-from . import contact as bench_contact
-from .rows import PEAK, impossible, measure, row
 from ..assembly import operators
+from ..common.types import FloatArray
 from ..io.hdf5 import write_whole
+from . import contact as bench_contact
+from .rows import PEAK, Job, Row, impossible, measure, row
+
+# Cell, degree and cells per side.
+Case: TypeAlias = tuple[str, int, int]
+MaterialClass: TypeAlias = type[Union[materials.LinearElastic, materials.NeoHookean, materials.StVenantKirchhoff]]
 
 STRICT = ["-O3", "-march=native"]
 FAST = ["-O3", "-march=native", "-ffast-math"]
-# (cell, degree, cells per side): a few hundred thousand degrees of freedom, beyond the caches
+# Some hundred thousand degrees of freedom each: more than the caches hold.
 CASES = (
     ("triangle", 1, 300),
     ("triangle", 2, 160),
@@ -45,10 +52,20 @@ FINITE = (("tetrahedron", 2, 22), ("hexahedron", 1, 50))
 RANK_CELLS = (("hexahedron", 1, 48), ("tetrahedron", 2, 26))
 
 
-def best_time(function, at_least=0.05, rounds=3):
-    """Processor time of one call, (best, median); a round repeats the call until it lasts `at_least` seconds."""
+def best_time(function: Callable[[], object], at_least: float = 0.05, rounds: int = 3) -> tuple[float, float]:
+    """Processor time of one call of a function.
+
+    Args:
+        function: function without arguments.
+        at_least: duration of a round, which repeats the call [s].
+        rounds: number of rounds.
+
+    Returns:
+        Best and median time of the rounds [s].
+    """
     function()
-    times, repeat = [], 1
+    times: list[float] = []
+    repeat = 1
     while len(times) < rounds:
         start = time.process_time()
         for _ in range(repeat):
@@ -62,9 +79,24 @@ def best_time(function, at_least=0.05, rounds=3):
 
 
 class Setup:
-    """A body, a form on it and both ways to apply it."""
+    """A unit square or cube with the form of its internal force, and the operators of both sides.
 
-    def __init__(self, cell, degree, n, law=materials.LinearElastic, comm=MPI.COMM_SELF):
+    Args:
+        cell: cell of the mesh.
+        degree: degree of the displacement, 1 or 2.
+        n: cells per side.
+        law: class of the material.
+        comm: communicator of the mesh.
+    """
+
+    def __init__(
+        self,
+        cell: str,
+        degree: int,
+        n: int,
+        law: MaterialClass = materials.LinearElastic,
+        comm: MPI.Intracomm = MPI.COMM_SELF,
+    ) -> None:
         kind = getattr(mesh.CellType, cell)
         plane = cell in ("triangle", "quadrilateral")
         self.mesh = mesh.create_unit_square(comm, n, n, kind) if plane else mesh.create_unit_cube(comm, n, n, n, kind)
@@ -74,35 +106,71 @@ class Setup:
         self.u.interpolate(lambda x: 0.01 * np.array([np.sin(3 * x[i] + x[(i + 1) % dim]) for i in range(dim)]))
         material = law(1e3, 0.3, 1.0, "plane_strain" if plane else "3d")
         self.form = operators.internal_force_form(self.u, ufl.TestFunction(self.V), material)
-        self.num_cells = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
-        self.b = fem.Function(self.V).x.array
-        self.pack = None
+        self.num_cells: int = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
+        self.b: FloatArray = fem.Function(self.V).x.array
+        self.pack_seconds: float | None = None
 
-    def ours(self, width=0):
-        """(seconds per application, operator)."""
+    def ours(self, width: int = 0) -> tuple[float, operators.InternalForce]:
+        """Time our operator.
+
+        Args:
+            width: number of cells per kernel call; 0 takes the default.
+
+        Returns:
+            Time per application [s], and the operator.
+        """
         operator = operators.InternalForce(self.form, width)
         return best_time(lambda: operator._cpp_object.assemble(self.b))[1], operator
 
-    def baseline(self, flags):
-        """(seconds per application, result): assemble_vector of the installed DOLFINx, packing into reused storage."""
+    def baseline(self, flags: list[str]) -> tuple[float, FloatArray]:
+        """Time assemble_vector of the installed DOLFINx, with coefficients packed into reused storage.
+
+        Args:
+            flags: compiler flags of FFCx's kernel.
+
+        Returns:
+            Time per application [s], and the assembled vector, shape (num_dofs) [F].
+        """
         form = fem.form(self.form, jit_options={"cffi_extra_compile_args": flags})._cpp_object
         constants, coefficients = cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form)
-        if self.pack is None:  # the same for all flags
-            self.pack = best_time(_cpp.bench.Packed(form).pack)[1]
+        if self.pack_seconds is None:  # the same for all flags
+            self.pack_seconds = best_time(_cpp.bench.Packed(form).pack)[1]
         apply = best_time(lambda: cpp.fem.assemble_vector(self.b, form, constants, coefficients))[1]
         self.b[:] = 0.0
         cpp.fem.assemble_vector(self.b, form, constants, coefficients)
-        return self.pack + apply, self.b.copy()
+        return self.pack_seconds + apply, self.b.copy()
 
-    def bytes(self):
-        """Memory traffic of one application if every value moved once: node numbers per cell, nodal values per node."""
+    def bytes(self) -> int:
+        """Memory traffic of one application if every node number and nodal value is transferred once.
+
+        Returns:
+            Traffic [B].
+        """
         nodes = self.V.dofmap.list.shape[1]
         per_cell = 4 * (2 * nodes + self.mesh.geometry.dofmap.shape[1])
         return self.num_cells * per_cell + 8 * 3 * len(self.b) + 24 * len(self.mesh.geometry.x)
 
 
-def force_rows(cases=CASES, law=materials.LinearElastic, bandwidth=None, peak=None):
-    """Rows of InternalForce against assemble_vector, per cell type."""
+def force_rows(
+    cases: Sequence[Case] = CASES,
+    law: MaterialClass = materials.LinearElastic,
+    bandwidth: float | None = None,
+    peak: float | None = None,
+) -> list[Row]:
+    """Measure InternalForce against assemble_vector.
+
+    Args:
+        cases: cell, degree and cells per side.
+        law: class of the material.
+        bandwidth: memory bandwidth of a core; None for no row [B/s].
+        peak: operations per second of a core; None for no row [1/s].
+
+    Returns:
+        Rows.
+
+    Raises:
+        RuntimeError: the vectors of the two sides differ.
+    """
     rows = []
     for cell, degree, n in cases:
         setup = Setup(cell, degree, n, law)
@@ -138,7 +206,7 @@ def force_rows(cases=CASES, law=materials.LinearElastic, bandwidth=None, peak=No
                     setup.num_cells / widths[1] * 1e-6,
                 )
             )
-        if peak:
+        if peak and bandwidth:
             rows.append(row(f"{name}: {PEAK}", label, 1, operator.flops / seconds * 1e-9, "GFLOP/s", peak * 1e-9))
             rows.append(
                 row(f"{name}: share of bandwidth", label, 1, setup.bytes() / seconds * 1e-9, "GB/s", bandwidth * 1e-9)
@@ -146,8 +214,18 @@ def force_rows(cases=CASES, law=materials.LinearElastic, bandwidth=None, peak=No
     return rows
 
 
-def rank_rows(ranks=2, cells=RANK_CELLS):
-    """Per-core speed on several ranks against one rank with as many cells a rank; ghosts are exchanged every time."""
+def rank_rows(ranks: int = 2, cells: Sequence[Case] = RANK_CELLS) -> list[Row]:
+    """Measure the speed per core on several ranks against one rank with as many cells per rank.
+
+    Every application exchanges the ghosts.
+
+    Args:
+        ranks: number of ranks.
+        cells: cell, degree and cells per side on one rank.
+
+    Returns:
+        Rows.
+    """
     rows = []
     for cell, degree, n in cells:
         one = _rank_rate(1, cell, degree, n)
@@ -158,7 +236,8 @@ def rank_rows(ranks=2, cells=RANK_CELLS):
     return rows
 
 
-def _rank_rate(ranks, cell, degree, n):
+def _rank_rate(ranks: int, cell: str, degree: int, n: int) -> float:
+    """Million cells per second and rank, measured in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "rate.json"
         own = [sys.executable, "-m", "dolfinx_impact.bench.run", "--rate", cell, str(degree), str(n), str(path)]
@@ -166,7 +245,8 @@ def _rank_rate(ranks, cell, degree, n):
         return json.loads(path.read_text())
 
 
-def _rate(cell, degree, n, path):
+def _rate(cell: str, degree: str, n: str, path: str) -> None:
+    """Measure the rate on the ranks of this process and write it to a file."""
     comm = MPI.COMM_WORLD
     setup = Setup(cell, int(degree), int(n), comm=comm)
     operator = operators.InternalForce(setup.form)
@@ -183,7 +263,16 @@ def _rate(cell, degree, n, path):
         Path(path).write_text(json.dumps(mean))
 
 
-def machine(bandwidth, peak):
+def machine(bandwidth: float, peak: float) -> dict[str, str | int | float | None]:
+    """Description of the machine.
+
+    Args:
+        bandwidth: memory bandwidth of a core [B/s].
+        peak: operations per second of a core [1/s].
+
+    Returns:
+        Processor, number of cores, load, vector width, bandwidth and peak by name.
+    """
     model = platform.processor()
     try:
         text = Path("/proc/cpuinfo").read_text()
@@ -200,20 +289,23 @@ def machine(bandwidth, peak):
     }
 
 
-def jobs(bandwidth, peak, large=False, ranks=0):
-    """All measurements, in their order.
+def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> list[Job]:
+    """All measurements of the command, in their order.
 
     Args:
         bandwidth: memory bandwidth of a core [B/s].
         peak: operations per second of a core [1/s].
-        large: also contact problems of 300,000 unknowns.
-        ranks: also whole explicit steps on so many ranks; 0: without.
-    """
-    from . import explicit as bench_explicit  # which uses this module
+        large: include contact problems of 300,000 unknowns.
+        ranks: include whole explicit steps on this number of ranks; 0 for none.
 
-    laws = [(materials.LinearElastic, CASES)]
+    Returns:
+        A text and a function that returns rows, for each measurement.
+    """
+    from . import explicit as bench_explicit  # that module imports this one
+
+    laws: list[tuple[MaterialClass, tuple[Case, ...]]] = [(materials.LinearElastic, CASES)]
     laws += [(law, FINITE) for law in (materials.StVenantKirchhoff, materials.NeoHookean)]
-    out = [
+    out: list[Job] = [
         (f"{law.law_class.name} force, {case[0]} P{case[1]}", partial(force_rows, (case,), law, bandwidth, peak))
         for law, cases in laws
         for case in cases
@@ -224,14 +316,14 @@ def jobs(bandwidth, peak, large=False, ranks=0):
     return out + [(f"static contact, {c[0]}", partial(bench_contact.contact_rows, row, (c,))) for c in cases]
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """Run the command.
 
     Args:
-        argv: arguments; None: those of the process.
+        argv: arguments; None for those of the process.
 
     Returns:
-        The exit status: 1 where a row cannot be true.
+        Exit status: 1 if a row cannot be true, otherwise 0.
     """
     parser = argparse.ArgumentParser(prog="dolfinx-impact bench", description=__doc__)
     parser.add_argument("--json", metavar="OUT", help="write rows and machine here")

@@ -1,18 +1,60 @@
 # SPDX-License-Identifier: MIT
 """The same body on both sides: a DOLFINx mesh and space, and the hand-written model, matched by nodes."""
 
+from typing import Protocol, TypeAlias, Union
+
 import impact_reference
 import numpy as np
 from dolfinx import fem, mesh
+from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
+from petsc4py import PETSc
 from scipy.sparse import csr_matrix, issparse
 from scipy.spatial import cKDTree
 
+from ..common.types import AnyArray, FloatArray, IntArray
+from ..materials import LinearElastic, NeoHookean, StVenantKirchhoff
 from . import nodes
 
+Material: TypeAlias = Union[LinearElastic, NeoHookean, StVenantKirchhoff]
 
-def matched(ours, theirs, scale):
-    """theirs[i]: number of the other side's node at our node i, found by position.
+
+class ElasticMaterial(Protocol):
+    """Constants of a material that both sides need: those of dolfinx_impact.materials have them."""
+
+    @property
+    def E(self) -> float:
+        """Young's modulus [F/L^2]."""
+
+    @property
+    def nu(self) -> float:
+        """Poisson's ratio [1]."""
+
+    @property
+    def density(self) -> float | None:
+        """Density; None in statics without body forces [M/L^3]."""
+
+    def hypothesis_on(self, mesh: Mesh) -> str:
+        """Hypothesis on a mesh.
+
+        Args:
+            mesh: DOLFINx mesh.
+
+        Returns:
+            "3d", "plane_strain", "plane_stress" or "axisymmetric".
+        """
+
+
+def match_nodes(ours: FloatArray, theirs: FloatArray, scale: float) -> IntArray:
+    """Match the nodes of the two sides by position.
+
+    Args:
+        ours: our nodes, shape (num_nodes, gdim) [L].
+        theirs: nodes of the hand-written solver, shape (num_nodes, gdim) [L].
+        scale: size of the body [L].
+
+    Returns:
+        Number of the other side's node at each of our nodes, shape (num_nodes).
 
     Raises:
         RuntimeError: a node without partner, or with two.
@@ -27,27 +69,34 @@ def matched(ours, theirs, scale):
 
 
 class Body:
-    """One body, both sides.
+    """One body on both sides: `V` is our space, `model` the hand-written one.
 
     Args:
         domain: DOLFINx mesh on one rank.
-        degree: of the displacement.
-        material: dolfinx_impact material.
+        degree: degree of the displacement, 1 or 2.
+        material: material of dolfinx_impact.
         law: name of the law for the other side.
-        rule: name of the rule for the other side, None: its default.
+        rule: rule of the other side, or rules by purpose; None takes its default.
     """
 
-    def __init__(self, domain, degree, material, law="linear_elastic", rule=None):
+    def __init__(
+        self,
+        domain: Mesh,
+        degree: int,
+        material: ElasticMaterial,
+        law: str = "linear_elastic",
+        rule: nodes.TheirRule | dict[str, nodes.TheirRule] = None,
+    ) -> None:
         self.mesh, self.degree, self.material = domain, degree, material
-        self.gdim = domain.geometry.dim
-        self.cell = domain.topology.cell_name()
-        self.geometry_degree = domain.geometry.cmap.degree
+        self.gdim: int = domain.geometry.dim
+        self.cell: str = domain.topology.cell_name()
+        self.geometry_degree: int = domain.geometry.cmap.degree
         self.V = fem.functionspace(domain, ("Lagrange", degree, (self.gdim,)))
         self.hypothesis = material.hypothesis_on(domain)
         order = nodes.permutation(self.cell, self.geometry_degree)
-        cells = np.empty(domain.geometry.dofmap.shape, dtype=np.int64)
+        cells: IntArray = np.empty(domain.geometry.dofmap.shape, dtype=np.int64)
         cells[:, order] = domain.geometry.dofmap
-        self.points = domain.geometry.x[:, : self.gdim].copy()
+        self.points: FloatArray = domain.geometry.x[:, : self.gdim].copy()
         self.cells = cells
         self._orient()
         self.their_material = impact_reference.Material(
@@ -62,58 +111,115 @@ class Body:
             geometry_degree=self.geometry_degree,
             rule=rule,
         )
-        size = np.ptp(self.points, axis=0).max()
-        at = matched(self.V.tabulate_dof_coordinates()[:, : self.gdim], self.model.field_points, size)
-        self.order = (self.gdim * at[:, None] + np.arange(self.gdim)).ravel()
+        size = float(np.ptp(self.points, axis=0).max())
+        at = match_nodes(self.V.tabulate_dof_coordinates()[:, : self.gdim], self.model.field_points, size)
+        self.order: IntArray = (self.gdim * at[:, None] + np.arange(self.gdim)).ravel()
 
-    def _orient(self):
-        """DOLFINx keeps cells of either orientation; the other side takes positive ones only: reflect the rest."""
+    def _orient(self) -> None:
+        """Reflect cells with a negative Jacobian: DOLFINx keeps them, the hand-written solver refuses them."""
         first = [0, 1, 3, 4] if self.cell in nodes.TENSOR else [0, 1, 2, 3]
         corners = self.points[self.cells[:, first[: self.gdim + 1]]]
         negative = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0
         self.cells[negative] = self.cells[negative][:, nodes.reflection(self.cell, self.geometry_degree)]
 
-    def to_theirs(self, values):
-        """Values at our degrees of freedom in their order."""
+    def to_theirs(self, values: AnyArray) -> AnyArray:
+        """Reorder values at degrees of freedom from our order to theirs.
+
+        Args:
+            values: values in our order, shape (num_dofs).
+
+        Returns:
+            Values in their order, shape (num_dofs).
+        """
         return nodes.to_theirs(np.asarray(values), self.order)
 
-    def to_ours(self, values):
-        """Values at their degrees of freedom in our order."""
+    def to_ours(self, values: AnyArray) -> AnyArray:
+        """Reorder values at degrees of freedom from their order to ours.
+
+        Args:
+            values: values in their order, shape (num_dofs).
+
+        Returns:
+            Values in our order, shape (num_dofs).
+        """
         return np.asarray(values)[self.order]
 
-    def matrix_to_ours(self, csr):
-        """Their Csr matrix as a SciPy matrix in our order."""
+    def matrix_to_ours(self, csr: impact_reference.Csr) -> csr_matrix:
+        """Reorder a matrix from their order to ours.
+
+        Args:
+            csr: matrix in their order, shape (num_dofs, num_dofs).
+
+        Returns:
+            SciPy matrix in our order, shape (num_dofs, num_dofs).
+        """
         matrix = csr_matrix((csr.data, csr.indices, csr.indptr), shape=csr.shape)
         return matrix[self.order][:, self.order]
 
-    def their_facets(self, tags, tag):
-        """Vertices, by their point numbers (equal to ours), of the facets that carry a tag, in the order of ours:
-        by the numbers of their cells in the mesh's input, then by their place in the cell."""
+    def their_facets(self, tags: MeshTags, tag: int) -> IntArray:
+        """Facets with a tag as the hand-written solver takes them.
+
+        The order is that of our side: by the numbers of their cells in the mesh's input, then by their local number.
+
+        Args:
+            tags: tags of facets.
+            tag: tag.
+
+        Returns:
+            Points of every facet, which have the same numbers on both sides, shape (num_facets, nodes per facet).
+        """
         facets, topology = tags.find(tag), self.mesh.topology
         topology.create_connectivity(self.gdim - 1, self.gdim)
         topology.create_connectivity(self.gdim, self.gdim - 1)
         to_cell = topology.connectivity(self.gdim - 1, self.gdim)
         to_facet = topology.connectivity(self.gdim, self.gdim - 1)
         cells = [to_cell.links(f)[0] for f in facets]
-        places = [list(to_facet.links(c)).index(f) for c, f in zip(cells, facets)]
-        facets = facets[np.lexsort((places, topology.original_cell_index[cells]))] if len(facets) else facets
+        local = [list(to_facet.links(c)).index(f) for c, f in zip(cells, facets)]
+        facets = facets[np.lexsort((np.array(local), topology.original_cell_index[cells]))] if len(facets) else facets
         return mesh.entities_to_geometry(self.mesh, self.gdim - 1, facets).astype(np.int64)
 
 
-def relative(a, b):
-    """Largest difference over the largest entry of b."""
+def relative(a: FloatArray, b: FloatArray) -> float:
+    """Relative difference of two arrays.
+
+    Args:
+        a: array.
+        b: reference, of the same shape.
+
+    Returns:
+        Largest difference over the largest entry of b [1].
+    """
     return np.max(np.abs(a - b)) / np.max(np.abs(b))
 
 
-def relative_matrices(A, B):
+def relative_matrices(A: csr_matrix, B: csr_matrix) -> float:
+    """Relative difference of two sparse matrices.
+
+    Args:
+        A: matrix.
+        B: reference, of the same shape.
+
+    Returns:
+        Largest difference over the largest entry of B [1].
+    """
     return np.max(np.abs((A - B).data), initial=0.0) / np.max(np.abs(B.data))
 
 
-def parted(body, ours, theirs):
-    """(largest relative difference, text that says at which nodes) of vectors or sparse matrices in our order."""
+def largest_difference(body: Body, ours: FloatArray | csr_matrix, theirs: FloatArray | csr_matrix) -> tuple[float, str]:
+    """Largest relative difference of vectors or sparse matrices, and where it is.
+
+    Args:
+        body: body of both sides.
+        ours: our vector, shape (num_dofs), or sparse matrix, shape (num_dofs, num_dofs).
+        theirs: the other side's in our order.
+
+    Returns:
+        Difference over the largest entry of `theirs` [1], and a text with the nodes and the two entries.
+    """
+    at: tuple[int, ...]
     if issparse(ours):
         difference = relative_matrices(ours, theirs)
-        parts = (ours - theirs).tocoo()
+        parts = csr_matrix(ours - theirs).tocoo()
         if parts.nnz == 0:
             return difference, ""
         k = _worst(parts.data)
@@ -122,22 +228,41 @@ def parted(body, ours, theirs):
         difference = relative(ours, theirs)
         at = (_worst(ours - theirs),)
     x = body.V.tabulate_dof_coordinates()[:, : body.gdim]
-    places = [f"node at {np.round(x[i // body.gdim], 4).tolist()} component {i % body.gdim}" for i in at]
-    return difference, f"{' against '.join(places)}: UFL {ours[at]:.15g}, hand-written {theirs[at]:.15g}"
+    positions = [f"node at {np.round(x[i // body.gdim], 4).tolist()} component {i % body.gdim}" for i in at]
+    return difference, f"{' against '.join(positions)}: UFL {ours[at]:.15g}, hand-written {theirs[at]:.15g}"
 
 
-def _worst(error):
-    """Number of the largest entry; a NaN is the largest of all."""
+def _worst(error: FloatArray) -> int:
+    """Index of the largest entry; a NaN counts as the largest."""
     return int(np.argmax(np.where(np.isnan(error), np.inf, np.abs(error))))
 
 
-def petsc_to_scipy(matrix):
+def petsc_to_scipy(matrix: PETSc.Mat) -> csr_matrix:
+    """Copy of a PETSc matrix as a SciPy matrix.
+
+    Args:
+        matrix: assembled matrix on one rank.
+
+    Returns:
+        The same matrix.
+    """
     indptr, indices, data = matrix.getValuesCSR()
     return csr_matrix((data, indices, indptr), shape=matrix.getSize())
 
 
-def block(cell, n, geometry_degree=1, distortion=0.08, gdim=None):
-    """Distorted unit square or cube on this rank alone; geometry of degree 2 is curved."""
+def block(cell: str, n: int, geometry_degree: int = 1, distortion: float = 0.08, gdim: int | None = None) -> Mesh:
+    """Unit square or cube on this rank alone, distorted inside; geometry of degree 2 is curved.
+
+    Args:
+        cell: cell of the mesh.
+        n: cells per side.
+        geometry_degree: degree of the geometry, 1 or 2.
+        distortion: amplitude of the map that moves the inner nodes [L].
+        gdim: dimension; None takes that of the cell.
+
+    Returns:
+        Mesh with sides of length 1 [L].
+    """
     kind = getattr(mesh.CellType, cell)
     dim = gdim or (2 if cell in ("triangle", "quadrilateral") else 3)
     if dim == 2:
@@ -145,13 +270,18 @@ def block(cell, n, geometry_degree=1, distortion=0.08, gdim=None):
     else:
         domain = mesh.create_unit_cube(MPI.COMM_SELF, n, n, n, kind)
     if geometry_degree == 2:
-        domain = curved(domain)
-    bend(domain, distortion)
+        domain = with_quadratic_geometry(domain)
+    distort(domain, distortion)
     return domain
 
 
-def bend(domain, amount):
-    """Move the inner nodes by a smooth map that keeps the faces of the unit block plane."""
+def distort(domain: Mesh, amount: float) -> None:
+    """Move the inner nodes by a smooth map that keeps the faces of the unit block plane.
+
+    Args:
+        domain: mesh of the unit square or cube, which is changed.
+        amount: amplitude of the map [L].
+    """
     x = domain.geometry.x
     dim = domain.geometry.dim
     bubble = np.prod(np.sin(np.pi * x[:, :dim]), axis=1)
@@ -159,8 +289,15 @@ def bend(domain, amount):
         x[:, i] += amount * bubble * np.cos(2.0 * x[:, (i + 1) % dim] + i)
 
 
-def curved(domain):
-    """The same mesh with geometry of degree 2 (mid nodes on the straight edges)."""
+def with_quadratic_geometry(domain: Mesh) -> Mesh:
+    """Copy of a mesh with geometry of degree 2: edge nodes in the middle of the straight edges.
+
+    Args:
+        domain: mesh with geometry of degree 1, on one rank.
+
+    Returns:
+        Mesh with geometry of degree 2.
+    """
     import basix.ufl
     import ufl
 

@@ -1,10 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""What the hand-written solver offers for each form of the catalogue, and which rule makes the two comparable."""
+"""Counterparts in the hand-written solver of the forms of the catalogue, and the rules that make both comparable."""
+
+from collections.abc import Collection, Mapping
+from typing import Any, TypeAlias, cast
 
 import impact_reference as ref
 import numpy as np
 
+from ..common.types import FloatArray
 from ..forms import quadrature, registry
+from .nodes import TheirRule
+
+# (cell, degree, geometry_degree, hypothesis)
+Element: TypeAlias = tuple[str, int, int, str]
+# (name of the form, cell, degree, geometry_degree, hypothesis)
+Case: TypeAlias = tuple[str, str, int, int, str]
 
 FINITE = ("st_venant_kirchhoff", "neo_hookean")
 # Integrands that are polynomials on every cell, curved and axisymmetric ones too: both sides integrate them exactly.
@@ -13,8 +23,19 @@ FACET = ("traction", "follower_pressure", "follower_pressure_tangent")
 SPIN = ("gyroscopic", "ale_inertia", "centrifugal_load", "momentum_balance")
 
 
-def exact(name, cell, degree, geometry_degree, hypothesis):
-    """Do the default rules of both sides integrate the form exactly? Then they are left different on purpose."""
+def exact(name: str, cell: str, degree: int, geometry_degree: int, hypothesis: str) -> bool:
+    """Do the default rules of both sides integrate the form exactly? Then each side keeps its own rule.
+
+    Args:
+        name: form of the catalogue.
+        cell: cell.
+        degree: degree of the field, 1 or 2.
+        geometry_degree: degree of the geometry, 1 or 2.
+        hypothesis: hypothesis of the material.
+
+    Returns:
+        Whether both default rules are exact.
+    """
     affine = cell in quadrature.SIMPLICES and geometry_degree == 1
     if name in POLYNOMIAL:
         return True
@@ -31,10 +52,21 @@ def exact(name, cell, degree, geometry_degree, hypothesis):
     return affine
 
 
-def rules(name, cell, degree, geometry_degree, hypothesis):
-    """(rule for the UFL side, rule for the other side): (None, None) where both may use their own default.
+def rules(name: str, cell: str, degree: int, geometry_degree: int, hypothesis: str) -> tuple[str | None, str | None]:
+    """Rules that make the two sides comparable.
 
-    Elsewhere the same collapsed or plain Gauss-Jacobi rule is named to both.
+    Where the default rules are not exact, both sides get the same collapsed or plain Gauss-Jacobi rule.
+
+    Args:
+        name: form of the catalogue.
+        cell: cell.
+        degree: degree of the field, 1 or 2.
+        geometry_degree: degree of the geometry, 1 or 2.
+        hypothesis: hypothesis of the material.
+
+    Returns:
+        Rule of the UFL side and rule of the other side; None is the default. "points" stands for Basix's symmetric
+        rule, handed over as points and weights.
     """
     if exact(name, cell, degree, geometry_degree, hypothesis) or name == "nodal_mass":
         return None, None
@@ -46,10 +78,22 @@ def rules(name, cell, degree, geometry_degree, hypothesis):
     return None, f"gauss_jacobi:{used}"
 
 
-def cases(names=None, cells=None, degrees=None, full=True):
-    """All (name, cell, degree, geometry_degree, hypothesis) of the catalogue, or those asked for.
+def cases(
+    names: Collection[str] | None = None,
+    cells: Collection[str] | None = None,
+    degrees: Collection[int] | None = None,
+    full: bool = True,
+) -> list[Case]:
+    """Combinations of form, element and hypothesis of the catalogue.
 
-    full: also sub- and superparametric geometry, and the other hypotheses for every form.
+    Args:
+        names: forms; None for all.
+        cells: cells; None for all.
+        degrees: degrees of the field; None for all.
+        full: include sub- and superparametric geometry, and every hypothesis of each form.
+
+    Returns:
+        List of (name, cell, degree, geometry_degree, hypothesis).
     """
     out = []
     for name in registry.NAMES:
@@ -61,7 +105,7 @@ def cases(names=None, cells=None, degrees=None, full=True):
             if name == "nodal_mass" and cell in quadrature.SIMPLICES:
                 continue
             scalar = name.startswith("poisson")
-            hypotheses = ("3d",) if dim == 3 else ("plane_strain", "plane_stress", "axisymmetric")
+            hypotheses: tuple[str, ...] = ("3d",) if dim == 3 else ("plane_strain", "plane_stress", "axisymmetric")
             for hypothesis in hypotheses:
                 if hypothesis == "axisymmetric" and (name in SPIN):
                     continue
@@ -77,16 +121,33 @@ def cases(names=None, cells=None, degrees=None, full=True):
     return out
 
 
-def depends_on_hypothesis(name, hypothesis):
-    """Is the form another one under this hypothesis than under plane strain?"""
+def depends_on_hypothesis(name: str, hypothesis: str) -> bool:
+    """Does the form differ under this hypothesis from that under plane strain?
+
+    Args:
+        name: form of the catalogue.
+        hypothesis: hypothesis of the material.
+
+    Returns:
+        Whether it differs.
+    """
     if hypothesis == "axisymmetric":
         return not name.startswith("poisson") and name not in SPIN
     return name in registry.LAW_FORMS or name in ("rayleigh", "momentum_balance")
 
 
-def parameters(rng, name, dim):
-    """Random values for the constants of a form, by the names that the registry gives them."""
-    values = {
+def parameters(rng: np.random.Generator, name: str, dim: int) -> dict[str, float | FloatArray]:
+    """Random values of the constants of a form.
+
+    Args:
+        rng: random numbers.
+        name: form of the catalogue.
+        dim: dimension of space.
+
+    Returns:
+        Values by the names that the registry gives them.
+    """
+    values: dict[str, float | FloatArray] = {
         "E": rng.uniform(0.5, 2.0),
         "nu": rng.uniform(0.05, 0.45),
         "density": rng.uniform(0.5, 2.0),
@@ -103,27 +164,53 @@ def parameters(rng, name, dim):
     return values
 
 
-def material(name, hypothesis, values):
+def material(name: str, hypothesis: str, values: Mapping[str, float]) -> ref.Material:
+    """Material of the hand-written solver for a form.
+
+    Args:
+        name: form of the catalogue.
+        hypothesis: hypothesis of the material.
+        values: constants by name: E [F/L^2], nu [1] and density [M/L^3].
+
+    Returns:
+        Material with the law of the form.
+    """
     law = name.split(".")[0] if name in registry.LAW_FORMS else "linear_elastic"
     return ref.Material(values["E"], values["nu"], values["density"], hypothesis, law)
 
 
-def evaluate(name, case, X, values, fields, rule, facet=None):
-    """The hand-written solver's element tensor, in its own order.
+def evaluate(
+    name: str,
+    element: Element,
+    X: FloatArray,
+    values: Mapping[str, Any],
+    fields: Mapping[str, FloatArray],
+    rule: TheirRule,
+    facet: list[int] | None = None,
+) -> FloatArray:
+    """Element tensor of the hand-written solver, in its own order.
 
     Args:
-        name: form.
-        case: (cell, degree, geometry_degree, hypothesis).
-        X: geometry nodes in its order.
-        values: constants by name.
-        fields: displacements and the like by name, in its order.
-        rule: of the other side.
-        facet: local vertices of a facet, in its numbers.
+        name: form of the catalogue.
+        element: cell, degree, geometry_degree and hypothesis.
+        X: geometry nodes in its order, shape (num_geometry_nodes, gdim) [L].
+        values: constants by name: numbers or vectors.
+        fields: "u", "velocity" and "acceleration" in its order, shape (num_dofs).
+        rule: its integration rule.
+        facet: local vertices of a facet in its numbers; None for forms without facet integrals.
+
+    Returns:
+        Element tensor, shape (1), (num_dofs) or (num_dofs, num_dofs).
+
+    Raises:
+        ValueError: the hand-written solver has no such form.
     """
-    cell, degree, geometry_degree, hypothesis = case
-    d = {"degree": degree, "geometry_degree": geometry_degree, "rule": rule}
+    cell, degree, geometry_degree, hypothesis = element
+    d: dict[str, Any] = {"degree": degree, "geometry_degree": geometry_degree, "rule": rule}
     m = material(name, hypothesis, values)
-    v, u = values, fields.get("u")
+    v = values
+    # Forms without displacement do not read u; forms without facet integrals do not read facet_nodes.
+    u, facet_nodes = cast(FloatArray, fields.get("u")), cast(list[int], facet)
     if name in registry.LAW_FORMS:
         kind = name.split(".")[1]
         if kind == "energy":
@@ -143,11 +230,11 @@ def evaluate(name, case, X, values, fields, rule, facet=None):
     if name == "body_force":
         return ref.element_body_force(cell, X, v["f"], hypothesis, **d)
     if name == "traction":
-        return ref.element_traction(cell, X, facet, v["t"], hypothesis, **d)
+        return ref.element_traction(cell, X, facet_nodes, v["t"], hypothesis, **d)
     if name == "follower_pressure":
-        return ref.element_follower_pressure(cell, X, u, facet, v["p"], hypothesis, **d)[0]
+        return ref.element_follower_pressure(cell, X, u, facet_nodes, v["p"], hypothesis, **d)[0]
     if name == "follower_pressure_tangent":
-        return ref.element_follower_pressure(cell, X, u, facet, v["p"], hypothesis, **d)[1]
+        return ref.element_follower_pressure(cell, X, u, facet_nodes, v["p"], hypothesis, **d)[1]
     if name == "rayleigh":
         if rule is None:
             return ref.element_damping(cell, X, m, v["alpha"], v["beta"], **d)
@@ -172,6 +259,6 @@ def evaluate(name, case, X, values, fields, rule, facet=None):
         return ref.element_poisson(cell, X, v["k"], **d)
     if name == "poisson_residual":
         if facet is not None:
-            return -ref.element_flux_load(cell, X, facet, v["q"], **d)
+            return -ref.element_flux_load(cell, X, facet_nodes, v["q"], **d)
         return ref.element_poisson(cell, X, v["k"], **d) @ u - ref.element_scalar_load(cell, X, float(v["f"][0]), **d)
     raise ValueError(f"the hand-written solver has nothing named {name}")

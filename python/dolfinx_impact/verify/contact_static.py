@@ -1,39 +1,61 @@
 # SPDX-License-Identifier: MIT
 """Level contact, solutions: the same bodies, supports, obstacles and load steps on both sides."""
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, TypeAlias, Union
 
 import impact_reference
 import numpy as np
 from dolfinx import fem, mesh
+from dolfinx.mesh import Mesh, MeshTags
+from impact_reference.contact import ContactSolution
 
 from .. import contact
+from ..common.types import BoolArray, FloatArray, IntArray
 from ..statics.problem import StaticProblem
 from . import bodies, operator
-from .contact_bodies import BOTTOM, SLAVE, TOP, TwoBodies, rule, two_bodies
-from .contact_patch import Rows, same_points
+from .contact_bodies import BOTTOM, SLAVE, TOP, ObstaclePair, TwoBodies, rule, two_bodies
+from .contact_patch import Rows, match_points
+from .report import Report
 
 TOLERANCE = 1e-8
 REASON = "tolerance of Newton's methods times condition of the stiffness matrix"
 SLIP_TOLERANCE = 1e-7
 SLIP_REASON = "slip of up to 1e-11 of the size passes for stick"
-PENALTY, TANGENTIAL = 20.0, 15.0
+PENALTY, TANGENTIAL = 20.0, 15.0  # [F/L^3]
+Method: TypeAlias = Callable[[contact.ContactPair], Union[contact.Penalty, contact.Lagrange]]
+# Function of the other side's prescribed degrees of freedom, their values and the previous solution.
+Solve: TypeAlias = Callable[[IntArray, FloatArray, ContactSolution | None], ContactSolution]
 
 
 @dataclass
 class Case:
-    """A body, and where its upper face and a rigid obstacle are moved to, stage by stage."""
+    """A body, and the displacements of its upper face and of a rigid obstacle in each stage.
+
+    Args:
+        name: name in the rows.
+        body: bodies of both sides.
+        tops: displacement of the upper face in each stage, shape (gdim) each [L].
+        obstacles: displacement of the rigid obstacle in each stage, shape (gdim) each [L].
+        steps: number of load steps per stage.
+        remark: text about load steps that the two sides divided.
+    """
 
     name: str
     body: TwoBodies
-    tops: list  # displacements (gdim) [L]
-    obstacles: list = None  # displacements (gdim) [L]
+    tops: Sequence[FloatArray]
+    obstacles: Sequence[FloatArray] = ()
     steps: int = 1
-    remark: str = ""  # on what the two sides did to come here
+    remark: str = ""
 
 
-def run(report):
-    """Add the rows of the solutions."""
+def run(report: Report) -> None:
+    """Add the rows of the solutions.
+
+    Args:
+        report: report to add to.
+    """
     for cell, hypothesis, degree in (
         ("quadrilateral", "plane_strain", 1),
         ("triangle", "plane_strain", 2),
@@ -44,28 +66,35 @@ def run(report):
         ("hexahedron", "3d", 2),
     ):
         if report.wants(cell, degree):
-            both(report, "static", pressed(cell, hypothesis, degree))
+            compare_methods(report, "static", pressed(cell, hypothesis, degree))
     for cell, hypothesis, degree in (("quadrilateral", "plane_strain", 1), ("hexahedron", "3d", 1)):
         if report.wants(cell, degree):
-            both(report, "friction", pressed(cell, hypothesis, degree, friction=0.3))
-    if report.wants("quadrilateral", 1):  # here points end up a little beside facets they were on
+            compare_methods(report, "friction", pressed(cell, hypothesis, degree, friction=0.3))
+    if report.wants("quadrilateral", 1):  # here some points leave the facets that they were on
         case = pressed("quadrilateral", "plane_strain", 1, 0.3, cells=((11, 3), (9, 2)), start=(0.152,))
         compare_penalty(report, "friction_penalty", case)
     for cell, hypothesis, degree in (("triangle", "plane_strain", 1), ("quadrilateral", "plane_strain", 2),
                                      ("tetrahedron", "3d", 2), ("hexahedron", "3d", 1)):  # fmt: skip
         if report.wants(cell, degree):
-            both(report, "static", under_obstacle(cell, hypothesis, degree))
+            compare_methods(report, "static", under_obstacle(cell, hypothesis, degree))
     for cell, degree in (("tetrahedron", 1), ("hexahedron", 2)):
         if report.wants(cell, degree):
-            both(report, "static", under_obstacle(cell, "3d", degree, shape="Sphere"))
+            compare_methods(report, "static", under_obstacle(cell, "3d", degree, shape="Sphere"))
     for cell, hypothesis, degree in (("quadrilateral", "plane_strain", 1), ("hexahedron", "3d", 1)):
         if report.wants(cell, degree):
-            both(report, "static", under_obstacle(cell, hypothesis, degree, "neo_hookean"))
-            both(report, "friction", under_obstacle(cell, hypothesis, degree, "neo_hookean", friction=0.3))
+            compare_methods(report, "static", under_obstacle(cell, hypothesis, degree, "neo_hookean"))
+            case = under_obstacle(cell, hypothesis, degree, "neo_hookean", friction=0.3)
+            compare_methods(report, "friction", case)
 
 
-def both(report, form, case):
-    """Penalty and multipliers; without friction also the penalty with multipliers of Uzawa's method."""
+def compare_methods(report: Report, form: str, case: Case) -> None:
+    """Add the rows of a case with penalty and with multipliers; without friction also with Uzawa's method.
+
+    Args:
+        report: report to add to.
+        form: "static" or "friction".
+        case: bodies and displacements.
+    """
     compare_penalty(report, f"{form}_penalty", case)
     if not case.body.friction:
         compare_penalty(report, f"{form}_augmented", case, augmented=True)
@@ -75,26 +104,57 @@ def both(report, form, case):
 # --- bodies ----------------------------------------------------------------------------------------------------------
 
 
-def _two(domain, tags, degree, hypothesis, law, friction, rigid=None):
+def _two_bodies(
+    domain: Mesh,
+    tags: MeshTags,
+    degree: int,
+    hypothesis: str,
+    law: str,
+    friction: float,
+    rigid: ObstaclePair | None = None,
+) -> TwoBodies:
     material = operator.LAWS[law](1.0, 0.3, 1.0, hypothesis)
-    named = operator._rule(domain, degree, hypothesis, law)
-    return TwoBodies(domain, tags, degree, material, friction, rigid, law=law, rule=named)
+    their_rule = operator.stiffness_rule(domain, degree, hypothesis, law)
+    return TwoBodies(domain, tags, degree, material, friction, rigid, law=law, rule=their_rule)
 
 
-def pressed(cell, hypothesis, degree, friction=0.0, cells=None, start=(0.17, 0.13), push=0.03, pull=0.02):
-    """A block with a round lower face pressed on another one; with friction it is pulled sideways afterwards."""
+def pressed(
+    cell: str,
+    hypothesis: str,
+    degree: int,
+    friction: float = 0.0,
+    cells: tuple[Sequence[int], Sequence[int]] | None = None,
+    start: Sequence[float] = (0.17, 0.13),
+    push: float = 0.03,
+    pull: float = 0.02,
+) -> Case:
+    """A block with a round lower face pressed on another one; with friction it is then pulled sideways.
+
+    Args:
+        cell: cell.
+        hypothesis: hypothesis of the material.
+        degree: degree of the displacement, 1 or 2.
+        friction: Coulomb's friction coefficient [1].
+        cells: number of cells of the lower and of the upper body along each axis; None for the default.
+        start: least coordinates of the upper body along the horizontal axes [L].
+        push: downward displacement [L].
+        pull: sideways displacement [L].
+
+    Returns:
+        Bodies and displacements.
+    """
     dim = 3 if hypothesis == "3d" else 2
     lower, upper = cells or (((5, 3), (4, 2)) if dim == 2 else ((3, 2, 2), (2, 2, 1)))
     domain, tags = two_bodies(cell, lower, upper, start=start)
     x = domain.geometry.x
     above = np.zeros(len(x), dtype=bool)
     above[np.unique(domain.geometry.dofmap[_upper_cells(domain)])] = True
-    # Round below, flat above, and nowhere touching to begin with: round-off must not decide what is in contact.
+    # Round below, flat above, and open at the start, so that round-off does not decide which points are in contact.
     round_part = 0.3 * ((x[:, :1] - 0.52) ** 2).sum(axis=1) * (1.5 - x[:, dim - 1]) / 0.5
     x[above, dim - 1] += 0.002 + round_part[above]
     if hypothesis == "axisymmetric":
         x[:, 0] += 0.5
-    body = _two(domain, tags, degree, hypothesis, "linear_elastic", friction)
+    body = _two_bodies(domain, tags, degree, hypothesis, "linear_elastic", friction)
     down = -push * np.eye(dim)[-1]
     tops = [down]
     if friction:
@@ -103,14 +163,35 @@ def pressed(cell, hypothesis, degree, friction=0.0, cells=None, start=(0.17, 0.1
     return Case("block pressed on a block", body, tops, steps=4 if friction else 1)
 
 
-def _upper_cells(domain):
+def _upper_cells(domain: Mesh) -> BoolArray:
     dim = domain.geometry.dim
     x = domain.geometry.x[domain.geometry.dofmap][:, :, dim - 1]
     return x.mean(axis=1) > 1.0
 
 
-def under_obstacle(cell, hypothesis, degree, law="linear_elastic", friction=0.0, push=0.06, shape="Cylinder"):
-    """A block, held below, under a rigid cylinder or sphere; with friction that is moved sideways afterwards."""
+def under_obstacle(
+    cell: str,
+    hypothesis: str,
+    degree: int,
+    law: str = "linear_elastic",
+    friction: float = 0.0,
+    push: float = 0.06,
+    shape: str = "Cylinder",
+) -> Case:
+    """A block, clamped below, under a rigid cylinder or sphere; with friction the obstacle then moves sideways.
+
+    Args:
+        cell: cell.
+        hypothesis: hypothesis of the material.
+        degree: degree of the displacement, 1 or 2.
+        law: name of the law.
+        friction: Coulomb's friction coefficient [1].
+        push: downward displacement of the obstacle [L].
+        shape: "Cylinder" or "Sphere".
+
+    Returns:
+        Bodies and displacements.
+    """
     dim = 3 if hypothesis == "3d" else 2
     domain = bodies.block(cell, 8 if dim == 2 and degree == 1 else 4 if dim == 2 or degree == 1 else 3)
     top = mesh.locate_entities_boundary(domain, dim - 1, lambda x: np.isclose(x[dim - 1], 1.0))
@@ -121,8 +202,8 @@ def under_obstacle(cell, hypothesis, degree, law="linear_elastic", friction=0.0,
     center, radius = np.array([0.47, 0.5, 0.0])[:dim], 0.8
     center[-1] = 1.0 + radius + 0.003
     more = [np.array([0.1, 1.0, 0.0])] if dim == 3 and shape == "Cylinder" else []
-    made = [getattr(m, f"Rigid{shape}")(center, radius, *more) for m in (contact, impact_reference)]
-    body = _two(domain, tags, degree, hypothesis, law, friction, made)
+    ours, theirs = (getattr(m, f"Rigid{shape}")(center, radius, *more) for m in (contact, impact_reference))
+    body = _two_bodies(domain, tags, degree, hypothesis, law, friction, (ours, theirs))
     down, side = -push * np.eye(dim)[-1], 0.003 * np.eye(dim)[0]
     stages = [down, down + side] if friction else [down]
     name = f"{law.replace('_', '-')} block under a {shape.lower()}"
@@ -133,36 +214,57 @@ def under_obstacle(cell, hypothesis, degree, law="linear_elastic", friction=0.0,
 
 
 class Supports:
-    """Our boundary conditions and the same degrees of freedom and values for the other side."""
-
-    def __init__(self, case):
-        body = case.body
-        still, self.moving = (fem.Constant(body.mesh, np.zeros(body.gdim)) for _ in range(2))
-        self.bcs = []
-        for tag, value in ((BOTTOM, still), (TOP, self.moving)):
-            nodes = fem.locate_dofs_topological(body.V, body.gdim - 1, body.tags.find(tag))
-            self.bcs.append(fem.dirichletbc(value, nodes, body.V))
-        held, self.moved = (bc.dof_indices()[0] for bc in self.bcs)
-        self.dofs = np.union1d(held, self.moved)
-        self.order, self.gdim = body.order, body.gdim
-
-    def theirs(self, top):
-        """Their degrees of freedom, and values when the upper face is displaced by `top`."""
-        return self.order[self.dofs], np.where(np.isin(self.dofs, self.moved), top[self.dofs % self.gdim], 0.0)
-
-
-def solved(case, supports, method, solve, bound=lambda ours: None):
-    """Both sides, stage by stage: yields name, problem, our contact, their solution.
+    """Supports of both sides: the lower face is fixed, the upper face is displaced by `moving`.
 
     Args:
-        method: function of a ContactPair.
-        solve: function of their dofs, values and the solution to start from.
-        bound: called with our contact before anything moves.
+        case: bodies and displacements.
     """
-    body, theirs = case.body, None
+
+    def __init__(self, case: Case) -> None:
+        body = case.body
+        zero, self.moving = (fem.Constant(body.mesh, np.zeros(body.gdim)) for _ in range(2))
+        self.bcs = []
+        for tag, value in ((BOTTOM, zero), (TOP, self.moving)):
+            nodes = fem.locate_dofs_topological(body.V, body.gdim - 1, body.tags.find(tag))
+            self.bcs.append(fem.dirichletbc(value, nodes, body.V))
+        fixed_dofs, self.moved_dofs = (bc.dof_indices()[0] for bc in self.bcs)
+        self.dofs = np.union1d(fixed_dofs, self.moved_dofs)
+        self.order, self.gdim = body.order, body.gdim
+
+    def theirs(self, top: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Prescribed values of the other side.
+
+        Args:
+            top: displacement of the upper face, shape (gdim) [L].
+
+        Returns:
+            Degrees of freedom in their numbers, shape (num_fixed), and values, shape (num_fixed) [L].
+        """
+        values = np.where(np.isin(self.dofs, self.moved_dofs), top[self.dofs % self.gdim], 0.0)
+        return self.order[self.dofs], values
+
+
+def solve_stages(
+    case: Case, supports: Supports, method: Method, solve: Solve, on_start: Callable[[Any], None] | None = None
+) -> Iterator[tuple[str, StaticProblem, Any, ContactSolution]]:
+    """Solve both sides, stage by stage.
+
+    Args:
+        case: bodies and displacements; its remark is set.
+        supports: supports of both sides.
+        method: function of a pair of surfaces that makes our contact.
+        solve: function that solves the other side.
+        on_start: called with our contact before anything moves.
+
+    Yields:
+        Name of the stage, our problem, our contact and the other side's solution.
+    """
+    body = case.body
+    theirs: ContactSolution | None = None
     body.u.x.array[:] = 0.0
     problem = StaticProblem(body.u, body.material, bcs=supports.bcs, contact=[method(body.pair())])
-    bound(problem.contact[0])
+    if on_start is not None:
+        on_start(problem.contact[0])
     for i, top in enumerate(case.tops):
         supports.moving.value[:] = top
         if body.rigid:
@@ -171,51 +273,65 @@ def solved(case, supports, method, solve, bound=lambda ours: None):
         theirs = solve(*supports.theirs(top), theirs)
         case.remark = ""
         if ours.cut_backs or len(theirs.iterations) != case.steps:  # with friction the result depends on the steps
-            case.remark = f"; steps were cut: UFL {len(ours.iterations)}, hand-written {len(theirs.iterations)}"
+            case.remark = f"; steps were divided: UFL {len(ours.iterations)}, hand-written {len(theirs.iterations)}"
         name = f"{case.name}, stage {i + 1}" if len(case.tops) > 1 else case.name
         yield name, problem, problem.contact[0], theirs
 
 
-def compare_penalty(report, form, case, augmented=False):
-    """Displacements, forces, pressures and status of the penalty method."""
+def compare_penalty(report: Report, form: str, case: Case, augmented: bool = False) -> None:
+    """Add the rows of the penalty method: displacements, forces, pressures and status.
+
+    Args:
+        report: report to add to.
+        form: name of the row's form without "contact.".
+        case: bodies and displacements.
+        augmented: use Uzawa's method.
+    """
     body, degree = case.body, 2 * case.body.degree + 2
     supports, other = Supports(case), body.theirs(rule(body.facet, degree))
-    # Both stop when multipliers change by 1e-8 of the size: ours is the diagonal of the box, theirs its longest side.
+    # Both sides stop when multipliers change by 1e-8 of the body size, which is the diagonal of the bounding box on our
+    # side and its longest side on the other.
     tolerance = 1e-8 * np.ptp(body.points, axis=0).max() / body.size
 
-    def method(pair):
-        options = {"augmented": augmented, "tolerance": tolerance, "quadrature_degree": degree}
+    def method(pair: contact.ContactPair) -> contact.Penalty:
+        options: dict[str, Any] = {"augmented": augmented, "tolerance": tolerance, "quadrature_degree": degree}
         return contact.Penalty(pair, PENALTY, TANGENTIAL, **options)
 
-    def solve(fixed, values, start):
-        options = {"chi": PENALTY, "chi_t": TANGENTIAL, "steps": case.steps, "tolerance": 1e-13, "augmented": augmented}
-        return other.solve_penalty(fixed, values, start=start, **options)
+    def solve(fixed: IntArray, values: FloatArray, start: ContactSolution | None) -> ContactSolution:
+        options: dict[str, Any] = {"steps": case.steps, "tolerance": 1e-13, "augmented": augmented}
+        return other.solve_penalty(fixed, values, chi=PENALTY, chi_t=TANGENTIAL, start=start, **options)
 
-    place = []
-    for name, problem, ours, theirs in solved(
-        case, supports, method, solve, lambda ours: place.append(same_points(body, ours, other))
+    their_points: list[IntArray] = []
+    for name, problem, ours, theirs in solve_stages(
+        case, supports, method, solve, lambda ours: their_points.append(match_points(body, ours, other))
     ):
-        at = place[0]
+        at = their_points[0]
         tractions = ours._cpp.state.tangential, theirs.traction[at]
         _rows(report, form, case, name, problem, ours, theirs, theirs.pressure[at], tractions, theirs.status[at])
 
 
-def compare_lagrange(report, form, case):
-    """The same of multipliers."""
+def compare_lagrange(report: Report, form: str, case: Case) -> None:
+    """Add the rows of mortar multipliers: displacements, forces, pressures and status.
+
+    Args:
+        report: report to add to.
+        form: name of the row's form without "contact.".
+        case: bodies and displacements.
+    """
     body, degree = case.body, 3 * case.body.degree + 4
     supports = Supports(case)
     body.prescribed = supports.dofs
-    # On obstacles our side integrates shape functions only, always with this rule.
+    # On obstacles our side integrates only shape functions, always with this rule.
     points = rule(body.facet, 2 * body.degree + 2) if body.rigid else rule(body.segment, degree)
     other = body.theirs(points)
 
-    def method(pair):
+    def method(pair: contact.ContactPair) -> contact.Lagrange:
         return contact.Lagrange(pair, quadrature_degree=degree)
 
-    def solve(fixed, values, start):
+    def solve(fixed: IntArray, values: FloatArray, start: ContactSolution | None) -> ContactSolution:
         return other.solve_lagrange(fixed, values, start=start, steps=case.steps, tolerance=1e-13)
 
-    for name, problem, ours, theirs in solved(case, supports, method, solve):
+    for name, problem, ours, theirs in solve_stages(case, supports, method, solve):
         pressure, traction, status = (
             body.nodal_to_ours(v)[ours.nodes] for v in (theirs.pressure, theirs.traction, theirs.status)
         )
@@ -223,7 +339,18 @@ def compare_lagrange(report, form, case):
         _rows(report, form, case, name, problem, ours, theirs, pressure, tractions, status)
 
 
-def _rows(report, form, case, name, problem, ours, theirs, pressure, tractions, status):
+def _rows(
+    report: Report,
+    form: str,
+    case: Case,
+    name: str,
+    problem: StaticProblem,
+    ours: Any,
+    theirs: ContactSolution,
+    pressure: FloatArray,
+    tractions: tuple[FloatArray, FloatArray],
+    status: IntArray,
+) -> None:
     body = case.body
     pairs = {
         "u": (body.u.x.array, body.to_ours(theirs.u)),
@@ -235,6 +362,6 @@ def _rows(report, form, case, name, problem, ours, theirs, pressure, tractions, 
     if body.friction:
         pairs["friction traction"] = tractions
     for what, (a, b) in pairs.items():
-        slips = what == "friction traction" and form.endswith("lagrange")
-        tolerance = (SLIP_TOLERANCE, SLIP_REASON) if slips else (TOLERANCE, REASON)
+        slip = what == "friction traction" and form.endswith("lagrange")
+        tolerance = (SLIP_TOLERANCE, SLIP_REASON) if slip else (TOLERANCE, REASON)
         Rows(report, body, f"{what} of the {name}")(form, a, b, *tolerance, case.remark)

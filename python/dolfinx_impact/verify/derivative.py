@@ -1,22 +1,33 @@
 # SPDX-License-Identifier: MIT
 """Level f: each tangent is the derivative of its residual, each residual of its energy (Taylor remainders)."""
 
+from collections.abc import Callable
+
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.fem import Function, FunctionSpace
 
 from .. import materials
 from ..assembly import operators
+from ..common.types import FloatArray
 from ..forms import loads, quadrature
 from . import bodies
+from .catalogue import Element
+from .report import Report
 
 STEPS = 2.0 ** -np.arange(3, 8)
 TOLERANCE = 0.1
 REASON = "slope of the remainder over steps of 1/8 to 1/128 against 2"
 
 
-def run(report, progress=True):
-    """Add the rows of this level."""
+def run(report: Report, progress: bool = True) -> None:
+    """Add the rows of this level.
+
+    Args:
+        report: report to add to.
+        progress: not used; all levels share these arguments.
+    """
     kinds = (materials.LinearElastic, materials.StVenantKirchhoff, materials.NeoHookean)
     for cell, degree, hypothesis in (
         ("triangle", 2, "plane_strain"),
@@ -36,14 +47,22 @@ def run(report, progress=True):
         _pressure(report, V, (cell, degree, 1, hypothesis))
 
 
-def slope(remainders):
-    """Least-squares slope of log(remainder) over log(step); NaN where a remainder is NaN, infinite or zero."""
+def slope(remainders: FloatArray) -> float:
+    """Least-squares slope of log(remainder) over log(step).
+
+    Args:
+        remainders: remainder at each of STEPS, shape (num_steps).
+
+    Returns:
+        Slope [1]; NaN where a remainder is NaN, infinite or zero.
+    """
     if not np.all(np.isfinite(remainders) & (remainders > 0)):
         return np.nan
     return np.polyfit(np.log(STEPS), np.log(remainders), 1)[0]
 
 
-def _state(V):
+def _state(V: FunctionSpace) -> tuple[Function, Function]:
+    """Displacement u and a random direction d."""
     rng = np.random.default_rng(7)
     dim = V.mesh.geometry.dim
     u, d = fem.Function(V, name="u"), fem.Function(V, name="d")
@@ -52,7 +71,10 @@ def _state(V):
     return u, d
 
 
-def _remainders(value, derivative, u, d):
+def _remainders(
+    value: Callable[[], float | FloatArray], derivative: Callable[[], float | FloatArray], u: Function, d: Function
+) -> tuple[FloatArray, float]:
+    """Norms of value(u + step d) - value(u) - step derivative, and the size of value and derivative."""
     start = u.x.array.copy()
     first, direction = value(), derivative()
     out = []
@@ -60,10 +82,11 @@ def _remainders(value, derivative, u, d):
         u.x.array[:] = start + step * d.x.array
         out.append(np.linalg.norm(np.atleast_1d(value() - first - step * direction)))
     u.x.array[:] = start
-    return np.array(out), np.linalg.norm(np.atleast_1d(first)) + np.linalg.norm(np.atleast_1d(direction))
+    scale = np.linalg.norm(np.atleast_1d(first)) + np.linalg.norm(np.atleast_1d(direction))
+    return np.array(out), float(scale)
 
 
-def _add(report, form, element, remainders, scale, name):
+def _add(report: Report, form: str, element: Element, remainders: FloatArray, scale: float, name: str) -> None:
     linear = np.max(remainders) < 1e-13 * scale * 10
     difference = 0.0 if linear else abs(slope(remainders) - 2)
     reason = "remainder is zero to round-off: a linear form" if linear else REASON
@@ -71,7 +94,7 @@ def _add(report, form, element, remainders, scale, name):
     report.add("derivative", form, *element, difference, TOLERANCE, reason, name, note)
 
 
-def _law(report, V, material, element):
+def _law(report: Report, V: FunctionSpace, material: bodies.Material, element: Element) -> None:
     u, d = _state(V)
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     energy = operators.Energy(operators.strain_energy_form(u, material))
@@ -84,13 +107,13 @@ def _law(report, V, material, element):
     _add(report, f"{law}.force", element, remainders, scale, "tangent is the force's derivative")
 
 
-def _pressure(report, V, element):
+def _pressure(report: Report, V: FunctionSpace, element: Element) -> None:
     u, d = _state(V)
     cell, degree, _, hypothesis = element
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     metadata = quadrature.metadata(quadrature.facet_degree(cell, degree, 1, hypothesis) + 2 * degree)
     ds = ufl.Measure("ds", domain=V.mesh, metadata=metadata)
-    p = fem.Constant(V.mesh, 1.0)
+    p = fem.Constant(V.mesh, np.float64(1.0))
     load = operators.InternalForce(loads.follower_pressure(p, u, v, hypothesis, ds))
     tangent = loads.follower_pressure_tangent(p, u, du, v, hypothesis, ds)
     action = operators.InternalForce(ufl.action(tangent, d))

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""One HTML page of a verification run, with the figures beside it."""
+"""HTML page and figures of a verification run."""
 
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from pathlib import Path
+from typing import TypeVar
 
 from ..io.hdf5 import write_whole
-from .report import case
+from .report import Report, Row, row_label
+
+T = TypeVar("T")
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; color: #222; padding: 0 1em; }
@@ -17,18 +21,18 @@ img { max-width: 100%; } details { margin: .5em 0; } summary { cursor: pointer; 
 """
 
 
-def _table(rows, header, cells):
+def _table(rows: Iterable[T], header: Sequence[str], cells: Callable[[T], list[str]]) -> str:
     head = "".join(f"<th>{escape(h)}</th>" for h in header)
     body = "".join("<tr>" + "".join(cells(r)) + "</tr>" for r in rows)
     return f"<table><tr>{head}</tr>{body}</table>"
 
 
-def _cells(r, form=True):
+def _cells(r: Row, form: bool = True) -> list[str]:
     mark = "pass" if r.passed else "fail"
     return (
         [f"<td>{escape(r.form)}</td>"] * form
         + [
-            f"<td>{escape(case(r))}</td>",
+            f"<td>{escape(row_label(r))}</td>",
             f'<td class="n">{r.difference:.2e}</td>',
             f'<td class="n">{r.tolerance:.0e}</td>',
         ]
@@ -37,8 +41,16 @@ def _cells(r, form=True):
     )
 
 
-def write(report, path):
-    """Write the page; figures are linked by their path relative to it."""
+def write(report: Report, path: Path | str) -> Path:
+    """Write the page of a report; figures in its folder are linked by name, others by path.
+
+    Args:
+        report: report with its rows and figures.
+        path: file to write.
+
+    Returns:
+        The file.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     failed = report.failures()
@@ -50,7 +62,7 @@ def write(report, path):
     out = [f"<!doctype html><meta charset='utf-8'><title>Cross-verification</title><style>{STYLE}</style>"]
     out.append("<h1>UFL kernels against the hand-written solver</h1>")
     out.append(f"<p>{len(report.rows)} rows: {verdict}. {escape(versions)}.</p>")
-    header = ["form", "case", "difference", "tolerance", "tolerance from", "", "where they part"]
+    header = ["form", "case", "difference", "tolerance", "tolerance from", "", "where they differ"]
     if failed:
         out.append("<h2>Rows that failed</h2>" + _table(failed, header, _cells))
     out.append("<h2>Worst case of each form</h2>")
@@ -63,8 +75,8 @@ def write(report, path):
             + _cells(t[3], False)[:-1],
         )
     )
-    for title, figure in report.figures:
-        figure = Path(figure)
+    for title, file in report.figures:
+        figure = Path(file)
         source = figure.name if figure.parent.resolve() == path.parent.resolve() else str(figure)
         out.append(f"<h2>{escape(title)}</h2><img src='{escape(source)}' alt='{escape(title)}'>")
     out.append("<h2>All rows</h2>")
@@ -76,8 +88,16 @@ def write(report, path):
     return path
 
 
-def differences_plot(report, folder):
-    """Picture of all differences against their tolerances, one column of points per level."""
+def differences_plot(report: Report, folder: Path | str) -> Path:
+    """Plot all differences over their tolerances, one column of points per level.
+
+    Args:
+        report: report with its rows.
+        folder: folder of the picture.
+
+    Returns:
+        File of the picture.
+    """
     import matplotlib
 
     matplotlib.use("Agg")

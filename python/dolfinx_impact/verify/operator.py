@@ -1,31 +1,47 @@
 # SPDX-License-Identifier: MIT
 """Level b: assembled matrices and vectors on real meshes, matched node by node."""
 
+from typing import TypeAlias, Union
+
 import basix
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.fem import Function
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
+from scipy.sparse import csr_matrix
 
-from ..assembly import lumped_mass, operators
 from .. import materials
+from ..assembly import lumped_mass, operators
+from ..common.types import FloatArray
 from ..forms import elasticity, inertia, loads, quadrature
 from . import bodies
+from .nodes import TheirRule
+from .report import Report
+
+# Name, mesh, hypothesis and degrees of the displacement.
+NamedMesh: TypeAlias = tuple[str, Mesh, str, tuple[int, ...]]
+Values: TypeAlias = Union[float, FloatArray, csr_matrix]
 
 TOLERANCE = 1e-12
 REASON = "round-off of sums over a cell and its neighbours"
-LAWS = {
+LAWS: dict[str, type[bodies.Material]] = {
     "linear_elastic": materials.LinearElastic,
     "st_venant_kirchhoff": materials.StVenantKirchhoff,
     "neo_hookean": materials.NeoHookean,
 }
 
 
-def meshes(small=True):
-    """(name, mesh on this rank, hypothesis, degrees) of the real meshes, gmsh's included."""
+def meshes() -> list[NamedMesh]:
+    """Meshes of this level, one made by gmsh included.
+
+    Returns:
+        Name, mesh on this rank, hypothesis and degrees of the displacement of each.
+    """
     from .. import meshes as recipes
 
-    out = [
+    out: list[NamedMesh] = [
         ("block of distorted hexahedra", bodies.block("hexahedron", 4), "3d", (1, 2)),
         ("block of tetrahedra", bodies.block("tetrahedron", 3), "3d", (1, 2)),
         ("curved triangles", bodies.block("triangle", 5, 2), "plane_strain", (2,)),
@@ -38,8 +54,13 @@ def meshes(small=True):
     return out
 
 
-def run(report, progress=True):
-    """Add the rows of this level."""
+def run(report: Report, progress: bool = True) -> None:
+    """Add the rows of this level.
+
+    Args:
+        report: report to add to.
+        progress: not used; all levels share these arguments.
+    """
     for name, domain, hypothesis, degrees in meshes():
         for degree in degrees:
             if not report.wants(domain.topology.cell_name(), degree):
@@ -49,12 +70,21 @@ def run(report, progress=True):
                 _finite(report, name, domain, hypothesis, degree, law)
 
 
-def _rule(domain, degree, hypothesis, law):
-    """Their rule for a stiffness; None, their own, where both sides are exact.
+def stiffness_rule(domain: Mesh, degree: int, hypothesis: str, law: str) -> TheirRule:
+    """Rule of the other side for a stiffness.
 
-    Elsewhere both use one rule: Gauss-Legendre on quadrilaterals and hexahedra, and on simplices Basix's symmetric
-    rule, handed over as points: a collapsed rule would depend on a cell's first vertex, which the two sides choose
-    differently.
+    Where the default rules of both sides are exact, each side keeps its own. Elsewhere both use one rule:
+    Gauss-Legendre on quadrilaterals and hexahedra, and Basix's symmetric rule on simplices. A collapsed rule would
+    depend on a cell's first vertex, which the two sides choose differently.
+
+    Args:
+        domain: mesh.
+        degree: degree of the displacement, 1 or 2.
+        hypothesis: hypothesis of the material.
+        law: name of the law.
+
+    Returns:
+        Name of the rule, its points and weights, or None for the default.
     """
     cell, g = domain.topology.cell_name(), domain.geometry.cmap.degree
     if (
@@ -70,23 +100,23 @@ def _rule(domain, degree, hypothesis, law):
     return f"gauss_jacobi:{used}"
 
 
-def _measure(body, degree):
+def _measure(body: bodies.Body, degree: int) -> ufl.Measure:
     return ufl.Measure("dx", domain=body.mesh, metadata=quadrature.metadata(degree))
 
 
-def _row(report, body, form, name, ours, theirs):
-    """Row of two numbers, vectors or matrices in our order."""
+def _row(report: Report, body: bodies.Body, form: str, name: str, ours: Values, theirs: Values) -> None:
+    """Add the row of two numbers, vectors or sparse matrices in our order."""
     element = (body.cell, body.degree, body.geometry_degree, body.hypothesis)
-    if np.isscalar(ours):
+    if isinstance(ours, float):
         difference, note = abs(ours / theirs - 1), f"UFL {ours:.15g}, hand-written {theirs:.15g}"
     else:
-        difference, note = bodies.parted(body, ours, theirs)
+        difference, note = bodies.largest_difference(body, ours, theirs)
     report.add("operator", form, *element, difference, TOLERANCE, REASON, name, note)
 
 
-def _linear(report, name, domain, hypothesis, degree):
+def _linear(report: Report, name: str, domain: Mesh, hypothesis: str, degree: int) -> None:
     steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
-    theirs = _rule(domain, degree, hypothesis, "linear_elastic")
+    theirs = stiffness_rule(domain, degree, hypothesis, "linear_elastic")
     body = bodies.Body(domain, degree, steel, "linear_elastic", theirs)
     V, u = body.V, _displacement(body)
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
@@ -105,8 +135,8 @@ def _linear(report, name, domain, hypothesis, degree):
     _masses(report, name, body, steel)
 
 
-def _masses(report, name, body, steel):
-    # A model of its own: masses keep the default rule, which is exact, where the stiffness had to name one.
+def _masses(report: Report, name: str, body: bodies.Body, steel: materials.LinearElastic) -> None:
+    # A second model, because masses keep the default rule, which is exact, where the stiffness has a named one.
     domain, degree, hypothesis = body.mesh, body.degree, body.hypothesis
     body = bodies.Body(domain, degree, steel)
     V = body.V
@@ -125,7 +155,7 @@ def _masses(report, name, body, steel):
     _row(report, body, "body_force", f"load on {name}", b, body.to_ours(body.model.body_force(f)))
 
 
-def _displacement(body):
+def _displacement(body: bodies.Body) -> Function:
     u = fem.Function(body.V, name="u")
     size = np.ptp(body.points, axis=0).max()
     dim = body.gdim
@@ -135,9 +165,9 @@ def _displacement(body):
     return u
 
 
-def _finite(report, name, domain, hypothesis, degree, law_name):
+def _finite(report: Report, name: str, domain: Mesh, hypothesis: str, degree: int, law_name: str) -> None:
     rubber = LAWS[law_name](2.0, 0.3, 1.5, hypothesis)
-    theirs = _rule(domain, degree, hypothesis, law_name)
+    theirs = stiffness_rule(domain, degree, hypothesis, law_name)
     body = bodies.Body(domain, degree, rubber, law_name, theirs)
     u, V = _displacement(body), body.V
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)

@@ -1,19 +1,33 @@
 # SPDX-License-Identifier: MIT
 """Level e: orders of convergence against a manufactured solution, both solvers: p + 1 in L2, p in H1."""
 
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias, cast
+
 import impact_reference
 import numpy as np
+import numpy.typing as npt
 import ufl
 from dolfinx import fem
+from dolfinx.fem import Function
+from dolfinx.mesh import exterior_facet_indices
 
 from .. import materials
+from ..common.types import FloatArray, IntArray
 from ..forms import loads, quadrature
 from ..statics.problem import StaticProblem
 from . import bodies
+from .report import Report
 
 TOLERANCE = 0.1
 REASON = "rate over the last two of four meshes against theory"
-CASES = (
+# Cell, degree and hypothesis; and the cells per side of the meshes.
+Key: TypeAlias = tuple[str, int, str]
+Case: TypeAlias = tuple[str, int, str, tuple[int, ...]]
+# Cells per side, and for each mesh the errors in L2 and H1 of our side, then of the other side.
+Results: TypeAlias = dict[Key, tuple[IntArray, FloatArray]]
+CASES: tuple[Case, ...] = (
     ("triangle", 1, "plane_strain", (8, 16, 32, 64)),
     ("triangle", 2, "plane_strain", (4, 8, 16, 32)),
     ("quadrilateral", 1, "plane_stress", (8, 16, 32, 64)),
@@ -25,8 +39,23 @@ CASES = (
 )
 
 
-def exact(x, dim, sin=np.sin, cos=np.cos):
-    """Manufactured displacement; works on coordinates of UFL and NumPy alike."""
+def exact(
+    x: FloatArray | ufl.SpatialCoordinate,
+    dim: int,
+    sin: Callable[[Any], Any] = np.sin,
+    cos: Callable[[Any], Any] = np.cos,
+) -> list[Any]:
+    """Manufactured displacement, for coordinates of UFL and NumPy.
+
+    Args:
+        x: coordinates, shape (dim, ...) [L].
+        dim: dimension of space.
+        sin: sine of NumPy or UFL.
+        cos: cosine of NumPy or UFL.
+
+    Returns:
+        Components of the displacement [L].
+    """
     if dim == 2:
         return [0.1 * sin(0.9 * x[0] + 0.6 * x[1]) + 0.05 * x[0], 0.1 * cos(0.7 * x[0] - 0.8 * x[1])]
     return [
@@ -36,11 +65,21 @@ def exact(x, dim, sin=np.sin, cos=np.cos):
     ]
 
 
-def run(report, folder=None, progress=True, cases=CASES):
-    """Add the rows of this level; with a folder also a plot."""
+def run(report: Report, folder: Path | None = None, progress: bool = True, cases: Sequence[Case] = CASES) -> Results:
+    """Add the rows of this level.
+
+    Args:
+        report: report to add to.
+        folder: folder of a plot, which is added to the report; None for no plot.
+        progress: show a progress bar.
+        cases: elements and meshes.
+
+    Returns:
+        Cells per side and errors by element.
+    """
     from rich.progress import Progress
 
-    results = {}
+    results: Results = {}
     cases = [c for c in cases if report.wants(c[0], c[1])]
     with Progress(disable=not progress, transient=True) as bar:
         task = bar.add_task("manufactured solutions", total=len(cases) * 4)
@@ -50,8 +89,8 @@ def run(report, folder=None, progress=True, cases=CASES):
                 rows.append(_errors(cell, degree, hypothesis, n))
                 bar.advance(task)
             results[(cell, degree, hypothesis)] = (np.array(sizes), np.array(rows))
-    for (cell, degree, hypothesis), (sizes, errors) in results.items():
-        rates = np.log(errors[:-1] / errors[1:]) / np.log(sizes[1:] / sizes[:-1])[:, None]
+    for (cell, degree, hypothesis), (counts, errors) in results.items():
+        rates = np.log(errors[:-1] / errors[1:]) / np.log(counts[1:] / counts[:-1])[:, None]
         element = (cell, degree, 1, hypothesis)
         for k, (side, norm) in enumerate(
             (("UFL", "L2"), ("UFL", "H1"), ("hand-written", "L2"), ("hand-written", "H1"))
@@ -59,7 +98,7 @@ def run(report, folder=None, progress=True, cases=CASES):
             expected, rate = degree + (norm == "L2"), rates[-1, k]
             name = f"{side}: {norm} rate {rate:.2f}, theory {expected}"
             note = f"rates {np.round(rates[:, k], 2).tolist()}"
-            # A rate above theory is no error; below it, it is.
+            # Only rates below theory are errors.
             below = max(expected - rate, 0.0)
             report.add("order", "linear_elastic.tangent", *element, below, TOLERANCE, REASON, name, note)
     if folder is not None and results:
@@ -67,7 +106,8 @@ def run(report, folder=None, progress=True, cases=CASES):
     return results
 
 
-def _errors(cell, degree, hypothesis, n):
+def _errors(cell: str, degree: int, hypothesis: str, n: int) -> list[float]:
+    """Errors in L2 and H1 of our side, then of the other side."""
     domain = bodies.block(cell, n, distortion=0.05)
     if hypothesis == "axisymmetric":
         domain.geometry.x[:, 0] += 0.5
@@ -76,7 +116,7 @@ def _errors(cell, degree, hypothesis, n):
     return [*_ours(body, steel), *_theirs(body)]
 
 
-def _source(body, steel):
+def _source(body: bodies.Body, steel: materials.LinearElastic) -> ufl.core.expr.Expr:
     """Body force that makes the manufactured displacement the solution: minus the divergence of its stress."""
     x = ufl.SpatialCoordinate(body.mesh)
     u = ufl.as_vector(exact(x, body.gdim, ufl.sin, ufl.cos))
@@ -90,26 +130,25 @@ def _source(body, steel):
 
 
 class _Source:
-    """The manufactured source as a load."""
+    """The manufactured source as a load, f an expression of UFL."""
 
-    def __init__(self, f, degree):
+    def __init__(self, f: ufl.core.expr.Expr, degree: int) -> None:
         self.f, self.degree = f, degree
 
-    def form(self, u, v, material):
+    def form(self, u: Function, v: ufl.Argument, material: bodies.Material) -> ufl.Form:
         mesh = u.function_space.mesh
         dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(self.degree))
         return loads.body_force(self.f, v, material.hypothesis_on(mesh), dx)
 
 
-def _boundary(body):
+def _boundary(body: bodies.Body) -> npt.NDArray[np.int32]:
+    """Our nodes on the boundary."""
     tdim = body.mesh.topology.dim
     body.mesh.topology.create_connectivity(tdim - 1, tdim)
-    from dolfinx.mesh import exterior_facet_indices
-
     return fem.locate_dofs_topological(body.V, tdim - 1, exterior_facet_indices(body.mesh.topology))
 
 
-def _ours(body, steel):
+def _ours(body: bodies.Body, steel: materials.LinearElastic) -> FloatArray:
     V, dim = body.V, body.gdim
     target = fem.Function(V)
     target.interpolate(lambda x: np.array(exact(x, dim)))
@@ -123,11 +162,11 @@ def _ours(body, steel):
     return np.sqrt(square)
 
 
-def _theirs(body):
-    """The hand-written solver with the same manufactured source, interpolated at its nodes (O(h^(p+1)) off)."""
+def _theirs(body: bodies.Body) -> list[float]:
+    """Errors of the hand-written solver with the same source, interpolated at its nodes with an error O(h^(p+1))."""
     dim, model = body.gdim, body.model
     x = model.field_points
-    source = _numeric_source(body, x)
+    source = _numeric_source(body)
     unit = impact_reference.Material(1.0, 0.3, 1.0, body.hypothesis)
     mass = impact_reference.Model(
         body.points, body.cells, body.cell, unit, degree=body.degree, geometry_degree=body.geometry_degree
@@ -141,15 +180,17 @@ def _theirs(body):
     N, dN = impact_reference.shape_functions(body.cell, body.degree, points)
     G, dG = impact_reference.shape_functions(body.cell, body.geometry_degree, points)
     X, U = body.points[body.cells], u[model.field_cells]
-    place = np.einsum("qn,cni->cqi", G, X)
+    positions = np.einsum("qn,cni->cqi", G, X)
     J = np.einsum("qnd,cni->cqid", dG, X)
     gradient = np.einsum("qnd,cni,cqdj->cqij", dN, U, np.linalg.inv(J))
     volume = weights * np.abs(np.linalg.det(J))
-    difference = np.einsum("qn,cni->cqi", N, U) - np.moveaxis(np.array(exact(np.moveaxis(place, -1, 0), dim)), 0, -1)
-    step = 1e-6  # central differences of a smooth function: 1e-10, far below the errors measured
+    difference = np.einsum("qn,cni->cqi", N, U) - np.moveaxis(
+        np.array(exact(np.moveaxis(positions, -1, 0), dim)), 0, -1
+    )
+    step = 1e-6  # central differences: their error of 1e-10 is far below the errors of the solutions
     slopes = []
     for j in range(dim):
-        up, down = place.copy(), place.copy()
+        up, down = positions.copy(), positions.copy()
         up[..., j] += step
         down[..., j] -= step
         pair = [np.moveaxis(np.array(exact(np.moveaxis(p, -1, 0), dim)), 0, -1) for p in (up, down)]
@@ -161,15 +202,17 @@ def _theirs(body):
     ]
 
 
-def _numeric_source(body, x):
-    """The source at points, from the UFL expression evaluated at the nodes of our space."""
+def _numeric_source(body: bodies.Body) -> FloatArray:
+    """The source at the nodes of the hand-written solver, evaluated from the expression of UFL."""
     V = body.V
     f = fem.Function(V)
-    f.interpolate(fem.Expression(_source(body, body.material), V.element.interpolation_points()))
+    f.interpolate(
+        fem.Expression(_source(body, cast(materials.LinearElastic, body.material)), V.element.interpolation_points())
+    )
     return body.to_theirs(f.x.array)
 
 
-def _plot(results, folder):
+def _plot(results: Results, folder: Path) -> Path:
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Level g: the UFL side on several ranks gives what it gives on one.
+"""Level g: the UFL side gives the same results on several ranks as on one.
 
-Run as a module under mpirun it writes the values of one number of ranks; `run` starts it for each and compares.
+As a module under mpirun it writes the values of one number of ranks; `run` starts it for each number and compares.
 """
 
 import json
@@ -9,14 +9,22 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..common.types import FloatArray
 from . import contact_ranks, explicit_ranks
+from .report import Report
+
+if TYPE_CHECKING:
+    from dolfinx.fem import FunctionSpace
+    from dolfinx.mesh import Mesh, MeshTags
 
 TOLERANCE = 1e-12
-SOLUTION = 1e-9
+SOLUTION_TOLERANCE = 1e-9
 REASON = "sums in another order"
 CASES = (
     ("triangle", 2, "plane_strain"),
@@ -28,10 +36,20 @@ CASES = (
 )
 
 
-def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
-    """Add the rows of this level."""
+def run(report: Report, ranks: Sequence[int] = (1, 2, 3), progress: bool = True, timeout: float = 600) -> None:
+    """Add the rows of this level.
+
+    Args:
+        report: report to add to.
+        ranks: numbers of ranks; 1 is always run.
+        progress: not used; all levels share these arguments.
+        timeout: longest duration of one run [s].
+
+    Raises:
+        RuntimeError: a run failed.
+    """
     counts = sorted({1, *ranks})
-    values = {}
+    values: dict[int, dict[str, list[Any]]] = {}  # numbers in nested lists, as JSON has them
     with tempfile.TemporaryDirectory() as folder:
         for n in counts:
             path = Path(folder) / f"{n}.json"
@@ -46,7 +64,8 @@ def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
         cell, degree, hypothesis, form = key.split("|")
         for n in counts[1:]:
             a, b = np.array(values[n].get(key, [])), np.array(reference)
-            difference, note = np.inf, f"{n} ranks give {a.shape} values, one gives {b.shape}"
+            difference: float = np.inf
+            note = f"{n} ranks give {a.shape} values, one gives {b.shape}"
             if a.shape == b.shape:
                 error = np.where(np.isnan(a - b), np.inf, np.abs(a - b))
                 k = np.unravel_index(np.argmax(error), error.shape)
@@ -54,25 +73,25 @@ def run(report, ranks=(1, 2, 3), progress=True, timeout=600):
                 note = f"entry {[int(i) for i in k]} by position: {a[k]:.15g} on {n} ranks, {b[k]:.15g} on 1"
             tolerance, reason = TOLERANCE, REASON
             if form == "solution" or form.startswith("contact."):
-                tolerance, reason = SOLUTION, "round-off times condition number"
+                tolerance, reason = SOLUTION_TOLERANCE, "round-off times condition number"
             elif form.startswith("explicit."):
-                tolerance, reason = SOLUTION, explicit_ranks.REASON
+                tolerance, reason = SOLUTION_TOLERANCE, explicit_ranks.REASON
             report.add(
                 "ranks", form, cell, int(degree), 1, hypothesis, difference, tolerance, reason,
                 f"{n} ranks against 1", note,
             )  # fmt: skip
 
 
-def _environment():
-    """Environment for mpirun: as root, and with more ranks than cores, it would refuse otherwise."""
+def _environment() -> dict[str, str]:
+    """Environment for mpirun, which otherwise refuses root, and more ranks than cores."""
     extra = {"OMP_NUM_THREADS": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
     if os.geteuid() == 0:
         extra |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     return {**extra, **os.environ}
 
 
-def _values():
-    """Dict of arrays on rank 0, each sorted so that it does not depend on the numbering."""
+def _values() -> dict[str, Any]:
+    """Results by "cell|degree|hypothesis|form" on rank 0, sorted by position so that no numbering matters."""
     import ufl
     from dolfinx import fem, mesh
     from mpi4py import MPI
@@ -114,7 +133,8 @@ def _values():
     return out
 
 
-def _ends(domain, dim):
+def _ends(domain: "Mesh", dim: int) -> "MeshTags":
+    """Facets of the lower end, tag 1, and of the upper end, tag 2."""
     from dolfinx import mesh
 
     low = mesh.locate_entities_boundary(domain, dim - 1, lambda p: p[dim - 1] < 0.05)
@@ -125,7 +145,7 @@ def _ends(domain, dim):
     return mesh.meshtags(domain, dim - 1, facets[order], values[order])
 
 
-def _gather(V, array):
+def _gather(V: "FunctionSpace", array: FloatArray) -> list[Any] | None:
     """Nodal values of all ranks on rank 0, sorted by the position of their nodes."""
     comm, bs = V.mesh.comm, V.dofmap.index_map_bs
     owned = V.dofmap.index_map.size_local
@@ -138,7 +158,8 @@ def _gather(V, array):
     return values[order].tolist()
 
 
-def main():
+def main() -> None:
+    """Write the results of the ranks of this process to the file that the first argument names."""
     from mpi4py import MPI
 
     values = _values()

@@ -1,21 +1,34 @@
 # SPDX-License-Identifier: MIT
-"""Rows of differences, and what is made of them: console table, JSON, exit status."""
+"""Rows of differences, and their console table and JSON file."""
 
 import json
+from collections.abc import Collection
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 from ..io.hdf5 import write_whole
-
-LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "ranks", "user")
 
 
 @dataclass
 class Row:
     """One comparison.
 
-    `name` says what was compared ("matrix", "reactions", ...); `difference` is what must not exceed `tolerance`;
-    `reason` says where the tolerance comes from.
+    Args:
+        level: level of the comparison, one of verify.run.LEVELS.
+        form: form or method that is compared.
+        cell: cell.
+        degree: degree of the displacement.
+        geometry_degree: degree of the geometry.
+        hypothesis: hypothesis of the material.
+        difference: difference, which must not exceed the tolerance [1].
+        tolerance: bound on the difference [1].
+        reason: what the tolerance follows from.
+        name: quantity and body that are compared.
+        note: where the largest difference is.
+
+    Attributes:
+        passed: whether the difference is within the tolerance; a NaN does not pass.
     """
 
     level: str
@@ -31,61 +44,99 @@ class Row:
     note: str = ""
     passed: bool = field(init=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.difference = float(self.difference)
-        self.passed = bool(self.difference <= self.tolerance)  # a NaN does not pass
+        self.passed = bool(self.difference <= self.tolerance)
 
 
 class Report:
     """Rows of a verification run.
 
     Args:
-        cells, degrees, forms: to restrict the run to; None: all.
+        cells: cells that the run is restricted to; None for all.
+        degrees: degrees of the displacement that it is restricted to; None for all.
+        forms: forms that it is restricted to; None for all.
 
     Attributes:
-        rows: list of Row. figures: list of (title, path of a PNG).
+        rows: the comparisons.
+        figures: title and PNG file of each figure.
     """
 
-    def __init__(self, cells=None, degrees=None, forms=None):
-        self.rows, self.figures = [], []
+    def __init__(
+        self,
+        cells: Collection[str] | None = None,
+        degrees: Collection[int] | None = None,
+        forms: Collection[str] | None = None,
+    ) -> None:
+        self.rows: list[Row] = []
+        self.figures: list[tuple[str, Path]] = []
         self.cells, self.degrees, self.forms = cells, degrees, forms
 
-    def wants(self, cell, degree):
-        """Is a comparison on these elements asked for? Levels skip what is not."""
+    def wants(self, cell: str, degree: int) -> bool:
+        """Is the run not restricted to other elements?
+
+        Args:
+            cell: cell.
+            degree: degree of the displacement.
+
+        Returns:
+            Whether rows of this element are part of the run.
+        """
         return (not self.cells or cell in self.cells) and (not self.degrees or degree in self.degrees)
 
-    def add(self, *args, **kwargs):
-        """Add a row, unless the run is restricted to others."""
+    def add(self, *args: Any, **kwargs: Any) -> Row:
+        """Add a row, unless the run is restricted to others.
+
+        Args:
+            args: arguments of `Row`.
+            kwargs: keyword arguments of `Row`.
+
+        Returns:
+            The row.
+        """
         row = Row(*args, **kwargs)
         if self.wants(row.cell, row.degree) and (not self.forms or row.form in self.forms):
             self.rows.append(row)
         return row
 
     @property
-    def passed(self):
-        """True when there are rows and every one of them passed."""
+    def passed(self) -> bool:
+        """Whether there are rows and every one of them passed."""
         return bool(self.rows) and all(r.passed for r in self.rows)
 
-    def failures(self):
+    def failures(self) -> list[Row]:
+        """Rows that did not pass.
+
+        Returns:
+            The rows.
+        """
         return [r for r in self.rows if not r.passed]
 
-    def summary(self):
-        """Per level and form: (level, form, number of rows, worst row by difference over tolerance)."""
-        groups = {}
+    def summary(self) -> list[tuple[str, str, int, Row]]:
+        """Worst row of each level and form, by difference over tolerance.
+
+        Returns:
+            Level, form, number of rows and worst row of each.
+        """
+        groups: dict[tuple[str, str], list[Row]] = {}
         for r in self.rows:
             groups.setdefault((r.level, r.form), []).append(r)
 
-        def badness(r):
+        def ratio(r: Row) -> float:
             if r.difference != r.difference:
                 return float("inf")
             return (
                 r.difference / r.tolerance if r.tolerance > 0 else float("inf") * r.difference if r.difference else 0.0
             )
 
-        return [(level, form, len(rows), max(rows, key=badness)) for (level, form), rows in groups.items()]
+        return [(level, form, len(rows), max(rows, key=ratio)) for (level, form), rows in groups.items()]
 
-    def print(self, all_rows=False):
-        """Console table: one line per level and form with its worst row, and every row that failed."""
+    def print(self, all_rows: bool = False) -> None:
+        """Print a table with the worst row of each level and form, and every row that failed.
+
+        Args:
+            all_rows: print every row in the table.
+        """
         from rich.console import Console
         from rich.table import Table
 
@@ -99,7 +150,7 @@ class Report:
                 level,
                 form,
                 str(count),
-                case(r),
+                row_label(r),
                 f"{r.difference:.1e}",
                 f"{r.tolerance:.1e}",
                 r.reason,
@@ -108,13 +159,18 @@ class Report:
         console.print(table)
         for r in self.failures():
             console.print(
-                f"[red]FAIL[/red] {r.level} {r.form} {case(r)}: {r.difference:.3e} > {r.tolerance:.1e}. {r.note}"
+                f"[red]FAIL[/red] {r.level} {r.form} {row_label(r)}: {r.difference:.3e} > {r.tolerance:.1e}. {r.note}"
             )
         failed = f"{len(self.failures())} failed" if self.rows else "nothing was compared"
         verdict = "all passed" if self.passed else failed
         console.print(f"{len(self.rows)} rows, {verdict}")
 
-    def versions(self):
+    def versions(self) -> dict[str, str]:
+        """Versions of the packages that take part.
+
+        Returns:
+            Version by name of the package.
+        """
         import basix
         import dolfinx
         import ffcx
@@ -126,7 +182,7 @@ class Report:
 
         return {
             "dolfinx_impact": dolfinx_impact.__version__,
-            "dolfinx": dolfinx.__version__,
+            "dolfinx": dolfinx.__version__,  # type: ignore[attr-defined]  # imported there, not in its __all__
             "ffcx": ffcx.__version__,
             "basix": basix.__version__,
             "ufl": ufl.__version__ if hasattr(ufl, "__version__") else "",
@@ -134,16 +190,27 @@ class Report:
             "numpy": numpy.__version__,
         }
 
-    def write_json(self, path):
-        """{"rows": [...], "versions": {...}}"""
+    def write_json(self, path: Path | str) -> None:
+        """Write {"rows": [...], "passed": ..., "versions": {...}}.
+
+        Args:
+            path: file to write; its folder is made.
+        """
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         data = {"rows": [asdict(r) for r in self.rows], "passed": self.passed, "versions": self.versions()}
         write_whole(path, json.dumps(data, indent=1) + "\n")
 
 
-def case(r):
-    """Short text for what a row was about."""
+def row_label(r: Row) -> str:
+    """Short text about the element and the quantity of a row.
+
+    Args:
+        r: row.
+
+    Returns:
+        Text.
+    """
     element = f"{r.cell} P{r.degree}" if r.cell else ""
     geometry = f" on geometry {r.geometry_degree}" if r.cell and r.geometry_degree != r.degree else ""
     return f"{element}{geometry} {r.hypothesis} {r.name}".strip()

@@ -3,6 +3,7 @@
 
 import argparse
 import sys
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import ufl
@@ -28,34 +29,37 @@ LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", 
 
 
 def cross_check(
-    form_or_name=None,
+    form_or_name: str | ufl.Form | None = None,
     *,
-    operator=None,
-    constants=None,
-    hypothesis=None,
-    cells=None,
-    degrees=None,
-    levels=("element",),
-    count=100,
-    report=None,
-    progress=False,
-):
-    """Compare forms of the catalogue, or a form of one's own, with the hand-written solver.
+    operator: str | None = None,
+    constants: Mapping[str, ufl.Constant | float] | None = None,
+    hypothesis: str | None = None,
+    cells: Collection[str] | None = None,
+    degrees: Collection[int] | None = None,
+    levels: Collection[str] = ("element",),
+    count: int = 100,
+    report: Report | None = None,
+    progress: bool = False,
+) -> Report:
+    """Compare forms of the catalogue, or a form of the user, with the hand-written solver.
 
-    Every rank that calls it compares everything by itself.
+    Every rank that calls it makes all comparisons by itself.
 
     Args:
         form_or_name: a name of forms.registry.NAMES, a UFL form, a path of a user's file, or None for all forms.
-        operator: of a UFL form or a user's file: name of the operator that it is to be, for example "elasticity". None:
-            the name of the file.
-        constants: of a UFL form: dictionary from names (E, nu, mu, lmbda, density, ...) to its constants.
-        hypothesis: of a UFL form in the plane: "plane_strain" (default), "plane_stress" or "axisymmetric".
-        cells, degrees: to restrict to.
-        levels: of LEVELS.
-        count: random cells per element comparison.
+        operator: operator that a UFL form or a user's file is compared with, for example "elasticity"; None takes the
+            name of the file.
+        constants: constants of a UFL form by name (E, nu, mu, lmbda, density, ...).
+        hypothesis: hypothesis of a UFL form in the plane: "plane_strain" (default), "plane_stress" or "axisymmetric".
+        cells: cells that the comparison is restricted to; None for all.
+        degrees: degrees of the displacement that it is restricted to; None for all.
+        levels: levels to run, a part of LEVELS.
+        count: number of random cells per element comparison.
+        report: report to add to; None makes a new one.
+        progress: show progress bars.
 
     Returns:
-        Report with .rows and .passed.
+        Report with `rows` and `passed`.
 
     Raises:
         ValueError: unknown form, operator, cell, degree or level; a UFL form without an operator.
@@ -95,7 +99,7 @@ def cross_check(
     return report
 
 
-def _check(cells, degrees, levels):
+def _check(cells: Collection[str] | None, degrees: Collection[int] | None, levels: Collection[str]) -> None:
     for value in cells or ():
         if value not in registry.CELLS:
             raise ValueError(f"cell {value!r} is unknown: use {', '.join(registry.CELLS)}")
@@ -107,7 +111,12 @@ def _check(cells, degrees, levels):
             raise ValueError(f"level {value!r} is unknown: use {', '.join(LEVELS)}")
 
 
-def parser():
+def parser() -> argparse.ArgumentParser:
+    """Parser of the command line.
+
+    Returns:
+        Parser.
+    """
     p = argparse.ArgumentParser(prog="dolfinx-impact verify", description=__doc__)
     p.add_argument("file", nargs="?", help="a UFL file of your own")
     p.add_argument(
@@ -127,8 +136,15 @@ def parser():
     return p
 
 
-def main(argv=None):
-    """Returns the exit status: 0 only when every row passed; 2 for input that cannot be used."""
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Args:
+        argv: arguments; None for those of the process.
+
+    Returns:
+        Exit status: 0 when every row passed, 1 when one failed, 2 for input that cannot be used.
+    """
     args = parser().parse_args(argv)
     report = Report(args.cells, args.degree, args.forms)
     try:
@@ -142,7 +158,7 @@ def main(argv=None):
     return 0 if report.passed else 1
 
 
-def _run(report, args):
+def _run(report: Report, args: argparse.Namespace) -> None:
     _check(args.cells, args.degree, args.levels)
     if args.file:
         user_form.check(report, args.file, args.name)

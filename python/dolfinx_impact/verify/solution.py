@@ -1,42 +1,69 @@
 # SPDX-License-Identifier: MIT
 """Level c: static problems solved by both sides; displacements and reactions."""
 
+from collections.abc import Mapping, Sequence
+
 import basix
 import numpy as np
 from dolfinx import fem, mesh
+from dolfinx.fem import DirichletBC
+from dolfinx.mesh import Mesh, MeshTags
+from impact_reference import StaticSolution
 from mpi4py import MPI
 
 from .. import loads, materials
+from ..common.types import FloatArray, IntArray
 from ..forms import quadrature
 from ..statics.problem import StaticProblem
 from . import bodies
+from .nodes import TheirRule
+from .report import Report
 
 TOLERANCE = 1e-9
 REASON = "round-off times the condition of the stiffness matrix (up to 1e6)"
 
 
-def run(report, progress=True):
-    """Add the rows of this level."""
+def run(report: Report, progress: bool = True) -> None:
+    """Add the rows of this level.
+
+    Args:
+        report: report to add to.
+        progress: not used; all levels share these arguments.
+    """
     if report.wants("quadrilateral", 1):
         wheel(report)
     block(report)
     rubber(report)
 
 
-def _compare(report, body, form, name, ours, reactions, theirs):
+def _compare(
+    report: Report,
+    body: bodies.Body,
+    form: str,
+    name: str,
+    ours: FloatArray,
+    reactions: FloatArray,
+    theirs: StaticSolution,
+) -> None:
     element = (body.cell, body.degree, body.geometry_degree, body.hypothesis)
     u, r = body.to_ours(theirs.u), body.to_ours(theirs.reactions)
     for what, a, b in (("u", ours, u), ("reactions", reactions, r)):
-        difference, note = bodies.parted(body, a, b)
+        difference, note = bodies.largest_difference(body, a, b)
         report.add("solution", form, *element, difference, TOLERANCE, REASON, f"{what} of the {name}", note)
 
 
-def _fixed(bcs):
+def _fixed_dofs(bcs: Sequence[DirichletBC]) -> IntArray:
     return np.unique(np.concatenate([bc.dof_indices()[0] for bc in bcs]))
 
 
-def wheel(report, pressure=5e8, half_width=4.5e-3):
-    """Wheel pressed on the rail by a uniform patch of pressure on both running surfaces."""
+def wheel(report: Report, pressure: float = 5e8, half_width: float = 4.5e-3) -> None:
+    """Add the rows of a wheel and a rail under a uniform patch of pressure on both running surfaces.
+
+    Args:
+        report: report to add to.
+        pressure: pressure [Pa].
+        half_width: half of the width of the patch [m].
+    """
     from .. import meshes as recipes
 
     made = recipes.make("wheel_on_rail_2d", comm=MPI.COMM_SELF, gap=1e-4)
@@ -59,11 +86,11 @@ def wheel(report, pressure=5e8, half_width=4.5e-3):
     problem.solve()
     load = body.model.traction(body.their_facets(patch, 1), [0.0, -pressure])
     load = load + body.model.traction(body.their_facets(patch, 2), [0.0, pressure])
-    theirs = body.model.solve_static(body.order[_fixed(bcs)], 0.0, load)
+    theirs = body.model.solve_static(body.order[_fixed_dofs(bcs)], 0.0, load)
     _compare(report, body, "linear_elastic.tangent", "wheel on rail", u.x.array, problem.reactions().x.array, theirs)
 
 
-def _patch_tags(domain, facet_tags, tags, half_width):
+def _patch_tags(domain: Mesh, facet_tags: MeshTags, tags: Mapping[str, int], half_width: float) -> MeshTags:
     """Facets of the patch: 1 on the rail (master surface), 2 on the wheel (slave surface)."""
     found = []
     for number, name in ((1, "master_surface"), (2, "slave_surface")):
@@ -76,8 +103,12 @@ def _patch_tags(domain, facet_tags, tags, half_width):
     return mesh.meshtags(domain, 1, facets[order].astype(np.int32), values[order])
 
 
-def block(report):
-    """Distorted block, clamped below, under traction and gravity, for every cell, degree and hypothesis."""
+def block(report: Report) -> None:
+    """Add the rows of a distorted block, clamped below, under traction and gravity, for every element.
+
+    Args:
+        report: report to add to.
+    """
     for cell, hypothesis in (
         ("triangle", "plane_strain"),
         ("quadrilateral", "plane_stress"),
@@ -91,7 +122,7 @@ def block(report):
             _block(report, cell, hypothesis, degree)
 
 
-def _block(report, cell, hypothesis, degree):
+def _block(report: Report, cell: str, hypothesis: str, degree: int) -> None:
     domain = bodies.block(cell, 4)
     dim = domain.geometry.dim
     steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
@@ -107,14 +138,15 @@ def _block(report, cell, hypothesis, degree):
     problem = StaticProblem(u, steel, bcs=bcs, loads=[loads.Traction(tags, 2, t), loads.BodyForce(g)])
     problem.solve()
     load = body.model.traction(body.their_facets(tags, 2), t) + body.model.body_force(1.5 * g)
-    if not exact:  # one rule for the stiffness, named to both; the loads were exact with their own
+    if not exact:  # both sides take this rule for the stiffness; the default rules of the loads are exact
         body.model.rule = f"gauss_jacobi:{used}"
     fixed = (dim * clamped[:, None] + np.arange(dim)).ravel()
     theirs = body.model.solve_static(body.order[fixed], 0.0, load)
     _compare(report, body, "linear_elastic.tangent", "block", u.x.array, problem.reactions().x.array, theirs)
 
 
-def _tags(domain, dim):
+def _tags(domain: Mesh, dim: int) -> MeshTags:
+    """Facets of dimension `dim`: 1 on the lower face, 2 on the upper face."""
     bottom = mesh.locate_entities_boundary(domain, dim, lambda x: np.isclose(x[dim], 0.0))
     top = mesh.locate_entities_boundary(domain, dim, lambda x: np.isclose(x[dim], 1.0))
     facets = np.concatenate([bottom, top])
@@ -123,19 +155,24 @@ def _tags(domain, dim):
     return mesh.meshtags(domain, dim, facets[order], values[order])
 
 
-def rubber(report):
-    """Neo-Hookean and St Venant-Kirchhoff blocks stretched by a quarter and sheared, Newton on both sides."""
-    for cell, degree, law, kind in (
+def rubber(report: Report) -> None:
+    """Add the rows of neo-Hookean and St Venant-Kirchhoff blocks that are stretched by a quarter and sheared.
+
+    Args:
+        report: report to add to.
+    """
+    cases: tuple[tuple[str, int, str, type[bodies.Material]], ...] = (
         ("hexahedron", 1, "neo_hookean", materials.NeoHookean),
         ("tetrahedron", 2, "neo_hookean", materials.NeoHookean),
         ("hexahedron", 2, "st_venant_kirchhoff", materials.StVenantKirchhoff),
-    ):
+    )
+    for cell, degree, law, kind in cases:
         if not report.wants(cell, degree):
             continue
         domain = bodies.block(cell, 2)
         material = kind(1.0, 0.3, 1.0, "3d")
         used = quadrature.stiffness_degree(cell, degree)
-        rule = f"gauss_jacobi:{used}"
+        rule: TheirRule = f"gauss_jacobi:{used}"
         if cell in quadrature.SIMPLICES:
             rule = basix.make_quadrature(basix.CellType.tetrahedron, used)
         body = bodies.Body(domain, degree, material, law, rule)

@@ -1,22 +1,31 @@
 # SPDX-License-Identifier: MIT
-"""Level d: rigid modes and lowest natural frequencies; SLEPc on the UFL side against the other's own."""
+"""Level d: rigid body modes and lowest natural frequencies; SLEPc against the hand-written eigensolver."""
 
 import numpy as np
 import ufl
+from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from .. import materials
 from ..assembly import operators
+from ..common.types import FloatArray
 from ..forms import elasticity, inertia, quadrature
 from . import bodies
+from .report import Report
 
 TOLERANCE = 1e-8
 REASON = "both eigensolvers stop at residuals of 1e-10 and less"
 NUM_RIGID = {"3d": 6, "plane_strain": 3, "plane_stress": 3, "axisymmetric": 1}
 
 
-def run(report, progress=True, num_elastic=4):
-    """Add the rows of this level: free bodies, so that the rigid modes come first."""
+def run(report: Report, progress: bool = True, num_elastic: int = 4) -> None:
+    """Add the rows of this level: free bodies, whose rigid body modes come first.
+
+    Args:
+        report: report to add to.
+        progress: not used; all levels share these arguments.
+        num_elastic: number of elastic frequencies to compare.
+    """
     for cell, degree, hypothesis in (
         ("triangle", 2, "plane_stress"),
         ("quadrilateral", 1, "plane_strain"),
@@ -30,13 +39,13 @@ def run(report, progress=True, num_elastic=4):
         _free_body(report, cell, degree, hypothesis, num_elastic)
 
 
-def _free_body(report, cell, degree, hypothesis, num_elastic):
+def _free_body(report: Report, cell: str, degree: int, hypothesis: str, num_elastic: int) -> None:
     domain = bodies.block(cell, 3)
     if hypothesis == "axisymmetric":
         domain.geometry.x[:, 0] += 0.5
     steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
-    # Simplices: both sides integrate exactly, each with its own rules. Elsewhere one rule is named to both; the mass's
-    # degree, so that the hand-written model may use it for everything.
+    # On simplices both sides integrate exactly, each with its own rules. Elsewhere both take the rule of the mass, so
+    # that the hand-written model can use it for every integral.
     simplex = cell in quadrature.SIMPLICES
     mass_degree = quadrature.mass_degree(cell, degree, 1, hypothesis)
     used = quadrature.stiffness_degree(cell, degree, 1, hypothesis) if simplex else mass_degree
@@ -54,7 +63,7 @@ def _free_body(report, cell, degree, hypothesis, num_elastic):
     theirs, _ = body.model.frequencies(count)
     element = (cell, degree, 1, hypothesis)
     rigid = NUM_RIGID[hypothesis]
-    scale = max(ours[-1], theirs[-1])  # elastic on both sides, unless one has far too many zeros
+    scale = max(ours[-1], theirs[-1])  # an elastic frequency of both sides, unless one side has far too many zeros
     for side, w in (("UFL", ours), ("hand-written", theirs)):
         zeros = int(np.sum(w < 1e-4 * scale))
         text = f"{side} side: {zeros} of {rigid}"
@@ -67,8 +76,8 @@ def _free_body(report, cell, degree, hypothesis, num_elastic):
     report.add("spectrum", "frequencies", *element, errors[k], TOLERANCE, REASON, f"lowest {num_elastic} elastic", note)
 
 
-def _slepc(K, M, count):
-    """Lowest angular frequencies by shift-and-invert about a small negative shift."""
+def _slepc(K: PETSc.Mat, M: PETSc.Mat, count: int) -> FloatArray:
+    """Lowest angular frequencies by shift-and-invert with a small negative shift [1/T]."""
     solver = SLEPc.EPS().create(K.comm)
     solver.setOperators(K, M)
     solver.setProblemType(SLEPc.EPS.ProblemType.GHEP)

@@ -2,20 +2,27 @@
 """A user's own UFL file against a named operator of the hand-written solver."""
 
 import runpy
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, TypedDict
 
 import numpy as np
 import ufl
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from ..assembly.jit import Compiled, compile_form
 from ..forms import registry
 from ..forms.compiler import frontend
 from ..forms.materials import HYPOTHESES
-from ..assembly.jit import compile_form
 from . import bodies, catalogue, element, nodes
+from .catalogue import Case
+from .element import Names
+from .nodes import TheirRule
+from .report import Report
 
-# Names a user may give for an operator -> names by rank of the form.
-ALIASES = {
+# Names that a user may give for an operator -> names by rank of the form.
+ALIASES: dict[str, tuple[str | None, str | None, str | None]] = {
     "elasticity": ("linear_elastic.energy", "linear_elastic.force", "linear_elastic.tangent"),
     "linear_elastic": ("linear_elastic.energy", "linear_elastic.force", "linear_elastic.tangent"),
     "st_venant_kirchhoff": ("st_venant_kirchhoff.energy", "st_venant_kirchhoff.force", "st_venant_kirchhoff.tangent"),
@@ -33,11 +40,27 @@ CONSTANTS = {
 }  # fmt: skip
 
 
-def operator_name(name, rank):
+class Settings(TypedDict):
+    """Keyword arguments of `element.difference` for a form of the user."""
+
+    kernels: Compiled
+    names: Names
+    values: Mapping[str, Any]
+    theirs: dict[str, TheirRule] | None
+
+
+def operator_name(name: str, rank: int) -> str:
     """Form of the catalogue for a name and the rank of the user's form.
 
+    Args:
+        name: name of the operator, a key of ALIASES or a name of the catalogue.
+        rank: rank of the user's form: 0, 1 or 2.
+
+    Returns:
+        Name of the catalogue.
+
     Raises:
-        ValueError: unknown name, or nothing of that rank; the message lists the names.
+        ValueError: unknown name, or no form of that rank; the message lists the names.
     """
     known = sorted(set(ALIASES) | set(registry.NAMES))
     if name in registry.NAMES and name not in ALIASES:
@@ -52,18 +75,25 @@ def operator_name(name, rank):
     return found
 
 
-def _rank(name):
+def _rank(name: str) -> int:
     """Rank of a form of the catalogue."""
     if name.endswith(".energy"):
         return 0
     return 2 if name.endswith("tangent") or name in ("rayleigh", "gyroscopic", "ale_inertia") else 1
 
 
-def load(path):
-    """Namespace of a user's UFL file.
+def load(path: Path | str) -> tuple[dict[str, Any], dict[str, ufl.Form]]:
+    """Run a user's UFL file.
+
+    Args:
+        path: the file.
+
+    Returns:
+        Namespace of the file, and its forms by name.
 
     Raises:
-        FileNotFoundError: no such file. ValueError: it does not run, or holds no form; with the line at fault.
+        FileNotFoundError: no such file.
+        ValueError: the file raises (the message has the line), or defines no form.
     """
     path = Path(path)
     if not path.is_file():
@@ -85,9 +115,11 @@ def load(path):
     return namespace, forms
 
 
-def _parameters(namespace, form, rng, name, dim):
-    """(names by object, values) of the form's constants; numbers of the file count as well."""
-    values = catalogue.parameters(rng, name, dim)
+def _parameters(
+    namespace: Mapping[str, Any], form: ufl.Form, rng: np.random.Generator, name: str, dim: int
+) -> tuple[dict[ufl.Constant | ufl.Coefficient, str], dict[str, Any]]:
+    """Names by object and values by name of the form's constants; numbers of the file replace random values."""
+    values: dict[str, Any] = catalogue.parameters(rng, name, dim)
     variables = {id(o): n for n, o in namespace.items() if isinstance(o, ufl.Constant)}
     for variable, catalogue_name in CONSTANTS.items():
         number = namespace.get(variable)
@@ -105,10 +137,10 @@ def _parameters(namespace, form, rng, name, dim):
     values.setdefault("mu", E / (2 * (1 + nu)))
     names = {}
     for constant in form.constants():
-        variable = variables.get(id(constant))
-        if variable not in CONSTANTS:
-            raise ValueError(f"the constant {variable!r} means nothing here: name it one of {', '.join(CONSTANTS)}")
-        names[constant] = CONSTANTS[variable]
+        own_name = variables.get(id(constant))
+        if own_name not in CONSTANTS:
+            raise ValueError(f"the constant {own_name!r} means nothing here: name it one of {', '.join(CONSTANTS)}")
+        names[constant] = CONSTANTS[own_name]
     coefficients = {id(o): n for n, o in namespace.items() if isinstance(o, ufl.Coefficient)}
     for c in form.coefficients():
         own = coefficients.get(id(c), "u")
@@ -119,8 +151,8 @@ def _parameters(namespace, form, rng, name, dim):
     return names, values
 
 
-def _case(form, name, hypothesis):
-    """(name, cell, degree, geometry_degree, hypothesis) of a user's form."""
+def _case(form: ufl.Form, name: str, hypothesis: str) -> Case:
+    """Name, cell, degree, geometry_degree and hypothesis of a user's form."""
     domain = form.ufl_domain()
     coordinate = domain.ufl_coordinate_element()
     functions = list(form.arguments()) + list(form.coefficients())
@@ -140,7 +172,7 @@ def _case(form, name, hypothesis):
     return name, cell, degree, geometry_degree, hypothesis
 
 
-def _rule(integral, cell):
+def _rule(integral: Any, cell: str) -> TheirRule:
     """The rule of the user's own form as points and weights of the other side's reference cell."""
     (rule, *more) = integral.ir.integrand
     if more:
@@ -153,14 +185,18 @@ def _rule(integral, cell):
     return points, weights
 
 
-def check(report, path, operator=None, seed=2026):
-    """Compare every form of a user's file with an operator of the hand-written solver; adds rows of level "element" and
-    "operator".
+def check(report: Report, path: Path | str, operator: str | None = None, seed: int = 2026) -> None:
+    """Add the rows of every form of a user's file, of levels "element" and "operator".
 
     Args:
-        report: Report to add to.
+        report: report to add to.
         path: the user's file.
-        operator: name of the operator; None: the file's name.
+        operator: name of the operator; None takes the file's name.
+        seed: seed of the random numbers.
+
+    Raises:
+        FileNotFoundError: no such file.
+        ValueError: the file does not run or defines no form, or the operator does not exist for a form.
     """
     namespace, forms = load(path)
     for variable, form in forms.items():
@@ -168,14 +204,28 @@ def check(report, path, operator=None, seed=2026):
         check_form(report, form, operator or Path(path).stem, namespace, variable, where, seed)
 
 
-def check_form(report, form, operator, namespace, variable="form", where="form", seed=2026):
-    """Compare one UFL form with an operator of the hand-written solver; adds rows of level "element" and "operator".
+def check_form(
+    report: Report,
+    form: ufl.Form,
+    operator: str,
+    namespace: Mapping[str, Any],
+    variable: str = "form",
+    where: str = "form",
+    seed: int = 2026,
+) -> None:
+    """Add the rows of one UFL form, of levels "element" and "operator".
 
     Args:
-        report: Report to add to. form: on a symbolic mesh or on one of DOLFINx. operator: its name.
-        namespace: dictionary from names to the form's constants and coefficients, to numbers that it contains, and
-            from "hypothesis" to the hypothesis.
-        variable, where: what rows and their titles call the form.
+        report: report to add to.
+        form: form on a symbolic mesh or on a mesh of DOLFINx.
+        operator: name of the operator.
+        namespace: constants and coefficients of the form and numbers by name, and "hypothesis".
+        variable: name of the form in errors.
+        where: name of the form in rows.
+        seed: seed of the random numbers.
+
+    Raises:
+        ValueError: the operator does not exist for this form, or the form is not one of the catalogue's elements.
     """
     rank = len(form.arguments())
     name = operator_name(operator, rank)
@@ -187,7 +237,7 @@ def check_form(report, form, operator, namespace, variable="form", where="form",
     compiled = compile_form(form, names, MPI.COMM_SELF)
     integrals = frontend.form_integrals(form, variable, names)
     theirs = {i.integral_type: _rule(i, case[1]) for i in integrals}
-    settings = {"kernels": compiled, "names": names, "values": values, "theirs": theirs}
+    settings: Settings = {"kernels": compiled, "names": names, "values": values, "theirs": theirs}
     worst, note = element.difference(case, **settings)
     if worst > element.TOLERANCE and dim == 2 and own is None:
         for other in HYPOTHESES[1:]:
@@ -203,12 +253,12 @@ def check_form(report, form, operator, namespace, variable="form", where="form",
         )
 
 
-def _check_rule(report, case, settings, variable):
-    """Is the rule of the user's form fine enough? On affine cells, against the other side's own, exact rule."""
+def _check_rule(report: Report, case: Case, settings: Settings, variable: str) -> None:
+    """Add the row of the form's rule on affine cells, where the other side's default rule is exact."""
     linear = case[0].split(".")[0] not in catalogue.FINITE and case[4] != "axisymmetric"
     if not linear or case[0] in catalogue.FACET:
-        return  # no rule is exact: the comparison above, with the user's own, is all there is
-    own = {**settings, "theirs": None}
+        return  # no rule is exact: both sides can only be compared with the user's rule
+    own: Settings = {**settings, "theirs": None}
     difference, where = element.difference(case, 20, distortion=0.0, **own)
     note = f"with the form's own rule both sides may agree, but it is too coarse for this element. {where}"
     name = f"{variable} on affine cells, quadrature rule"
@@ -218,8 +268,10 @@ def _check_rule(report, case, settings, variable):
 _ASSEMBLED = tuple(n for n in registry.LAW_FORMS if not n.endswith("energy")) + ("mass",)
 
 
-def _assembled(case, compiled, names, values, theirs):
-    """Largest relative difference of the assembled operator on a block; the entry by node positions."""
+def _assembled(
+    case: Case, compiled: Compiled, names: Names, values: Mapping[str, Any], theirs: TheirRule
+) -> tuple[float, str]:
+    """Largest relative difference of the assembled operator on a block, and a text with the nodes of the entry."""
     name, cell, degree, geometry_degree, hypothesis = case
     domain = bodies.block(cell, 3, geometry_degree)
     if hypothesis == "axisymmetric":
@@ -227,13 +279,16 @@ def _assembled(case, compiled, names, values, theirs):
     law = name.split(".")[0] if name in registry.LAW_FORMS else "linear_elastic"
 
     class _Material:
-        E, nu, density = values["E"], values["nu"], values["density"]
+        """Constants of the user's form."""
 
-        @staticmethod
-        def hypothesis_on(mesh):
+        E: float = values["E"]
+        nu: float = values["nu"]
+        density: float | None = values["density"]
+
+        def hypothesis_on(self, mesh: Mesh) -> str:
             return hypothesis
 
-    body = bodies.Body(domain, degree, _Material, law, theirs)
+    body = bodies.Body(domain, degree, _Material(), law, theirs)
     kernel, bs = compiled.kernels[0], body.gdim
     x, dofmap = domain.geometry.x, domain.geometry.dofmap
     size = body.model.num_dofs
@@ -248,16 +303,16 @@ def _assembled(case, compiled, names, values, theirs):
             out[np.ix_(dofs, dofs)] += A.reshape(kernel.shape)
         else:
             out[dofs] += A
-    at = body.to_theirs(u)
+    their_u = body.to_theirs(u)
     if name == "mass":
         expected = body.matrix_to_ours(body.model.mass()).toarray()
     elif kernel.rank == 2:
-        tangent = body.model.stiffness() if law == "linear_elastic" else body.model.tangent(at)
+        tangent = body.model.stiffness() if law == "linear_elastic" else body.model.tangent(their_u)
         expected = body.matrix_to_ours(tangent).toarray()
     else:
-        expected = body.to_ours(body.model.internal_force(at))
+        expected = body.to_ours(body.model.internal_force(their_u))
     error = np.abs(out - expected) / np.abs(expected).max()
     k = np.unravel_index(np.argmax(error), error.shape)
-    place = body.V.tabulate_dof_coordinates()[:, :bs]
-    where = " against ".join(f"node at {np.round(place[i // bs], 4).tolist()} component {i % bs}" for i in k)
+    positions = body.V.tabulate_dof_coordinates()[:, :bs]
+    where = " against ".join(f"node at {np.round(positions[i // bs], 4).tolist()} component {i % bs}" for i in k)
     return error.max(), f"{where}: UFL {out[k]:.15g}, hand-written {expected[k]:.15g}"

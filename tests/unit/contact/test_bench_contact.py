@@ -19,7 +19,7 @@ def test_rows_of_the_benchmark():
 
 def test_the_tied_problem_is_tied(monkeypatch):
     """Every slave node moves with what it faces: the upper body's weighted displacements are the lower one's."""
-    model = bench_contact.Pressed("quadrilateral", 0.3, 3.0, friction=1.0)
+    model = bench_contact.PressedBodies("quadrilateral", 0.3, 3.0, friction=1.0)
     seen = []
     right = bench_contact.newton.Newton._one_solution
     monkeypatch.setattr(

@@ -77,7 +77,7 @@ class Ball:
     """A round body pressed on a flat one in two steps, its contact growing."""
 
     def __init__(self, cell):
-        model = bench_contact.Pressed(cell, 0.3, 3.0 if cell == "quadrilateral" else 12.0)
+        model = bench_contact.PressedBodies(cell, 0.3, 3.0 if cell == "quadrilateral" else 12.0)
         self.report = model.problem.solve(steps=2)
         contact = model.problem.contact[0]
         self.answer = [contact.points, contact.pressure, contact.traction, contact.status], contact.force
