@@ -4,8 +4,8 @@
 import impact_reference
 import numpy as np
 import pytest
-from contact_sabotage import PATCH, failed, of_theirs, patches, solutions, times
-from sabotage import assert_healthy
+from contact_fault_injection import PATCH, failed, of_theirs, patches, solutions, times
+from fault_injection import assert_healthy
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.contact.mortar import mortar_geometry

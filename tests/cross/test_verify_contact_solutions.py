@@ -3,8 +3,8 @@
 
 import numpy as np
 import pytest
-from contact_sabotage import failed, of_theirs, solutions
-from sabotage import assert_healthy
+from contact_fault_injection import failed, of_theirs, solutions
+from fault_injection import assert_healthy
 
 from dolfinx_impact import contact as contact_package
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact

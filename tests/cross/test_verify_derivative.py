@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from sabotage import assert_caught, assert_healthy
+from fault_injection import assert_caught, assert_healthy
 
 from dolfinx_impact import LinearElastic, NeoHookean, StVenantKirchhoff
 from dolfinx_impact.forms import loads, materials

@@ -4,7 +4,7 @@
 import impact_reference
 import numpy as np
 import pytest
-from sabotage import assert_caught, assert_healthy, element_report, one_entry, scaled
+from fault_injection import assert_caught, assert_healthy, element_report, one_entry, scaled
 
 from dolfinx_impact.forms import ale, inertia, loads, materials, registry
 from dolfinx_impact.verify import nodes

@@ -4,7 +4,7 @@
 import impact_reference
 import numpy as np
 import pytest
-from sabotage import assert_caught, assert_healthy, one_entry, scaled
+from fault_injection import assert_caught, assert_healthy, one_entry, scaled
 
 from dolfinx_impact.assembly import lumped_mass
 from dolfinx_impact.forms import elasticity, loads, materials

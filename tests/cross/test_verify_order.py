@@ -4,7 +4,7 @@
 import impact_reference
 import numpy as np
 import pytest
-from sabotage import assert_healthy
+from fault_injection import assert_healthy
 
 from dolfinx_impact.verify import order
 from dolfinx_impact.verify.report import Report

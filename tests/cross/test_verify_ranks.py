@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from sabotage import assert_caught, assert_healthy
+from fault_injection import assert_caught, assert_healthy
 
 from dolfinx_impact.verify import ranks
 from dolfinx_impact.verify.report import Report

@@ -5,7 +5,7 @@ import impact_reference
 import numpy as np
 import pytest
 import ufl
-from sabotage import assert_caught, assert_healthy, scaled
+from fault_injection import assert_caught, assert_healthy, scaled
 
 from dolfinx_impact.statics import problem
 from dolfinx_impact.forms import elasticity, materials, quadrature

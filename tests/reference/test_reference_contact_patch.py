@@ -5,7 +5,7 @@ import impact_reference as ir
 import numpy as np
 import pytest
 from contact_bodies import DEGREES, Pair, blocks, gdim_of, material
-from partly_loaded import LoadedFacet
+from partial_facet_integrals import LoadedFacet
 from reference_meshes import CELLS, box
 
 E, PUSH = 1e6, 0.01

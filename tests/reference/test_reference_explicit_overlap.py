@@ -7,7 +7,7 @@ import impact_reference as ir
 import numpy as np
 import pytest
 from contact_tip import Tip
-from spring_account import SpringAccount
+from spring_energy_balance import SpringEnergyBalance
 from test_reference_explicit_contact import single_mass, wall
 
 
@@ -27,7 +27,7 @@ def flight(kappa, start, num_steps):
 def test_mass_on_a_spring_step_by_step():
     """In fractions: the spring is the half of the one that a step of 1 can bear twice over, kappa = 1/2."""
     _, free, run = flight(0.5, 1.25, 9)
-    u, v, forces, places, overlaps, spring = Fraction(0), Fraction(1), [], [], [], SpringAccount(0.5)
+    u, v, forces, places, overlaps, spring = Fraction(0), Fraction(1), [], [], [], SpringEnergyBalance(0.5)
     before, g_before = u, None
     for n in range(10):
         g, r = Fraction(5, 4) - u, before - u  # out of the wall
@@ -38,9 +38,9 @@ def test_mass_on_a_spring_step_by_step():
         overlap = area / abs(r) if r else max(-g, Fraction(0))
         force = overlap / 2
         # By hand: the force that would leave the wall with more than it has taken is the one before the last.
-        account = spring.press(float(g), float(g - g_before if spring.closed else r), float(overlap))
-        if account < float(force):
-            force = Fraction(account)
+        bounded = spring.normal_force(float(g), float(g - g_before if spring.closed else r), float(overlap))
+        if bounded < float(force):
+            force = Fraction(bounded)
         g_before = g
         places.append(u)
         overlaps.append(overlap)

@@ -5,7 +5,7 @@ import impact_reference as ir
 import numpy as np
 import pytest
 from reference_meshes import box, boundary, facets_where, nodes_where
-from spring_account import SpringAccount
+from spring_energy_balance import SpringEnergyBalance
 
 OPEN, STICK, SLIP = 0, 1, 2
 
@@ -205,7 +205,7 @@ def test_coulomb_along_a_random_path(gdim, shape):
     seen, beyond, limited, dissipated, taken = set(), 0, [0, 0], 0.0, 0.0
     for a, node in enumerate(contact.nodes):
         x = model.field_points[node]
-        t, spring, g_before = np.zeros(gdim), SpringAccount(k), 0.0
+        t, spring, g_before = np.zeros(gdim), SpringEnergyBalance(k), 0.0
         for n in range(59):
             g, nrm = gap_of(x + path[n])
             assert np.isclose(contact.gap[n, a], g, atol=1e-13)
@@ -220,10 +220,10 @@ def test_coulomb_along_a_random_path(gdim, shape):
             g_before, old = g, P @ t
             if np.linalg.norm(old):
                 old *= np.linalg.norm(t) / np.linalg.norm(old)
-            N = spring.press(g, gamma, delta)
+            N = spring.normal_force(g, gamma, delta)
             limited[0] += N < k * delta * (1 - 1e-9)
             if delta == 0:
-                t = spring.rub(np.zeros(gdim), old, P @ moved)
+                t = spring.friction_force(np.zeros(gdim), old, P @ moved)
             else:
                 psi = np.clip(max(-g, r - g) / abs(r), 0, 1) if n else float(g < 0)  # of gaps g - r to g
                 trial = old - k * psi * P @ moved
@@ -231,7 +231,7 @@ def test_coulomb_along_a_random_path(gdim, shape):
                 if np.linalg.norm(t) > mu * N:
                     t, status = mu * N * t / np.linalg.norm(t), SLIP
                 cone = t
-                t = spring.rub(t, old, P @ moved, mu * N)
+                t = spring.friction_force(t, old, P @ moved, mu * N)
                 if not np.array_equal(t, cone):
                     limited[1] += 1
                     status = SLIP
@@ -241,7 +241,7 @@ def test_coulomb_along_a_random_path(gdim, shape):
             seen.add(status)
             assert contact.status[n, a] == status
             assert np.allclose(contact.traction[n, a], t, rtol=0, atol=1e-13)
-        dissipated, taken = dissipated + spring.dissipated, taken + spring.taken
+        dissipated, taken = dissipated + spring.friction_loss, taken + spring.normal_loss
     assert seen == {OPEN, STICK, SLIP} and beyond > 0 and min(limited) > 0
     assert np.isclose(run.energies["friction"][-1], dissipated, rtol=1e-12)
     assert np.isclose(run.energies["impact"][-1], taken, rtol=1e-12)

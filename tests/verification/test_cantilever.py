@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import ufl
-from bodies_of_tests import rectangle, tagged, value_at
+from meshes_and_supports import rectangle, tagged, value_at
 from dolfinx import fem
 
 from dolfinx_impact import LinearElastic, StaticProblem, Traction

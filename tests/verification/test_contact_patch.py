@@ -14,7 +14,7 @@ import pytest
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
-from partly_loaded import LoadedFacet
+from partial_facet_integrals import LoadedFacet
 from pressed_blocks import E, PressedBlocks, free_sides, hooke
 
 import dolfinx_impact as di

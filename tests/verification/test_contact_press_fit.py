@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from contact_model import Model, enforce
-from ring_of_tests import shaft_in_ring
+from shaft_in_ring_mesh import shaft_in_ring
 
 import dolfinx_impact as di
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import ufl
-from bodies_of_tests import block, clamp, rectangle, tagged, with_quadratic_geometry
+from meshes_and_supports import block, clamp, rectangle, tagged, with_quadratic_geometry
 from dolfinx import fem
 
 from dolfinx_impact import LinearElastic, StaticProblem, Traction

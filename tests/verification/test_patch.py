@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from bodies_of_tests import block, every_boundary_dof
+from meshes_and_supports import block, every_boundary_dof
 from dolfinx import fem
 
 from dolfinx_impact import LinearElastic, NeoHookean, StaticProblem, StVenantKirchhoff

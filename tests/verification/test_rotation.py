@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import ufl
-from bodies_of_tests import block
+from meshes_and_supports import block
 from dolfinx import fem
 
 from dolfinx_impact import LinearElastic, NeoHookean, StVenantKirchhoff

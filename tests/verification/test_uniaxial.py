@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from bodies_of_tests import block, clamp, tagged
+from meshes_and_supports import block, clamp, tagged
 from dolfinx import fem
 from scipy.optimize import brentq
 

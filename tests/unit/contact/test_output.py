@@ -7,7 +7,7 @@ import pytest
 from dolfinx import io
 from mpi4py import MPI
 from scipy.spatial import cKDTree
-from start_checks import Square
+from initial_penetration_checks import Square
 
 import dolfinx_impact as di
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the tests of verify share: how to break something, and what a report must say afterwards."""
+"""Faults that tests of verify inject, and checks of the reports that must show them."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the tests of level contact share: runs of patches and solutions, and wrong answers of the hand-written side."""
+"""Faults that tests of level contact inject into the hand-written solver; runs of patches and solutions."""
 
 import impact_reference
 import numpy as np

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
-from start_checks import Square, sunk
+from initial_penetration_checks import Square, overlapping_blocks
 
 import dolfinx_impact as di
 
@@ -21,7 +21,7 @@ def dense(A):
 
 def test_springs_between_bodies(rng):
     """J^T B J with the jump J u = u_j - sum_l (D^-1 M)_jl u_l of each node."""
-    geometry = sunk(0.01, di.Lagrange).contact[0].geometry
+    geometry = overlapping_blocks(0.01, di.Lagrange).contact[0].geometry
     rows = np.flatnonzero(geometry.participates)[::2]
     blocks = rng.normal(size=(len(rows), 2, 2))
     found = dense(geometry.springs(rows, blocks))

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Nodes on their way through the master: held back, or told; bodies on several ranks."""
+"""Nodes that move through the master in few steps: contact stops them, or the run raises an error."""
 
 import numpy as np
-import passing_checks
 import pytest
+import tunnelling_checks
 from dolfinx import mesh
 from on_ranks import rank_tests
 from plane_bodies import Bodies
 
 import dolfinx_impact as di
 
-test_one_rank, test_several_ranks = rank_tests(passing_checks, ranks=(2,), timeout=300)
+test_one_rank, test_several_ranks = rank_tests(tunnelling_checks, ranks=(2,), timeout=300)
 METHODS = pytest.mark.parametrize("method", (di.Penalty, di.Kinematic))
 
 

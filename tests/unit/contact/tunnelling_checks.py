@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Bodies that move by large parts of a facet in a step: held back up to one facet, an error beyond. See on_ranks.py."""
+"""Bodies that move by large parts of a facet in a step: contact acts up to one facet, an error is raised beyond.
+
+See on_ranks.py.
+"""
 
 import numpy as np
 from dolfinx import fem

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Bodies that only contact holds, on any partition of the mesh; see on_ranks.py."""
+"""Bodies whose rigid body modes only contact constrains, on any partition of the mesh; see on_ranks.py."""
 
 import numpy as np
 from dolfinx import fem, graph
@@ -16,9 +16,11 @@ METHODS = {
 }
 
 
-def by_number(shift):
-    """Partitioner: cells in the order of the input, in equal parts, to the ranks from `shift` on. The first body is on
-    the ranks of the first cells: slave and master share no rank."""
+def consecutive_cells(shift):
+    """Partitioner that gives equal parts of the cells, in the order of the input, to the ranks from `shift` on.
+
+    The cells of the first body come first, so that slave and master are on different ranks.
+    """
 
     def partition(comm, num_parts, cell_types, cells):
         num = len(cells[0]) // 4
@@ -31,14 +33,22 @@ def by_number(shift):
 
 
 class Stack:
-    """A block on another one, held sideways and pressed by a traction: down it is held by the contact alone."""
+    """A block on another one, under a traction: vertically only contact supports it.
 
-    def __init__(self, partitioner, method, swapped, friction, held):
+    Args:
+        partitioner: partitioner of the mesh.
+        method: key of METHODS.
+        swapped: the lower block is the slave.
+        friction: Coulomb's friction coefficient [1].
+        supported: the upper block has a support in the horizontal direction.
+    """
+
+    def __init__(self, partitioner, method, swapped, friction, supported):
         made = meshes.make("two_blocks", COMM, partitioner=partitioner)
         facets, tags = made.facet_tags, made.tags
         V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
         self.u = fem.Function(V)
-        supports = [("bottom", 0), ("bottom", 1)] + ([("slave_left", 0)] if held else [])
+        supports = [("bottom", 0), ("bottom", 1)] + ([("slave_left", 0)] if supported else [])
         bcs = [
             fem.dirichletbc(0.0, fem.locate_dofs_topological(V.sub(axis), 1, facets.find(tags[side])), V.sub(axis))
             for side, axis in supports
@@ -50,22 +60,22 @@ class Stack:
         self.problem = di.StaticProblem(self.u, law, bcs=bcs, loads=[press], contact=[METHODS[method](pair)])
 
 
-def check_a_loose_body_is_held_by_contact():
-    """On every partition the master as well as the slave may be the loose one: the traction is carried."""
+def check_contact_constrains_rigid_body_modes():
+    """Slave or master may be the body without vertical support: contact carries the traction on every partition."""
     for method, friction in (("multipliers", 0.0), ("linear", 0.3), ("penalty", 0.0)):
         for swapped in (False, True):
             for shift in (0, 1):
-                stack = Stack(by_number(shift), method, swapped, friction, held=True)
+                stack = Stack(consecutive_cells(shift), method, swapped, friction, supported=True)
                 stack.problem.solve()
                 force = stack.problem.contact[0].force
                 assert abs((-force[1] if swapped else force[1]) - 1e3) < 1e-6 * 1e3, (method, swapped, shift, force)
 
 
-def check_what_contact_leaves_free_is_told():
-    """Without friction and without the support the body slides, whichever of the two is the slave, on any partition."""
+def check_unconstrained_modes_are_reported():
+    """Without friction and support the body can slide, whichever body is the slave; the error names the mode."""
     cases = [("multipliers", True, 0.0), ("penalty", False, 0.0), ("penalty", True, 0.0), ("multipliers", True, 0.3)]
     for method, swapped, friction in cases:
-        stack = Stack(by_number(0), method, swapped, friction, held=False)
+        stack = Stack(consecutive_cells(0), method, swapped, friction, supported=False)
         try:
             stack.problem.solve()
             text = ""

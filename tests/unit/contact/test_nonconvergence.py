@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Methods that do not converge end, and say what did not and what to do."""
+"""Methods that do not converge stop; the error says what did not converge and what to do."""
 
 import numpy as np
 import pytest

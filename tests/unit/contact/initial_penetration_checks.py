@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""States before anything is loaded, on the ranks of COMM_WORLD; see on_ranks.py."""
+"""Initial penetration: surfaces before the first load step, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import logging
 
@@ -15,7 +15,7 @@ METHODS = (di.Lagrange, lambda pair: di.Penalty(pair, penalty=1e5))
 
 
 class Square:
-    """Unit square or cube whose bottom (tag 3) and top (tag 4) may touch; the top is held."""
+    """Unit square or cube; its bottom (tag 3) may come into contact, its top (tag 4) is fixed."""
 
     def __init__(self, dim=2, n=4):
         create = mesh.create_unit_square if dim == 2 else mesh.create_unit_cube
@@ -50,36 +50,36 @@ def message(make):
 
 
 def check_wrong_side():
-    """Obstacles turned the wrong way are refused with what to turn; right ones, touching or overlapping, are taken."""
+    """An obstacle with the wrong orientation is refused, and the error says what to change; others are accepted."""
     for dim in (2, 3):
         body = Square(dim)
         up, centre = np.eye(dim)[-1], np.full(dim, 0.5)
         for method in METHODS:
-            for height in (-0.05, 0.0, 0.1):  # apart, touching, overlapping
+            for height in (-0.05, 0.0, 0.1):  # open, touching, penetrating
                 plane = di.RigidPlane(height * up, -up)
                 assert "must point out of the obstacle" in message(lambda: body.problem(plane, method))
                 assert message(lambda: body.problem(di.RigidPlane(height * up, up), method)) == ""
-            # The bottom on a ball, in reach of its top; as a hole it would look away from the slave.
-            place = centre - 2.55 * up
-            assert message(lambda: body.problem(di.RigidSphere(place, 2.05), method)) == ""
+            # The bottom of the body is near the top of a ball; as a hole the surface would face away from the slave.
+            position = centre - 2.55 * up
+            assert message(lambda: body.problem(di.RigidSphere(position, 2.05), method)) == ""
             assert "change the sign of the radius -2.05" in message(
-                lambda: body.problem(di.RigidSphere(place, -2.05), method)
+                lambda: body.problem(di.RigidSphere(position, -2.05), method)
             )
-            # The bottom in a wide bore that holds the body.
-            place = centre + 1.48 * up
+            # The body is inside a wide bore.
+            position = centre + 1.48 * up
             axis = (0, 0, 1) if dim == 2 else (0, 1, 0)
-            assert message(lambda: body.problem(di.RigidCylinder(place, -2.0, axis), method)) == ""
+            assert message(lambda: body.problem(di.RigidCylinder(position, -2.0, axis), method)) == ""
             assert "if the body is inside it" in message(
-                lambda: body.problem(di.RigidCylinder(place, 2.0, axis), method)
+                lambda: body.problem(di.RigidCylinder(position, 2.0, axis), method)
             )
-        # A plane whose normal is right but that lies above the body, as after a mistake in the units.
+        # A plane with the right normal that lies inside the body, as after a mistake in the units.
         assert "more than half of the thinner body (1.000e+00)" in message(
             lambda: body.problem(di.RigidPlane(0.6 * up, up), METHODS[0])
         )
 
 
 def check_shared_nodes():
-    """An edge that belongs to both surfaces is found though no rank need have a facet of either; all ranks say so."""
+    """A node of both surfaces is found even if a rank has facets of neither; all ranks raise the same error."""
     domain = mesh.create_unit_square(COMM, 3, 3, mesh.CellType.quadrilateral)
     V = fem.functionspace(domain, ("Lagrange", 2, (2,)))
     parts = [mesh.locate_entities_boundary(domain, 1, lambda x, a=a: np.isclose(x[a], 0.0)) for a in (0, 1)]
@@ -90,16 +90,16 @@ def check_shared_nodes():
     assert "share 1 nodes, the first at [[0.0, 0.0]]" in message(lambda: pair.surfaces(V))
 
 
-def check_sunk():
-    """A block deep inside the other one is refused; an overlap as of a press fit is taken."""
+def check_deep_penetration():
+    """A block deep inside the other one is refused; an overlap like that of a press fit is accepted."""
     for method in METHODS:
         for overlap, words in ((0.02, ""), (0.3, "more than half of the thinner body (5.000e-01)")):
-            found = message(lambda: sunk(overlap, method, search_distance=0.4))
+            found = message(lambda: overlapping_blocks(overlap, method, search_distance=0.4))
             assert words in found and bool(words) == bool(found), found
 
 
-def sunk(overlap, method, down=0.0, **options):
-    """Upper block overlapping the lower one; the bottom is held, the top moved down."""
+def overlapping_blocks(overlap, method, down=0.0, **options):
+    """Problem of two overlapping blocks; the bottom is fixed, the top is displaced downwards."""
     made = meshes.make(
         "two_blocks", COMM, lower=(1.4, 0.5), upper=(1.0, 0.5), lower_cells=(7, 4), upper_cells=(6, 4), gap=-overlap
     )  # fmt: skip
@@ -113,7 +113,7 @@ def sunk(overlap, method, down=0.0, **options):
 
 
 class Lines(logging.Handler):
-    """What is written to the log."""
+    """Keeps the lines that are written to the log."""
 
     def __init__(self):
         super().__init__()
@@ -124,11 +124,11 @@ class Lines(logging.Handler):
 
 
 def check_reported_and_removed():
-    """The overlap is told; left in, it presses; removed, bodies at rest stay at rest, and gaps count from there."""
+    """The overlap is reported. If it stays it causes forces; if it is removed, bodies at rest stay at rest."""
     overlap = 0.01
     rigid = Square()
     cases = [lambda m, **o: rigid.problem(di.RigidPlane((0, overlap), (0, 1)), m, **o)]
-    cases.append(lambda m, **o: sunk(overlap, m, **o))
+    cases.append(lambda m, **o: overlapping_blocks(overlap, m, **o))
     for make in cases:
         for method in METHODS:
             log = logging.getLogger("dolfinx_impact")
@@ -155,28 +155,28 @@ def check_reported_and_removed():
 
 
 def check_removed_then_pressed():
-    """Pressed further, an overlap that was removed answers as bodies that just touch do."""
+    """Bodies whose overlap was removed respond to further loads like bodies that just touch."""
     for method in METHODS:
         forces = []
         for overlap in (0.0, 1e-6):
-            problem = sunk(overlap, method, down=-0.01, remove_penetration=True)
+            problem = overlapping_blocks(overlap, method, down=-0.01, remove_penetration=True)
             problem.solve()
             forces.append(problem.contact[0].force)
         change = np.abs(forces[1] - forces[0]).max() / np.abs(forces[0]).max()
-        # Left in, the overlap would change the force by 1e-6 of 0.01. What remains: the other shape's share.
+        # With the overlap the force would change by 1e-6 of 0.01. The rest is due to the different geometry.
         assert change < 1e-5, change
 
 
 def check_first_touch():
-    """A round body that touches at a node, pressed by a force: the same on the ranks as alone."""
+    """A round body that touches at one node under a force: the results on several ranks equal those on one."""
     results = []
     for comm in (COMM, MPI.COMM_SELF):
         m = meshes.make("cylinder_on_half_plane", comm, cell="triangle", radius=10.0, a=1.0, h=0.25, width=10.0,
                         height=10.0, coarse=4.0)  # fmt: skip
         V = fem.functionspace(m.mesh, ("Lagrange", 1, (2,)))
-        places = (("bottom", 0), ("bottom", 1), ("symmetry_x", 0))
-        dofs = [fem.locate_dofs_topological(V.sub(axis), 1, m.facet_tags.find(m.tags[name])) for name, axis in places]
-        bcs = [fem.dirichletbc(0.0, d, V.sub(axis)) for d, (_, axis) in zip(dofs, places)]
+        supports = (("bottom", 0), ("bottom", 1), ("symmetry_x", 0))
+        dofs = [fem.locate_dofs_topological(V.sub(axis), 1, m.facet_tags.find(m.tags[name])) for name, axis in supports]
+        bcs = [fem.dirichletbc(0.0, d, V.sub(axis)) for d, (_, axis) in zip(dofs, supports)]
         load = di.Traction(m.facet_tags, m.tags["top"], (0.0, -10.0))
         pair = di.ContactPair(m.facet_tags, m.tags["slave_surface"], m.tags["master_surface"])
         law = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")

@@ -1,7 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""Damaged and foreign checkpoints on 1, 2 and 3 ranks."""
-
-import damage_checks
-from on_ranks import rank_tests
-
-test_one_rank, test_several_ranks = rank_tests(damage_checks, ranks=(2, 3), timeout=300)
