@@ -220,13 +220,34 @@ def run_explicit(
     lumping: str = "auto",
     every: int = 1,
 ) -> ExplicitResult:
-    """Explicit dynamics of a model; the other arguments, units and errors are those of `Model.run_explicit`.
+    """Explicit dynamics of a model by central differences, docs/explicit/scheme.md.
+
+    Values over time are a constant, a function of t, or a table (times, values) with linear interpolation.
 
     Args:
         model: the bodies.
+        dt: time step; or all steps, shape (num_steps) [T].
+        num_steps: number of steps; None where `dt` has all steps.
+        u0: initial displacements, shape (num_dofs); None for zero [L].
+        v0: initial velocities, shape (num_dofs); None for zero [L/T].
+        fixed_dofs: prescribed degrees of freedom, shape (num_fixed).
+        values: their displacements over time: one number or shape (num_fixed). The value one step beyond the end
+            gives the last state its velocity [L].
+        loads: an array, shape (num_dofs); or a list of vectors and of pairs (vector, amplitude over time) [F].
+        alpha: Rayleigh damping, factor of the lumped mass [1/T].
+        beta: Rayleigh damping, factor of the stiffness [T].
+        scheme: "half_step", or "classical" (equal steps, beta 0).
+        viscosity: linear and quadratic bulk viscosity (b1, b2); None for none [1].
+        contacts: contacts, `NodalPenalty` and `NodalKinematic`.
+        lumping: how the mass is lumped, as in `element_lumped_mass`.
+        every: keep each state whose number is a multiple of this; the last one is always kept.
 
     Returns:
         States, energies and contact histories.
+
+    Raises:
+        ValueError: data that do not fit.
+        RuntimeError: the run overflows.
     """
     steps = _vector(dt)
     if num_steps is not None:
@@ -283,13 +304,24 @@ def stable_step(
     u: ArrayLike | None = None,
     lumping: str = "auto",
 ) -> float:
-    """Longest stable step of a model; the other arguments, units and errors are those of `Model.stable_step`.
+    """Longest stable step of `run_explicit` for a model.
 
     Args:
         model: the bodies.
+        method: "length" (edge over wave speed), "element" (a bound by the cells' frequencies) or "eigenvalue".
+        alpha: Rayleigh damping, factor of the lumped mass [1/T].
+        beta: Rayleigh damping, factor of the stiffness [T].
+        scheme: "half_step" or "classical".
+        fixed_dofs: degrees of freedom without displacement, which "eigenvalue" respects, shape (num_fixed).
+        contacts: contacts; those with a penalty of their own shorten the step.
+        u: displacements at which the contacts are evaluated, shape (num_dofs); None for zero [L].
+        lumping: how the mass is lumped, as in `element_lumped_mass`.
 
     Returns:
         Stable step [T].
+
+    Raises:
+        ValueError: an unknown method or scheme.
     """
     u = np.zeros(model.num_dofs) if u is None else _vector(u)
     bound = [contact._bind(model, np.zeros(2), lumping) for contact in contacts if isinstance(contact, NodalPenalty)]
