@@ -13,7 +13,7 @@ STEPS = 60
 
 
 def runs():
-    """Bodies alone, in every law, scheme and damping; blocks thrown over an end, also from another start."""
+    """Bodies without contact, with every law, scheme and damping; blocks thrown over an edge, also in a variation."""
     for cell, degree, make in history.RUNS:
         if cell in CELLS and make in (history.without_contact, history.overhang):
             yield from make(cell, degree)

@@ -60,26 +60,26 @@ PLANE = [run for run in history.RUNS if run[0] == "quadrilateral"]
 SPACE = [run for run in history.RUNS if run[0] in ("hexahedron", "tetrahedron")]
 
 
-def test_other_starts_in_the_plane_pass():
-    """Starts that the level itself does not have."""
+def test_variations_in_the_plane_pass():
+    """Variations that the level itself does not contain."""
     report = compare_varied_runs(PLANE, [11])
     assert report.passed and len(report.rows) > 100
 
 
-def test_another_start_in_space_passes():
+def test_a_variation_in_space_passes():
     report = compare_varied_runs([("hexahedron", 1, history.overhang)], [11])
     assert report.passed and len(report.rows) > 10
 
 
 @pytest.mark.slow
-def test_many_starts_pass():
+def test_many_variations_pass():
     for runs, seeds in ((PLANE, range(20, 32)), (SPACE, range(20, 23))):
         report = compare_varied_runs(runs, seeds)
         assert report.passed and len(report.rows) > 100
 
 
-def test_a_start_is_another_one():
-    """Step, attitude and velocities differ from start to start; a seed gives the same again."""
+def test_variations_differ():
+    """Step, rotation and velocities differ between seeds; the same seed gives the same variation."""
     first, second, again = (
         next(iter(history.varied_runs("quadrilateral", 1, history.overhang, [seed]))) for seed in (1, 2, 1)
     )

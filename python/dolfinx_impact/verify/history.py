@@ -128,7 +128,7 @@ class RandomVariation:
             v[np.asarray(case.fixed_nodes, dtype=np.int64)] = 0.0
             return v
 
-        name = f"{case.name}, start {self.seed}"
+        name = f"{case.name}, variation {self.seed}"
         return replace(case, name=name, velocity=velocity, step_fraction=cast(float, self.step_fraction))
 
 
