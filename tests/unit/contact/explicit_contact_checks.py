@@ -13,7 +13,7 @@ import dolfinx_impact as di
 from dolfinx_impact import meshes
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-from pairs import scattered  # noqa: E402
+from partitioned_bodies import scattered  # noqa: E402
 
 COMM = MPI.COMM_WORLD
 STEPS, LOOKS = 1000, 20

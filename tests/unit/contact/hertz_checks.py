@@ -14,7 +14,7 @@ import dolfinx_impact as di
 from dolfinx_impact import meshes
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import pairs  # noqa: E402
+import partitioned_bodies  # noqa: E402
 
 COMM = MPI.COMM_WORLD
 # The same equations, summed and solved in another order: round-off times the condition of a few hundred unknowns.
@@ -49,7 +49,7 @@ def check_hertz():
     """Places, pressures, tractions, gaps, status, force and area are those of one rank."""
     for dim in RECIPES:
         for method in (di.Lagrange, lambda pair: di.Penalty(pair, penalty=1e4)):
-            here = pressed(COMM, dim, method, pairs.scattered(4) if COMM.size > 1 else None)
+            here = pressed(COMM, dim, method, partitioned_bodies.scattered(4) if COMM.size > 1 else None)
             alone = pressed(MPI.COMM_SELF, dim, method)
             assert here[3] > 1 or COMM.size == 1, "the contact is split between ranks"
             assert np.count_nonzero(alone[0][4]) > 3

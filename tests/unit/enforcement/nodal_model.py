@@ -11,7 +11,7 @@ from mpi4py import MPI
 from dolfinx_impact import _cpp
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import pairs  # noqa: E402
+import partitioned_bodies  # noqa: E402
 
 
 class Nodal:
@@ -97,7 +97,7 @@ def two_bodies(cell="hexahedron", degree=1, comm=MPI.COMM_SELF, seed=None, geome
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
     names = ("lower_cells", "upper_cells", "lower", "upper", "offset", "gap")
     parameters = {k: more.pop(k) for k in names if k in more}
-    V, slave, master = pairs.two_bodies(comm, dim, cell, geometry_degree, degree, seed, **parameters)
+    V, slave, master = partitioned_bodies.two_bodies(comm, dim, cell, geometry_degree, degree, seed, **parameters)
     return Nodal(V, slave, master, dt, **more)
 
 
@@ -110,7 +110,7 @@ def smooth(x, amplitude, phase=0.0):
 def moved_obstacle(cell="hexahedron", degree=1, kind="plane", comm=MPI.COMM_SELF, seed=None, dt=1e-3, **options):
     """The slave above a rigid plane at `height`, or a round obstacle whose top is a little higher."""
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
-    V, slave, _ = pairs.two_bodies(comm, dim, cell, 1, degree, seed)
+    V, slave, _ = partitioned_bodies.two_bodies(comm, dim, cell, 1, degree, seed)
     up, point = np.eye(3)[dim - 1], np.append(np.full(dim, 0.5), np.zeros(3 - dim))
     height = 0.955
     point[dim - 1] = {"plane": height, "sphere": height - 0.77, "cylinder": height - 0.77}[kind]

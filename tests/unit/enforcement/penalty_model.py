@@ -11,7 +11,7 @@ from mpi4py import MPI
 from dolfinx_impact import _cpp
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import pairs  # noqa: E402
+import partitioned_bodies  # noqa: E402
 
 FACETS = {
     "triangle": basix.CellType.interval,
@@ -43,7 +43,9 @@ class Deformable:
         self, cell, geometry_degree, degree, comm=MPI.COMM_SELF, friction=0.0, seed=None, quadrature=4, **parameters
     ):
         dim = 2 if cell in ("triangle", "quadrilateral") else 3
-        self.V, slave, master = pairs.two_bodies(comm, dim, cell, geometry_degree, degree, seed, **parameters)
+        self.V, slave, master = partitioned_bodies.two_bodies(
+            comm, dim, cell, geometry_degree, degree, seed, **parameters
+        )
         self.dim, self.friction, self.reach = dim, friction, 0.5
         self.num = self.V.dofmap.index_map.size_local * dim
         self.exchange = _cpp.search.Exchange(self.V._cpp_object, slave, master, self.reach)
@@ -88,7 +90,7 @@ class Rigid(Deformable):
 
     def __init__(self, cell, degree, kind, friction=0.0):
         dim = 2 if cell in ("triangle", "quadrilateral") else 3
-        self.V, self.slave, _ = pairs.two_bodies(MPI.COMM_SELF, dim, cell, degree, degree)
+        self.V, self.slave, _ = partitioned_bodies.two_bodies(MPI.COMM_SELF, dim, cell, degree, degree)
         self.dim, self.friction = dim, friction
         self.num = self.V.dofmap.index_map.size_local * dim
         up, middle = np.eye(3)[dim - 1], np.append(np.full(dim, 0.5), np.zeros(3 - dim))

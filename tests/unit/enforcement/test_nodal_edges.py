@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from dolfinx import fem
 from mpi4py import MPI
-from nodal_model import Driver, Nodal, moved_obstacle, pairs, two_bodies
+from nodal_model import Driver, Nodal, moved_obstacle, partitioned_bodies, two_bodies
 
 from dolfinx_impact import _cpp, meshes
 
@@ -146,7 +146,7 @@ def test_thin_bodies():
 
 def test_slave_between_two_masters():
     """One slave surface, two obstacles: forces of both add up; on a wedge's faces each in its own direction."""
-    V, slave, _ = pairs.two_bodies(MPI.COMM_SELF, 3)
+    V, slave, _ = partitioned_bodies.two_bodies(MPI.COMM_SELF, 3)
     total = None
     models = []
     for normal in ([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]):

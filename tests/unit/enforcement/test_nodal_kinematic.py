@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
-from nodal_model import Nodal, moved_obstacle, pairs, smooth, two_bodies
+from nodal_model import Nodal, moved_obstacle, partitioned_bodies, smooth, two_bodies
 
 from dolfinx_impact import _cpp
 
@@ -153,7 +153,7 @@ def test_sweeps_converge_however_heavy_slaves_that_share_masters(cell, heavier):
 
 def against_a_wall(normal, friction, sweeps):
     """A square whose nodes cannot move along y, 0.01 deep in a plane; forces and gaps."""
-    V, slave, _ = pairs.two_bodies(MPI.COMM_SELF, 2, "quadrilateral")
+    V, slave, _ = partitioned_bodies.two_bodies(MPI.COMM_SELF, 2, "quadrilateral")
     plane = _cpp.gap.Rigid("plane", 2, [0.5, 1.0, 0.0], [*(np.array(normal) / np.linalg.norm(normal)), 0.0], 0.0)
     model = Nodal(V, slave, plane, kinematic=True, sweeps=sweeps, friction=friction)
     start = np.zeros_like(model.x)

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
-from nodal_model import Nodal, pairs, smooth
+from nodal_model import Nodal, partitioned_bodies, smooth
 from nodal_oracle import Oracle
 
 CELLS = [("quadrilateral", 1), ("triangle", 2), ("hexahedron", 1), ("tetrahedron", 1), ("hexahedron", 2)]
@@ -14,7 +14,9 @@ SAME = 1e-11  # relative to the largest force: Newton's method ends within 1e-13
 
 def with_oracle(cell, degree, **options):
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
-    V, slave, master = pairs.two_bodies(MPI.COMM_SELF, dim, cell, 1, degree, offset=(0.07,) * (dim - 1), gap=-0.004)
+    V, slave, master = partitioned_bodies.two_bodies(
+        MPI.COMM_SELF, dim, cell, 1, degree, offset=(0.07,) * (dim - 1), gap=-0.004
+    )
     model = Nodal(V, slave, master, **options)
     return model, Oracle(model, slave, master, **options)
 

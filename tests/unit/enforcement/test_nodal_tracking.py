@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
-from nodal_model import Nodal, pairs, smooth, two_bodies
+from nodal_model import Nodal, partitioned_bodies, smooth, two_bodies
 from nodal_oracle import closest, mean_overlap, node_normals
 
 CELLS = [("quadrilateral", 1), ("hexahedron", 1), ("tetrahedron", 1), ("hexahedron", 2), ("triangle", 2)]
@@ -32,7 +32,7 @@ def full_search(V, slave, master, model, u):
 def test_closest_points_are_those_of_a_full_search(cell, degree):
     """Bodies that slide, rock and vibrate: every gap, normal and force direction in every step."""
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
-    V, slave, master = pairs.two_bodies(
+    V, slave, master = partitioned_bodies.two_bodies(
         MPI.COMM_SELF, dim, cell, 1, degree, gap=0.0, lower_cells=(5,) * dim, upper_cells=(4,) * dim
     )
     model = Nodal(V, slave, master)

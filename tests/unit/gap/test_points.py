@@ -12,7 +12,7 @@ from mpi4py import MPI
 from dolfinx_impact import _cpp
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import pairs  # noqa: E402
+import partitioned_bodies  # noqa: E402
 
 FACETS = {"triangle": "interval", "quadrilateral": "interval", "tetrahedron": "triangle", "hexahedron": "quadrilateral"}
 ROUND_OFF = 1e-13
@@ -24,7 +24,7 @@ def rule(cell, degree=4):
 
 def pair(cell, **more):
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
-    V, slave, master = pairs.two_bodies(MPI.COMM_SELF, dim, cell, **more)
+    V, slave, master = partitioned_bodies.two_bodies(MPI.COMM_SELF, dim, cell, **more)
     exchange = _cpp.search.Exchange(V._cpp_object, slave, master, 1.0)
     return V, exchange
 

@@ -3,7 +3,7 @@
 on_ranks.py."""
 
 import numpy as np
-import pairs
+import partitioned_bodies
 from dolfinx import fem
 from mpi4py import MPI
 
@@ -37,7 +37,7 @@ def check_candidates():
     """Exactly the facets whose boxes touch the widened box of this rank's slave facets; nodes where they should be."""
     for dim, cell, geometry_degree, degree in CASES:
         for seed, reach in ((None, 0.1), (1, 0.05), (2, 0.0)):
-            V, slave, master = pairs.two_bodies(COMM, dim, cell, geometry_degree, degree, seed)
+            V, slave, master = partitioned_bodies.two_bodies(COMM, dim, cell, geometry_degree, degree, seed)
             exchange = _cpp.search.Exchange(V._cpp_object, slave, master, reach)
             ids, X, orientation = gathered(master)
             boxes = np.concatenate(COMM.allgather(_cpp.search.bounding_boxes(master)))
@@ -90,7 +90,7 @@ def compare_reverse(V, exchange, dim):
 
 def check_nothing():
     """No facets at all; no slave; no master."""
-    V, slave, master = pairs.two_bodies(COMM, 2, seed=3)
+    V, slave, master = partitioned_bodies.two_bodies(COMM, 2, seed=3)
     none = _cpp.surface.make_surface(V._cpp_object, np.zeros(0, dtype=np.int32))
     for s, m in ((none, none), (none, master), (slave, none)):
         exchange = _cpp.search.Exchange(V._cpp_object, s, m, 0.1)

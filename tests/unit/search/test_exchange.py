@@ -3,7 +3,7 @@
 
 import exchange_checks
 import numpy as np
-import pairs
+import partitioned_bodies
 import pytest
 from on_ranks import rank_tests
 
@@ -14,14 +14,14 @@ test_one_rank, test_several_ranks = rank_tests(exchange_checks, ranks=(2, 3, 4),
 
 
 def test_refused():
-    V, slave, master = pairs.two_bodies()
-    other = pairs.two_bodies(dim=3)[1]
+    V, slave, master = partitioned_bodies.two_bodies()
+    other = partitioned_bodies.two_bodies(dim=3)[1]
     with pytest.raises(ValueError, match="dimension"):
         _cpp.search.Exchange(V._cpp_object, other, master, 0.1)
     with pytest.raises(ValueError, match="reach"):
         _cpp.search.Exchange(V._cpp_object, slave, master, -1.0)
     with pytest.raises(ValueError, match="displacement space"):
-        _cpp.search.Exchange(V._cpp_object, slave, pairs.two_bodies(degree=2)[2], 0.1)
+        _cpp.search.Exchange(V._cpp_object, slave, partitioned_bodies.two_bodies(degree=2)[2], 0.1)
     exchange = _cpp.search.Exchange(V._cpp_object, slave, master, 0.1)
     with pytest.raises(ValueError, match="forward takes"):
         exchange.forward(np.zeros(3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Two bodies, parted at random between the ranks, with the facets of their contact surfaces."""
+"""Two bodies with a random partition of the mesh, and the facets of their contact surfaces."""
 
 import numpy as np
 from dolfinx import fem, graph
