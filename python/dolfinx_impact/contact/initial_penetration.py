@@ -144,7 +144,7 @@ def check_side(pair: ContactPair, V: FunctionSpace, slave: _cpp.surface.Facets, 
     # bodies; they are accepted.
     if agreement < -0.5 * number and lowest <= facet:
         hint = pair.rigid_master._orientation_hint()
-        raise ValueError(f"{pair.name}: the slave looks away from the obstacle where it is nearest: {hint}")
+        raise ValueError(f"{pair.name}: the slave's normals point away from the obstacle where it is nearest: {hint}")
 
 
 def nearly_touching(comm: MPI.Comm, gap: FloatArray, size: FloatArray) -> float | None:

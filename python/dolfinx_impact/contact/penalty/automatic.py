@@ -29,7 +29,7 @@ def check_penalty(contact: "PenaltyContact", penalty: float, factor: float) -> N
     Raises:
         ValueError: the penalty is more than LARGEST times the automatic one; on all ranks.
     """
-    automatic = automatic_penalty(contact, factor, tell=False)
+    automatic = automatic_penalty(contact, factor, verbose=False)
     if penalty > LARGEST * automatic:
         ratio = penalty / automatic
         raise ValueError(
@@ -39,13 +39,13 @@ def check_penalty(contact: "PenaltyContact", penalty: float, factor: float) -> N
         )
 
 
-def automatic_penalty(contact: "PenaltyContact", factor: float, tell: bool = True) -> float:
+def automatic_penalty(contact: "PenaltyContact", factor: float, verbose: bool = True) -> float:
     """Penalty from the nodal stiffness per area of the softer surface where its facets are smallest. Collective.
 
     Args:
         contact: the contact.
         factor: factor of the stiffness per area [1].
-        tell: whether rank 0 prints the penalty.
+        verbose: whether rank 0 prints the penalty.
 
     Returns:
         The penalty [F/L^3].
@@ -62,7 +62,7 @@ def automatic_penalty(contact: "PenaltyContact", factor: float, tell: bool = Tru
         points = _cpp.penalty.Points(contact.master, *contact._rule, contact.problem.axisymmetric)
         surfaces.append((contact.master, points))
     penalty = factor * min(_per_area(total, stiffness, *s, contact.comm) for s in surfaces)
-    if tell and contact.comm.rank == 0:
+    if verbose and contact.comm.rank == 0:
         print(f"{contact.pair.name}: penalty {penalty:.3e} from material and mesh", flush=True)
     return penalty
 
