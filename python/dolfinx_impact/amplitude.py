@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Functions of time: of loads, prescribed motion and rigid obstacles."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -48,7 +48,7 @@ class Amplitude:
         columns = values.reshape(len(times), -1).T
         return lambda t: np.array([np.interp(t, times, column) for column in columns])
 
-    def sample(self, times: FloatArray) -> FloatArray:
+    def sample(self, times: Sequence[float] | FloatArray) -> FloatArray:
         """Values at the times: (num_times, size)."""
         rows = np.array([np.asarray(self._function(t), dtype=float).ravel() for t in times])
         if rows.shape != (len(times), self.size):

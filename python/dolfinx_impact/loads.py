@@ -250,6 +250,7 @@ class DeadLoad:
         return self._force.apply().array[self.dofs]
 
     def values(self) -> FloatArray:
-        """The same, taken over: from now on only other values have changed. Collective."""
-        self._inputs.take()
+        """Forces on `dofs` as `forces` returns them; `changed` compares with the present values from now on [F].
+        Collective."""
+        self._inputs.store()
         return self.forces()

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import ufl
@@ -202,6 +202,9 @@ class MaterialMap:
     def wave_speed(self) -> float:
         """Largest of the materials' wave speeds [L/T]."""
         return max(m.wave_speed for m in self.materials.values())
+
+
+Material: TypeAlias = _Material | MaterialMap  # of a body, in annotations
 
 
 def _check_map(cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:

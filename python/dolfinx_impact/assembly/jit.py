@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""From a UFL form to kernels: those built with the package when the form is one of them, else compiled now and cached.
+"""From a UFL form to kernels: kernels built with the package are found, others are compiled at run time and cached.
 
-The cache is a folder of shared libraries, safe under concurrent ranks and processes: a library is compiled under a name
-of its own and renamed into place. Beside it stands a list of its kernels with the library's checksum: a file that was
-cut short or spoilt is compiled again. What is loaded is code: folder and files must belong to the user and be writable
-by nobody else.
+The cache is a folder of shared libraries. It is safe under concurrent ranks and processes: a library is compiled under
+a name of its own and renamed into place. A text file beside each library lists its kernels and its checksum; a library
+with another checksum is compiled again. Libraries are code: folder and files must belong to the user, and no other user
+may have the permission to write them.
 """
 
 import functools
@@ -15,8 +15,10 @@ import shlex
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import ufl
 from mpi4py import MPI
@@ -24,8 +26,9 @@ from mpi4py import MPI
 from .. import _cpp
 from ..common import arguments
 from ..common.collective import guard
-from ..forms.compiler import emit, frontend
 from ..common.private_folder import check_file, check_private, make_private
+from ..common.types import FloatArray
+from ..forms.compiler import emit, frontend
 
 INCLUDE = Path(__file__).parent.parent / "include"
 FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
@@ -33,24 +36,27 @@ FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-
 
 @dataclass
 class Compiled:
-    """Kernels of a UFL form: one per integral, and the form's own objects in the order the kernels number them.
+    """Kernels of a UFL form, and the form's coefficients and constants in the order in which the kernels number them.
 
     Attributes:
-        kernels: list of _cpp.kernels.Kernel.
-        coefficients: list of UFL coefficients (form.coefficients()).
-        constants: list of UFL constants.
-        source: "package" or the path of the library in the cache.
+        kernels: one kernel per integral.
+        coefficients: form.coefficients().
+        constants: form.constants().
+        source: "package", or the path of the library in the cache.
     """
 
-    kernels: list
-    coefficients: list
-    constants: list
+    kernels: list[_cpp.kernels.Kernel]
+    coefficients: list[ufl.Coefficient]
+    constants: list[ufl.Constant]
     source: str
 
 
-def cache_folder():
-    """Folder of kernels compiled at run time: IMPACT_JIT_CACHE, else dolfinx_impact/kernels in the user's cache
-    folder."""
+def cache_folder() -> Path:
+    """Folder of the kernels that are compiled at run time.
+
+    Returns:
+        IMPACT_JIT_CACHE, or else dolfinx_impact/kernels in the user's cache folder.
+    """
     own = os.environ.get("IMPACT_JIT_CACHE")
     if own:
         return Path(own)
@@ -58,31 +64,32 @@ def cache_folder():
     return Path(base) / "dolfinx_impact" / "kernels"
 
 
-def compile_form(form, names=None, comm=None):
-    """Kernels of a UFL form of rank 0, 1 or 2 over cells and exterior facets.
-
-    Collective over `comm`.
+def compile_form(
+    form: ufl.Form, names: Mapping[ufl.Coefficient | ufl.Constant, str] | None = None, comm: MPI.Comm | None = None
+) -> Compiled:
+    """Kernels of a UFL form of rank 0, 1 or 2 over cells and exterior facets. Collective over `comm`.
 
     Args:
-        form: UFL form; its functions and constants may be DOLFINx's or plain UFL.
-        names: dict from coefficient or constant to a name; DOLFINx functions bring their own.
-        comm: MPI communicator whose ranks compile together; None: the mesh's.
+        form: UFL form; its functions and constants may be those of DOLFINx or of UFL.
+        names: names of coefficients and constants; DOLFINx functions have names of their own.
+        comm: communicator whose ranks compile together; None: that of the mesh.
 
     Returns:
-        Compiled.
+        The kernels, one per integral.
 
     Raises:
         TypeError: `form` is not a UFL form.
-        ValueError: two coefficients of one name, an integral or operator that kernels do not support.
-        RuntimeError: no compiler, compilation failed, the cache cannot be written, or others can write in it; the same
-            on all ranks.
+        ValueError: two coefficients have one name, or kernels do not support an integral or operator of the form.
+        RuntimeError: no compiler was found, compilation failed, the cache cannot be written, or other users can write
+            into it; on all ranks.
     """
-    with guard(comm or _comm(form), "compile_form") as ranks:
+    comm = comm or _comm(form)
+    with guard(comm, "compile_form") as ranks:
         if not isinstance(form, ufl.Form):
             raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
         arguments.measures(form)
-        names = _names(form, names)
-        frontend.check_names(list(form.coefficients()) + list(form.constants()), names)
+        given = _names_of(list(form.coefficients()) + list(form.constants()), names)
+        frontend.check_names(list(form.coefficients()) + list(form.constants()), given)
         key = emit.signature(frontend.form_signature(form))
         ranks.same(form=key)
     built_in = _cpp.kernels.find_signature(key)
@@ -90,23 +97,35 @@ def compile_form(form, names=None, comm=None):
     if built_in:
         return Compiled(built_in, *objects, "package")
 
-    def integrals():
-        return frontend.form_integrals(form, "form", names)
+    def integrals() -> list[frontend.Integral]:
+        return frontend.form_integrals(form, "form", given)
 
-    kernels, path = _from_cache(key, integrals, comm or _comm(form))
+    assert comm is not None  # forms without a mesh have COMM_SELF
+    kernels, path = _from_cache(key, integrals, comm)
     return Compiled(kernels, *objects, str(path))
 
 
-def compile_expression(expression, points, names=None, comm=None):
-    """Kernel that evaluates a UFL expression at reference points of a cell.
+def compile_expression(
+    expression: ufl.core.expr.Expr,
+    points: FloatArray,
+    names: Mapping[ufl.Coefficient | ufl.Constant, str] | None = None,
+    comm: MPI.Comm | None = None,
+) -> Compiled:
+    """Kernel that evaluates a UFL expression at reference points of a cell. Collective over `comm`.
 
     Args:
         expression: UFL expression without test or trial functions.
-        points: shape (num_points, tdim), reference coordinates [1].
-        names, comm: as for compile_form.
+        points: reference coordinates, (num_points, tdim) [1].
+        names: names of coefficients and constants; DOLFINx functions have names of their own.
+        comm: communicator whose ranks compile together; None: that of the mesh.
 
     Returns:
-        Compiled with one kernel of rank 0 and shape (points, components).
+        One kernel of rank 0 and shape (num_points, num_components).
+
+    Raises:
+        TypeError: `expression` is not a UFL expression.
+        ValueError: kernels do not support the expression, or it has no mesh and `comm` is None.
+        RuntimeError: as compile_form; on all ranks.
     """
     domain = ufl.domain.extract_unique_domain(expression) if isinstance(expression, ufl.core.expr.Expr) else None
     comm = comm or _comm(domain)
@@ -118,15 +137,20 @@ def compile_expression(expression, points, names=None, comm=None):
         constants = ufl.algorithms.analysis.extract_constants(expression)
         given = _names_of(list(coefficients) + list(constants), names)
         ranks.same(expression=key)
+        if comm is None:
+            raise ValueError("the expression has no mesh: give the communicator whose ranks compile it")
 
-    def integrals():
+    def integrals() -> list[frontend.Integral]:
         return [frontend.expression_integral(expression, points, "expression", given)]
 
     kernels, path = _from_cache(key, integrals, comm)
     return Compiled(kernels, coefficients, constants, str(path))
 
 
-def _names_of(objects, names):
+def _names_of(
+    objects: Iterable[ufl.Coefficient | ufl.Constant], names: Mapping[ufl.Coefficient | ufl.Constant, str] | None
+) -> dict[ufl.Coefficient | ufl.Constant, str]:
+    """Names of coefficients and constants: given ones, and those of DOLFINx functions."""
     given = dict(names or {})
     for o in objects:
         own = getattr(o, "name", None)
@@ -135,12 +159,8 @@ def _names_of(objects, names):
     return given
 
 
-def _names(form, names):
-    return _names_of(list(form.coefficients()) + list(form.constants()), names)
-
-
-def _comm(form_or_domain):
-    """Communicator of a form's mesh; COMM_SELF without a mesh, None for what is no form."""
+def _comm(form_or_domain: Any) -> MPI.Comm | None:
+    """Communicator of the mesh of a form or UFL domain; COMM_SELF without a mesh, None for other objects."""
     domain = form_or_domain
     if isinstance(form_or_domain, ufl.Form):
         domains = form_or_domain.ufl_domains()
@@ -154,8 +174,9 @@ def _comm(form_or_domain):
 
 
 @functools.lru_cache(maxsize=None)
-def _compiler():
-    """(command, hash of everything that decides what is made: compiler, flags, processor, generator and headers)."""
+def _compiler() -> tuple[list[str], str]:
+    """Command of the compiler, and hash of all that its result depends on: version, flags, processor, generator and
+    headers."""
     wanted = os.environ.get("CXX")
     command = shlex.split(wanted) if wanted else [c for c in ("c++", "g++", "clang++") if shutil.which(c)][:1]
     if not command or shutil.which(command[0]) is None:
@@ -177,49 +198,53 @@ def _compiler():
     return command, digest.hexdigest()[:12]
 
 
-def _run(command):
-    """Run a compiler. What it says may be in another encoding than the locale's: names of folders, quotation marks."""
+def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
+    """Run a compiler. Its output may have another encoding than the locale: names of folders, quotation marks."""
     return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", errors="replace")
 
 
-_LOADED = {}
+_LOADED: dict[Path, list[_cpp.kernels.Kernel]] = {}
 
 
-def _load(path, names):
-    """Kernels of a library in the cache, checked on every rank: folders of several machines may differ."""
+def _load(path: Path, names: list[str]) -> list[_cpp.kernels.Kernel]:
+    """Load kernels of a library in the cache. Every rank checks the folder: those of several machines may differ."""
     check_private(path.parent)
     check_file(path)
     return _cpp.kernels.load(os.fsencode(path), names)
 
 
-def _from_cache(key, integrals, comm):
-    """Load the library of `key`, compiling it first on rank 0 if need be; errors are raised on all ranks."""
-    error, path, names = None, None, None
+def _from_cache(
+    key: str, integrals: Callable[[], list[frontend.Integral]], comm: MPI.Comm
+) -> tuple[list[_cpp.kernels.Kernel], Path]:
+    """Load the library of `key`; rank 0 compiles it first if it is not in the cache. Errors are raised on all ranks."""
+    error: Exception | None = None
+    made: tuple[Path, list[str]] | None = None
     if comm.rank == 0:
         try:
-            path, names = _library(key, integrals)
-        except Exception as e:  # told to all ranks below, whatever it is
+            made = _library(key, integrals)
+        except Exception as e:  # raised on all ranks below
             error = e
     error = comm.bcast(error, root=0)
     if error is not None:
         raise error
-    path, names = comm.bcast((path, names), root=0)
+    path, names = comm.bcast(made, root=0)
+    fault = None
     try:
         if path not in _LOADED:
             _LOADED[path] = _load(path, names)
     except (OSError, RuntimeError) as e:
-        error = f"rank {comm.rank} of {comm.size}: {e}"
-    errors = [e for e in comm.allgather(error) if e is not None]
-    if errors:
-        raise RuntimeError(f"{errors[0]}. The folder {path.parent} must be the same for all ranks (IMPACT_JIT_CACHE)")
+        fault = f"rank {comm.rank} of {comm.size}: {e}"
+    faults = [f for f in comm.allgather(fault) if f is not None]
+    if faults:
+        raise RuntimeError(f"{faults[0]}. The folder {path.parent} must be the same for all ranks (IMPACT_JIT_CACHE)")
     return _LOADED[path], path
 
 
-def _cached(path, listing):
-    """Names of the kernels in a cached library, or None unless it is whole.
+def _cached(path: Path, listing: Path) -> list[str] | None:
+    """Names of the kernels in a cached library, or None if it is missing or incomplete.
 
     Raises:
-        RuntimeError: somebody else may have written it.
+        RuntimeError: another user may have written it.
     """
     for file in (path, listing):
         check_file(file)
@@ -230,7 +255,8 @@ def _cached(path, listing):
         return None
 
 
-def _library(key, integrals):
+def _library(key: str, integrals: Callable[[], list[frontend.Integral]]) -> tuple[Path, list[str]]:
+    """Path of a library in the cache, compiled if it is missing or incomplete, and the names of its kernels."""
     compiler, fingerprint = _compiler()
     folder = cache_folder()
     path = folder / f"{key}-{fingerprint}.so"
@@ -258,7 +284,7 @@ def _library(key, integrals):
             )
         checksum = hashlib.sha256((work / "kernel.so").read_bytes()).hexdigest()
         (work / "kernel.txt").write_text("\n".join([checksum, *names]) + "\n", encoding="utf-8")
-        for file in work.iterdir():  # whatever the umask is
+        for file in work.iterdir():  # independent of the umask
             file.chmod(0o600)
         (work / "kernel.cpp").replace(path.with_suffix(".cpp"))
         (work / "kernel.txt").replace(listing)
@@ -270,7 +296,7 @@ def _library(key, integrals):
     return path, names
 
 
-def _cache_message(folder, error):
+def _cache_message(folder: Path, error: OSError) -> str:
     return (
         f"kernels compiled at run time cannot be written to {folder} ({error.strerror or error}): make room there, or "
         "set IMPACT_JIT_CACHE to a folder that can be written"

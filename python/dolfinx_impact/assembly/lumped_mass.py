@@ -2,44 +2,58 @@
 """Lumped mass, by cells and assembled."""
 
 import functools
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import ufl
-from dolfinx import la
+from dolfinx import cpp, la
+from dolfinx.fem import Constant, FunctionSpace
+from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
 from .. import _cpp
 from ..common import arguments
 from . import operators, problem_arguments
 from ..common.collective import comm_of, guard
+from ..common.types import FloatArray, IntArray
 from ..forms import inertia, quadrature
+from ..materials import Material
 from .jit import compile_form
 
 
-def _mass_measure(V, hypothesis, cell_tags=None, rule=None, degree=None):
+def _mass_measure(
+    V: FunctionSpace,
+    hypothesis: str,
+    cell_tags: MeshTags | None = None,
+    rule: str | None = None,
+    degree: int | None = None,
+) -> ufl.Measure:
+    """Measure of cells with a quadrature rule; without a degree, that of the consistent mass."""
     mesh = V.mesh
     cell = mesh.topology.cell_name()
     used = degree or quadrature.mass_degree(cell, V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis)
     return ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(used, rule), subdomain_data=cell_tags)
 
 
-def lumped_mass(V, material, scheme="auto"):
-    """Diagonal mass as a vector over the degrees of freedom of V [M].
+def lumped_mass(V: FunctionSpace, material: Material, scheme: str = "auto") -> la.Vector:
+    """Diagonal mass as a vector over the degrees of freedom. Collective.
 
-    The total is the body's mass in every direction, and every entry is positive.
+    The entries of every direction sum up to the mass of the body, and every entry is positive.
 
     Args:
         V: blocked Lagrange space of degree 1 or 2.
-        material: a material or MaterialMap with densities.
+        material: material or MaterialMap with densities.
         scheme: "row_sum"; "hrz" (Hinton, Rock & Zienkiewicz 1976); "nodal" (Gauss-Lobatto-Legendre rule at the nodes,
-            quadrilaterals and hexahedra only); "auto": row sums at degree 1, HRZ on simplices of degree 2 and wherever
-            an axisymmetric body of degree 2 would get no mass on the axis, nodal otherwise.
+            quadrilaterals and hexahedra only); "auto": row sums at degree 1, HRZ at degree 2 on simplices and on
+            axisymmetric bodies, nodal otherwise.
 
     Returns:
-        dolfinx.la.Vector, ghosts up to date.
+        Mass vector, ghosts up to date [M].
 
     Raises:
-        ValueError: unknown scheme, a scheme that has no positive entries there, a material without density.
+        TypeError: `V` is not a function space, or `material` not a material; on all ranks.
+        ValueError: an unknown scheme, a scheme with entries that are not positive, or a material without density; on
+            all ranks.
     """
     with guard(comm_of(V, material), "lumped_mass", material=material, scheme=scheme):
         arguments.function_space("V", V)
@@ -58,8 +72,8 @@ def lumped_mass(V, material, scheme="auto"):
     return assemble_masses(V, cell_masses(V, parts, material.hypothesis_on(mesh), material.cell_tags, scheme), scheme)
 
 
-def _lumping_scheme(V, hypothesis, scheme):
-    """The scheme that "auto" stands for, or ValueError for one that has no positive entries."""
+def _lumping_scheme(V: FunctionSpace, hypothesis: str, scheme: str) -> str:
+    """The scheme that "auto" stands for; ValueError for a scheme with entries that are not positive."""
     degree, cell = V.element.basix_element.degree, V.mesh.topology.cell_name()
     simplex, axisymmetric = cell in quadrature.SIMPLICES, hypothesis == "axisymmetric"
     if scheme == "auto":
@@ -72,25 +86,34 @@ def _lumping_scheme(V, hypothesis, scheme):
     return scheme
 
 
-def cell_masses(V, parts, hypothesis, cell_tags=None, scheme="auto"):
+def cell_masses(
+    V: FunctionSpace,
+    parts: Iterable[tuple[int | None, Constant]],
+    hypothesis: str,
+    cell_tags: MeshTags | None = None,
+    scheme: str = "auto",
+) -> list[tuple[IntArray, FloatArray]]:
     """Lumped mass cell by cell. Collective.
 
     Args:
-        V, scheme: as for lumped_mass.
-        parts: pairs (cell tag or None, density in UFL). hypothesis, cell_tags: of the
-            material.
+        V: blocked Lagrange space of degree 1 or 2.
+        parts: cell tag and density of each material; the tag None stands for all cells [M/L^3].
+        hypothesis: hypothesis of the material.
+        cell_tags: cell tags of the materials; None: one material.
+        scheme: scheme of lumping, as for lumped_mass.
 
     Returns:
-        list of pairs (cells, masses of shape (num_cells, local degrees of freedom) [M]).
+        For each material its cells, (num_cells), and their masses, (num_cells, degrees of freedom of a cell) [M].
 
     Raises:
-        ValueError: as lumped_mass; on all ranks.
+        ValueError: an unknown scheme, or a scheme with entries that are not positive; on all ranks.
     """
     scheme = _lumping_scheme(V, hypothesis, scheme)
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
     dx, degree = _mass_measure(V, hypothesis, cell_tags), V.element.basix_element.degree
-    errors, out = [], []
-    num_dofs = V.dofmap.dof_layout.num_dofs * V.dofmap.bs  # of a cell; a rank may have no cell of a part
+    errors: list[str] = []
+    out = []
+    num_dofs = V.dofmap.dof_layout.num_dofs * V.dofmap.bs  # of a cell; a rank may have no cell of a material
     for tag, density in parts:
         integral = functools.partial(_cell_integral, tag=tag, cell_tags=cell_tags)
         if scheme == "hrz":
@@ -103,16 +126,28 @@ def cell_masses(V, parts, hypothesis, cell_tags=None, scheme="auto"):
             lump = functools.partial(_cpp.operators.cell_masses_nodal, nodal[1], mass[1], coefficients=mass[2])
         try:
             out.append((mass[0], lump(V=V._cpp_object).reshape(len(mass[0]), num_dofs)))
-        except RuntimeError as e:  # of one rank, perhaps: told to all below
+        except RuntimeError as e:  # perhaps on one rank only; raised on all ranks below
             errors.append(f"rank {V.mesh.comm.rank}: {e}")
-    errors = sum(V.mesh.comm.allgather(errors), [])
-    if errors:
-        raise ValueError(errors[0])
+    found: list[str] = sum(V.mesh.comm.allgather(errors), [])
+    if found:
+        raise ValueError(found[0])
     return out
 
 
-def assemble_masses(V, masses, scheme="auto"):
-    """Lumped mass from those of cells (cell_masses): la.Vector, ghosts up to date. Collective."""
+def assemble_masses(V: FunctionSpace, masses: Sequence[tuple[IntArray, FloatArray]], scheme: str = "auto") -> la.Vector:
+    """Assemble the lumped mass from the masses of cells. Collective.
+
+    Args:
+        V: blocked Lagrange space of degree 1 or 2.
+        masses: cells and their masses, as cell_masses returns them [M].
+        scheme: name of the scheme, for messages.
+
+    Returns:
+        Mass vector, ghosts up to date [M].
+
+    Raises:
+        ValueError: an entry is not positive; on all ranks.
+    """
     b, bs = la.vector(V.dofmap.index_map, V.dofmap.index_map_bs), V.dofmap.index_map_bs
     for cells, values in masses:
         np.add.at(b.array.reshape(-1, bs), V.dofmap.list[cells].ravel(), values.reshape(-1, bs))
@@ -121,8 +156,8 @@ def assemble_masses(V, masses, scheme="auto"):
     return _positive(b, scheme, V.mesh.comm)
 
 
-def _positive(b, scheme, comm):
-    """The vector b, or ValueError on all ranks if an entry is not positive."""
+def _positive(b: la.Vector, scheme: str, comm: MPI.Comm) -> la.Vector:
+    """The vector b; ValueError on all ranks if an entry is not positive."""
     owned = b.array[: b.index_map.size_local * b.block_size]
     smallest = comm.allreduce(float(np.min(owned, initial=np.inf)), MPI.MIN)
     if not smallest > 0:
@@ -133,7 +168,9 @@ def _positive(b, scheme, comm):
     return b
 
 
-def _cell_integral(form, tag, cell_tags):
+def _cell_integral(
+    form: ufl.Form, tag: int | None, cell_tags: MeshTags | None
+) -> tuple[IntArray, _cpp.operators.Integral, dict[str, cpp.fem.Function_float64]]:
     """Cells of one material, the integral of a form over them for the C++ side, and its coefficients. Collective."""
     compiled = compile_form(form)
     cells = np.ascontiguousarray(

@@ -1,37 +1,47 @@
 # SPDX-License-Identifier: MIT
-"""Second stage: kernels applied over the cells of a mesh. Thin wrappers of cpp/dolfinx_impact/operators."""
+"""Kernels applied over the cells of a mesh: thin wrappers of cpp/dolfinx_impact/operators."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import cpp, fem, la
+from dolfinx.fem import DirichletBC, Function, FunctionSpace
+from dolfinx.mesh import MeshTags
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from .. import _cpp
 from ..common import arguments
 from ..common.collective import comm_of, guard, same
+from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..forms import elasticity, quadrature
-from .jit import compile_expression, compile_form
+from ..forms.materials import Law
+from ..materials import Material, _Material
+from .jit import Compiled, compile_expression, compile_form
 
 
-def _domain(form):
+def _domain(form: Any) -> cpp.mesh.Mesh_float64:
     """C++ mesh of a form."""
     if not isinstance(form, ufl.Form):
         raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
     return _cargo(form.ufl_domain())
 
 
-def _is_expression(thing):
+def _is_expression(thing: object) -> bool:
     return isinstance(thing, ufl.core.expr.Expr)
 
 
-def _cargo(domain):
+def _cargo(domain: ufl.Mesh | None) -> cpp.mesh.Mesh_float64:
+    """C++ mesh of a UFL domain."""
     mesh = None if domain is None else domain.ufl_cargo()
     if mesh is None:
         raise ValueError("the form is on a symbolic mesh: use functions and constants of a DOLFINx mesh")
     return mesh
 
 
-def _entities(mesh, integral_type, subdomain, data):
+def _entities(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int, data: MeshTags | None) -> IntArray:
     """Entities of one integral on this rank: owned cells, or (cell, local facet) pairs of exterior facets."""
     tdim = mesh.topology.dim
     if integral_type == "cell":
@@ -49,8 +59,8 @@ def _entities(mesh, integral_type, subdomain, data):
     return cpp.fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets, tdim - 1)
 
 
-def _choose(V, entities, integral_type, part):
-    """Those of the entities whose cells touch no ghost node ("inner"), or the others ("outer")."""
+def _choose(V: FunctionSpace, entities: IntArray, integral_type: str, part: str) -> IntArray:
+    """Entities whose cells have no ghost node ("inner"), or the others ("outer")."""
     num_owned, dofs = V.dofmap.index_map.size_local, V.dofmap.list
     cells = entities if integral_type == "cell" else entities.reshape(-1, 2)[:, 0]
     outer = np.any(dofs[cells] >= num_owned, axis=1)
@@ -58,7 +68,8 @@ def _choose(V, entities, integral_type, part):
     return entities[chosen] if integral_type == "cell" else entities.reshape(-1, 2)[chosen].ravel()
 
 
-def _tagged(data, subdomain, measure, dim):
+def _tagged(data: Any, subdomain: int, measure: str, dim: int) -> IntArray:
+    """Entities of a subdomain, from the checked tags of its measure."""
     if data is None:
         raise ValueError(f"the form integrates over {measure}({subdomain}), but the measure has no subdomain_data")
     if not hasattr(data, "find"):
@@ -68,7 +79,8 @@ def _tagged(data, subdomain, measure, dim):
     return data.find(subdomain).astype(np.int32)
 
 
-def _constants(compiled, kernel):
+def _constants(compiled: Compiled, kernel: _cpp.kernels.Kernel) -> FloatArray:
+    """Present values of all constants of a form, one after the other; empty if the kernel reads none."""
     values = [np.ravel(np.asarray(c.value, dtype=np.float64)) for c in compiled.constants]
     return np.concatenate(values) if values and kernel.constants else np.empty(0)
 
@@ -76,7 +88,9 @@ def _constants(compiled, kernel):
 class _Operator:
     """Kernels of a form with their entities, coefficients and constants on the C++ side."""
 
-    def __init__(self, form, rank, width, part=None):
+    test: FunctionSpace | None  # of the test function; a form of rank 0 has none
+
+    def __init__(self, form: ufl.Form, rank: int, width: int, part: str | None = None) -> None:
         name = type(self).__name__
         with guard(comm_of(form), name, form=form, width=width, part=part):
             self.mesh = _domain(form)
@@ -91,7 +105,8 @@ class _Operator:
         spaces = [a.ufl_function_space() for a in form.arguments()]
         self.test = spaces[0] if spaces else None
         data = next(iter(form.subdomain_data().values()))
-        coefficients, integrals, self._kernels = {}, [], []
+        coefficients: dict[str, Function] = {}
+        integrals, self._kernels = [], []
         for kernel in self.compiled.kernels:
             for c in kernel.coefficients:
                 function = self.compiled.coefficients[c["position"]]
@@ -102,7 +117,7 @@ class _Operator:
                 if any(d is not given[0] for d in given):
                     raise ValueError(f"the {kernel.integral_type} integrals of one form must share one subdomain_data")
                 entities = _entities(self.mesh, kernel.integral_type, subdomain, given[0] if given else None)
-                if part:
+                if part and self.test is not None:
                     entities = _choose(self.test, entities, kernel.integral_type, part)
                 integrals.append(
                     _cpp.operators.Integral(
@@ -120,52 +135,69 @@ class _Operator:
         )
 
     @property
-    def width(self):
-        """Cells computed by one kernel call."""
+    def width(self) -> int:
+        """Number of cells that one kernel call computes."""
         return self._cpp_object.width(0)
 
     @property
-    def flops(self):
-        """Floating-point operations of one application on this rank."""
+    def flops(self) -> int:
+        """Number of floating-point operations of one application on this rank."""
         return self._cpp_object.flops
 
-    def _update(self):
+    def _update(self) -> None:
+        """Update the ghosts of coefficients, and the constants. Collective."""
         for f in self.coefficients.values():
             f.x.scatter_forward()
         self._update_constants()
 
-    def _update_constants(self):
+    def _update_constants(self) -> None:
+        """Copy the present values of the constants to the C++ side."""
         for i, kernel in enumerate(self._kernels):
             if kernel.constants:
                 self._cpp_object.set_constants(i, _constants(self.compiled, kernel))
 
 
 class InternalForce(_Operator):
-    """Vector of a linear form, matrix-free and several cells at a time; equal to dolfinx.fem.assemble_vector to
-    round-off.
+    """Vector of a linear form, assembled without a matrix for several cells at a time.
+
+    The result equals that of dolfinx.fem.assemble_vector to round-off.
 
     Args:
-        form: UFL form of rank 1 over dx and ds of one mesh; its functions and constants are read anew at every call.
-        width: cells per kernel call, 1, 4 or 8; 0: the machine's default.
-        part: None; "inner", "outer": only cells without, with nodes that are ghosts here.
+        form: UFL form of rank 1 over dx and ds of one mesh; every call reads its functions and constants anew.
+        width: cells per kernel call, 1, 4 or 8; 0: the default of the machine.
+        part: "inner": only cells without ghost nodes; "outer": only cells with ghost nodes; None: all cells.
 
     Raises:
-        ValueError: a form of another rank, two functions of one name, a subdomain without tags.
-        RuntimeError: kernels cannot be compiled (see jit.compile_form), or elements of another kind.
+        TypeError: `form` is not a UFL form, or not of double precision.
+        ValueError: a form of another rank, two functions of one name, or a subdomain without tags.
+        RuntimeError: kernels cannot be compiled (see jit.compile_form), or do not fit the elements.
     """
 
-    def __init__(self, form, width=0, part=None):
+    test: FunctionSpace
+
+    def __init__(self, form: ufl.Form, width: int = 0, part: str | None = None) -> None:
         super().__init__(form, 1, width, part)
 
-    def vector(self):
-        """New DOLFINx vector of the test space, zero."""
+    def vector(self) -> la.Vector:
+        """Make a vector of the test space.
+
+        Returns:
+            A vector with zero entries.
+        """
         return la.vector(self.test.dofmap.index_map, self.test.dofmap.index_map_bs)
 
-    def apply(self, b=None):
-        """f, complete on owned and ghost entries. Collective.
+    def apply(self, b: la.Vector | None = None) -> la.Vector:
+        """Assemble the vector, complete on owned and ghost entries. Collective.
 
         Args:
-            b: dolfinx.la.Vector to overwrite; None: a new one.
+            b: vector to overwrite; None: a new one is made.
+
+        Returns:
+            The vector.
+
+        Raises:
+            TypeError: `b` is not a vector of float64; on all ranks.
+            ValueError: `b` has another size than the test space; on all ranks.
         """
         with guard(self.mesh.comm, "InternalForce.apply"):
             if b is not None and not isinstance(b, la.Vector):
@@ -177,13 +209,15 @@ class InternalForce(_Operator):
         self._cpp_object.apply(b._cpp_object)
         return b
 
-    def assemble(self, array):
-        """Add this rank's contributions to `array` (owned and ghost entries, float64), as fem.assemble_vector does.
-        Collective.
+    def assemble(self, array: AnyArray) -> None:
+        """Add this rank's contributions to an array, as dolfinx.fem.assemble_vector does. Collective.
+
+        Args:
+            array: owned and ghost entries, C-contiguous, of type float64.
 
         Raises:
-            TypeError: not an array of float64. ValueError: another size, or entries that do not follow each other; on
-            all ranks.
+            TypeError: `array` is not an array of float64; on all ranks.
+            ValueError: `array` has another size, is not contiguous or not writeable; on all ranks.
         """
         with guard(self.mesh.comm, "InternalForce.assemble"):
             if not isinstance(array, np.ndarray):
@@ -194,7 +228,7 @@ class InternalForce(_Operator):
         self._update()
         self._cpp_object.assemble(array)
 
-    def _check_size(self, array):
+    def _check_size(self, array: AnyArray) -> None:
         arguments.double_precision("the vector", array)
         dofmap = self.test.dofmap
         needed = (dofmap.index_map.size_local + dofmap.index_map.num_ghosts) * dofmap.index_map_bs
@@ -203,87 +237,126 @@ class InternalForce(_Operator):
 
 
 class Inputs:
-    """Constants and coefficients that a form reads, and whether they have changed since they were last taken over.
+    """Constants and coefficients that a form reads; finds whether they have changed since they were last stored.
 
     Args:
-        constants, coefficients: those of the form.
-        without: functions that somebody else keeps up to date.
+        constants: constants of the form.
+        coefficients: coefficients of the form.
+        without: functions whose changes do not count.
     """
 
-    def __init__(self, constants, coefficients, without=()):
+    def __init__(
+        self,
+        constants: Iterable[fem.Constant],
+        coefficients: Iterable[Function],
+        without: Iterable[Function | None] = (),
+    ) -> None:
         self._constants = list(constants)
         self._functions = [f for f in coefficients if not any(f is other for other in without)]
-        self.take()
+        self.store()
 
-    def take(self):
-        """Bring ghosts up to date and remember the present values. Collective."""
+    def store(self) -> None:
+        """Update ghosts and store copies of the present values. Collective."""
         for f in self._functions:
             f.x.scatter_forward()
         self._known = [np.array(values) for values in self._values()]
 
-    def changed(self):
-        """Has a value changed on this rank? Owned entries count."""
+    def changed(self) -> bool:
+        """Compare the present values with the stored ones.
+
+        Returns:
+            Whether a constant or an owned entry has changed on this rank.
+        """
         return any(not np.array_equal(new, old) for new, old in zip(self._values(), self._known))
 
-    def _values(self):
+    def _values(self) -> Iterator[AnyArray]:
+        """Values of the constants, then owned entries of the functions."""
         yield from (c.value for c in self._constants)
         for f in self._functions:
             yield f.x.array[: f.function_space.dofmap.index_map.size_local * f.function_space.dofmap.index_map_bs]
 
 
 class SplitForce:
-    """Vector of a linear form in two parts, for the explicit integrator: cells and facets whose cells touch no ghost
-    node, and the others.
+    """Vector of a linear form in two parts, for the explicit integrator: cells without ghost nodes, and the others.
 
     Args:
-        form: as for InternalForce. displacement, velocity: its coefficients that the integrator has, or None.
+        form: UFL form of rank 1, as for InternalForce.
+        displacement: coefficient that the integrator sets to the displacement; None: the form has none.
+        velocity: coefficient that the integrator sets to the velocity; None: the form has none.
     """
 
-    def __init__(self, form, displacement=None, velocity=None):
+    def __init__(self, form: ufl.Form, displacement: Function | None = None, velocity: Function | None = None) -> None:
         self._parts = [InternalForce(form, part=part) for part in ("inner", "outer")]
         compiled, coefficients = self._parts[0].compiled, self._parts[0].coefficients
         self._names = {id(f): name for name, f in coefficients.items()}
         self._given = displacement, velocity
         self._inputs = Inputs(compiled.constants, coefficients.values(), self._given)
 
-    def changed(self):
-        """Have constants, or coefficients that the integrator has not, changed on this rank since `update`?"""
+    def changed(self) -> bool:
+        """Compare constants, and coefficients that the integrator does not set, with those of the last `update`.
+
+        Returns:
+            Whether one of them has changed on this rank.
+        """
         return self._inputs.changed()
 
-    def update(self):
-        """Read constants and the coefficients that the integrator has not. Collective."""
-        self._inputs.take()
+    def update(self) -> None:
+        """Read constants, and coefficients that the integrator does not set. Collective."""
+        self._inputs.store()
         for part in self._parts:
             part._update_constants()
 
-    def forces(self):
-        """For the C++ side, which coefficients are the displacement and the velocity among them."""
+    def forces(self) -> _cpp.integrators.FormForces:
+        """Make the object of the C++ side.
+
+        Returns:
+            Both parts, with the names of the displacement and of the velocity among the coefficients.
+        """
         given = [self._names.get(id(f), "") for f in self._given]
         return _cpp.integrators.FormForces(*(p._cpp_object for p in self._parts), *given)
 
 
 class Energy(_Operator):
-    """Value of a form of rank 0, for example a strain energy. Arguments as for InternalForce."""
+    """Value of a form of rank 0, for example a strain energy.
 
-    def __init__(self, form, width=0):
+    Args:
+        form: UFL form of rank 0 over dx and ds of one mesh; every call reads its functions and constants anew.
+        width: cells per kernel call, 1, 4 or 8; 0: the default of the machine.
+
+    Raises:
+        TypeError: as InternalForce.
+        ValueError: as InternalForce.
+        RuntimeError: as InternalForce.
+    """
+
+    def __init__(self, form: ufl.Form, width: int = 0) -> None:
         super().__init__(form, 0, width)
 
-    def value(self):
-        """Sum over all ranks. Collective."""
+    def value(self) -> float:
+        """Assemble the value. Collective.
+
+        Returns:
+            The sum over all ranks.
+        """
         same(self.mesh.comm, "Energy.value")
         self._update()
         return self.mesh.comm.allreduce(self._cpp_object.value(), MPI.SUM)
 
 
 class Tangent:
-    """Matrix of a bilinear form in a PETSc matrix that is created once; FFCx's own C kernels, DOLFINx's assembly.
+    """Matrix of a bilinear form in a PETSc matrix that is created once, with the kernels and assembly of DOLFINx.
 
     Args:
         form: UFL form of rank 2.
-        bcs: DirichletBC objects; their rows and columns are zeroed, one on the diagonal.
+        bcs: Dirichlet conditions; their rows and columns are zero, with one on the diagonal.
+
+    Raises:
+        TypeError: `form` is not a UFL form, or `bcs` are not Dirichlet conditions; on all ranks.
+        ValueError: a form of another rank, conditions on another space, or arguments that differ between ranks; on all
+            ranks.
     """
 
-    def __init__(self, form, bcs=()):
+    def __init__(self, form: ufl.Form, bcs: Sequence[DirichletBC] = ()) -> None:
         import dolfinx.fem.petsc as petsc
 
         with guard(comm_of(form, bcs), "Tangent") as ranks:
@@ -299,11 +372,16 @@ class Tangent:
         self.bcs = list(bcs)
         self.matrix = petsc.create_matrix(self.form)
 
-    def assemble(self):
-        """Assemble at the present coefficients; returns the PETSc matrix. Collective."""
+    def assemble(self) -> PETSc.Mat:
+        """Assemble the matrix at the present coefficients. Collective.
+
+        Returns:
+            The matrix of this object; the next call overwrites it.
+        """
         same(self.form.mesh.comm, "Tangent.assemble")
         self.matrix.zeroEntries()
-        self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)
+        # DOLFINx annotates the overload that makes a new matrix.
+        self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)  # type: ignore[misc]
         self.matrix.assemble()
         return self.matrix
 
@@ -313,13 +391,14 @@ class PointValues:
 
     Args:
         expression: UFL expression of DOLFINx functions.
-        points: in the reference cell, shape (num_points, tdim) [1].
+        points: points in the reference cell, (num_points, tdim) [1].
 
     Raises:
-        TypeError: not an expression. ValueError: points of another shape or outside the reference cell. On all ranks.
+        TypeError: `expression` is not a UFL expression; on all ranks.
+        ValueError: `points` have another shape or lie outside the reference cell; on all ranks.
     """
 
-    def __init__(self, expression, points):
+    def __init__(self, expression: ufl.core.expr.Expr, points: ArrayLike) -> None:
         comm = comm_of(*ufl.algorithms.extract_coefficients(expression)) if _is_expression(expression) else None
         with guard(comm, "PointValues") as ranks:
             if not _is_expression(expression):
@@ -332,8 +411,12 @@ class PointValues:
         self.kernel = self.compiled.kernels[0]
         self.kernel.check_mesh(self.mesh)
 
-    def values(self):
-        """Array of shape (owned cells, points, components). Collective."""
+    def values(self) -> FloatArray:
+        """Evaluate the expression at the present coefficients. Collective.
+
+        Returns:
+            Values, (num_owned_cells, num_points, num_components).
+        """
         same(self.mesh.comm, "PointValues.values")
         num_cells = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
         points, components = self.kernel.shape
@@ -345,30 +428,66 @@ class PointValues:
             f.x.scatter_forward()
             dofmap = f.function_space.dofmap
             parts.append((e["offset"], f.x.array.reshape(-1, dofmap.bs)[dofmap.list[:num_cells]]))
-        w = [values.reshape(num_cells, -1) for _, values in sorted(parts, key=lambda part: part[0])]
-        w = np.hstack(w) if w else np.empty((num_cells, 0))
+        columns = [values.reshape(num_cells, -1) for _, values in sorted(parts, key=lambda part: part[0])]
+        w = np.hstack(columns) if columns else np.empty((num_cells, 0))
         x = self.mesh.geometry.x[self.mesh.geometry.dofmap[:num_cells]]
         self.kernel.tabulate_cells(out.reshape(-1), w.reshape(-1), c, x.reshape(-1), num_cells)
         return out
 
 
-def strain_energy_form(u, material):
-    """UFL form of the strain energy of u [F L]."""
+def strain_energy_form(u: Function, material: Material) -> ufl.Form:
+    """UFL form of the strain energy.
+
+    Args:
+        u: displacement function [L].
+        material: material of the body.
+
+    Returns:
+        Form of rank 0 [F L].
+    """
     return _sum(u, material, lambda law, dx: elasticity.internal_energy(u, law, dx))
 
 
-def internal_force_form(u, v, material):
-    """UFL form of the internal virtual work of u against v."""
+def internal_force_form(u: Function, v: ufl.Argument, material: Material) -> ufl.Form:
+    """UFL form of the internal virtual work.
+
+    Args:
+        u: displacement function [L].
+        v: test function.
+        material: material of the body.
+
+    Returns:
+        Form of rank 1.
+    """
     return _sum(u, material, lambda law, dx: elasticity.internal_force(u, v, law, dx))
 
 
-def tangent_form(u, du, v, material):
-    """UFL form of the derivative of the internal virtual work at u in the direction du."""
+def tangent_form(u: Function, du: ufl.Argument, v: ufl.Argument, material: Material) -> ufl.Form:
+    """UFL form of the derivative of the internal virtual work.
+
+    Args:
+        u: displacement function at which the derivative is taken [L].
+        du: trial function, its direction.
+        v: test function.
+        material: material of the body.
+
+    Returns:
+        Form of rank 2.
+    """
     return _sum(u, material, lambda law, dx: elasticity.tangent(u, du, v, law, dx))
 
 
-def sum_materials(u, material, term):
-    """Sum of the UFL forms term(m, dx) over the materials m with their parts of the body, stiffness rule."""
+def sum_materials(u: Function, material: Material, term: Callable[[_Material, ufl.Measure], ufl.Form]) -> ufl.Form:
+    """Sum of UFL forms over the materials of a body, with the quadrature degree of the stiffness.
+
+    Args:
+        u: displacement function.
+        material: material of the body.
+        term: form of one material over the measure of its cells.
+
+    Returns:
+        The sum of term(m, dx) over the materials m.
+    """
     V = u.function_space
     mesh = V.mesh
     degree = quadrature.stiffness_degree(
@@ -381,6 +500,7 @@ def sum_materials(u, material, term):
     return sum(term(m, dx if tag is None else dx(tag)) for tag, m in material.parts())
 
 
-def _sum(u, material, term):
+def _sum(u: Function, material: Material, term: Callable[[Law, ufl.Measure], ufl.Form]) -> ufl.Form:
+    """Sum of UFL forms over the laws of the materials of a body."""
     mesh = u.function_space.mesh
     return sum_materials(u, material, lambda m, dx: term(m.law(mesh), dx))

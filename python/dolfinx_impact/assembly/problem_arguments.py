@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: MIT
-"""Checks of what static and explicit problems have in common: of one rank, without communication, for use under a guard
-(common/collective.py)."""
+"""Checks of the arguments that static and explicit problems have in common, on one rank, without communication, for use
+under a guard (common/collective.py)."""
+
+from typing import Any
 
 from ..common import arguments
 from ..materials import MaterialMap, _Material
 from .residual import check_residual
 
 
-def material(m):
-    """A material or a MaterialMap."""
+def material(m: Any) -> None:
+    """Check a material.
+
+    Args:
+        m: the argument.
+
+    Raises:
+        TypeError: `m` is neither a material nor a MaterialMap.
+    """
     if isinstance(m, (_Material, MaterialMap)):
         return
     if isinstance(m, type) and issubclass(m, (_Material, MaterialMap)):
@@ -19,8 +28,35 @@ def material(m):
     )
 
 
-def problem(u, given_material, residual, bcs, loads, contact, axisymmetric=False, explicit=False):
-    """What static and explicit problems have in common; values that must be the same on all ranks, as a dict."""
+def problem(
+    u: Any,
+    given_material: Any,
+    residual: Any,
+    bcs: Any,
+    loads: Any,
+    contact: Any,
+    axisymmetric: bool = False,
+    explicit: bool = False,
+) -> dict[str, Any]:
+    """Check the arguments of a problem.
+
+    Args:
+        u: displacement function.
+        given_material: material or MaterialMap; None with a residual.
+        residual: UFL residual of a user's own; None with a material.
+        bcs: Dirichlet conditions.
+        loads: loads.
+        contact: contacts.
+        axisymmetric: whether the residual is that of an axisymmetric body.
+        explicit: whether the problem is an explicit one.
+
+    Returns:
+        Values that must be the same on all ranks, by name.
+
+    Raises:
+        TypeError: an argument of a wrong type.
+        ValueError: both or neither of material and residual, or an argument that does not fit the displacement.
+    """
     if (given_material is None) == (residual is None):
         raise ValueError("give either a material or a residual of your own")
     contact = arguments.sequence("contact", contact, "contacts")

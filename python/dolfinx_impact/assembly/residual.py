@@ -1,25 +1,52 @@
 # SPDX-License-Identifier: MIT
-"""Residuals of a user's own in explicit problems: what is refused, and the part that comes with the velocity."""
+"""Residuals of a user's own: checks, and the part that depends on the velocity."""
+
+from typing import Any, Protocol
 
 import numpy as np
 import ufl
+from dolfinx.fem import Function
 from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
+from ..common.types import FloatArray
+
 NAME = "the residual"
-SAMPLE = 20  # cells of a rank that tell whether a body resists being widened
+SAMPLE = 20  # cells of a rank that are tested for their resistance to rigid translations
 
 
-def check_residual(form, u):
-    """Refuse what is no residual of the displacement u, on this rank: for use under a guard (collective.py).
+class CellTangents(Protocol):
+    """Matrices of a bilinear form cell by cell, as dynamics.stable_step.CellMatrices provides them.
+
+    Attributes:
+        has_place: whether the form depends on the place (ufl.SpatialCoordinate).
+    """
+
+    has_place: bool
+
+    def resistance(self, direction: FloatArray, count: int) -> FloatArray:
+        """Relative resistance of cells to a translation.
+
+        Args:
+            direction: direction of the translation, (gdim) [1].
+            count: largest number of cells that are tested.
+
+        Returns:
+            Largest force over the largest entry of the cell's matrix, (number of tested cells) [1].
+        """
+
+
+def check_residual(form: Any, u: Function) -> None:
+    """Refuse a form that is not a residual of the displacement, on this rank; for use under a guard (collective.py).
 
     Args:
-        form: what was given.
+        form: the argument that a user gave.
         u: displacement function.
 
     Raises:
-        TypeError: not a UFL form. ValueError: no test function or a trial function, a test function of another space,
-        without u, on another mesh.
+        TypeError: `form` is not a UFL form.
+        ValueError: `form` has no test function, a trial function or a test function of another space, does not contain
+            u, or is on another mesh.
     """
     if not isinstance(form, ufl.Form):
         raise TypeError(f"residual must be a UFL form of rank 1, found {type(form).__name__}: {form!r:.80}")
@@ -51,16 +78,16 @@ def check_residual(form, u):
         )
 
 
-def split(form, velocity):
-    """A residual F(u, v) as the sum of F(u, 0) and F(u, v) - F(u, 0).
+def split(form: ufl.Form, velocity: Function) -> tuple[ufl.Form, ufl.Form | None]:
+    """Split a residual F(u, v) into the sum of F(u, 0) and F(u, v) - F(u, 0).
 
     Args:
         form: UFL form of rank 1.
         velocity: the function v.
 
     Returns:
-        F(u, 0), and the part that comes with the velocity, or None. Where F is linear in v this is its derivative in
-        the direction of v, without the terms that have no v.
+        F(u, 0), and the part that depends on the velocity, None without one. If F is linear in v, the second part is
+        the derivative of F in the direction of v, without the terms that do not contain v.
     """
     if not any(c is velocity for c in form.coefficients()):
         return form, None
@@ -76,19 +103,19 @@ def split(form, velocity):
     return still, moving - ufl.replace(moving, {velocity: zero})
 
 
-def check_radius(tangent, u, axisymmetric):
-    """Refuse a residual on a plane mesh whose integrals are not those of its hypothesis. Collective.
+def check_radius(tangent: CellTangents, u: Function, axisymmetric: bool) -> None:
+    """Refuse a residual on a plane mesh whose integrals do not belong to its hypothesis. Collective.
 
-    A body of revolution resists being moved along the radius x[0], as its hoops grow longer, and not along its axis;
-    a plane body resists neither.
+    A body of revolution resists a translation along the radius x[0] by its hoop strain, and has no resistance along its
+    axis. A plane body resists neither translation.
 
     Args:
-        tangent: CellMatrices of the residual's derivative.
+        tangent: cell matrices of the derivative of the residual.
         u: displacement function.
-        axisymmetric: is the hypothesis of the problem "axisymmetric"?
+        axisymmetric: whether the hypothesis of the problem is "axisymmetric".
 
     Raises:
-        ValueError: on all ranks.
+        ValueError: the hypothesis and the integrals do not agree; on all ranks.
     """
     mesh = u.function_space.mesh
     if mesh.geometry.dim != 2:

@@ -1,17 +1,48 @@
 # SPDX-License-Identifier: MIT
-"""Rigid motions that neither supports nor contact prevent, found before the linear solver breaks."""
+"""Rigid body modes that neither supports nor contacts prevent; they are found before the linear system is solved."""
+
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+
+from ..common.types import BoolArray, FloatArray, IntArray
 
 AXES = "xyz"
 
 
-def bodies(V):
-    """Number of the connected part of the mesh each node belongs to (owned and ghosts), and how many there are.
+class ConstrainingContact(Protocol):
+    """A contact as the search for unconstrained modes needs it; contact.protocol.StaticContact has these methods."""
 
-    Collective.
+    def rigid_body_constraints(self, motions: "RigidBodyModes") -> list[FloatArray]:
+        """Rows of the active constraints applied to the rigid body modes. Collective.
+
+        Args:
+            motions: the rigid body modes.
+
+        Returns:
+            Arrays (num_points, motions.num_modes).
+        """
+
+    def close_nearest(self) -> bool:
+        """Activate the points nearest to the master if the bodies nearly touch. Collective.
+
+        Returns:
+            Whether there are any.
+        """
+
+
+def bodies(V: FunctionSpace) -> tuple[IntArray, int]:
+    """Bodies: the connected parts of a mesh. Collective.
+
+    Args:
+        V: displacement space.
+
+    Returns:
+        Number of the body of each owned and ghost node, (num_nodes), and the number of bodies.
     """
     comm, index_map = V.mesh.comm, V.dofmap.index_map
     num = index_map.size_local + index_map.num_ghosts
@@ -20,34 +51,43 @@ def bodies(V):
     count, local = connected_components(coo_matrix((np.ones(len(rows)), (rows, cols)), shape=(num, num)), False)
     offsets = np.concatenate([[0], np.cumsum(comm.allgather(count))])
     label = local + offsets[comm.rank]
-    # Parts of different ranks are one where they share a node: ghosts tell their owners.
+    # Parts of different ranks that share a node belong to one body: the owner of a ghost node gets its label.
     ghosts = comm.allgather((index_map.ghosts, label[index_map.size_local :]))
     low, high = index_map.local_range
-    edges = [np.empty((0, 2), dtype=np.int64)]
+    shared = [np.empty((0, 2), dtype=np.int64)]
     for nodes, labels in ghosts:
         mine = (nodes >= low) & (nodes < high)
-        edges.append(np.column_stack([label[nodes[mine] - low], labels[mine]]))
-    edges = np.concatenate(comm.allgather(np.concatenate(edges)))
+        shared.append(np.column_stack([label[nodes[mine] - low], labels[mine]]))
+    edges = np.concatenate(comm.allgather(np.concatenate(shared)))
     shape = (offsets[-1], offsets[-1])
     _, number = connected_components(coo_matrix((np.ones(len(edges)), edges.T), shape=shape), False)
     number = number[label]
-    used = np.unique(np.concatenate(comm.allgather(np.unique(number))))  # nodes without cells make parts of no body
+    used = np.unique(np.concatenate(comm.allgather(np.unique(number))))  # parts that have nodes
     return np.searchsorted(used, number), len(used)
 
 
 class RigidBodyModes:
-    """Unit rigid motions of all bodies, as fields over positions; turns are scaled by the body's size. Collective.
+    """Linearised rigid motions of all bodies, as fields over positions. Collective.
+
+    Translations have length one; rotations are about the body's centre and scaled by its size.
 
     Args:
-        V: displacement space. u: displacements (array over owned and ghost dofs), about which motions are small [L].
-        axisymmetric: x is the radius.
+        V: displacement space.
+        u: displacements of the configuration, owned and ghost dofs [L].
+        axisymmetric: whether x is the radius of an axisymmetric body.
 
     Attributes:
-        body: number of the body of each node (owned and ghosts). x: (nodes, gdim) their present positions [L].
-        centres: (bodies, gdim) mean positions [L]. names: of the motions of one body. count: of the bodies.
+        gdim: dimension of space.
+        body: number of the body of each owned and ghost node, (num_nodes).
+        num_owned: number of owned nodes.
+        x: present positions of the nodes, (num_nodes, gdim) [L].
+        centres: mean positions of the bodies, (count, gdim) [L].
+        size: largest distance of a node from the centre of its body, (count) [L].
+        names: names of the modes of one body.
+        count: number of bodies.
     """
 
-    def __init__(self, V, u, axisymmetric):
+    def __init__(self, V: FunctionSpace, u: FloatArray, axisymmetric: bool) -> None:
         comm, gdim = V.mesh.comm, V.mesh.geometry.dim
         self.gdim = gdim
         self.body, self.count = bodies(V)
@@ -64,54 +104,86 @@ class RigidBodyModes:
         np.maximum.at(size, own, np.linalg.norm(x - self.centres[own], axis=1))
         self.size = np.max(comm.allgather(size), axis=0)
         axes = range(1 if axisymmetric else 0, gdim)
-        self._moves = np.array([np.eye(gdim)[a] for a in axes])
-        self._turns = () if axisymmetric else ((0, 1),) if gdim == 2 else ((1, 2), (2, 0), (0, 1))
+        self._translations = np.array([np.eye(gdim)[a] for a in axes])
+        self._rotations: tuple[tuple[int, int], ...] = ((0, 1),) if gdim == 2 else ((1, 2), (2, 0), (0, 1))
+        if axisymmetric:
+            self._rotations = ()
         self.names = [f"move along {AXES[a]}" for a in axes]
-        self.names += [f"turn about {AXES[3 - a - b]}" for a, b in self._turns]
+        self.names += [f"turn about {AXES[3 - a - b]}" for a, b in self._rotations]
 
     @property
-    def num_modes(self):
-        """Number of motions of all bodies together."""
+    def num_modes(self) -> int:
+        """Number of modes of all bodies together."""
         return self.count * len(self.names)
 
-    def fields(self, body, x):
-        """Motions of the points' own bodies: (points, motions of a body, gdim)."""
+    def fields(self, body: IntArray, x: FloatArray) -> FloatArray:
+        """Displacements of points under the modes of their bodies.
+
+        Args:
+            body: bodies of the points, (n).
+            x: positions of the points, (n, gdim) [L].
+
+        Returns:
+            Displacements, (n, modes of one body, gdim) [1].
+        """
         out = np.zeros((len(x), len(self.names), self.gdim))
-        out[:, : len(self._moves)] = self._moves
+        out[:, : len(self._translations)] = self._translations
         arm = (x - self.centres[body]) / np.maximum(self.size[body], 1e-300)[:, None]
-        for k, (a, b) in enumerate(self._turns, len(self._moves)):
+        for k, (a, b) in enumerate(self._rotations, len(self._translations)):
             out[:, k, a], out[:, k, b] = -arm[:, b], arm[:, a]
         return out
 
-    def rows(self, body, x, vectors):
-        """Work of unit forces on all motions: (points, num_modes).
+    def rows(self, body: IntArray, x: FloatArray, vectors: FloatArray) -> FloatArray:
+        """Work of unit forces on the modes of all bodies.
 
         Args:
-            body: (n) whose points they are. x: (n, gdim) where they act [L]. vectors: (n, gdim) unit forces.
+            body: bodies of the points, (n).
+            x: points at which the forces act, (n, gdim) [L].
+            vectors: unit forces, (n, gdim) [1].
+
+        Returns:
+            Work, (n, num_modes) [1].
         """
         out = np.zeros((len(x), self.count, len(self.names)))
         out[np.arange(len(x)), body] = np.einsum("nma,na->nm", self.fields(body, x), vectors)
         return out.reshape(len(x), self.num_modes)
 
-    def everywhere(self, number):
-        """One of the motions of all bodies at the owned nodes, (n, gdim)."""
+    def everywhere(self, number: int) -> FloatArray:
+        """Displacements of the owned nodes under one mode; bodies without this mode do not move.
+
+        Args:
+            number: number of the mode, less than num_modes.
+
+        Returns:
+            Displacements, (num_owned, gdim) [1].
+        """
         b, k = divmod(number, len(self.names))
         own = self.body[: self.num_owned]
         values = self.fields(own, self.x[: self.num_owned])[:, k]
         return np.where((own == b)[:, None], values, 0.0)
 
 
-def unconstrained_modes(V, fixed, contacts, u, axisymmetric=False):
-    """Sentences about the rigid motions that supports and active contacts leave. Collective.
+def unconstrained_modes(
+    V: FunctionSpace,
+    fixed: BoolArray,
+    contacts: Sequence[ConstrainingContact],
+    u: FloatArray,
+    axisymmetric: bool = False,
+) -> list[str]:
+    """Sentences about the rigid body modes that supports and active contacts do not constrain. Collective.
 
-    Bodies that nothing holds but that nearly touch are held by it: their contacts `close_nearest()`.
+    If modes are unconstrained and bodies nearly touch, `close_nearest()` of the contacts activates their nearest
+    points, and the modes are found again.
 
     Args:
-        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: StaticContact.
-        u: present displacements (array over owned and ghost dofs) [L].
+        V: displacement space.
+        fixed: mask of prescribed dofs, owned and ghosts.
+        contacts: contacts of the problem.
+        u: present displacements, owned and ghost dofs [L].
+        axisymmetric: whether x is the radius of an axisymmetric body.
 
     Returns:
-        list of str, empty if everything is held; the same on all ranks, and the same on any number of them.
+        One sentence per body with unconstrained modes; the same on all ranks and on any number of ranks.
     """
     comm, gdim = V.mesh.comm, V.mesh.geometry.dim
     motions = RigidBodyModes(V, u, axisymmetric)
@@ -119,23 +191,24 @@ def unconstrained_modes(V, fixed, contacts, u, axisymmetric=False):
     dofs = np.flatnonzero(fixed[: motions.num_owned * gdim])
     for part in np.array_split(dofs, max(1, len(dofs) // 10000)):
         nodes = part // gdim
-        r = motions.rows(motions.body[nodes], motions.x[nodes], np.eye(gdim)[part % gdim])
-        supports += r.T @ r
+        work = motions.rows(motions.body[nodes], motions.x[nodes], np.eye(gdim)[part % gdim])
+        supports += work.T @ work
 
-    def free():
+    def unconstrained() -> FloatArray:
+        """Combinations of modes on which no constraint does work, as columns."""
         gram = supports + sum(r.T @ r for contact in contacts for r in contact.rigid_body_constraints(motions))
         gram = np.sum(comm.allgather(gram), axis=0)
         values, vectors = np.linalg.eigh(gram)
         return vectors[:, values < 1e-10 * max(values[-1], 1.0)]
 
-    loose = free()
-    if loose.shape[1] > 0 and any([c.close_nearest() for c in contacts]):
-        loose = free()
-    if loose.shape[1] == 0:
+    modes = unconstrained()
+    if modes.shape[1] > 0 and any([c.close_nearest() for c in contacts]):
+        modes = unconstrained()
+    if modes.shape[1] == 0:
         return []
     sentences = []
-    for b, part in enumerate(loose.reshape(motions.count, len(motions.names), -1)):
-        strength = np.linalg.norm(part, axis=1)
+    for b, of_body in enumerate(modes.reshape(motions.count, len(motions.names), -1)):
+        strength = np.linalg.norm(of_body, axis=1)
         found = [n for n, s in zip(motions.names, strength) if s > 1e-3]
         if found:
             where = ", ".join(f"{v:.4g}" for v in motions.centres[b])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Checks of what users hand to problems: of one rank, without communication, for use under a guard (collective.py).
+"""Checks of users' arguments on one rank, without communication, for use under a guard (collective.py).
 
-Each raises TypeError for an argument of another kind, ValueError for a value that does not fit; the text says what was
-found and what to do.
+Each check raises TypeError for an argument of a wrong type and ValueError for a value that does not fit. The message
+says what was found and what to do.
 """
 
 import math
@@ -10,27 +10,35 @@ import os
 from typing import Any
 
 import numpy as np
+import ufl
 from dolfinx import fem
+from dolfinx.fem import FunctionSpace
+from dolfinx.mesh import Mesh
+
+from .types import FloatArray
 
 
-ROUND_OFF = 1e-12  # of the mesh's extent: coordinates below it are zero
-LARGEST_DEGREE = 60  # of quadrature: rules of higher degree have thousands of points on every facet, more in cells
+ROUND_OFF = 1e-12  # part of the mesh's extent; smaller coordinates count as zero
+LARGEST_DEGREE = 60  # of quadrature rules; higher degrees have thousands of points on every facet
 RULES = ("default", "Gauss-Jacobi", "Gauss-Legendre", "GL", "Gauss-Lobatto-Legendre", "GLL", "Xiao-Gimbutas", "vertex",
          "custom", "gauss_jacobi", "gll", "xiao_gimbutas")  # fmt: skip
 
 
 def number(name: str, value: Any, low: float | None = None, unit: str = "") -> float:
-    """A finite number.
+    """Check a finite number.
 
     Args:
-        name: what the number is, for the message.
-        value: what was given.
-        low: the number must be greater than this; None: it may be any.
-        unit: for the message, with a blank before it.
+        name: name of the argument, for the message.
+        value: the argument.
+        low: exclusive lower bound; None: no bound.
+        unit: unit for the message, with a blank before it.
+
+    Returns:
+        The number.
 
     Raises:
-        TypeError: no number.
-        ValueError: not finite, or not greater than `low`.
+        TypeError: `value` is not a number.
+        ValueError: `value` is not finite, or not greater than `low`.
     """
     try:
         if isinstance(value, (str, bytes, bool)):
@@ -45,8 +53,23 @@ def number(name: str, value: Any, low: float | None = None, unit: str = "") -> f
     return found
 
 
-def integer(name, value, low, high=None, unit=""):
-    """A checked integer, `low` to `high`."""
+def integer(name: str, value: Any, low: int, high: int | None = None, unit: str = "") -> int:
+    """Check an integer.
+
+    Args:
+        name: name of the argument, for the message.
+        value: the argument.
+        low: smallest permitted value.
+        high: largest permitted value; None: no bound.
+        unit: unit for the message, with a blank before it.
+
+    Returns:
+        The integer.
+
+    Raises:
+        TypeError: `value` is not a number.
+        ValueError: `value` is not an integer, or outside the bounds.
+    """
     if isinstance(value, (bool, np.bool_, str, bytes)) or np.ndim(value) != 0:
         raise TypeError(f"{name} is {value!r}: give {_range(low, high)}{unit}")
     try:
@@ -61,58 +84,112 @@ def integer(name, value, low, high=None, unit=""):
     return whole
 
 
-def tolerance(name, value):
-    """A relative or absolute tolerance of a solution."""
+def tolerance(name: str, value: Any) -> float:
+    """Check a relative or absolute tolerance of a solver.
+
+    Args:
+        name: name of the argument; "rtol" must be less than one.
+        value: the argument.
+
+    Returns:
+        The tolerance.
+
+    Raises:
+        TypeError: `value` is not a number.
+        ValueError: `value` is negative or not finite, or a relative tolerance is one or more.
+    """
     found = number(name, value)
     if found < 0.0 or (name == "rtol" and found >= 1.0):
         raise ValueError(f"{name} is {found}: give {'a number from 0 to 1' if name == 'rtol' else 'zero or more'}")
     return found
 
 
-def _range(low, high):
+def _range(low: int, high: int | None) -> str:
+    """Name of a range of integers, for messages."""
     if high is not None:
         return f"an integer from {low} to {high}"
     return {0: "an integer, zero or positive", 1: "a positive integer"}.get(low, f"an integer, {low} or more")
 
 
-def sequence(name, value, what):
-    """The items of a list or tuple as a list."""
+def sequence(name: str, value: Any, what: str) -> list[Any]:
+    """Check a list or tuple.
+
+    Args:
+        name: name of the argument, for the message.
+        value: the argument.
+        what: name of the items in the plural, for the message.
+
+    Returns:
+        The items as a list.
+
+    Raises:
+        TypeError: `value` is neither list nor tuple.
+    """
     if isinstance(value, (list, tuple)):
         return list(value)
     hint = "leave it out, or give ()" if value is None else f"put it into a list, {name}=[...]"
     raise TypeError(f"{name} must be a list of {what}, found {type(value).__name__}: {hint}")
 
 
-def function(name, u):
-    """A real function of double precision."""
+def function(name: str, u: Any) -> None:
+    """Check a DOLFINx function of double precision.
+
+    Args:
+        name: name of the argument, for the message.
+        u: the argument.
+
+    Raises:
+        TypeError: `u` is not a function, or has values of another type than float64.
+    """
     if not isinstance(u, fem.Function):
         hint = ": make a function of it, fem.Function(V)" if isinstance(u, fem.FunctionSpace) else ""
         raise TypeError(f"{name} must be a Function of dolfinx.fem, found {type(u).__name__}{hint}")
     double_precision(name, u.x.array)
 
 
-def function_space(name, V):
-    """A space on a mesh of double precision."""
+def function_space(name: str, V: Any) -> None:
+    """Check a DOLFINx function space on a mesh of double precision.
+
+    Args:
+        name: name of the argument, for the message.
+        V: the argument.
+
+    Raises:
+        TypeError: `V` is not a function space, or its mesh has coordinates of another type than float64.
+    """
     if not isinstance(V, fem.FunctionSpace):
         raise TypeError(f"{name} must be a dolfinx.fem.FunctionSpace, found {type(V).__name__}")
     double_precision(f"the mesh of {name}", V.mesh.geometry.x)
 
 
-def double_precision(name, array):
-    """An array of float64; the kernels compute with no other numbers."""
+def double_precision(name: str, array: Any) -> None:
+    """Check that an array has values of type float64, the only type of the kernels.
+
+    Args:
+        name: name of the argument, for the message.
+        array: the argument.
+
+    Raises:
+        TypeError: `array` has values of another type.
+    """
     kind = getattr(array, "dtype", None)
     if kind != np.float64:
         hint = "make mesh and functions with dtype=numpy.float64"
         raise TypeError(f"{name} has numbers of type {kind}: float64 is needed; {hint}")
 
 
-def displacement(u, solid=True):
-    """A displacement: a vector function of a Lagrange space with a component per direction of a 2D or 3D mesh.
+def displacement(u: Any, solid: bool = True) -> None:
+    """Check a displacement: a vector function of a Lagrange space with one component per direction of space.
 
     Args:
-        u: what a user gave.
-        solid: of a material or in contact; False: of a residual of the user's own, whose unknowns
-            may be others.
+        u: the argument.
+        solid: whether the body has a material or is in contact; False: the problem has a residual of the user's own,
+            whose unknowns need not be displacements.
+
+    Raises:
+        TypeError: `u` is not a function of double precision.
+        ValueError: the mesh is not a 2D or 3D body or has coordinates that are not finite, or the space is not a
+            continuous Lagrange space with one component per direction.
     """
     function("u", u)
     V, mesh = u.function_space, u.function_space.mesh
@@ -143,8 +220,16 @@ def displacement(u, solid=True):
         raise ValueError(f"the space of u is {kind} ({element}): a displacement needs a continuous one; use {needed}")
 
 
-def measures(form):
-    """Quadrature that a user asked for in the measures of a form."""
+def measures(form: ufl.Form) -> None:
+    """Check the quadrature degrees and rules in the measures of a form.
+
+    Args:
+        form: UFL form.
+
+    Raises:
+        TypeError: a quadrature degree is not a number.
+        ValueError: a quadrature degree is not an integer or too high, or a rule is unknown.
+    """
     for integral in form.integrals():
         degree = integral.metadata().get("quadrature_degree")
         if degree not in (None, -1, "auto", "default"):
@@ -154,8 +239,16 @@ def measures(form):
             raise ValueError(f"quadrature_rule is {rule!r}: use one of {', '.join(RULES)}")
 
 
-def radii(hypothesis, mesh):
-    """Of an axisymmetric body: x is the radius."""
+def radii(hypothesis: str | None, mesh: Mesh) -> None:
+    """Check that no node of an axisymmetric body has a negative radius x.
+
+    Args:
+        hypothesis: hypothesis of the material; meshes of other hypotheses than "axisymmetric" are not checked.
+        mesh: mesh of the body.
+
+    Raises:
+        ValueError: a node has a negative radius.
+    """
     if hypothesis != "axisymmetric":
         return
     x = mesh.geometry.x
@@ -168,8 +261,19 @@ def radii(hypothesis, mesh):
         )
 
 
-def tags(name, found, mesh, dim):
-    """MeshTags of a dimension on a mesh."""
+def tags(name: str, found: Any, mesh: Mesh, dim: int) -> None:
+    """Check the mesh tags of a problem.
+
+    Args:
+        name: name of the argument, for the message.
+        found: the argument.
+        mesh: mesh of the displacement.
+        dim: topological dimension that the tagged entities must have.
+
+    Raises:
+        TypeError: `found` is not a MeshTags object.
+        ValueError: the tags are of entities of another dimension, or on another mesh.
+    """
     if not hasattr(found, "find") or not hasattr(found, "topology"):
         raise TypeError(f"{name} must be dolfinx MeshTags, found {type(found).__name__}")
     if found.dim != dim:
@@ -179,8 +283,18 @@ def tags(name, found, mesh, dim):
         raise ValueError(f"{name}: the tags are of another mesh than u: make them on u.function_space.mesh")
 
 
-def boundary_values(name, bc, V):
-    """A DirichletBC on V, on a part of V, or on an equal space of the same mesh."""
+def boundary_values(name: str, bc: Any, V: FunctionSpace) -> None:
+    """Check a Dirichlet condition on a space, on a subspace of it, or on an equal space of the same mesh.
+
+    Args:
+        name: name of the argument, for the message.
+        bc: the argument.
+        V: displacement space.
+
+    Raises:
+        TypeError: `bc` is not a DirichletBC.
+        ValueError: the condition is on another mesh or on another space.
+    """
     if not hasattr(bc, "dof_indices"):
         raise TypeError(f"{name} must hold DirichletBC objects of dolfinx, found {type(bc).__name__}")
     space = getattr(bc.function_space, "_cpp_object", bc.function_space)
@@ -192,14 +306,34 @@ def boundary_values(name, bc, V):
         raise ValueError(f"{name}: a boundary condition is on another space than u: make it on u.function_space")
 
 
-def value_of(bc):
-    """The constant of a boundary condition, or what kind of value it has: to be compared between ranks."""
+def value_of(bc: Any) -> list[Any]:
+    """Value of a boundary condition in a form that can be compared between ranks.
+
+    Args:
+        bc: DirichletBC, or PrescribedMotion with its `bc` and `amplitude`.
+
+    Returns:
+        The constant, or the name of the value's type; the amplitude, None without one.
+    """
     value = getattr(bc, "bc", bc).g
     return [getattr(value, "value", type(value).__name__), getattr(bc, "amplitude", None)]
 
 
-def reference_points(points, tdim, cell):
-    """Points in a reference cell, given by dimension and name, as an array of shape (num_points, tdim)."""
+def reference_points(points: Any, tdim: int, cell: str) -> FloatArray:
+    """Check points in a reference cell.
+
+    Args:
+        points: the argument, (num_points, tdim) [1].
+        tdim: topological dimension of the cell.
+        cell: name of the cell.
+
+    Returns:
+        The points, (num_points, tdim), C-contiguous [1].
+
+    Raises:
+        TypeError: `points` are not numbers.
+        ValueError: `points` have another shape, or one of them lies outside the cell.
+    """
     try:
         points = np.asarray(points, dtype=float)
     except (TypeError, ValueError):
@@ -218,8 +352,16 @@ def reference_points(points, tdim, cell):
     return np.ascontiguousarray(points)
 
 
-def options(given):
-    """A dict of PETSc options, or None."""
+def options(given: Any) -> None:
+    """Check PETSc options.
+
+    Args:
+        given: the argument: None, or a dict from names without prefix to values.
+
+    Raises:
+        TypeError: `given` is not a dict.
+        ValueError: a key is not the name of an option.
+    """
     if given is None:
         return
     if not isinstance(given, dict):
@@ -229,8 +371,17 @@ def options(given):
             raise ValueError(f"options: {key!r} is no name of a PETSc option: write it without dash and prefix")
 
 
-def path(name, value):
-    """Name of a file or folder."""
+def path(name: str, value: Any) -> None:
+    """Check the name of a file or folder.
+
+    Args:
+        name: name of the argument, for the message.
+        value: the argument.
+
+    Raises:
+        TypeError: `value` is neither a text nor a path.
+        ValueError: `value` is empty.
+    """
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{name} must be the name of a file, found {type(value).__name__}")
     if not os.fspath(value):

@@ -1,42 +1,53 @@
 # SPDX-License-Identifier: MIT
-"""One rank's error becomes an error on all ranks, and arguments are the same on all ranks.
+"""An error on one rank is raised on all ranks, and arguments are checked to be the same on all ranks.
 
-A rank that raises while the others wait for it in an exchange leaves them waiting for ever. Every public call that
-communicates therefore checks its arguments under a guard, before it communicates:
+If one rank raises while the others wait for it in an exchange, they wait for ever. Every public call that communicates
+therefore checks its arguments under a guard before it communicates:
 
     with guard(comm, "advance", until=until, dt=dt):  # values that must be the same on all ranks
-        ...                                           # checks of this rank: they may raise, they do not communicate
+        ...                                           # checks of this rank; they may raise and do not communicate
 
-At its end the guard makes one reduction of three integers. It raises on all ranks if a check raised on any rank, if a
-value differs between ranks, or if the ranks are in different calls. Only then the ranks exchange texts. On a
-communicator of one rank nothing is exchanged: errors pass through as they are, whatever they are.
+At the end of the block the guard makes one reduction of three integers. It raises on all ranks if a check raised on any
+rank, if a value differs between ranks, or if the ranks are in different calls. Texts are exchanged only in these cases.
+On a communicator of one rank nothing is exchanged: errors pass through unchanged.
 
-`agree` is the same for an error that was caught, for loops that let a user's function run: one reduction per pass.
-`comm_of` finds a communicator when the argument that should have it is wrong. This module needs nothing else of the
-package.
+`agree` does the same for an error that was caught; loops that call a user's function use it once per iteration.
+`comm_of` finds a communicator in a list of arguments, some of which may be wrong. This module imports nothing else of
+the package.
 """
 
 import hashlib
 import os
 import pickle
 import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from mpi4py import MPI
 
 SHOWN = 200  # characters of a value in an error
-FEW = 16  # entries of an array that is shown, not hashed
-PATIENCE = 20.0  # s that a rank waits for the others where it does not know whether they are in the call
+FEW = 16  # arrays of up to this many entries are shown, larger ones hashed
+PATIENCE = 20.0  # s that a rank waits for the others if it does not know whether they are in the call
 
-_world = None  # a duplicate of COMM_WORLD, so that no message of others meets ours
+_world: MPI.Comm | None = None  # a duplicate of COMM_WORLD that separates these messages from all others
+_Result = TypeVar("_Result")
+_Report = tuple[str, tuple[bytes, str] | None, dict[str, str]]  # of a rank: call, packed error, texts of its values
 
 
-def channel(comm):
-    """Communicator that guards exchange over: one for all communicators that have all ranks.
+def channel(comm: MPI.Comm) -> MPI.Comm:
+    """Communicator over which guards exchange: the same one for all communicators that contain all ranks.
 
-    DOLFINx gives each mesh, and what belongs to it, a communicator of its own. A rank whose argument is wrong may know
-    another of them than the other ranks do, or none; if all ranks of the run take part, they meet all the same.
-    Collective where the run has several ranks and `comm` has all of them.
+    DOLFINx gives each mesh and its dependent objects a communicator of its own. A rank with a wrong argument may find
+    another communicator than the other ranks, or none; on the common one their exchanges still match. Collective if the
+    run has several ranks and `comm` contains all of them.
+
+    Args:
+        comm: communicator of a call.
+
+    Returns:
+        A duplicate of COMM_WORLD, or `comm` if it has one rank or not all ranks of the run.
     """
     global _world
     if comm.size == 1 or comm.size < MPI.COMM_WORLD.size:
@@ -46,14 +57,21 @@ def channel(comm):
     return _world
 
 
-def comm_of(*things):
-    """Communicator of the first of some objects that has one: functions, spaces, meshes, tags, boundary conditions,
-    forms, loads, contacts, lists of them. None if none has: then a guard takes COMM_WORLD, but waits for the other
-    ranks for some seconds only, as this rank may be alone in the call."""
+def comm_of(*things: Any) -> MPI.Comm | None:
+    """Communicator of the first argument that has one.
+
+    Args:
+        things: functions, spaces, meshes, tags, boundary conditions, forms, loads, contacts, or lists of them.
+
+    Returns:
+        The communicator, or None if no argument has one. For None a guard uses COMM_WORLD, but waits only some seconds
+        for the other ranks, as this rank may be the only one in the call.
+    """
     return next((c for c in map(_comm, things) if c is not None), None)
 
 
-def _comm(thing, depth=6):
+def _comm(thing: Any, depth: int = 6) -> MPI.Comm | None:
+    """Communicator of one object, searched through its attributes down to a depth."""
     if thing is None or depth == 0 or isinstance(thing, (str, bytes, type)):
         return None
     if isinstance(thing, (list, tuple, dict)):
@@ -65,58 +83,76 @@ def _comm(thing, depth=6):
         found = _comm(getattr(thing, name, None), depth - 1)
         if found is not None:
             return found
-    for name in ("ufl_domain", "ufl_cargo"):  # UFL forms and domains know the mesh they were made for
+    for name in ("ufl_domain", "ufl_cargo"):  # UFL forms and domains refer to their mesh
         if callable(getattr(thing, name, None)):
             try:
                 return _comm(getattr(thing, name)(), depth - 1)
-            except Exception:  # a form of several domains has no one domain
+            except Exception:  # UFL raises for a form on several domains
                 return None
     return None
 
 
 class guard:
-    """Checks of a public call, made on all ranks together; see the module's text.
+    """Context of the checks of a public call, made on all ranks together; see the docstring of the module.
 
     Args:
-        comm: communicator of the call; what `comm_of` found.
+        comm: communicator of the call, as comm_of found it; None: none was found.
         call: name of the call, for messages.
-        values: arguments that must be the same on all ranks; see `describe`. More may be given by `same`.
+        values: arguments that must be the same on all ranks, compared by `describe`; `same` adds further ones.
 
     Raises:
-        ValueError: a value that differs between ranks; different calls.
-        Other errors: of the type that the lowest failing rank raised, on all ranks, with that rank in the text.
+        ValueError: a value differs between ranks, or the ranks are in different calls.
+        Exception: a check failed; the type is that of the lowest failing rank, on all ranks, with the rank in the text.
     """
 
-    def __init__(self, comm, call, /, **values):
+    def __init__(self, comm: MPI.Comm | None, call: str, /, **values: Any) -> None:
         self.comm, self.call, self._values = comm, call, values
 
-    def same(self, **values):
-        """More values that must be the same on all ranks; those that are known only after a check."""
+    def same(self, **values: Any) -> None:
+        """Add values that must be the same on all ranks and are known only after a check.
+
+        Args:
+            values: the values by name.
+        """
         self._values.update(values)
 
-    def __enter__(self):
+    def __enter__(self) -> "guard":
         return self
 
-    def __exit__(self, kind, error, trace):
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> Literal[False]:
         comm = MPI.COMM_WORLD if self.comm is None else self.comm
         if comm.size > 1:
             _exchange(channel(comm), self.call, error, self._values, alone=self.comm is None)
-        return False  # on one rank the error goes on
+        return False  # on one rank the error propagates
 
 
-def same(comm, call, /, **values):
-    """Raise ValueError on all ranks unless each value is the same on all ranks. Collective, one reduction."""
+def same(comm: MPI.Comm | None, call: str, /, **values: Any) -> None:
+    """Check that values are the same on all ranks. Collective, one reduction.
+
+    Args:
+        comm: communicator of the call.
+        call: name of the call, for messages.
+        values: the values by name, compared by `describe`.
+
+    Raises:
+        ValueError: a value differs between ranks, or the ranks are in different calls; on all ranks.
+    """
     with guard(comm, call, **values):
         pass
 
 
-def agree(comm, error, call=""):
+def agree(comm: MPI.Comm, error: BaseException | None, call: str = "") -> None:
     """Raise on all ranks if any rank has an error. Collective, one reduction.
 
     Args:
-        comm: communicator.
+        comm: communicator of the call.
         error: exception of this rank, or None.
-        call: name, for messages.
+        call: name of the call, for messages.
+
+    Raises:
+        Exception: the error of the lowest failing rank.
     """
     if comm.size > 1:
         _exchange(channel(comm), call, error, {})
@@ -124,20 +160,35 @@ def agree(comm, error, call=""):
         raise error
 
 
-def attempt(work, *args):
-    """(result, None) of a function, or (None, error) if it raises: for `agree`."""
+def attempt(work: Callable[..., _Result], *args: Any) -> tuple[_Result | None, BaseException | None]:
+    """Call a function and catch what it raises, for `agree`.
+
+    Args:
+        work: the function.
+        args: its arguments.
+
+    Returns:
+        The result and None, or None and the exception.
+    """
     try:
         return work(*args), None
-    except BaseException as error:  # interrupts as well: the other ranks must hear of it
+    except BaseException as error:  # interrupts as well: the error must be raised on the other ranks too
         return None, error
 
 
-def describe(value):
-    """A text that is the same on two ranks if a value is: no addresses, no numbers of objects.
+def describe(value: Any) -> str:
+    """Text that is equal on two ranks if a value is equal; it has no addresses and no numbers of objects.
 
-    Numbers count by value (1 is 1.0), arrays by shape and entries, lists, tuples and dicts by their parts, UFL forms by
-    their signature, functions by being there, objects of this package by their public attributes. Objects may have a
-    method `same_on_all_ranks` that returns a value that stands for them; others count by their type.
+    Numbers are compared by value (1 equals 1.0), arrays by shape and entries, lists, tuples and dicts by their items,
+    UFL forms by their signature, objects of this package by their public attributes; all functions count as equal. An
+    object may have a method `same_on_all_ranks` whose return value is compared in its place; others are compared by
+    type.
+
+    Args:
+        value: the value.
+
+    Returns:
+        The text.
     """
     if hasattr(value, "same_on_all_ranks") and not isinstance(value, type):
         return f"{type(value).__name__} {describe(value.same_on_all_ranks())}"
@@ -164,23 +215,29 @@ def describe(value):
         return f"form {value.signature()[:16]}"
     if isinstance(value, type):
         return f"class {value.__name__}"
-    if type(value).__module__.split(".")[0] == __package__.split(".")[0]:
+    if type(value).__module__.split(".")[0] == __name__.split(".")[0]:
         return f"{type(value).__name__} {describe({k: v for k, v in vars(value).items() if k[0] != '_'})}"
     if callable(value):
         return "a function"
     return f"a {type(value).__name__}"
 
 
-def _exchange(comm, call, error, values, alone=False):
+def _exchange(
+    comm: MPI.Comm, call: str, error: BaseException | None, values: dict[str, Any], alone: bool = False
+) -> None:
     """Raise on all ranks if one has an error, or if calls or values differ. Collective.
 
     Args:
-        alone: this rank may be alone in the call. If the others do not come it raises its own error.
+        comm: communicator of the call.
+        call: name of the call.
+        error: exception of this rank, or None.
+        values: values that must be the same on all ranks, by name.
+        alone: this rank may be the only one in the call; it raises its own error if the others do not respond.
     """
-    texts = {}
+    texts: dict[str, str] = {}
     if error is None:
-        texts, trouble = attempt(lambda: {name: describe(value) for name, value in values.items()})
-        error, texts = trouble, texts or {}
+        described, error = attempt(lambda: {name: describe(value) for name, value in values.items()})
+        texts = described or {}
     digest = hashlib.sha256(repr((call, texts)).encode()).digest()
     number = int.from_bytes(digest[:7], "big")
     state = np.array([error is not None, number, -number], dtype=np.int64)
@@ -201,8 +258,8 @@ def _exchange(comm, call, error, values, alone=False):
     raise _error(kind, f"rank {rank} of {comm.size}: {text}{others}") from error
 
 
-def _arrives(request):
-    """Does a request complete before patience ends?"""
+def _arrives(request: MPI.Request) -> bool:
+    """Whether a request completes within PATIENCE seconds."""
     end = time.monotonic() + PATIENCE
     while not request.Test():
         if time.monotonic() > end:
@@ -211,21 +268,22 @@ def _arrives(request):
     return True
 
 
-def _packed(error):
-    """Type and text of an error for other ranks. The type is the nearest that pickle can name."""
+def _packed(error: BaseException) -> tuple[bytes, str]:
+    """Type and text of an error for other ranks. The type is the nearest base class that pickle can name."""
     text = str(error) or type(error).__name__
     for kind in type(error).__mro__:
         try:
             return pickle.dumps(kind), text
-        except Exception:  # a class that was made in a function
+        except Exception:  # a class that was defined in a function
             continue
     return pickle.dumps(RuntimeError), text
 
 
-def _error(kind, text):
-    """An error of a kind with a text, or of the nearest kind that takes a text alone."""
+def _error(packed: bytes, text: str) -> BaseException:
+    """Exception of a packed type with a text, or of the nearest base class whose only argument is a text."""
+    kinds: tuple[Any, ...]
     try:
-        kinds = pickle.loads(kind).__mro__
+        kinds = pickle.loads(packed).__mro__
     except Exception:  # a class that this rank cannot import
         kinds = (RuntimeError,)
     for kind in kinds:
@@ -236,8 +294,8 @@ def _error(kind, text):
     return RuntimeError(text)
 
 
-def _difference(reports):
-    """What differs between ranks, in a sentence. Args: of each rank, call, error and texts of its values."""
+def _difference(reports: list[_Report]) -> str:
+    """A sentence about the first difference between the reports of the ranks."""
     first = reports[0]
     for rank, other in enumerate(reports):
         if other[0] != first[0]:
@@ -250,13 +308,14 @@ def _difference(reports):
                     f"{first[0]}: {name} differs between the ranks: {a} on rank 0, {b} on rank {rank}; give the same "
                     "on all ranks"
                 )
-    return "the ranks do not agree"  # texts are equal, so digests were: not reached
+    return "the ranks do not agree"  # not reached: equal texts have equal digests
 
 
-def _parted(a, b):
-    """Two texts, cut to where they differ if they are long."""
+def _parted(a: str, b: str) -> tuple[str, str]:
+    """Two texts; long ones are cut to the part where they differ."""
     if max(len(a), len(b)) <= SHOWN:
         return a, b
     begin = max(0, len(os.path.commonprefix([a, b])) - SHOWN // 4)
-    return tuple(("..." if begin else "") + t[begin : begin + SHOWN] + ("..." if len(t) > begin + SHOWN else "")
-                 for t in (a, b))  # fmt: skip
+    first, second = (("..." if begin else "") + t[begin : begin + SHOWN] + ("..." if len(t) > begin + SHOWN else "")
+                     for t in (a, b))  # fmt: skip
+    return first, second

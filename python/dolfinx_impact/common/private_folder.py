@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Folders whose files are loaded as code: nobody but their user may be able to put something into them."""
+"""Folders whose files are loaded as code; only their owner may have the permission to write into them."""
 
 import os
 import stat
 from pathlib import Path
+from typing import NoReturn
 
-OTHERS = stat.S_IWGRP | stat.S_IWOTH  # who may write besides the owner
+OTHERS = stat.S_IWGRP | stat.S_IWOTH  # permissions of users other than the owner to write
 
 
-def _user(number):
-    """A user's number and, where it is known, name."""
+def _user(number: int) -> str:
+    """Number and, where it is known, name of a user."""
     try:
         import pwd
 
@@ -18,24 +19,25 @@ def _user(number):
         return f"uid {number}"
 
 
-def _refuse(path, why, remedy):
-    """Raise RuntimeError. IMPACT_JIT_CACHE is a remedy for everything."""
+def _refuse(path: Path, why: str, remedy: str) -> NoReturn:
+    """Raise RuntimeError with the reason and the remedy; setting IMPACT_JIT_CACHE always helps."""
     raise RuntimeError(
         f"compiled kernels are code, and those in {path} are not loaded: {why}. {remedy}, or set IMPACT_JIT_CACHE to a "
         "folder that only you can write"
     )
 
 
-def make_private(folder):
-    """Make a folder that only this user can read and write, unless it is there; then check it.
+def make_private(folder: Path) -> None:
+    """Make a folder that only this user can read and write, unless it exists, and check it.
 
     Args:
-        folder: Path; parents that are missing are made with the same permissions.
+        folder: the folder; missing parents are made with the same permissions.
 
     Raises:
-        OSError: it cannot be made. RuntimeError: as check_private.
+        OSError: the folder cannot be made.
+        RuntimeError: as check_private.
     """
-    missing = []
+    missing: list[Path] = []
     for path in (folder, *folder.parents):
         if path.exists():
             break
@@ -43,20 +45,24 @@ def make_private(folder):
     for path in reversed(missing):
         try:
             path.mkdir(mode=0o700)
-        except FileExistsError:  # another process was faster
+        except FileExistsError:  # another process has made it meanwhile
             pass
     check_private(folder)
 
 
-def check_private(folder):
-    """Refuse a folder that somebody else may write in or put in another one's place.
+def check_private(folder: Path) -> None:
+    """Refuse a folder that other users may write into or replace.
 
     The folder must belong to the effective user: root may read the folders of all users, but must not run what is in
-    them. Nobody else may have the permission to write in it. In a parent that everybody may write in without the sticky
-    bit, everybody may rename the folder and put another one there.
+    them. No other user may have the permission to write into it. In a parent that everybody may write into without the
+    sticky bit, everybody may rename the folder and put another one in its place.
+
+    Args:
+        folder: the folder.
 
     Raises:
-        RuntimeError: says which folder and what to do. OSError: it cannot be looked at.
+        RuntimeError: another user may write into the folder or replace it.
+        OSError: the folder cannot be read, or is not a folder.
     """
     folder = Path(os.path.realpath(folder))
     if not hasattr(os, "geteuid"):
@@ -77,11 +83,14 @@ def check_private(folder):
             _refuse(folder, why, f"Run chmod o-w or chmod +t on {parent}")
 
 
-def check_file(path):
-    """Refuse a file that somebody else may have written; one that is missing is none of them.
+def check_file(path: Path) -> None:
+    """Refuse a file that another user may have written; a missing file is accepted.
+
+    Args:
+        path: the file.
 
     Raises:
-        RuntimeError: says why and what to do.
+        RuntimeError: the file is not a regular file, belongs to another user, or other users may write it.
     """
     try:
         status = os.lstat(path)

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""Problems are not copied, and two of them on one displacement function are told of."""
+"""Problems cannot be copied, and two of them on one displacement function cause a warning."""
 
 import gc
 import warnings
 import weakref
+from typing import Any, NoReturn, SupportsIndex
 
-_explicit = weakref.WeakKeyDictionary()  # displacement function -> ExplicitProblems on it that are alive
+from dolfinx.fem import Function
+
+# From a displacement function to the ExplicitProblems on it that are alive.
+_explicit: weakref.WeakKeyDictionary[Function, weakref.WeakSet[Any]] = weakref.WeakKeyDictionary()
 
 
 class Unique:
@@ -13,25 +17,30 @@ class Unique:
 
     _instead = "make another one on a displacement function of its own"
 
-    def _refuse(self, what):
+    def _refuse(self, what: str) -> NoReturn:
         raise TypeError(f"a {type(self).__name__} cannot be {what}: it shares its state with its functions; "
                         f"{self._instead}")  # fmt: skip
 
-    def __copy__(self):
+    def __copy__(self) -> NoReturn:
         self._refuse("copied")
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: dict[int, Any]) -> NoReturn:
         self._refuse("copied")
 
-    def __reduce_ex__(self, protocol):
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         self._refuse("pickled")
 
 
-def claim(u, problem, explicit=False):
-    """A problem has been made on u. Warn, on rank 0, if an explicit problem that is still alive is on it.
+def claim(u: Function, problem: object, explicit: bool = False) -> None:
+    """Register a problem on a displacement function; warn on rank 0 if an explicit problem on it is still alive.
 
-    An explicit problem has its own state and writes it into u after each advance: what others write there is lost.
-    Static problems read u, so that several of them, or one before an explicit one, are fine.
+    An explicit problem has a state of its own and writes it into u after each advance; values that others write there
+    are lost. Static problems read u: several of them, or one before an explicit one, do not conflict.
+
+    Args:
+        u: displacement function.
+        problem: the new problem.
+        explicit: whether it is an explicit problem.
     """
     others = _explicit.setdefault(u, weakref.WeakSet())
     if others:

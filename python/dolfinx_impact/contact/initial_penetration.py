@@ -1,43 +1,59 @@
 # SPDX-License-Identifier: MIT
-"""The state before anything is loaded: surfaces the wrong way round are refused, penetrations reported and removed."""
+"""The reference configuration: surfaces of wrong orientation are refused, penetrations are reported and removed."""
 
 import logging
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
 from .. import _cpp
 from ..assembly import rigid_body_modes
-from .matrices import NodalSum
+from ..common.types import FloatArray
 from .body_size import body_size
+from .matrices import NodalSum
+from .pair import ContactPair
 
 LOG = logging.getLogger("dolfinx_impact")
-# Coordinates come from files and from curves that gmsh computes: what is smaller than this part of the bodies' size
-# is their round-off, no overlap.
+# Penetrations below this part of the bodies' size are round-off of coordinates that come from files or from gmsh.
 ROUND_OFF = 1e-10
-# Bodies nearly touch if they are apart by less than this part of a facet: what a facet of size h of a round body of
-# radius R bulges by is h^2/(8 R), a hundredth of h on meshes with 70 facets around.
+# Bodies nearly touch if the gap is less than this part of a facet. On a round body of radius R the distance between a
+# facet of size h and its arc is h^2/(8 R), a hundredth of h on meshes with 70 facets around.
 NEARLY = 0.01
 
 
 class InitialPenetration:
-    """Gaps of the contact points in the reference configuration, obstacles where they were made. Collective.
+    """Penetrations of the contact points in the reference configuration of bodies and obstacles. Collective.
 
     Args:
-        pair: ContactPair.
-        V: displacement space. slave, master: this rank's facets (master None: rigid).
-        x: (n, gdim) positions of the contact points [L].
-        gap: (n), infinite where there is no master [L].
+        pair: the pair of surfaces.
+        V: displacement space.
+        slave: this rank's facets of the slave.
+        master: this rank's facets of the master; None: the master is rigid.
+        x: positions of the contact points, (n, gdim) [L].
+        gap: gaps of the contact points, (n), infinite without master [L].
 
     Attributes:
-        num_points: contact points of all ranks that penetrate. depth: their largest penetration [L]. where: its place,
-        (gdim), None without penetration. offset: (n) what is added to the gaps from now on [L].
+        num_points: number of contact points of all ranks that penetrate.
+        depth: their largest penetration [L].
+        where: position of the largest penetration, gdim components; None without penetration [L].
+        offset: values to be added to all later gaps, (n) [L].
 
     Raises:
-        ValueError: on all ranks, where every point is deeper than half of the thinner body.
+        ValueError: every point penetrates by more than half of the thinner body; on all ranks.
     """
 
-    def __init__(self, pair, V, slave, master, x, gap):
+    where: list[float] | None
+
+    def __init__(
+        self,
+        pair: ContactPair,
+        V: FunctionSpace,
+        slave: _cpp.surface.Facets,
+        master: _cpp.surface.Facets | None,
+        x: FloatArray,
+        gap: FloatArray,
+    ) -> None:
         comm = V.mesh.comm
         penetration = np.maximum(0.0, -gap)
         deep = penetration > ROUND_OFF * body_size(V.mesh)
@@ -51,7 +67,7 @@ class InitialPenetration:
         if np.isfinite(shallowest) and shallowest > 0.0 and self.num_points:
             _check_depth(pair, V, slave, master, shallowest)
         self.offset = np.where(deep, penetration, 0.0) if pair.remove_penetration else np.zeros(len(gap))
-        if self.num_points and comm.rank == 0:
+        if self.where is not None and comm.rank == 0:
             place = ", ".join(f"{round(v, 12) + 0.0:.4g}" for v in self.where)
             end = ": removed, gaps count from there" if pair.remove_penetration else ""
             LOG.warning(
@@ -60,8 +76,14 @@ class InitialPenetration:
             )
 
 
-def _check_depth(pair, V, slave, master, shallowest):
-    """A press fit overlaps by less than half of the thinner body. Collective."""
+def _check_depth(
+    pair: ContactPair,
+    V: FunctionSpace,
+    slave: _cpp.surface.Facets,
+    master: _cpp.surface.Facets | None,
+    shallowest: float,
+) -> None:
+    """Refuse penetrations of more than half of the thinner body; a press fit has less. Collective."""
     comm, gdim = V.mesh.comm, V.mesh.geometry.dim
     label, count = rigid_body_modes.bodies(V)
     owned = V.dofmap.index_map.size_local
@@ -83,21 +105,28 @@ def _check_depth(pair, V, slave, master, shallowest):
         )
 
 
-def check_side(pair, V, slave, obstacle):
-    """Refuse a rigid obstacle whose far side the slave looks at. Collective.
+def check_side(pair: ContactPair, V: FunctionSpace, slave: _cpp.surface.Facets, obstacle: _cpp.gap.Rigid) -> None:
+    """Refuse a rigid obstacle whose surface does not face the slave. Collective.
 
-    Where the slave is nearest to the obstacle's surface its outward normals point against the obstacle's. They are
-    compared at the slave's nodes within a facet of the nearest; a slave farther outside than a facet has time to turn.
+    Where the slave is nearest to the obstacle, its outward normals must be opposite to those of the obstacle. Normals
+    are compared at the slave's nodes that are at most one facet farther away than the nearest one. A slave whose nodes
+    are all farther outside than one facet is accepted.
+
+    Args:
+        pair: pair with a rigid master.
+        V: displacement space.
+        slave: this rank's facets of the slave.
+        obstacle: the obstacle on the C++ side.
 
     Raises:
-        ValueError: on all ranks; says what to turn round.
+        ValueError: the surfaces do not face each other; on all ranks.
     """
     comm, gdim = V.mesh.comm, V.mesh.geometry.dim
     x = V.tabulate_dof_coordinates()[:, :gdim]
     sums, marks = np.zeros(x.size), np.zeros(len(x))
     _cpp.gap.add_normals(slave, sums)
     marks[slave.nodes] = 1.0
-    # Facets of all ranks, every node once: ranks share nodes.
+    # Sums over the facets of all ranks; every node is counted by its owner only.
     index_map = V.dofmap.index_map
     sums, marks = NodalSum(index_map, gdim)(sums).ravel(), NodalSum(index_map, 1)(marks).ravel()
     nodes = np.flatnonzero(marks[: index_map.size_local])
@@ -111,18 +140,23 @@ def check_side(pair, V, slave, obstacle):
     parts = [np.einsum("na,na->", inward[near], normal[near]), np.count_nonzero(near)]
     agreement, number = comm.allreduce(np.array(parts, dtype=float), MPI.SUM)
     lowest = comm.allreduce(float(np.min(gap, initial=np.inf)), MPI.MIN)
-    # +1: face to face; -1: back to back. Between, edges and both sides of thin bodies: no judgement.
+    # The mean is +1 for opposite normals, -1 for equal ones. Values between come from edges and from both sides of thin
+    # bodies; they are accepted.
     if agreement < -0.5 * number and lowest <= facet:
-        turn = pair.master._turn()
-        raise ValueError(f"{pair.name}: the slave looks away from the obstacle where it is nearest: {turn}")
+        hint = pair.rigid_master._orientation_hint()
+        raise ValueError(f"{pair.name}: the slave's normals point away from the obstacle where it is nearest: {hint}")
 
 
-def nearly_touching(comm, gap, size):
-    """Up to which gap points are to be closed where bodies nearly touch; None: they are apart. Collective.
+def nearly_touching(comm: MPI.Comm, gap: FloatArray, size: FloatArray) -> float | None:
+    """Largest gap of points that are to be closed between bodies that nearly touch. Collective.
 
     Args:
-        gap: (n), infinite where there is no master [L].
-        size: (n) of the points' facets [L].
+        comm: communicator of the mesh.
+        gap: gaps of the contact points, (n), infinite without master [L].
+        size: sizes of the points' facets, (n) [L].
+
+    Returns:
+        The gap; None if the bodies do not nearly touch [L].
     """
     near = gap[gap < NEARLY * size]
     largest = comm.allreduce(float(np.max(near, initial=-np.inf)), MPI.MAX)

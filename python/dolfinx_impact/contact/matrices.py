@@ -3,19 +3,30 @@
 
 import numpy as np
 from dolfinx import la
+from dolfinx.common import IndexMap
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import _cpp
+from ..common.types import FloatArray, IntArray
 
 
-def rectangle(comm, num_rows, num_columns, rows, cols, values, block=1):
-    """Matrix whose entries any rank may give; equal places add up. Collective.
+def rectangle(
+    comm: MPI.Comm, num_rows: int, num_columns: int, rows: IntArray, cols: IntArray, values: FloatArray, block: int = 1
+) -> PETSc.Mat:
+    """Matrix to which any rank may contribute entries; entries of one place are added. Collective.
 
     Args:
-        num_rows, num_columns: of this rank.
-        rows, cols: global numbers.
-        values: entries.
+        comm: communicator of the matrix.
+        num_rows: number of rows of this rank.
+        num_columns: number of columns of this rank.
+        rows: global rows of the entries.
+        cols: global columns of the entries.
+        values: the entries.
         block: size of blocks.
+
+    Returns:
+        Assembled matrix.
     """
     A = PETSc.Mat().create(comm)
     A.setSizes(((num_rows, PETSc.DETERMINE), (num_columns, PETSc.DETERMINE)))
@@ -26,8 +37,15 @@ def rectangle(comm, num_rows, num_columns, rows, cols, values, block=1):
     return A
 
 
-def owned_rows(A):
-    """This rank's rows as (row pointers, global columns, values)."""
+def owned_rows(A: PETSc.Mat) -> tuple[IntArray, IntArray, FloatArray]:
+    """This rank's rows of a matrix.
+
+    Args:
+        A: the matrix.
+
+    Returns:
+        Row pointers, global columns, values.
+    """
     return A.getValuesCSR()
 
 
@@ -35,23 +53,37 @@ class NodalSum:
     """Sums and updates of nodal values over the ranks.
 
     Args:
-        index_map: of nodes (owned, then ghosts).
-        block: values per node.
+        index_map: index map of the nodes.
+        block: number of values per node.
     """
 
-    def __init__(self, index_map, block):
+    def __init__(self, index_map: IndexMap, block: int) -> None:
         self.index_map, self.block = index_map, block
         self._vector = la.vector(index_map, block)
 
-    def __call__(self, values):
-        """Contributions of all ranks, added; complete on ghosts as well. Collective."""
+    def __call__(self, values: FloatArray) -> FloatArray:
+        """Add the contributions of all ranks. Collective.
+
+        Args:
+            values: contributions at owned and ghost nodes, (num_nodes, block).
+
+        Returns:
+            Sums at owned and ghost nodes, (num_nodes, block).
+        """
         self._vector.array[:] = np.ravel(values)
         self._vector.scatter_reverse(la.InsertMode.add)
         self._vector.scatter_forward()
         return self._vector.array.reshape(-1, self.block).copy()
 
-    def forward(self, values):
-        """Values at the ghosts from their owners. Collective."""
+    def forward(self, values: FloatArray) -> FloatArray:
+        """Update the values at ghost nodes from their owners. Collective.
+
+        Args:
+            values: values at owned and ghost nodes, (num_nodes, block).
+
+        Returns:
+            Values at owned and ghost nodes, (num_nodes, block).
+        """
         self._vector.array[:] = np.ravel(values)
         self._vector.scatter_forward()
         return self._vector.array.reshape(-1, self.block).copy()

@@ -1,65 +1,133 @@
 # SPDX-License-Identifier: MIT
-"""What a contact tells: totals over the ranks, fields."""
+"""Results of a contact: totals over the ranks, and fields."""
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from dolfinx import fem
+from dolfinx.fem import Function
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from ..common.collective import guard
+from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
+from .initial_penetration import InitialPenetration
+from .protocol import ContactProblem
 
 
 class ContactOutput:
     """Results of a contact; arrays are over this rank's contact points, totals over all ranks and the same on all.
 
-    A class derived from this has points, gap, normal, pressure, traction, slip, status, weight, covered(),
-    contact_forces() and `comm`.
+    A derived class has the results points, gap, normal, pressure, traction, slip, status and weight as attributes or
+    properties, the attributes `comm` and `initial` (InitialPenetration; None in explicit problems), and the methods
+    covered() and contact_forces(). A contact whose points are nodes has `nodes`; others override at_nodes().
     """
 
-    @property
-    def initial(self):
-        """InitialPenetration: penetrations before anything was loaded."""
-        return self.geometry.initial
-
-    @property
-    def initial_penetration(self):
-        """Largest penetration before anything was loaded, of all ranks; removed or not [L]."""
-        return self.initial.depth
-
-    force = None  #: total contact force on the slave, (gdim); on the master it is the opposite [F]
-    moment = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
+    force: FloatArray | None = None  #: total contact force on the slave, (gdim); on the master it is the opposite [F]
+    moment: FloatArray | None = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
     area = 0.0  #: area in contact (2D: length), see covered() [L^2]
     dissipated = 0.0  #: work of friction so far: in each increment, tractions at its end times its slip [F L]
-    _slip_before = 0.0
+    _slip_before: FloatArray | float = 0.0
 
-    fault = ""  #: why a converged state is none, if it is not
+    fault = ""  #: why a converged state is not a solution; empty if it is one
 
-    def largest_violation(self):
-        """A sentence about the condition of contact that is violated most, or an empty text. Collective."""
+    if TYPE_CHECKING:  # members of derived classes, attributes or properties
+        comm: MPI.Comm
+
+        @property
+        def initial(self) -> InitialPenetration | None: ...
+        @property
+        def nodes(self) -> IntArray: ...
+        @property
+        def points(self) -> FloatArray: ...
+        @property
+        def traction(self) -> FloatArray: ...
+        @property
+        def slip(self) -> FloatArray: ...
+        @property
+        def status(self) -> IntArray: ...
+        @property
+        def weight(self) -> FloatArray: ...
+
+    @property
+    def initial_penetration(self) -> float:
+        """Largest penetration in the reference configuration on all ranks, removed or not [L].
+
+        Raises:
+            AttributeError: the contact is one of an explicit problem.
+        """
+        if self.initial is None:
+            raise AttributeError(f"{type(self).__name__} has no initial penetration: it is one of static problems")
+        return self.initial.depth
+
+    def covered(self) -> FloatArray:
+        """Part of each point's area that is in contact. Collective.
+
+        Returns:
+            Fractions, (n) [1].
+        """
+        raise NotImplementedError
+
+    def contact_forces(self) -> FloatArray:
+        """Assemble the nodal contact forces on both bodies. Collective.
+
+        Returns:
+            Forces, owned dofs [F].
+        """
+        raise NotImplementedError
+
+    def largest_violation(self) -> str:
+        """Describe the point with the largest violation of the constraints. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
         return ""
 
-    def coarse_slave(self):
-        """A sentence about a slave's surface that is much coarser than the master's, or an empty text. Collective."""
+    def coarse_slave(self) -> str:
+        """Describe a slave that is much coarser than its master. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
         return ""
 
-    def check_parameters(self):
-        """Refuse, before a solution, what cannot be solved for. Collective."""
+    def check_parameters(self) -> None:
+        """Refuse parameters that do not fit the problem, before a solution. Collective.
 
-    def add_residual(self, b):
-        """Subtract the nodal contact forces from a residual (PETSc vector) [F]. Collective."""
+        Raises:
+            ValueError: on all ranks.
+        """
+
+    def add_residual(self, b: PETSc.Vec) -> None:
+        """Subtract the nodal contact forces from a residual. Collective.
+
+        Args:
+            b: residual [F].
+        """
         b.array[:] -= self.contact_forces()
 
-    def prescribed_overlap(self):
-        """What is wrong with a converged state that the method cannot see, or an empty text. Collective."""
+    def prescribed_overlap(self) -> str:
+        """Describe prescribed displacements that cause penetration in a converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
         return ""
 
-    def close_nearest(self):
-        """Take the nearest points as touching, if they nearly do; returns whether there are any. Collective."""
+    def close_nearest(self) -> bool:
+        """Activate the points nearest to the master if the bodies nearly touch. Collective.
+
+        Returns:
+            Whether there are any.
+        """
         return False
 
-    def update_totals(self):
-        """Sum up force, moment, area and work of the present state. Collective; a converged increment calls it."""
+    def update_totals(self) -> None:
+        """Sum up force, moment, area and work of friction of a converged increment. Collective."""
         touching = self.status > 0
         forces = np.where(touching, self.weight, 0.0)[:, None] * self.traction
+        moments: FloatArray
         if forces.shape[1] == 2:
             moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
         else:
@@ -73,19 +141,33 @@ class ContactOutput:
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
         self.dissipated += float(sums[-1])
 
-    def at_nodes(self, values):
-        """A contact array by nodes: their numbers on this rank, (m), and values, (m) or (m, gdim)."""
-        return self.nodes, np.asarray(values, dtype=float)
-
-    def field(self, problem, values, name):
-        """A contact array as a function on the displacement's mesh, zero elsewhere, for ParaView. Collective.
-
-        Values at quadrature points (penalty) become means at the slave's nodes; see PenaltyContact.at_nodes.
+    def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
+        """Values of the contact points by nodes. Collective.
 
         Args:
-            problem: StaticProblem.
-            values: one of the arrays, (n) or (n, gdim).
-            name: of the function.
+            values: an array over the contact points, (n) or (n, gdim).
+
+        Returns:
+            Numbers of nodes on this rank, (m), and their values, (m) or (m, gdim).
+        """
+        return self.nodes, np.asarray(values, dtype=float)
+
+    def field(self, problem: ContactProblem, values: ArrayLike, name: str) -> Function:
+        """Make a function of an array over the contact points, for ParaView. Collective.
+
+        The function is on the mesh of the displacement and zero at other nodes. Values at quadrature points (penalty)
+        become means at the slave's nodes; see PenaltyContact.at_nodes.
+
+        Args:
+            problem: problem of the contact.
+            values: one of the arrays of results, (n) or (n, gdim).
+            name: name of the function.
+
+        Returns:
+            Function of the degree of the displacement.
+
+        Raises:
+            ValueError: `values` have another number of rows than the contact has points; on all ranks.
         """
         with guard(self.comm, "field", name=name):
             if len(np.atleast_1d(values)) != len(self.points):
@@ -94,10 +176,10 @@ class ContactOutput:
                 )
         V = problem.space
         mesh, degree = V.mesh, V.element.basix_element.degree
-        nodes, values = self.at_nodes(values)
-        shape = values.shape[1:]
+        nodes, found = self.at_nodes(values)
+        shape = found.shape[1:]
         f = fem.Function(fem.functionspace(mesh, ("Lagrange", degree, shape)), name=name)
         flat = f.x.array.reshape(-1, *shape)
-        flat[nodes] = np.where(np.isfinite(values), values, 0.0)
+        flat[nodes] = np.where(np.isfinite(found), found, 0.0)
         f.x.scatter_forward()
         return f

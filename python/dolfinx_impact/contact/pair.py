@@ -1,23 +1,30 @@
 # SPDX-License-Identifier: MIT
-"""Pairs of surfaces that may touch, with checked input."""
+"""Pairs of surfaces that may come into contact, with checked input."""
 
 import enum
+import functools
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from dolfinx import mesh as dmesh
+from dolfinx.fem import FunctionSpace
+from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
 from .. import _cpp
-from ..common.arguments import LARGEST_DEGREE, integer
+from ..common.arguments import LARGEST_DEGREE, integer, number
 from ..common.collective import comm_of, guard
+from ..common.types import IntArray
 from ..loads import _tag, check_tag, facet_tags_of
-from ..common.arguments import number
 from .matrices import NodalSum
 from .rigid import _Rigid
 
+_Result = TypeVar("_Result")
+
 
 class ContactStatus(enum.IntEnum):
-    """Of a contact point in a converged state; arrays of status hold these numbers."""
+    """Status of a contact point in a converged state; arrays of status contain these numbers."""
 
     open = 0
     stick = 1
@@ -28,34 +35,62 @@ class ContactPair:
     """Two surfaces that may touch: the slave carries the contact points, the master the facets they are projected on.
 
     Args:
-        facet_tags: dolfinx MeshTags over facets.
-        slave: tag of the slave surface; better the finer mesh and the softer body.
-        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder, RigidSurface.
-        friction: Coulomb's coefficient, zero or more [1].
-        search_distance: within which slave and master are paired; None: from the sizes of the facets [L].
-        remove_penetration: contact points that penetrate before anything is loaded start in touch instead: what they
-            penetrate by is added to their gaps from then on. For meshes that overlap where the bodies do not.
-        name: for messages and files.
+        facet_tags: tags of facets.
+        slave: tag of the slave surface; preferably the finer mesh and the softer body.
+        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder or RigidSurface.
+        friction: coefficient of friction, zero or more [1].
+        search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
+        remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
+            start; for meshes that overlap although the bodies do not.
+        name: name for messages and files.
 
     Raises:
-        TypeError: tags that are no integers, a master of another kind. ValueError: slave and master are the same
-        surface, negative or infinite friction. What needs the mesh is checked when a problem takes the pair.
+        TypeError: a tag is not an integer, or the master is neither a tag nor a rigid obstacle; on all ranks.
+        ValueError: slave and master are the same surface, or friction is negative or not finite; on all ranks. The
+            tags are compared with the mesh when a problem is made.
     """
 
+    facet_tags: MeshTags
+    slave: int
+    master: int | _Rigid
+    rigid: bool
+    friction: float
+    search_distance: float | None
+    remove_penetration: bool
+    name: str
+
     def __init__(
-        self, facet_tags, slave, master, friction=0.0, search_distance=None, remove_penetration=False, name=None
-    ):
+        self,
+        facet_tags: MeshTags,
+        slave: int,
+        master: int | _Rigid,
+        friction: float = 0.0,
+        search_distance: float | None = None,
+        remove_penetration: bool = False,
+        name: str | None = None,
+    ) -> None:
         given = dict(slave=slave, master=master, friction=friction, search_distance=search_distance, name=name)
         with guard(comm_of(facet_tags), "ContactPair", **given, remove_penetration=bool(remove_penetration)):
             self._check(facet_tags, slave, master, friction, search_distance)
         self.remove_penetration = bool(remove_penetration)
         self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"ContactPair({self.name!r}: slave {self.slave}, master {self.master!r}, friction {self.friction})"
 
-    def _check(self, facet_tags, slave, master, friction, search_distance):
-        """Arguments of a pair, on this rank."""
+    @property
+    def rigid_master(self) -> _Rigid:
+        """The master of a pair with `rigid`.
+
+        Raises:
+            TypeError: the master is a surface of the mesh.
+        """
+        if isinstance(self.master, _Rigid):
+            return self.master
+        raise TypeError(f"{self.name}: the master is a surface of the mesh, not a rigid obstacle")
+
+    def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:
+        """Check the arguments of a pair, on this rank."""
         self.facet_tags, self.slave = facet_tags_of("ContactPair", facet_tags), _tag(slave)
         if not isinstance(master, (_Rigid, int, float, np.integer, np.floating)):
             hint = " (make an object of it)" if isinstance(master, type) else ""
@@ -73,54 +108,66 @@ class ContactPair:
         if search_distance is not None:
             self.search_distance = number("search_distance", search_distance, 0.0, " [L]")
 
-    def surfaces(self, V):
-        """This rank's slave and master facets on the displacement space V (the master is None if rigid). Collective.
+    def surfaces(self, V: FunctionSpace) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets | None]:
+        """Find this rank's slave and master facets. Collective.
+
+        Args:
+            V: displacement space.
+
+        Returns:
+            Facets of the slave, and facets of the master, None if the master is rigid.
 
         Raises:
-            ValueError: on all ranks, for a tag without facets, facets inside the body, shared facets or nodes.
+            ValueError: a tag without facets, facets inside the body, or nodes that both surfaces share; on all ranks.
         """
         mesh = V.mesh
         tdim = mesh.topology.dim
-        for what, tag in (("slave", self.slave),) + (() if self.rigid else (("master", self.master),)):
+        tags = {"slave": self.slave}
+        if isinstance(self.master, int):
+            tags["master"] = self.master
+        for what, tag in tags.items():
             check_tag(self.facet_tags, tag, mesh, f"{self.name}, {what}")
         mesh.topology.create_connectivity(tdim - 1, tdim)
         mesh.topology.create_connectivity(tdim, tdim - 1)
         exterior = dmesh.exterior_facet_indices(mesh.topology)
         made = []
-        for tag in (self.slave,) if self.rigid else (self.slave, self.master):
+        for tag in tags.values():
             facets = self.facet_tags.find(tag)
             inside = mesh.comm.allreduce(len(np.setdiff1d(facets, _boundary(mesh, exterior))), MPI.SUM)
             if inside:
                 raise ValueError(f"{self.name}: {inside} facets with the tag {tag} lie inside the body")
-            made.append(_guarded(mesh.comm, lambda f=np.intersect1d(facets, exterior): _surface(V, f)))
+            outside = np.intersect1d(facets, exterior)
+            made.append(_guarded(mesh.comm, functools.partial(_surface, V, outside)))
         if self.rigid:
             return made[0], None
-        self._check_shared_nodes(V, *made)
-        return tuple(made)
+        slave, master = made
+        self._check_shared_nodes(V, slave, master)
+        return slave, master
 
-    def _check_shared_nodes(self, V, slave, master):
+    def _check_shared_nodes(self, V: FunctionSpace, slave: _cpp.surface.Facets, master: _cpp.surface.Facets) -> None:
+        """Refuse surfaces that share nodes. Collective."""
         index_map, gdim = V.dofmap.index_map, V.mesh.geometry.dim
         total = NodalSum(index_map, 2)
         marks = np.zeros((index_map.size_local + index_map.num_ghosts, 2))
         marks[slave.nodes, 0] = marks[master.nodes, 1] = 1.0
-        # A node of both sides may lie on no rank that has a facet of both: its owner hears of either.
+        # A rank need not have facets of both surfaces at a shared node: the marks are added at the owner of the node.
         shared = np.flatnonzero(np.all(total(marks)[: index_map.size_local] > 0.0, axis=1))
         count = V.mesh.comm.allreduce(len(shared), MPI.SUM)
         if count:
             first = V.tabulate_dof_coordinates()[shared[:3], :gdim].round(12).tolist()
-            some = sum(V.mesh.comm.allgather(first), [])[:3]
+            some = [place for places in V.mesh.comm.allgather(first) for place in places][:3]
             raise ValueError(
                 f"{self.name}: slave and master share {count} nodes, the first at {some}: a body cannot touch "
                 "itself there; leave the common edge out of one of the tags, or mesh the bodies apart"
             )
 
 
-def _surface(V, facets):
+def _surface(V: FunctionSpace, facets: IntArray) -> _cpp.surface.Facets:
     return _cpp.surface.make_surface(V._cpp_object, np.ascontiguousarray(facets, dtype=np.int32))
 
 
-def _boundary(mesh, exterior):
-    """Exterior facets this rank knows, and all ghosts: only its owner knows whether a ghost is exterior."""
+def _boundary(mesh: Mesh, exterior: IntArray) -> IntArray:
+    """Exterior facets that this rank knows, and all ghost facets: only the owner knows whether a facet is exterior."""
     tdim = mesh.topology.dim
     ghosts = np.arange(
         mesh.topology.index_map(tdim - 1).size_local,
@@ -130,8 +177,8 @@ def _boundary(mesh, exterior):
     return np.concatenate([exterior, ghosts])
 
 
-def _guarded(comm, function):
-    """Result of a function that may fail on some ranks: then ValueError on all."""
+def _guarded(comm: MPI.Comm, function: Callable[[], _Result]) -> _Result:
+    """Result of a function; if it raises on some ranks, ValueError on all ranks."""
     result, error = None, ""
     try:
         result = function()
@@ -140,15 +187,33 @@ def _guarded(comm, function):
     errors = [e for e in comm.allgather(error) if e]
     if errors:
         raise ValueError(errors[0])
-    return result
+    return cast(_Result, result)
 
 
-def check_pair(pair):
-    """What an enforcement of contact was given, on this rank."""
+def check_pair(pair: Any) -> None:
+    """Check the pair of a contact, on this rank.
+
+    Args:
+        pair: the argument.
+
+    Raises:
+        TypeError: `pair` is not a ContactPair.
+    """
     if not isinstance(pair, ContactPair):
         raise TypeError(f"expected a ContactPair, found {type(pair).__name__}")
 
 
-def check_quadrature_degree(degree):
-    """None, or a degree that quadrature rules exist for."""
+def check_quadrature_degree(degree: Any) -> int | None:
+    """Check a degree of quadrature.
+
+    Args:
+        degree: the argument.
+
+    Returns:
+        The degree, or None if none was given.
+
+    Raises:
+        TypeError: `degree` is not a number.
+        ValueError: there is no quadrature rule of this degree.
+    """
     return None if degree is None else integer("quadrature_degree", degree, 1, LARGEST_DEGREE)

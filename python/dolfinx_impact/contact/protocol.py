@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What problems ask of a contact: the interface of static contacts, with and without multipliers, and of explicit ones.
+"""Interfaces between problems and contacts: static contacts, with and without multipliers, and explicit ones.
 
-A class that has these members can be put into a problem; it need not derive from anything. Arrays are over this rank's
-contact points or degrees of freedom; what is called collective is called on all ranks at once. n is the number of this
-rank's contact points, gdim the dimension of space. Forces act on the right-hand side: the residual of equilibrium is
-internal minus external minus contact forces.
+A class that has the members of a protocol can be used in a problem; it need not derive from anything. Arrays are over
+this rank's contact points or degrees of freedom; collective methods are called on all ranks at once. n is the number of
+this rank's contact points, gdim the dimension of space. Forces act on the right-hand side: the residual of equilibrium
+is internal minus external minus contact forces.
 
 The order of the calls in one increment of statics.newton.Newton:
 
@@ -18,10 +18,60 @@ The order of the calls in one increment of statics.newton.Newton:
 
 from typing import Any, Protocol, runtime_checkable
 
-import numpy as np
+from dolfinx import la
+from dolfinx.fem import Function, FunctionSpace
 from petsc4py import PETSc
 
+from .. import _cpp
+from ..amplitude import Amplitude
+from ..assembly.operators import Tangent
+from ..assembly.rigid_body_modes import RigidBodyModes
+from ..common.types import BoolArray, FloatArray, IntArray
 from .pair import ContactPair
+
+
+class ContactProblem(Protocol):
+    """What a contact reads of any problem.
+
+    Attributes:
+        u: displacement function [L].
+        space: displacement space.
+        axisymmetric: whether x is the radius of an axisymmetric body.
+    """
+
+    u: Function
+    space: FunctionSpace
+    axisymmetric: bool
+
+
+class StaticContactProblem(ContactProblem, Protocol):
+    """What a contact reads of a static problem.
+
+    Attributes:
+        fixed: mask of prescribed dofs, owned and ghosts.
+    """
+
+    fixed: BoolArray
+    _tangent: Tangent
+
+
+class ExplicitContactProblem(ContactProblem, Protocol):
+    """What a contact reads of an explicit problem.
+
+    Attributes:
+        mass: lumped mass by degrees of freedom [M].
+    """
+
+    mass: la.Vector
+    _cpp_object: _cpp.integrators.CentralDifference
+
+    @property
+    def time(self) -> float:
+        """Present time [T]."""
+
+    @property
+    def step(self) -> int:
+        """Number of steps since the start."""
 
 
 @runtime_checkable
@@ -29,28 +79,28 @@ class StaticContact(Protocol):
     """A contact of one pair in a static problem.
 
     Attributes:
-        pair: what meets what, and the friction coefficient.
-        has_multipliers: it is a MultiplierContact.
-        displacement: of a rigid master in the present increment, (3) [L].
-        fault: why a converged state is none; empty if it is one.
+        pair: surfaces and friction coefficient.
+        has_multipliers: whether it is a MultiplierContact.
+        displacement: displacement of a rigid master in the present increment, (3) [L].
+        fault: why a converged state is not a solution; empty if it is one.
     """
 
     pair: ContactPair
     has_multipliers: bool
-    displacement: np.ndarray
+    displacement: FloatArray
     fault: str
 
     @property
-    def gap(self) -> np.ndarray:
-        """Gaps, (n), positive open, infinite without master [L]."""
+    def gap(self) -> FloatArray:
+        """Gaps, (n), positive if open, infinite without master [L]."""
 
     @property
     def num_active(self) -> int:
-        """Points in contact, of all ranks. Collective."""
+        """Number of active points of all ranks. Collective."""
 
     @property
     def symmetric(self) -> bool:
-        """Is the tangent symmetric in the present state? Collective."""
+        """Whether the tangent is symmetric in the present state. Collective."""
 
     # --- load steps --------------------------------------------------------------------------------------------------
 
@@ -61,103 +111,151 @@ class StaticContact(Protocol):
             ValueError: on all ranks.
         """
 
-    def begin_step(self, u: np.ndarray, displacement: np.ndarray | None, target: np.ndarray | None = None) -> None:
-        """An increment starts. Collective.
+    def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
+        """Begin an increment. Collective.
 
         Args:
             u: displacements, owned and ghost dofs [L].
-            displacement: of a rigid master at the end of the increment, (3); None for deformable masters [L].
-            target: prescribed values at its end, over all dofs, prescribed entries count; None: they stay [L].
+            displacement: displacement of a rigid master at the end of the increment, (3); None for deformable masters
+                [L].
+            target: prescribed displacements at the end of the increment, over all dofs, of which the prescribed ones
+                are read; None: they do not change [L].
         """
 
-    def save_state(self) -> dict:
-        """Copies of what an increment starts from."""
-
-    def restore_state(self, state: dict) -> None:
-        """Back to a state of save_state."""
-
-    def accept_step(self) -> None:
-        """The increment has converged: slips, tractions and multipliers are history; totals are updated. Collective."""
-
-    def augment(self) -> bool:
-        """After convergence: start another round (augmentation of multipliers, new closest points)?
+    def save_state(self) -> dict[str, Any]:
+        """Copy the state from which an increment starts.
 
         Returns:
-            whether the iteration must go on; `fault` is set where rounds do not help. Collective.
+            Arrays by name, for restore_state.
+        """
+
+    def restore_state(self, state: dict[str, Any]) -> None:
+        """Restore the state from which an increment started.
+
+        Args:
+            state: as save_state returned it.
+        """
+
+    def accept_step(self) -> None:
+        """Accept a converged increment: slips, tractions and multipliers become history, totals are updated.
+        Collective."""
+
+    def augment(self) -> bool:
+        """Begin another round after convergence if it is needed: augmented multipliers or new closest points.
+        Collective; `fault` is set if further rounds do not help.
+
+        Returns:
+            Whether the iteration must continue.
         """
 
     def prescribed_overlap(self) -> str:
-        """A sentence about prescribed displacements that overlap in a converged state, or an empty text. Collective."""
+        """Describe prescribed displacements that cause penetration in a converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
 
     # --- Newton iterations -------------------------------------------------------------------------------------------
 
-    def update_gap(self, u: np.ndarray) -> None:
-        """Search, gaps and normals, and the tractions that follow from them alone. Collective.
+    def update_gap(self, u: FloatArray) -> None:
+        """Update candidates, gaps, normals, and tractions that follow from gaps. Collective.
 
         Args:
             u: displacements, owned and ghost dofs [L].
         """
 
-    def update_multipliers(self, residual: np.ndarray) -> None:
-        """Multipliers from equilibrium; contacts whose tractions follow from gaps do nothing.
+    def update_multipliers(self, residual: FloatArray) -> None:
+        """Update multipliers from equilibrium; contacts without multipliers do nothing.
 
         Args:
-            residual: nodal, owned dofs, without contact forces [F].
+            residual: nodal residual without contact forces, owned dofs [F].
         """
 
     def update_active_set(self, first: bool, last: int | None = None) -> int:
-        """Change who is in contact and who sticks. Collective.
+        """Update which points are active and which of them stick. Collective.
 
         Args:
-            first: the increment has just begun: only gaps count.
-            last: change no node but the one with this global number; None: all.
+            first: whether the increment has just begun; then the gaps alone decide.
+            last: global number of the only node that may change; None: all nodes.
 
         Returns:
-            number of points of all ranks whose state is wrong, or was.
+            Number of points of all ranks whose state has changed or was wrong.
         """
 
-    def contact_forces(self) -> np.ndarray:
-        """Nodal contact forces on both bodies, owned dofs [F]. Collective."""
+    def contact_forces(self) -> FloatArray:
+        """Assemble the nodal contact forces on both bodies. Collective.
+
+        Returns:
+            Forces, owned dofs [F].
+        """
 
     def add_residual(self, b: PETSc.Vec) -> None:
-        """Subtract the nodal contact forces from the residual b [F]. Collective."""
+        """Subtract the nodal contact forces from a residual. Collective.
+
+        Args:
+            b: residual [F].
+        """
 
     def update_nodal_stiffness(self, K: PETSc.Mat) -> None:
-        """Take the scale of forces per displacement from the tangent of the bodies [F/L]. Collective."""
+        """Update the scale of force per displacement. Collective.
+
+        Args:
+            K: tangent of the bodies [F/L].
+        """
 
     def tangent(self) -> PETSc.Mat | None:
-        """Derivative of minus the contact force at given multipliers [F/L]; None: it is zero.
+        """Derivative of minus the contact force at given multipliers. Collective.
 
-        The matrix is the contact's, valid until the next call. Collective.
+        Returns:
+            Matrix of this contact, valid until the next call; None: the derivative is zero [F/L].
         """
 
     def violation(self) -> float:
-        """Largest violation of the constraints, of all ranks, in sizes of the bodies [1]. Collective."""
+        """Largest violation of the constraints on all ranks, relative to the size of the bodies. Collective.
+
+        Returns:
+            The violation [1].
+        """
 
     def largest_violation(self) -> str:
-        """A sentence about the point that violates its constraint most, or an empty text. Collective."""
+        """Describe the point with the largest violation. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
 
     def coarse_slave(self) -> str:
-        """A sentence about a slave much coarser than its master, or an empty text. Collective."""
+        """Describe a slave that is much coarser than its master. Collective.
 
-    # --- bodies that only contact holds ------------------------------------------------------------------------------
+        Returns:
+            A sentence, or an empty text.
+        """
 
-    def rigid_body_constraints(self, motions: Any) -> list:
+    # --- bodies that are supported by contact alone ------------------------------------------------------------------
+
+    def rigid_body_constraints(self, motions: RigidBodyModes) -> list[FloatArray]:
         """Rows of the active constraints applied to the rigid body modes. Collective.
 
         Args:
-            motions: rigid_body_modes.RigidBodyModes.
+            motions: rigid body modes of the bodies.
 
         Returns:
-            list of arrays (points, motions.num_modes).
+            Arrays (num_points, motions.num_modes).
         """
 
     def close_nearest(self) -> bool:
-        """Close the points nearest to the master if the bodies nearly touch; were there any? Collective."""
+        """Activate the points nearest to the master if the bodies nearly touch. Collective.
 
-    def closing_forces(self) -> np.ndarray | None:
-        """Forces that draw points of close_nearest together, owned dofs [F], subtracted from the right-hand side; None
-        without any. Collective."""
+        Returns:
+            Whether there are any.
+        """
+
+    def closing_forces(self) -> FloatArray | None:
+        """Forces that close the gaps of the points of close_nearest. Collective.
+
+        Returns:
+            Forces to be subtracted from the right-hand side, owned dofs; None without such points [F].
+        """
 
 
 @runtime_checkable
@@ -165,87 +263,126 @@ class MultiplierContact(StaticContact, Protocol):
     """A static contact whose normal tractions are unknowns: an active set on the linearised problem.
 
     Attributes:
-        nodes: (n) owned nodes that may carry a multiplier. gdim: components of a node's displacement.
-        last_change: largest global number of the nodes that the last update_active_set found wrong, -1 without any.
+        nodes: owned nodes that may have a multiplier, (n).
+        gdim: dimension of space.
+        last_change: largest global number of the nodes that the last update_active_set changed, -1 without any.
     """
 
-    nodes: np.ndarray
+    nodes: IntArray
     gdim: int
     last_change: int
 
-    def constraints(self) -> Any:
-        """Constrained directions of the active nodes: Constraints (C++)."""
-
-    def friction_springs(self) -> tuple[PETSc.Mat, np.ndarray] | None:
-        """What Newton's method sees of tractions that change with the slip: a matrix [F/L], and forces over owned dofs
-        that are subtracted from the right-hand side [F]; None without any. Collective."""
-
-    def imposed_friction_forces(self) -> np.ndarray | None:
-        """Forces of friction along prescribed directions, owned dofs [F]; None without any. Collective."""
-
-    def update_linearised_gap(self, increments: np.ndarray) -> None:
-        """Gaps and slips of the linearised problem. Collective.
-
-        Args:
-            increments: of displacement since update_gap, owned dofs [L].
-        """
-
-    def linearised_response(self, increments: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What gaps and multipliers gain by increments of displacement and the forces they cause, without friction.
+    def constraints(self) -> _cpp.multipliers.Constraints:
+        """Constrained directions of the active nodes.
 
         Returns:
-            gaps (n) [L], multipliers (n) [F/L^2]. Collective.
+            C++ object.
         """
 
-    def correct_linearisation(self, u: np.ndarray) -> None:
-        """Second-order correction: add what gaps and slips at u differ from the linearised ones. Collective."""
+    def friction_springs(self) -> tuple[PETSc.Mat, FloatArray] | None:
+        """Linearised tractions that change with the slip. Collective.
 
-    def set_multipliers(self, forces: np.ndarray) -> None:
-        """Multipliers from the solution of a saddle point.
+        Returns:
+            Matrix [F/L] and forces to be subtracted from the right-hand side, owned dofs [F]; None without any.
+        """
+
+    def imposed_friction_forces(self) -> FloatArray | None:
+        """Friction forces along prescribed directions. Collective.
+
+        Returns:
+            Forces, owned dofs; None without any [F].
+        """
+
+    def update_linearised_gap(self, increments: FloatArray) -> None:
+        """Update gaps and slips of the linearised problem. Collective.
 
         Args:
-            forces: (n, gdim) along the constrained directions, zero elsewhere [F].
+            increments: increments of displacement since update_gap, owned dofs [L].
+        """
+
+    def linearised_response(self, increments: FloatArray, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Linearised changes of gaps and multipliers without friction. Collective.
+
+        Args:
+            increments: increments of displacement, owned dofs [L].
+            forces: forces that the increments cause, owned dofs [F].
+
+        Returns:
+            Changes of gaps, (n) [L], and of multipliers, (n) [F/L^2].
+        """
+
+    def correct_linearisation(self, u: FloatArray) -> None:
+        """Second-order correction: add the differences of gaps and slips from the linearised ones. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+        """
+
+    def set_multipliers(self, forces: FloatArray) -> None:
+        """Set multipliers from the solution of a saddle point.
+
+        Args:
+            forces: forces along the constrained directions, zero elsewhere, (n, gdim) [F].
         """
 
     def rotate_friction_traction(self) -> None:
-        """Friction tractions of the last iteration follow the surface to the present state."""
+        """Rotate the friction tractions of the last iteration to the present tangent planes."""
 
 
 @runtime_checkable
 class ExplicitContact(Protocol):
-    """A contact of one pair in an explicit problem: forces are added by its C++ object inside the time step.
+    """A contact of one pair in an explicit problem: its C++ object adds forces inside the time step.
 
     Attributes:
-        pair: what meets what. nodes: (n) owned slave nodes. weight: (n) their areas [L^2].
-        motion: displacement of a rigid master, a function of time; None without one.
+        pair: surfaces and friction coefficient.
+        nodes: owned slave nodes, (n).
+        weight: areas of the nodes, (n) [L^2].
+        motion: displacement of a rigid master as a function of time; None without one [L].
     """
 
     pair: ContactPair
-    nodes: np.ndarray
-    weight: np.ndarray
-    motion: Any
+    nodes: IntArray
+    weight: FloatArray
+    motion: Amplitude | None
 
     def check_start(self) -> None:
-        """Refuse bodies that overlap by more than half a facet. Collective.
+        """Refuse bodies that penetrate by more than half a facet. Collective.
 
         Raises:
             ValueError: on all ranks.
         """
 
     def spring_frequency(self) -> float:
-        """Upper bound of the angular frequency that given contact stiffness adds, 0 without [1/T]. Collective."""
+        """Upper bound of the angular frequency that given contact stiffness adds. Collective.
 
-    def sides(self) -> list:
-        """C++ contacts: one, or for balanced contact one per direction."""
+        Returns:
+            The bound, 0 without given stiffness [1/T].
+        """
+
+    def sides(self) -> list[_cpp.nodal.NodeToSurface]:
+        """C++ contacts of this pair.
+
+        Returns:
+            One contact, or for balanced contact one per direction.
+        """
 
     def reset_history(self) -> None:
-        """Friction and energies begin anew, all nodes open."""
+        """Reset friction and energies; all nodes become open."""
 
     def update_results(self) -> None:
         """Copy pressures, tractions and totals of the last step. Collective."""
 
-    def save_results(self) -> tuple[np.ndarray, np.ndarray]:
-        """Results for a checkpoint: rows by node, and totals."""
+    def save_results(self) -> tuple[FloatArray, FloatArray]:
+        """Results for a checkpoint.
 
-    def restore_results(self, rows: np.ndarray, totals: np.ndarray) -> None:
-        """Results as save_results gave them."""
+        Returns:
+            Rows by node, and totals.
+        """
+
+    def restore_results(self, rows: FloatArray, totals: FloatArray) -> None:
+        """Restore results from a checkpoint.
+
+        Args:
+            rows: rows by node, as save_results returned them.
+            totals: totals, as save_results returned them.
+        """

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Rigid obstacles as masters."""
 
+from typing import Any
+
 import numpy as np
 
 from .. import _cpp
 from ..common.arguments import number
+from ..common.types import ArrayLike, FloatArray
 
 
-def _vector(name, value):
+def _vector(name: str, value: Any) -> FloatArray:
+    """A checked vector of two or three components, with a third component of zero in the plane, (3)."""
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
@@ -19,7 +23,8 @@ def _vector(name, value):
     return np.pad(array, (0, 3 - len(array)))
 
 
-def _unit(name, value):
+def _unit(name: str, value: Any) -> FloatArray:
+    """A checked direction of length one, (3)."""
     vector = _vector(name, value)
     length = np.linalg.norm(vector)
     if length == 0.0:
@@ -28,51 +33,56 @@ def _unit(name, value):
 
 
 class _Rigid:
-    """Common part: a displacement that may be changed between solves; load steps go there in equal parts.
+    """Base of rigid obstacles: a displacement that may be changed between solves; load steps divide it equally.
 
     Attributes:
-        motion: of explicit problems, added to the displacement: function of time with three components, or a pair
+        motion: of explicit problems, added to the displacement: a function of time with three components, a pair
             (times, values), or None [L].
     """
 
-    _checksum = ""  # of a form that numbers do not tell
+    _checksum = ""  # of a shape that is not given by a few numbers
 
-    def __init__(self, kind, point, direction, radius):
+    def __init__(self, kind: str, point: FloatArray, direction: FloatArray, radius: float) -> None:
         self._kind, self._point, self._direction, self._radius = kind, point, direction, radius
-        self._displacement = np.zeros(3)
-        self.motion = None
+        self._displacement: FloatArray = np.zeros(3)
+        self.motion: Any = None
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         moved = f", displacement={self._displacement.tolist()}" if np.any(self._displacement) else ""
         driven = ", motion=..." if self.motion is not None else ""
         return f"{type(self).__name__}({self._made_of()}{moved}{driven})"
 
-    def _made_of(self):
+    def _made_of(self) -> str:
         """Arguments as `repr` shows them."""
         return f"center={self._point.tolist()}, radius={self._radius}"
 
-    def same_on_all_ranks(self):
-        """What collective.describe compares."""
+    def same_on_all_ranks(self) -> list[Any]:
+        """Values that collective.describe compares between ranks.
+
+        Returns:
+            Shape, displacement and motion.
+        """
         return [self._kind, self._point, self._direction, self._radius, self._displacement, self.motion]
 
     @property
-    def displacement(self):
-        """Displacement from where it was made (3 components) [L]."""
+    def displacement(self) -> FloatArray:
+        """Displacement from the position at which the obstacle was made, (3) [L]."""
         return self._displacement.copy()
 
     @displacement.setter
-    def displacement(self, value):
+    def displacement(self, value: ArrayLike) -> None:
         self._displacement = _vector("displacement", value)
 
-    def _turn(self):
-        """What to do where the slave is on the wrong side."""
+    def _orientation_hint(self) -> str:
+        """What a user can change if the slave is on the wrong side of the obstacle."""
         place = "inside" if self._radius > 0.0 else "around"
         return (
             f"change the sign of the radius {self._radius:g} of the {self._kind} if the body is {place} it "
             "(positive: the obstacle is solid, negative: a hole that holds the body), or correct the slave's tag"
         )
 
-    def _obstacle(self, gdim):
+    def _obstacle(self, gdim: int) -> _cpp.gap.Rigid:
+        """The obstacle on the C++ side, on meshes of a dimension."""
         if gdim == 2:
             if self._kind == "plane" and self._direction[2] != 0.0:
                 raise ValueError("the normal of a rigid plane on a plane mesh has a third component")
@@ -85,24 +95,26 @@ class RigidPlane(_Rigid):
     """Rigid half-space.
 
     Args:
-        point: a point of its surface (2 or 3 components) [L].
-        normal: out of the obstacle, towards the body; any length [1].
+        point: a point of its surface, (2) or (3) [L].
+        normal: direction out of the obstacle, towards the body, of any length, (2) or (3) [1].
 
     Raises:
-        TypeError, ValueError: not numbers, not finite, a normal of zero.
+        TypeError: an argument is not made of numbers.
+        ValueError: an argument is not finite or has another shape, or the normal is zero.
     """
 
-    def __init__(self, point, normal):
+    def __init__(self, point: ArrayLike, normal: ArrayLike) -> None:
         super().__init__("plane", _vector("point", point), _unit("normal", normal), 0.0)
 
-    def _made_of(self):
+    def _made_of(self) -> str:
         return f"point={self._point.tolist()}, normal={self._direction.tolist()}"
 
-    def _turn(self):
+    def _orientation_hint(self) -> str:
         return f"turn the plane's normal {self._direction.tolist()} round, it must point out of the obstacle"
 
 
-def _radius(value):
+def _radius(value: Any) -> float:
+    """A checked radius that is not zero."""
     radius = number("radius", value, unit=" [L]")
     if radius == 0.0:
         raise ValueError("the radius of a rigid obstacle is zero")
@@ -110,29 +122,36 @@ def _radius(value):
 
 
 class RigidSphere(_Rigid):
-    """Rigid ball; in an axisymmetric problem its centre must be on the axis.
+    """Rigid ball, or spherical cavity; in an axisymmetric problem its centre must be on the axis.
 
     Args:
-        center: (2 or 3 components) [L].
-        radius: positive; negative for a cavity that holds the body [L].
+        center: centre, (2) or (3) [L].
+        radius: radius, positive for a ball, negative for a cavity around the body [L].
+
+    Raises:
+        TypeError: an argument is not made of numbers.
+        ValueError: an argument is not finite or has another shape, or the radius is zero.
     """
 
-    def __init__(self, center, radius):
+    def __init__(self, center: ArrayLike, radius: float) -> None:
         super().__init__("sphere", _vector("center", center), np.array([0.0, 0.0, 1.0]), _radius(radius))
 
 
 class RigidCylinder(_Rigid):
-    """Rigid cylinder of infinite length.
+    """Rigid cylinder of infinite length, or cylindrical bore.
 
     Args:
-        center: a point of its axis (2 or 3 components) [L].
-        radius: positive; negative for a bore that holds the body
-            [L].
-        axis: direction of the axis; on plane meshes it points out of the plane [1].
+        center: a point of its axis, (2) or (3) [L].
+        radius: radius, positive for a cylinder, negative for a bore around the body [L].
+        axis: direction of the axis, (2) or (3); on plane meshes it is normal to the plane [1].
+
+    Raises:
+        TypeError: an argument is not made of numbers.
+        ValueError: an argument is not finite or has another shape, or radius or axis is zero.
     """
 
-    def __init__(self, center, radius, axis=(0.0, 0.0, 1.0)):
+    def __init__(self, center: ArrayLike, radius: float, axis: ArrayLike = (0.0, 0.0, 1.0)) -> None:
         super().__init__("cylinder", _vector("center", center), _unit("axis", axis), _radius(radius))
 
-    def _made_of(self):
+    def _made_of(self) -> str:
         return f"{super()._made_of()}, axis={self._direction.tolist()}"

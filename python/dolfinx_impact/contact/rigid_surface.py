@@ -1,73 +1,103 @@
 # SPDX-License-Identifier: MIT
-"""Rigid obstacles of any form: heights over a plane, facets, the boundary of a mesh."""
+"""Rigid obstacles of any shape: heights over a plane, facets, the boundary of a mesh."""
 
 import hashlib
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
-from dolfinx.mesh import entities_to_geometry
+from dolfinx.mesh import Mesh, MeshTags, entities_to_geometry
 from scipy.linalg import solve_banded
 
 from .. import _cpp
-from ..loads import check_tag
 from ..common.arguments import number
+from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
+from ..loads import check_tag
 from .rigid import _Rigid, _unit, _vector
 
-FIRST, MOST = 64, {2: 1 << 17, 3: 1 << 10}  # cells of a grid along one direction: at first, and at most by dimension
-PLACES = (0.21, 0.5, 0.84)  # in each cell of a grid, where heights are compared with the spline
+FIRST = 64  # cells of the first grid along one direction
+MOST = {2: 1 << 17, 3: 1 << 10}  # largest number of cells of a grid along one direction, by dimension of space
+PLACES = (0.21, 0.5, 0.84)  # points in each cell of a grid at which the spline is compared with the function
 
 
 class RigidSurface(_Rigid):
-    """Rigid obstacle of any form, made by `from_function`, `from_facets` or `from_mesh`. It may be moved as the other
-    obstacles are (`displacement`, `motion`). Every rank has all of it.
+    """Rigid obstacle of any shape, made by `from_function`, `from_facets` or `from_mesh`; every rank has all of it.
+
+    Its `displacement` and `motion` move it as the other obstacles.
+
+    Args:
+        shape: shape on the C++ side.
+        gdim: dimension of space.
+        hint: what a user can change if the slave is on the wrong side.
+        numbers: arrays that define the shape, to be compared between ranks.
+
+    Raises:
+        TypeError: `shape` is not a shape of the C++ side.
     """
 
-    def __init__(self, shape, gdim=0, turn="", numbers=()):
+    def __init__(self, shape: _cpp.gap.Shape, gdim: int = 0, hint: str = "", numbers: Iterable[AnyArray] = ()) -> None:
         if not isinstance(shape, _cpp.gap.Shape):
             raise TypeError("make a RigidSurface by from_function, from_facets or from_mesh")
         super().__init__("surface", np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.0)
-        self._shape, self._gdim, self._hint = shape, gdim, turn
+        self._shape, self._gdim, self._hint = shape, gdim, hint
         parts = b"".join(np.ascontiguousarray(n, dtype=float).tobytes() for n in numbers)
         self._checksum = hashlib.blake2b(parts, digest_size=16).hexdigest()
 
-    def _made_of(self):
+    def _made_of(self) -> str:
         return f"{self._gdim}D" if self._gdim else ""
 
-    def same_on_all_ranks(self):
-        """What stands for it where ranks are compared."""
+    def same_on_all_ranks(self) -> list[Any]:
+        """Values that collective.describe compares between ranks.
+
+        Returns:
+            Checksum of the shape, displacement and motion.
+        """
         return [self._checksum, self.displacement, self.motion]
 
     @classmethod
-    def from_function(cls, height, bounds, point, normal, tolerance=None):
-        """Surface that a function gives over a line (in the plane) or a plane (in space), for example a rounded punch.
+    def from_function(
+        cls,
+        height: Callable[..., ArrayLike],
+        bounds: ArrayLike,
+        point: ArrayLike,
+        normal: ArrayLike,
+        tolerance: float | None = None,
+    ) -> "RigidSurface":
+        """Surface given by a function of heights over a line (in the plane) or a plane (in space).
 
-        The heights become a cubic spline on a grid that is refined until it is as near to the function as `tolerance`;
-        gaps, normals and curvatures are those of the spline. Beyond the bounds the surface goes on straight.
+        The heights are interpolated by a cubic spline on a grid that is refined until the spline differs from the
+        function by less than `tolerance`. Gaps, normals and curvatures are those of the spline. Outside the bounds the
+        surface is extended straight.
 
         Args:
-            height: function of arrays of one coordinate x, or two, x and y, that returns heights over `point` along
-                `normal`, towards the body [L]. The coordinates count from `point`, along the axes of space without the
-                one nearest to the normal; where the normal is oblique, along their parts across it.
+            height: function of arrays of one coordinate x, or of two, x and y, that returns heights over `point` along
+                `normal`, towards the body. The coordinates have their origin at `point` and are measured along the axes
+                of space other than the one nearest to the normal, projected onto the plane across the normal [L].
             bounds: (low, high) of the coordinate, or a pair of such pairs [L].
-            point: where coordinates and height are zero (2 or 3 components) [L].
-            normal: out of the obstacle, towards the body; any length [1].
+            point: origin of coordinates and heights, (2) or (3) [L].
+            normal: direction out of the obstacle, towards the body, of any length, (2) or (3) [1].
             tolerance: largest difference of spline and function; None: 1e-7 of the longest side of the bounds [L].
 
+        Returns:
+            The obstacle.
+
         Raises:
-            TypeError, ValueError: a height that is no function or not finite, bounds that are none, a function that no
-            grid of a reasonable size resolves: one with jumps or kinks.
+            TypeError: `height` is not a function of arrays, or an argument is not made of numbers.
+            ValueError: heights that are not finite, bounds of a wrong shape or order, or a function with jumps or
+                kinks, which no grid of the largest size resolves.
         """
         if not callable(height):
             raise TypeError(f"height must be a function of arrays of coordinates, found {type(height).__name__}")
         origin, size = _vector("point", point), len(np.ravel(point))
-        bounds = np.array(bounds, dtype=float).reshape(-1, 2)
-        if len(bounds) != size - 1 or not np.all(np.isfinite(bounds)) or np.any(bounds[:, 0] >= bounds[:, 1]):
+        limits = np.array(bounds, dtype=float).reshape(-1, 2)
+        if len(limits) != size - 1 or not np.all(np.isfinite(limits)) or np.any(limits[:, 0] >= limits[:, 1]):
             wanted = "(low, high)" if size == 2 else "two pairs (low, high)"
-            raise ValueError(f"bounds are {bounds.tolist()}: give {wanted}, low below high")
-        lengths = bounds[:, 1] - bounds[:, 0]
+            raise ValueError(f"bounds are {limits.tolist()}: give {wanted}, low below high")
+        lengths = limits[:, 1] - limits[:, 0]
         tolerance = 1e-7 * lengths.max() if tolerance is None else number("tolerance", tolerance, 0.0, " [L]")
-        cells = np.full(size - 1, FIRST)
+        cells: IntArray = np.full(size - 1, FIRST)
         while True:
-            coefficients, errors = _spline(height, bounds, cells, tolerance)
+            coefficients, errors = _spline(height, limits, cells)
             if np.all(errors <= tolerance):
                 break
             if np.all(cells[errors > tolerance] >= MOST[size]):
@@ -79,48 +109,56 @@ class RigidSurface(_Rigid):
         pad = 3 - size
         shape = _cpp.gap.HeightField(
             size, origin.tolist(), _axes(_unit("normal", normal)[:size]).tolist(),
-            [*bounds[:, 0], *[0.0] * pad], [*(lengths / cells), *[0.0] * pad], [*cells.tolist(), *[0] * pad],
+            [*limits[:, 0], *[0.0] * pad], [*(lengths / cells), *[0.0] * pad], [*map(int, cells), *[0] * pad],
             np.ascontiguousarray(coefficients).ravel(),
         )  # fmt: skip
-        turn = "turn the surface's normal round, it must point out of the obstacle"
-        return cls(shape, size, turn, (bounds, origin, normal, coefficients))
+        hint = "turn the surface's normal round, it must point out of the obstacle"
+        return cls(shape, size, hint, (limits, origin, np.asarray(normal), coefficients))
 
     @classmethod
-    def from_facets(cls, points, facets):
-        """Surface of straight facets, as a file of triangles has them (STL). Normals jump at edges: take fine ones.
+    def from_facets(cls, points: ArrayLike, facets: ArrayLike) -> "RigidSurface":
+        """Surface of straight facets, for example the triangles of an STL file.
+
+        Normals are discontinuous at edges; a fine surface keeps the jumps small.
 
         Args:
-            points: (n, 2) or (n, 3) [L].
-            facets: (m, 2) segments with the obstacle on their left, or (m, 3) triangles, counter-clockwise seen from
-                outside. A point beside the rim of an open surface does not touch it.
+            points: points of the facets, (n, 2) or (n, 3) [L].
+            facets: numbers of the points of each facet: segments with the obstacle on their left, (m, 2), or triangles
+                that are counter-clockwise seen from outside, (m, 3). Points outside the boundary of an open surface
+                have no contact with it.
+
+        Returns:
+            The obstacle.
 
         Raises:
-            ValueError: shapes or numbers that do not fit, facets without size, oriented differently from a neighbour.
+            ValueError: shapes or numbers that do not fit, facets without size, or neighbours of opposite orientation.
         """
-        points, facets = np.array(points, dtype=float), np.array(facets)
-        if points.ndim != 2 or points.shape[1] not in (2, 3) or facets.ndim != 2 or facets.shape[1] != points.shape[1]:
+        x, numbers = np.array(points, dtype=float), np.array(facets)
+        if x.ndim != 2 or x.shape[1] not in (2, 3) or numbers.ndim != 2 or numbers.shape[1] != x.shape[1]:
             raise ValueError(
-                f"points have shape {points.shape}, facets {facets.shape}: (n, 2) and (m, 2), or (n, 3) and (m, 3)"
+                f"points have shape {x.shape}, facets {numbers.shape}: (n, 2) and (m, 2), or (n, 3) and (m, 3)"
             )
-        if not np.issubdtype(facets.dtype, np.integer) or not np.all(np.isfinite(points)):
+        if not np.issubdtype(numbers.dtype, np.integer) or not np.all(np.isfinite(x)):
             raise ValueError("facets must be whole numbers of points, points finite numbers")
-        gdim = points.shape[1]
-        shape = _cpp.gap.FacetShape(gdim, points.ravel(), np.ascontiguousarray(facets, dtype=np.int32).ravel())
-        turn = "turn the order of the facets' points round: their normals must point out of the obstacle"
-        return cls(shape, gdim, turn, (points, facets))
+        gdim = x.shape[1]
+        shape = _cpp.gap.FacetShape(gdim, x.ravel(), np.ascontiguousarray(numbers, dtype=np.int32).ravel())
+        hint = "turn the order of the facets' points round: their normals must point out of the obstacle"
+        return cls(shape, gdim, hint, (x, numbers))
 
     @classmethod
-    def from_mesh(cls, mesh, facet_tags, tag):
-        """Boundary facets of a mesh of the obstacle; between their corners they are straight. Collective over the
-        mesh's ranks.
+    def from_mesh(cls, mesh: Mesh, facet_tags: MeshTags, tag: int) -> "RigidSurface":
+        """Surface of the boundary facets of a mesh, straight between their corners. Collective over the mesh.
 
         Args:
-            mesh: DOLFINx mesh, filled by the obstacle.
-            facet_tags: MeshTags over its facets.
-            tag: of the surface.
+            mesh: mesh of the obstacle's volume.
+            facet_tags: tags of its facets.
+            tag: tag of the surface.
+
+        Returns:
+            The obstacle.
 
         Raises:
-            ValueError: the tag does not exist, or not on the boundary; on all ranks.
+            ValueError: no facet of the boundary has the tag, or the mesh is a surface in space; on all ranks.
         """
         gdim, tdim = mesh.geometry.dim, mesh.topology.dim
         if gdim != tdim:
@@ -155,17 +193,17 @@ class RigidSurface(_Rigid):
         _, first, facets = np.unique(numbers, return_index=True, return_inverse=True)
         return cls.from_facets(points.reshape(-1, gdim)[first], facets.reshape(numbers.shape))
 
-    def _turn(self):
+    def _orientation_hint(self) -> str:
         return self._hint
 
-    def _obstacle(self, gdim):
+    def _obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         if gdim != self._gdim:
             raise ValueError(f"the rigid surface has {self._gdim} dimensions, the mesh {gdim}")
         return _cpp.gap.Rigid(self._shape)
 
 
-def _axes(normal):
-    """Directions of the coordinates and of the height: (3, 3), rows."""
+def _axes(normal: FloatArray) -> FloatArray:
+    """Directions of the coordinates and of the height as rows, (3, 3)."""
     gdim, out = len(normal), np.zeros((3, 3))
     others = [k for k in range(gdim) if k != np.argmax(np.abs(normal))]
     done = [normal]
@@ -179,7 +217,7 @@ def _axes(normal):
     return out
 
 
-def _sample(height, coordinates):
+def _sample(height: Callable[..., ArrayLike], coordinates: Sequence[FloatArray]) -> FloatArray:
     """Heights at all combinations of coordinates."""
     grid = np.meshgrid(*coordinates, indexing="ij")
     try:
@@ -195,16 +233,17 @@ def _sample(height, coordinates):
     return values
 
 
-def _spline(height, bounds, cells, tolerance):
-    """Coefficients of the cubic splines through the heights on a grid, and the largest difference between its nodes,
-    along each direction.
+def _spline(height: Callable[..., ArrayLike], bounds: FloatArray, cells: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Coefficients of the cubic spline through the heights on a grid, and its largest difference from the function
+    between the nodes of each direction.
 
-    The ends have no knot of their own at the first and last inner node (de Boor 1978).
+    The conditions at the ends are not-a-knot: the third derivative is continuous at the first and last inner node
+    (de Boor 1978).
     """
-    nodes = [np.linspace(*b, n + 1) for b, n in zip(bounds, cells)]
+    nodes = [np.linspace(bounds[k, 0], bounds[k, 1], int(n) + 1) for k, n in enumerate(cells)]
     coefficients = _sample(height, nodes)
     for axis, n in enumerate(cells):
-        coefficients = np.moveaxis(_through(np.moveaxis(coefficients, axis, 0), n), 0, axis)
+        coefficients = np.moveaxis(_through(np.moveaxis(coefficients, axis, 0), int(n)), 0, axis)
     errors = []
     for axis, n in enumerate(cells):
         error = 0.0
@@ -217,17 +256,18 @@ def _spline(height, bounds, cells, tolerance):
                 s = 1.0 - at
                 weights = s**3 / 6, (4 - 6 * at**2 + 3 * at**3) / 6, (4 - 6 * s**2 + 3 * s**3) / 6, at**3 / 6
                 count = len(places[k])
-                values = sum(w * np.take(values, np.arange(j, j + count), axis=k) for j, w in enumerate(weights) if w)
+                terms = [w * np.take(values, np.arange(j, j + count), axis=k) for j, w in enumerate(weights) if w]
+                values = sum(terms[1:], terms[0])
             error = max(error, float(np.abs(values - _sample(height, places)).max()))
         errors.append(error)
     return coefficients, np.array(errors)
 
 
-def _through(values, n):
-    """Coefficients (n + 3, ...) of the splines through n + 1 values."""
-    bands = np.zeros((9, n + 3))  # rows of the matrix: 4 + row - column
+def _through(values: FloatArray, n: int) -> FloatArray:
+    """Coefficients of the splines through n + 1 values, (n + 3, ...)."""
+    bands = np.zeros((9, n + 3))  # the entry (row, column) of the matrix is in row 4 + row - column
 
-    def put(row, column, value):
+    def put(row: int, column: int, value: float) -> None:
         bands[4 + row - column, column] = value
 
     for k, value in enumerate((1.0, -4.0, 6.0, -4.0, 1.0)):

@@ -62,7 +62,7 @@ class CellMatrices:
 
     def take(self):
         """Remember the present constants and coefficients. Collective."""
-        self._inputs.take()
+        self._inputs.store()
 
     def _integrals(self):
         """Kernel, functions by name, entities and constants of each integral. Collective."""

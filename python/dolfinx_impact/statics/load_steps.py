@@ -143,7 +143,7 @@ class _Path:
         self.load_ends = [np.array(c.value) for c, _ in self.loads]
         self.obstacles = [c for c in problem.contact if c.pair.rigid]
         self.obstacle_starts = [c.displacement.copy() for c in self.obstacles]
-        self.obstacle_ends = [c.pair.master.displacement for c in self.obstacles]
+        self.obstacle_ends = [c.pair.rigid_master.displacement for c in self.obstacles]
 
     def values(self, fraction):
         """Prescribed displacements at a fraction (an array over all dofs, prescribed entries count)."""

@@ -195,5 +195,5 @@ class StaticProblem(Unique):
         return {
             "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],
             "bcs": [arguments.value_of(bc) for bc in self.bcs],
-            "displacement of the masters": [c.pair.master.displacement for c in self.contact if c.pair.rigid],
+            "displacement of the masters": [c.pair.rigid_master.displacement for c in self.contact if c.pair.rigid],
         }

@@ -2,64 +2,104 @@
 """Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit/penalty.md."""
 
 import math
+from typing import Any
 
 import numpy as np
 import ufl
 from mpi4py import MPI
 
 from ... import _cpp
-from ...assembly import operators
 from ...amplitude import Amplitude
+from ...assembly import operators
 from ...common.arguments import integer
 from ...common.collective import comm_of, guard
+from ...common.types import FloatArray, IntArray
 from ...forms.materials import weight
 from ..output import ContactOutput
-from ..pair import check_pair
+from ..pair import ContactPair, check_pair
+from ..protocol import ExplicitContactProblem
 from .springs import searched
 from ..initial_penetration import check_side
 
 
 class Kinematic:
-    """Enforce contact of a pair in explicit dynamics by correcting a predicted configuration; seed, five steps after
-    (3.48).
+    """Enforce contact of a pair in explicit dynamics by correction of a predicted configuration.
+
+    Seed, five steps after (3.48).
 
     Args:
-        pair: ContactPair. sweeps: corrections per step; matching nodes need one [1].
+        pair: the pair of surfaces.
+        sweeps: number of corrections per step; matching nodes need one [1].
 
     Raises:
-        TypeError, ValueError: sweeps that are no positive integer.
+        TypeError: `pair` is not a ContactPair, or `sweeps` not a number; on all ranks.
+        ValueError: `sweeps` is not a positive integer; on all ranks.
     """
 
-    def __init__(self, pair, sweeps=3):
+    def __init__(self, pair: ContactPair, sweeps: int = 3) -> None:
         with guard(comm_of(pair), "Kinematic", pair=pair, sweeps=sweeps):
             check_pair(pair)
             self.pair, self.sweeps = pair, integer("sweeps", sweeps, 1)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Kinematic({self.pair!r}, sweeps={self.sweeps})"
 
-    def _bind(self, problem):
+    def _bind(self, problem: object) -> None:
         raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")
 
-    def _bind_explicit(self, problem):
+    def _bind_explicit(self, problem: ExplicitContactProblem) -> "NodalResult":
         return NodalResult(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
 
 
 GAPS = ("gap", "normal")
-RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # by node
+RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # arrays by node
 
 
 class NodalResult(ContactOutput):
-    """Contact of one pair in an explicit problem. Points are the slave nodes that this rank owns; see ContactOutput.
+    """Contact of one pair in an explicit problem; points are the slave nodes that this rank owns.
 
-    Gaps are as they are now; they are found when they are asked for, as the steps look at nodes only when these could
-    touch. Without a master within the search distance a gap is infinite, its normal zero.
+    Gaps and normals belong to the present configuration. They are evaluated on access, because the time steps evaluate
+    only nodes that may be in contact. Without a master within the search distance a gap is infinite and its normal
+    zero.
+
+    Args:
+        pair: the pair of surfaces.
+        problem: the problem.
+        law: C++ class of the contact, PenaltyContact or KinematicContact.
+        options: its parameters.
+
+    Attributes:
+        nodes: owned slave nodes, (n).
+        weight: areas of the nodes, (n) [L^2].
+        points: present positions, (n, gdim) [L].
+        pressure: contact pressure, (n) [F/L^2].
+        traction: contact traction on the slave, (n, gdim) [F/L^2].
+        slip: slip of the nodes, (n, gdim) [L].
+        status: ContactStatus numbers, (n).
+        stiffness: contact stiffness of the nodes, (n) [F/L].
+        motion: displacement of a rigid master as a function of time; None for deformable masters [L].
+
+    Raises:
+        ValueError: surfaces that do not fit the problem, or `remove_penetration`; on all ranks.
     """
 
     initial = None
-    _known = None  # gaps, when they were asked for since `update_results`
+    nodes: IntArray
+    weight: FloatArray
+    points: FloatArray
+    pressure: FloatArray
+    traction: FloatArray
+    slip: FloatArray
+    status: IntArray
+    stiffness: FloatArray
+    force: FloatArray
+    moment: FloatArray
+    motion: Amplitude | None
+    _known: dict[str, FloatArray] | None = None  # gaps and normals of the last step, after they have been evaluated
 
-    def __init__(self, pair, problem, law, **options):
+    def __init__(
+        self, pair: ContactPair, problem: ExplicitContactProblem, law: type[_cpp.nodal.NodeToSurface], **options: Any
+    ) -> None:
         self.pair, self.problem, self.V = pair, problem, problem.space
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
@@ -69,25 +109,33 @@ class NodalResult(ContactOutput):
                 "pushes small overlaps out"
             )
         slave, master = pair.surfaces(V)
-        self.obstacle = pair.master._obstacle(self.gdim) if pair.rigid else None
-        if pair.rigid:
-            self.obstacle.displacement = pair.master.displacement.tolist()
+        self.obstacle = pair.rigid_master._obstacle(self.gdim) if pair.rigid else None
+        if self.obstacle is not None:
+            self.obstacle.displacement = pair.rigid_master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)
         self._law, self.options = law, options
         self._surfaces = slave, self.obstacle if pair.rigid else master
         facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
-        self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest, at rest
+        self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest one in the reference configuration
         self._cpp_object = self.make(law, **options)
         self.nodes, self.weight = self._cpp_object.nodes, self._cpp_object.areas
         self._X = self._cpp_object.X.reshape(-1, self.gdim)
         self.motion = None
         if pair.rigid:
-            place, motion = pair.master.displacement, pair.master.motion
+            place, motion = pair.rigid_master.displacement, pair.rigid_master.motion
             moving = Amplitude(motion, f"motion of the rigid master of {pair.name}", size=3)
             self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)
 
-    def make(self, law, **options):
-        """A C++ contact of this pair by a law: PenaltyContact, KinematicContact. Collective."""
+    def make(self, law: type[_cpp.nodal.NodeToSurface], **options: Any) -> _cpp.nodal.NodeToSurface:
+        """Make a C++ contact of this pair. Collective.
+
+        Args:
+            law: C++ class of the contact, PenaltyContact or KinematicContact.
+            options: its parameters.
+
+        Returns:
+            The contact.
+        """
         pair = self.pair
         return law(
             self.V._cpp_object,
@@ -99,34 +147,45 @@ class NodalResult(ContactOutput):
         )
 
     @property
-    def penalty(self):
-        """Pressure per penetration that was given [F/L^3]; 0: stiffness from masses and step, or none."""
+    def penalty(self) -> float:
+        """Given penalty; 0 if the stiffness follows from masses and step, and in kinematic contact [F/L^3]."""
         return self.options.get("penalty", 0.0)
 
     @property
-    def kinematic(self):
+    def kinematic(self) -> bool:
+        """Whether the contact is kinematic."""
         return self._law is _cpp.nodal.KinematicContact
 
-    def sides(self):
-        """The C++ contact, and for balanced contact that of the other direction."""
+    def sides(self) -> list[_cpp.nodal.NodeToSurface]:
+        """C++ contacts of this pair.
+
+        Returns:
+            One contact, or for balanced contact one per direction.
+        """
         other = None if self.kinematic else self._cpp_object.other
         return [self._cpp_object] if other is None else [self._cpp_object, other]
 
-    def reset_history(self):
-        """Friction and energies begin anew, all nodes open."""
+    def reset_history(self) -> None:
+        """Reset friction and energies; all nodes become open."""
         for side in self.sides():
             history = {name: np.zeros_like(values) for name, values in side.history().items()}
             history["facet"][:] = -1
             side.set_history(history)
             side.set_energy(0.0, 0.0, 0.0)
 
-    def spring_frequency(self):
-        """Largest angular frequency that springs of given stiffness add at most, wherever slave and master come to
-        meet; automatic ones leave the step alone [1/T]. Collective."""
+    def spring_frequency(self) -> float:
+        """Upper bound of the angular frequency that springs of given stiffness add. Collective.
+
+        The bound is valid for all positions of slave and master. Automatic stiffness does not reduce the stable step.
+
+        Returns:
+            The bound, 0 without given stiffness [1/T].
+        """
         if not self.penalty:
             return 0.0
 
-        def most(values):
+        def most(values: FloatArray) -> float:
+            """Largest value on all ranks."""
             return self.comm.allreduce(float(np.max(values, initial=0.0)), MPI.MAX)
 
         mass = self.problem.mass.array[:: self.gdim]
@@ -136,15 +195,16 @@ class NodalResult(ContactOutput):
         areas = self._master_areas()
         near = np.flatnonzero(areas)
         master = areas[near], mass[near]
-        # The largest sum of |phi_j| on a facet.
+        # Largest sum of the absolute values of a facet's shape functions.
         phi = 1.0 if self.V.element.basix_element.degree == 1 else {2: 1.25, 3: 5 / 3}[self.gdim]
         sums = [
             most(a[0] / a[1]) + phi * most((b[0] + most(a[0])) / b[1]) for a, b in ((slave, master), (master, slave))
         ]
-        balanced = self.options.get("balanced", False)  # half of it in each direction
+        balanced = self.options.get("balanced", False)  # half of the stiffness in each direction
         return float(np.sqrt(self.penalty * (0.5 * (sums[0] + sums[1]) if balanced else sums[0])))
 
-    def _master_areas(self):
+    def _master_areas(self) -> FloatArray:
+        """Areas of the master's nodes, owned and ghosts; zero at other nodes. Collective."""
         V, mesh = self.V, self.V.mesh
         v = ufl.TestFunction(V)
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.pair.facet_tags)(self.pair.master)
@@ -152,13 +212,13 @@ class NodalResult(ContactOutput):
         area = operators.InternalForce(ufl.inner(ufl.as_vector([1.0] * self.gdim), v) * weight(mesh, hypothesis) * ds)
         return np.abs(area.apply().array[:: self.gdim])
 
-    def check_start(self):
-        """Refuse bodies that overlap by more than half a facet. Collective.
+    def check_start(self) -> None:
+        """Refuse bodies that penetrate by more than half a facet. Collective.
 
         Raises:
             ValueError: on all ranks.
         """
-        deep = int(self._cpp_object.counters()["implausible"])  # kinematic contact looks at gaps in steps
+        deep = int(self._cpp_object.counters()["implausible"])  # kinematic contact evaluates gaps inside steps only
         if self.problem.step == 0 and self.pair.rigid:
             deep = self._deep_in_obstacle()
         elif self.problem.step == 0 and self.kinematic:
@@ -170,37 +230,41 @@ class NodalResult(ContactOutput):
                 "at the start; move them apart"
             )
 
-    def _deep_by_springs(self):
-        """How many nodes springs in place of the steps' correction would find too deep. Collective."""
+    def _deep_by_springs(self) -> int:
+        """Number of nodes that penalty contact would find too deep in the present configuration. Collective."""
         twin, halo, u = searched(self, self.problem.u.x.array, _cpp.nodal.PenaltyContact)
         zero = np.zeros_like(u)
         twin.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
         return int(twin.counters()["implausible"])
 
-    def _deep_in_obstacle(self):
-        moved = (self.motion.sample([self.problem.time])[0] - self.pair.master.displacement)[: self.gdim]
+    def _deep_in_obstacle(self) -> int:
+        """Number of nodes that penetrate a rigid master by more than half a facet in the present configuration."""
+        assert self.motion is not None and self.obstacle is not None  # check_start has found a rigid master
+        moved = (self.motion.sample([self.problem.time])[0] - self.pair.rigid_master.displacement)[: self.gdim]
         x = self._X + self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes] - moved
         gap = self.obstacle.evaluate(np.ascontiguousarray(x).ravel())[0]
         return int(np.count_nonzero(gap < -0.5 * self._facet))
 
     @property
-    def gap(self):
+    def gap(self) -> FloatArray:
+        """Gaps, (n), positive if open, infinite without master [L]."""
         return self._gaps()["gap"]
 
     @property
-    def normal(self):
+    def normal(self) -> FloatArray:
+        """Unit normals out of the master, (n, gdim) [1]."""
         return self._gaps()["normal"]
 
-    def _gaps(self):
-        """Gaps and normals, of open nodes as they are now."""
+    def _gaps(self) -> dict[str, FloatArray]:
+        """Gaps and normals in the present configuration, of open nodes as well."""
         if self._known is None:
             self.problem._cpp_object.update_gaps()
             results = self._cpp_object.results()
             self._known = {name: results[name] for name in GAPS}
         return self._known
 
-    def update_results(self):
-        """Copy results of the last step. Collective."""
+    def update_results(self) -> None:
+        """Copy pressures, tractions and totals of the last step. Collective."""
         results = self._cpp_object.results()
         for name in RESULTS[len(GAPS) :]:
             setattr(self, name, results[name])
@@ -208,6 +272,7 @@ class NodalResult(ContactOutput):
         u = self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes]
         self.points = self._X + u
         forces = self.weight[:, None] * self.traction
+        moments: FloatArray
         if self.gdim == 2:
             moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
         else:
@@ -219,21 +284,30 @@ class NodalResult(ContactOutput):
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
         self.dissipated = float(sums[-1])
 
-    def save_results(self):
-        """What `update_results` found, for checkpoints: rows by node, and the totals."""
+    def save_results(self) -> tuple[FloatArray, FloatArray]:
+        """Results of `update_results` for a checkpoint.
+
+        Returns:
+            Rows by node, and totals.
+        """
         rows = [np.asarray(getattr(self, name), dtype=float) for name in RESULTS]
         rows = [values.reshape(len(values), math.prod(values.shape[1:])) for values in rows]
         return np.hstack(rows), np.concatenate([self.force, self.moment, [self.area, self.dissipated]])
 
-    def restore_results(self, rows, totals):
-        """Results as `save_results` gave them, for a state whose forces are not there any more."""
+    def restore_results(self, rows: FloatArray, totals: FloatArray) -> None:
+        """Restore results from a checkpoint, which has no contact forces to compute them from.
+
+        Args:
+            rows: rows by node, as save_results returned them.
+            totals: totals, as save_results returned them.
+        """
         first = 0
         for name in RESULTS:
             now = getattr(self, name)
             count = math.prod(now.shape[1:])
             values = np.ascontiguousarray(rows[:, first : first + count].reshape(now.shape).astype(now.dtype))
             if name in GAPS:
-                self._known[name] = values
+                self._gaps()[name] = values
             else:
                 setattr(self, name, values)
             first += count
@@ -241,6 +315,10 @@ class NodalResult(ContactOutput):
         self.force, self.moment = totals[:gdim], totals[gdim:-2]
         self.area, self.dissipated = float(totals[-2]), float(totals[-1])
 
-    def covered(self):
-        """Part of each node's area that is in contact: all of it or nothing, (n)."""
+    def covered(self) -> FloatArray:
+        """Part of each node's area that is in contact: one or zero.
+
+        Returns:
+            Fractions, (n) [1].
+        """
         return (self.status > 0).astype(float)

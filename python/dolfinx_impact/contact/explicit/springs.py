@@ -1,19 +1,36 @@
 # SPDX-License-Identifier: MIT
 """Penalty springs of explicit contact as a stiffness matrix; docs/explicit/penalty.md, "Stiffness"."""
 
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 from dolfinx.common import IndexMap
+from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
 
 from ... import _cpp
+from ...common.types import AnyArray, FloatArray
+
+if TYPE_CHECKING:  # it imports this module
+    from .nodal import NodalResult
 
 
-def searched(contact, u, law, **options):
-    """A contact of the same pair, with the candidates of a configuration; its Halo, u over that. The contact that runs
-    is left alone. Collective.
+def searched(
+    contact: "NodalResult", u: FloatArray, law: type[_cpp.nodal.NodeToSurface], **options: Any
+) -> tuple[_cpp.nodal.NodeToSurface, _cpp.operators.Halo, FloatArray]:
+    """Make another contact of the same pair, with the candidates of a given configuration. Collective.
+
+    The contact of the running problem does not change.
 
     Args:
-        contact: NodalResult. u: owned displacements [L]. law, options: of the contact, see NodalResult.make.
+        contact: contact of the running problem.
+        u: displacements, of which the owned dofs are read [L].
+        law: C++ class of the new contact, see NodalResult.make.
+        options: its parameters.
+
+    Returns:
+        The new contact, the halo of the nodes it knows, and the displacements of these nodes [L].
     """
     made, V = contact.make(law, **options), contact.V
     if contact.motion is not None:
@@ -24,19 +41,23 @@ def searched(contact, u, law, **options):
     ghosts = np.concatenate([own.ghosts, made.remote_nodes])
     owners = np.concatenate([own.owners, made.remote_owners]).astype(np.int32)
     halo = _cpp.operators.Halo(IndexMap(V.mesh.comm, own.size_local, ghosts, owners))
-    values, mass = np.zeros(halo.num_nodes * bs), np.ones(halo.num_nodes)  # given stiffness does not ask for masses
+    values, mass = np.zeros(halo.num_nodes * bs), np.ones(halo.num_nodes)  # a given stiffness does not need masses
     values[:num] = u[:num]
     halo.forward(values, bs)
     made.number(halo, mass)
     return made, halo, values
 
 
-def stiffness(contacts, V, u):
-    """Matrix of all springs of given stiffness at nodes that have a master, closed or not; None if there are none.
-    Collective.
+def stiffness(contacts: Sequence["NodalResult"], V: FunctionSpace, u: FloatArray) -> PETSc.Mat | None:
+    """Matrix of all springs of given stiffness at nodes that have a master, closed or not. Collective.
 
     Args:
-        contacts: NodalResults. V: displacement space. u: owned displacements [L].
+        contacts: contacts of the problem.
+        V: displacement space.
+        u: displacements, of which the owned dofs are read [L].
+
+    Returns:
+        The matrix; None if no contact has a given stiffness [F/L].
     """
     contacts = [c for c in contacts if c.penalty]
     if not contacts:
@@ -53,8 +74,8 @@ def stiffness(contacts, V, u):
     return matrix
 
 
-def _add(matrix, springs, bs, sticking):
-    """Springs act along the normal; with friction, which may stick, in all directions."""
+def _add(matrix: PETSc.Mat, springs: Mapping[str, AnyArray], bs: int, sticking: bool) -> None:
+    """Add springs to a matrix: along the normal, or in all directions if friction may make nodes stick."""
     for node, masters, phi, n, k in zip(
         *(springs[name] for name in ("nodes", "masters", "phi", "normal", "stiffness"))
     ):

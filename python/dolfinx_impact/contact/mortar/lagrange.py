@@ -335,6 +335,11 @@ class LagrangeContact(Coulomb, ContactOutput):
     # --- results ---------------------------------------------------------------------------------------------------
 
     @property
+    def initial(self):
+        """Penetrations in the reference configuration (InitialPenetration)."""
+        return self.geometry.initial
+
+    @property
     def points(self):
         """Current positions of the slave's nodes, (n, gdim) [L]."""
         return self.geometry.points

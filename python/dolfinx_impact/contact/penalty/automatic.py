@@ -1,40 +1,54 @@
 # SPDX-License-Identifier: MIT
-"""A penalty from material and mesh."""
+"""Automatic penalty from material and mesh."""
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
 
 from ... import _cpp
+from ...common.types import FloatArray
 from ..matrices import NodalSum
 
+if TYPE_CHECKING:  # it imports this module
+    from .penalty import PenaltyContact
 
-# A given penalty beyond this many times the automatic one leaves no digits of the bodies' stiffness in the matrix: of
-# sixteen ten, and four to judge a residual by.
+# Largest ratio of a given penalty to the automatic one. Of the sixteen digits of an entry of the matrix, a larger one
+# leaves fewer than six for the bodies' stiffness, of which a residual needs four.
 LARGEST = 1e10
 
 
-def check_penalty(contact, factor):
-    """Refuse a given penalty that is out of all proportion to the bodies. Collective.
+def check_penalty(contact: "PenaltyContact", penalty: float, factor: float) -> None:
+    """Refuse a given penalty that is much larger than the stiffness of the bodies. Collective.
+
+    Args:
+        contact: the contact.
+        penalty: its given penalty [F/L^3].
+        factor: factor of the automatic penalty [1].
 
     Raises:
-        ValueError: on all ranks.
+        ValueError: the penalty is more than LARGEST times the automatic one; on all ranks.
     """
-    automatic = automatic_penalty(contact, factor, tell=False)
-    if contact.penalty > LARGEST * automatic:
-        ratio = contact.penalty / automatic
+    automatic = automatic_penalty(contact, factor, verbose=False)
+    if penalty > LARGEST * automatic:
+        ratio = penalty / automatic
         raise ValueError(
-            f"{contact.pair.name}: penalty is {contact.penalty:g}, {ratio:.1g} times what material "
+            f"{contact.pair.name}: penalty is {penalty:g}, {ratio:.1g} times what material "
             f"and mesh ask for ({automatic:.3e}): nothing is left of the bodies' stiffness in the sum; use "
             "penalty='auto' or some thousand times that, or multipliers (Lagrange)"
         )
 
 
-def automatic_penalty(contact, factor, tell=True):
-    """Stiffness per area of the softer surface's nodes where its facets are smallest, times a factor [F/L^3].
-    Collective.
+def automatic_penalty(contact: "PenaltyContact", factor: float, verbose: bool = True) -> float:
+    """Penalty from the nodal stiffness per area of the softer surface where its facets are smallest. Collective.
 
     Args:
-        contact: PenaltyContact. factor: [1]. tell: print it on rank 0.
+        contact: the contact.
+        factor: factor of the stiffness per area [1].
+        verbose: whether rank 0 prints the penalty.
+
+    Returns:
+        The penalty [F/L^3].
     """
     index_map, gdim = contact.V.dofmap.index_map, contact.gdim
     total = NodalSum(index_map, 1)
@@ -48,13 +62,19 @@ def automatic_penalty(contact, factor, tell=True):
         points = _cpp.penalty.Points(contact.master, *contact._rule, contact.problem.axisymmetric)
         surfaces.append((contact.master, points))
     penalty = factor * min(_per_area(total, stiffness, *s, contact.comm) for s in surfaces)
-    if tell and contact.comm.rank == 0:
+    if verbose and contact.comm.rank == 0:
         print(f"{contact.pair.name}: penalty {penalty:.3e} from material and mesh", flush=True)
     return penalty
 
 
-def _per_area(total, stiffness, surface, points, comm):
-    """Largest stiffness per area of a facet: that of its nodes, times the surface's nodes per facet [F/L^3].
+def _per_area(
+    total: NodalSum,
+    stiffness: FloatArray,
+    surface: _cpp.surface.Facets,
+    points: _cpp.penalty.Points,
+    comm: MPI.Comm,
+) -> float:
+    """Largest mean stiffness of a facet's nodes per area of the facet, times the surface's nodes per facet [F/L^3].
     Collective."""
     marker = np.zeros(len(stiffness))
     marker[surface.nodes.ravel()] = 1.0

@@ -1,45 +1,56 @@
 # SPDX-License-Identifier: MIT
-"""Which of the master's facets points stay on while Newton's method iterates."""
+"""Assignment of quadrature points to the master's facets during the iterations of Newton's method."""
 
 import numpy as np
+from mpi4py import MPI
 
-# Iterations in which points may change facets freely after convergence; at a kink they may do so for ever.
+from ... import _cpp
+from ...common.types import BoolArray, IntArray
+
+# Iterations in which points may change facets freely after convergence; at a kink the changes may never end.
 FREE_ITERATIONS = 10
-# How far beside its facet a point may stay, in reference coordinates, and what that may grow to.
+# Distance from its facet, in reference coordinates, up to which a point is assigned to it, and its largest value.
 MARGIN, WIDEST = 0.01, 0.32
-MEMORY = 3  # iterations in which a point may have left a facet that it comes back to
+MEMORY = 3  # number of earlier iterations whose facets are compared with the present one
 
 
 class FacetKeeper:
-    """Keeps points from going to and fro between two facets that meet at a kink.
+    """Prevents points from alternating between two facets of the master that meet at a kink.
 
     Args:
-        comm: MPI communicator. points: quadrature points of the slave. search: PairSearch.
+        comm: communicator of the mesh.
+        points: quadrature points of the slave.
+        search: search of the pair.
 
     Attributes:
-        stay: points that lie a little beside their facet stay on it.
+        stay: whether points remain assigned to a facet whose boundary they have crossed by less than their margin.
     """
 
-    def __init__(self, comm, points, search):
+    stay: bool
+
+    def __init__(self, comm: MPI.Comm, points: _cpp.penalty.Points, search: _cpp.search.PairSearch) -> None:
         self.comm, self.points, self.search = comm, points, search
         self.begin()
 
-    def begin(self):
-        """An increment starts."""
-        self.stay, self._free, self._facets = True, FREE_ITERATIONS, []
+    def begin(self) -> None:
+        """Begin an increment."""
+        self.stay, self._free = True, FREE_ITERATIONS
+        self._facets: list[IntArray] = []
         self.points.margin = np.full(self.points.size, MARGIN)
 
-    def watch(self, closed):
-        """Once an iteration: points that come back to a facet they have left stay on it from then on, even a little
-        farther beside it; so do all, after some iterations without staying. Collective.
+    def watch(self, closed: BoolArray) -> int:
+        """Compare the facets of an iteration with those of earlier ones. Collective.
+
+        The margin of points that return to an earlier facet is doubled while `stay` is true. Otherwise `stay` becomes
+        true when a point returns, or after FREE_ITERATIONS iterations.
 
         Args:
-            closed: mask of the points.
+            closed: mask of the closed points, (n).
 
         Returns:
-            number of this rank's closed points that are on another facet than before.
+            Number of this rank's closed points that have changed their facet.
         """
-        if not self.search.kept:  # facets have other numbers
+        if not self.search.kept:  # a new search numbers the facets anew
             self._facets = []
         here = np.where(closed, self.points.master, -1)
         back, moved = np.zeros(len(here), dtype=bool), np.zeros(len(here), dtype=bool)
@@ -57,8 +68,12 @@ class FacetKeeper:
             self.stay = self._free == 0 or returned > 0
         return int(np.count_nonzero(moved))
 
-    def leave(self):
-        """May points leave their facets, once an increment? From then on they do not stay."""
+    def leave(self) -> bool:
+        """Release the points from their facets after convergence, once in an increment.
+
+        Returns:
+            Whether they have been released now.
+        """
         if not self.stay or self._free < FREE_ITERATIONS:
             return False
         self.stay = False

@@ -1,60 +1,82 @@
 # SPDX-License-Identifier: MIT
 """Contact by penalty: Gauss point to surface, exact tangent, friction by return mapping; docs/contact.md."""
 
+from typing import Any
+
 import basix
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from ... import _cpp
-from ...common.arguments import integer
+from ...assembly.rigid_body_modes import RigidBodyModes
+from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
-from ...common.arguments import number
+from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .automatic import automatic_penalty, check_penalty
 from .facets import FacetKeeper
 from ..matrices import NodalSum
 from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
-from ..pair import ContactStatus, check_pair, check_quadrature_degree
+from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..body_size import body_size
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
+from ..protocol import ExplicitContactProblem, StaticContactProblem
 from .uzawa import Uzawa
 
-# The automatic penalty is this many times the stiffness per area of the softer surface's nodes: penetrations
-# are a tenth of what the outermost cells are compressed by, the matrix is about as well conditioned as elasticity's.
+# The automatic penalty is this many times the nodal stiffness per area of the softer surface. Penetrations are then a
+# tenth of the compression of the outermost cells, and the matrix is about as well conditioned as that of elasticity.
 FACTOR = 10.0
-# From this ratio of their facets on a slave's surface is much coarser than the master's.
+# A slave is much coarser than its master from this ratio of the sizes of their facets on.
 COARSE = 2.0
-# Where bodies just touch, round-off must not decide: gaps up to this times their size are closed.
+# Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
 TOUCH = 1e-12
-STILL = 1e-12  # of the size: round-off of projections
+STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off
 
 
 class Penalty:
     """Enforce contact of a pair by a penalty, seed (3.48), corrected.
 
-    Args:
-        pair: ContactPair.
-        penalty: pressure per penetration [F/L^3]; "auto": ten times the stiffness per area of the nodes of the softer
-            surface where its facets are smallest, from material and mesh. Printed when it is found.
-        tangential: the same along the surface, with friction; None: equal to `penalty` [F/L^3].
-        augmented: repeat each increment with multipliers from the penetrations reached (Uzawa), until the penetration,
-            averaged around each corner of the slave's facets, is below `tolerance` times the size of the bodies.
-        max_augmentations: of one increment; each takes the part penalty/(penalty + stiffness per area of the bodies) of
-            the penetration away.
-        quadrature_degree: on slave facets; None: 2 degree + 2.
-        balanced: in explicit problems, once in each direction with half the stiffness.
+    In explicit problems (docs/explicit/penalty.md) the contact points are the slave's nodes, and "auto" is a stiffness
+    from nodal masses and the step; `tangential`, `augmented` and `quadrature_degree` are options of static problems.
 
-    In explicit problems (docs/explicit/penalty.md) the slave's nodes are the points, and "auto" is a stiffness from
-    nodal masses and the step; `tangential`, `augmented` and `quadrature_degree` are for static ones.
+    Args:
+        pair: the pair of surfaces.
+        penalty: pressure per penetration; "auto": ten times the nodal stiffness per area of the softer surface where
+            its facets are smallest, printed when it is computed [F/L^3].
+        tangential: tangential traction per slip, with friction; None: equal to `penalty` [F/L^3].
+        augmented: whether each increment is repeated with augmented multipliers (Uzawa) until the mean penetration
+            around each corner of the slave's facets is below `tolerance`.
+        tolerance: largest mean penetration with `augmented`, relative to the size of the bodies [1].
+        quadrature_degree: degree of the quadrature on slave facets; None: 2 degree + 2.
+        balanced: whether an explicit problem applies the contact in both directions with half the stiffness each.
+        max_augmentations: largest number of augmentations of an increment; each one reduces the penetration by the
+            part penalty/(penalty + stiffness per area of the bodies).
 
     Raises:
-        TypeError, ValueError: a penalty that is no positive number.
+        TypeError: an argument of a wrong type; on all ranks.
+        ValueError: a penalty or tolerance that is not positive, or a degree without quadrature rule; on all ranks.
     """
 
-    def __init__(self, pair, penalty="auto", tangential=None, augmented=False, tolerance=1e-8, quadrature_degree=None,
-                 balanced=False, max_augmentations=200):  # fmt: skip
-        given = dict(penalty=penalty, tangential=tangential, augmented=bool(augmented), tolerance=tolerance,
-                     balanced=bool(balanced), max_augmentations=max_augmentations)  # fmt: skip
+    def __init__(
+        self,
+        pair: ContactPair,
+        penalty: float | str = "auto",
+        tangential: float | None = None,
+        augmented: bool = False,
+        tolerance: float = 1e-8,
+        quadrature_degree: int | None = None,
+        balanced: bool = False,
+        max_augmentations: int = 200,
+    ) -> None:
+        given: dict[str, Any] = dict(
+            penalty=penalty,
+            tangential=tangential,
+            augmented=bool(augmented),
+            tolerance=tolerance,
+            balanced=bool(balanced),
+            max_augmentations=max_augmentations,
+        )
         with guard(comm_of(pair), "Penalty", pair=pair, quadrature_degree=quadrature_degree, **given):
             check_pair(pair)
             self.quadrature_degree = check_quadrature_degree(quadrature_degree)
@@ -65,34 +87,49 @@ class Penalty:
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         options = [f"penalty={self.penalty or 'auto'!r}"]
         if self.tangential is not None:
             options.append(f"tangential={self.tangential}")
         options += [f"{name}=True" for name in ("augmented", "balanced") if getattr(self, name)]
         return f"Penalty({self.pair!r}, {', '.join(options)})"
 
-    def _bind_explicit(self, problem):
+    def _bind_explicit(self, problem: ExplicitContactProblem) -> NodalResult:
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
         law = _cpp.nodal.PenaltyContact
         return NodalResult(self.pair, problem, law, penalty=self.penalty or 0.0, balanced=self.balanced)
 
-    def _bind(self, problem):
+    def _bind(self, problem: StaticContactProblem) -> "PenaltyContact":
         if self.balanced:
             raise ValueError("balanced penalty contact is for explicit dynamics")
         return PenaltyContact(self, problem)
 
 
 class PenaltyContact(ContactOutput):
-    """Penalty of one pair in a problem. Points are the quadrature points of this rank's slave facets; see
-    ContactOutput. `penalty` is the one in use [F/L^3]."""
+    """Penalty contact of one pair in a static problem; points are the quadrature points of this rank's slave facets.
 
-    initial = None
-    has_multipliers = False  # nothing to condense
-    convex = False  # the stiffness is the positive semi-definite part of the tangent
+    Args:
+        spec: parameters of the contact.
+        problem: the problem.
 
-    def __init__(self, spec, problem):
+    Attributes:
+        penalty: penalty in use; None before the first increment with an automatic one [F/L^3].
+        tangential: tangential penalty in use; None before the first increment [F/L^3].
+        displacement: displacement of a rigid master at the end of the present increment, (3) [L].
+        start_displacement: its displacement at the beginning, (3) [L].
+        start: displacements at the beginning of the increment, owned and ghost dofs [L].
+        has_multipliers: False, there are no multipliers to condense.
+        convex: whether `tangent` returns the positive semi-definite part of the tangent only.
+    """
+
+    has_multipliers = False
+    convex = False
+    displacement: FloatArray
+    start_displacement: FloatArray
+    start: FloatArray
+
+    def __init__(self, spec: Penalty, problem: StaticContactProblem) -> None:
         self.spec, self.pair, self.problem = spec, spec.pair, problem
         V = problem.space
         self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
@@ -102,7 +139,7 @@ class PenaltyContact(ContactOutput):
         degree = spec.quadrature_degree or 2 * element.degree + 2
         rule = basix.make_quadrature(getattr(basix.CellType, element.shape), degree)
         self._rule = [np.ascontiguousarray(a) for a in rule]
-        self.obstacle = self.pair.master._obstacle(self.gdim) if self.pair.rigid else None
+        self.obstacle = self.pair.rigid_master._obstacle(self.gdim) if self.pair.rigid else None
         distance = () if self.pair.rigid else (self.pair.search_distance or 0.0,)
         self._cpp = _cpp.penalty.QuadraturePenalty(
             V._cpp_object, self.slave, self.obstacle or self.master, *self._rule, problem.axisymmetric, *distance
@@ -111,27 +148,40 @@ class PenaltyContact(ContactOutput):
         self._cpp.parameters.friction = self.pair.friction
         self.displacement, self.start_displacement = np.zeros(3), np.zeros(3)
         self.start, self.penalty, self.tangential = np.zeros_like(problem.u.x.array), spec.penalty, spec.tangential
-        self.uzawa, self.fault = Uzawa(V, self.slave, rule), ""
+        self.uzawa, self.fault = Uzawa(V, self.slave, self._rule), ""
         num = self._points.size
-        self._status = np.zeros(num, dtype=np.int8)  # of the last iteration
-        self._touched = np.zeros(num, dtype=bool)  # closed in the last converged state
+        self._status: IntArray = np.zeros(num, dtype=np.int8)  # of the last iteration
+        self._touched = np.zeros(num, dtype=bool)  # points that were closed in the last converged state
         self._keeper = None if self.pair.rigid else FacetKeeper(self.comm, self._points, self._cpp.search)
         if self.pair.rigid:
             check_side(self.pair, V, self.slave, self.obstacle)
-        self._seen = False  # the state before the first increment is nothing to stay on a facet from
+        self._seen = False  # whether points have been assigned to facets; not in the reference configuration
         self._locate(self.start)
-        self.initial = InitialPenetration(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
-        self.history.offset = self.initial.offset
+        self._initial = InitialPenetration(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
+        self.history.offset = self._initial.offset
 
-    def check_parameters(self):
-        """Refuse a given penalty that is out of all proportion. Collective."""
+    @property
+    def initial(self) -> InitialPenetration:
+        """Penetrations in the reference configuration."""
+        return self._initial
+
+    def check_parameters(self) -> None:
+        """Refuse a given penalty that is much larger than the stiffness of the bodies. Collective.
+
+        Raises:
+            ValueError: on all ranks.
+        """
         if self.spec.penalty is not None:
-            check_penalty(self, FACTOR)
+            check_penalty(self, self.spec.penalty, FACTOR)
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
-    def save_state(self):
-        """State that an increment starts from, as a dict of copies."""
+    def save_state(self) -> dict[str, Any]:
+        """Copy the state from which an increment starts.
+
+        Returns:
+            Arrays by name, for restore_state.
+        """
         h = self.history
         return {
             "multiplier": h.multiplier,
@@ -143,16 +193,27 @@ class PenaltyContact(ContactOutput):
             "displacements": (self.start_displacement.copy(), self.displacement.copy()),
         }
 
-    def restore_state(self, state):
-        """Back to a saved state."""
+    def restore_state(self, state: dict[str, Any]) -> None:
+        """Restore the state from which an increment started.
+
+        Args:
+            state: as save_state returned it.
+        """
         for name in ("multiplier", "traction", "slip"):
             setattr(self.history, name, state[name])
         self.start, self.uzawa.multiplier = state["start"].copy(), state["corners"].copy()
         self._touched = state["touched"].copy()
         self.start_displacement, self.displacement = (d.copy() for d in state["displacements"])
 
-    def begin_step(self, u, displacement, target=None):
-        """An increment starts at u; a rigid master goes to `displacement` in it. Collective."""
+    def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
+        """Begin an increment. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+            displacement: displacement of a rigid master at the end of the increment, (3); None for deformable masters
+                [L].
+            target: prescribed displacements at the end of the increment; not used [L].
+        """
         if self.penalty is None:
             self.penalty = automatic_penalty(self, FACTOR)
         self.tangential = self.tangential or self.penalty
@@ -164,26 +225,31 @@ class PenaltyContact(ContactOutput):
         self.fault = ""
         if self._keeper is not None:
             self._keeper.begin()
-        if self.pair.friction > 0.0:  # motion counts from where a point closes
+        if self.pair.friction > 0.0:  # the slip of a point is measured from the place where it closes
             self._locate(self.start)
             gap = self.gap
             self.history.gap = np.where(self._touched | (gap <= TOUCH * self.size), 0.0, gap)
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
-    def accept_step(self):
-        """The increment has converged: tractions and slip are history."""
+    def accept_step(self) -> None:
+        """Accept a converged increment: tractions and slips become history, totals are updated. Collective."""
         self._cpp.accept_step()
         self._touched = self.status > 0
         self.update_totals()
 
-    def augment(self):
-        """Augment where the surfaces still penetrate; returns whether another round is needed, or sets `fault`.
-        Collective."""
+    def augment(self) -> bool:
+        """Begin another round after convergence if it is needed: new closest points or augmented multipliers.
+        Collective; `fault` is set if the number of augmentations is exhausted.
+
+        Returns:
+            Whether the iteration must continue.
+        """
         if self._leave_facets():
             return True
         if not self.spec.augmented:
             return False
+        assert self.penalty is not None  # begin_step has set it
         tolerance = self.spec.tolerance * self.size
         multiplier = self.uzawa.augment(self.gap, self._points.weight, self.penalty, tolerance)
         if multiplier is None:
@@ -194,35 +260,47 @@ class PenaltyContact(ContactOutput):
         self.fault = f"{self.pair.name}: {self.uzawa.fault(self.penalty, tolerance)}"
         return False
 
-    def update_gap(self, u):
-        """Search, gaps and tractions at the displacements u. Collective."""
+    def update_gap(self, u: FloatArray) -> None:
+        """Update candidates, gaps, normals and tractions. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+        """
         self._u = np.array(u)
         self._locate(self._u)
         self._seen = True
         self._cpp.parameters.touch = self._touch
         self._cpp.evaluate(self._u - self.start, (self.displacement - self.start_displacement).tolist())
-        self._touch, self._pulls = 0.0, False
+        self._touch, self._closes_nearest = 0.0, False
 
-    def _leave_facets(self):
-        """Converged with points that stay on a facet they are a little beside: project anew; returns whether that
-        moves any, so that the iteration must go on, without staying. Once per increment. Collective."""
+    def _leave_facets(self) -> bool:
+        """Release points from their facets, once in an increment, and project them anew. Collective.
+
+        Returns:
+            Whether a closest point or a traction changes, so that the iteration must continue.
+        """
         if self._keeper is None or not self._keeper.leave():
             return False
-        before = self._feet(), self.traction
+        assert self.penalty is not None  # begin_step has set it
+        before = self._closest_points(), self.traction
         self.update_gap(self._u)
-        closed, feet = self.status > 0, self._feet()
-        parts = (feet - before[0])[closed], (self.traction - before[1]) / self.penalty
+        closed, after = self.status > 0, self._closest_points()
+        parts = (after - before[0])[closed], (self.traction - before[1]) / self.penalty
         moved = max(float(np.max(np.abs(p), initial=0.0)) for p in parts)
         return self.comm.allreduce(moved, MPI.MAX) > STILL * self.size
 
-    def _feet(self):
-        """Closest points on the master, (n, gdim) [L]; meaningless where there is none."""
+    def _closest_points(self) -> FloatArray:
+        """Closest points on the master, (n, gdim) [L]; without meaning for points without master."""
         gap = self._points.gap
         return self._points.x - np.where(np.isfinite(gap), gap, 0.0)[:, None] * self._points.normal
 
-    def coarse_slave(self):
-        """Facets of the slave that are far longer than the master's: points press dents in between. Collective."""
-        sizes = [self.slave.X] if self.pair.rigid else [self.slave.X, self.master.X]
+    def coarse_slave(self) -> str:
+        """Describe a slave that is much coarser than its master: its points dent the master. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+        sizes = [self.slave.X] if self.master is None else [self.slave.X, self.master.X]
         sums = [(float(np.linalg.norm(np.ptp(X, axis=1), axis=1).sum()), len(X)) for X in sizes]
         means = [total / number for total, number in np.sum(self.comm.allgather(sums), axis=0)]
         if len(means) < 2 or means[0] < COARSE * means[1]:
@@ -232,27 +310,41 @@ class PenaltyContact(ContactOutput):
             "which is dented between its points: exchange slave and master, refine the slave, or take multipliers"
         )
 
-    def close_nearest(self):
-        """Close the points nearest to the master in this iteration, which draws them together, if they nearly touch and
-        no point does; returns whether there are any. For bodies that nothing else holds. Collective."""
+    def close_nearest(self) -> bool:
+        """Close the points nearest to the master in this iteration, if no point is closed and the bodies nearly touch.
+        Collective.
+
+        Bodies that are supported by contact alone need this: the forces of `closing_forces` bring them into contact.
+
+        Returns:
+            Whether there are such points.
+        """
         size = np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)
         gap = nearly_touching(self.comm, self.gap, np.repeat(size, self._points.per_facet))
         if gap is None or self.num_active > 0:
             return False
+        assert self.penalty is not None  # begin_step has set it
         self._cpp.parameters.touch = gap * self.penalty
         self._cpp.evaluate()
-        self._pulls = True
+        self._closes_nearest = True
         return True
 
-    def _locate(self, u):
-        """Closest points and gaps at the displacements u. Collective."""
-        if self.pair.rigid:
+    def _locate(self, u: FloatArray) -> None:
+        """Update closest points and gaps at the displacements u. Collective."""
+        if self.obstacle is not None:
             self.obstacle.displacement = self.displacement.tolist()
         self._cpp.update_gap(u, self.start, self._seen and self._keeper is not None and self._keeper.stay)
 
-    def update_active_set(self, first, last=None):
-        """How many points of all ranks changed their state, or the facet they touch, since the last iteration. Once an
-        iteration. Collective."""
+    def update_active_set(self, first: bool, last: int | None = None) -> int:
+        """Compare the state of the points with that of the last iteration; called once per iteration. Collective.
+
+        Args:
+            first: whether the increment has just begun; not used.
+            last: global number of the only node that may change; not used.
+
+        Returns:
+            Number of points of all ranks whose status or facet has changed.
+        """
         status = self.status
         changed = np.count_nonzero(status != self._status)
         if self._keeper is not None:
@@ -260,57 +352,91 @@ class PenaltyContact(ContactOutput):
         self._status = status
         return self.comm.allreduce(changed)
 
-    def update_multipliers(self, residual):
-        """Nothing: tractions follow from gaps."""
+    def update_multipliers(self, residual: FloatArray) -> None:
+        """Do nothing: tractions follow from gaps.
 
-    def violation(self):
-        """Penetrations are part of the method."""
+        Args:
+            residual: nodal residual without contact forces, owned dofs [F].
+        """
+
+    def violation(self) -> float:
+        """Largest violation of the constraints; the penalty method permits penetrations.
+
+        Returns:
+            Zero [1].
+        """
         return 0.0
 
     @property
-    def num_active(self):
-        """Points in contact, of all ranks. Collective."""
+    def num_active(self) -> int:
+        """Number of closed points of all ranks. Collective."""
         return self.comm.allreduce(int(np.count_nonzero(self.status)))
 
     # --- linear system ---------------------------------------------------------------------------------------------
 
-    def contact_forces(self):
-        """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
+    def contact_forces(self) -> FloatArray:
+        """Assemble the nodal contact forces on both bodies. Collective.
+
+        Returns:
+            Forces, owned dofs [F].
+        """
         return self._cpp.contact_forces()
 
-    def add_residual(self, b):
-        """Subtract the nodal contact forces from a residual (PETSc vector) [F]. Collective."""
+    def add_residual(self, b: PETSc.Vec) -> None:
+        """Subtract the nodal contact forces from a residual. Collective.
+
+        Args:
+            b: residual [F].
+        """
         self._cpp.add_residual(b)
 
     @property
-    def symmetric(self):
-        """Is the tangent symmetric? Not where points slip with friction. Collective."""
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric; it is not if points slip with friction. Collective."""
         slips = self.pair.friction > 0.0 and bool(np.any(self.status == 2))
         return self.comm.allreduce(int(slips)) == 0
 
-    def update_nodal_stiffness(self, K):
-        """Nothing: the penalty is known."""
+    def update_nodal_stiffness(self, K: PETSc.Mat) -> None:
+        """Do nothing: the penalty is the scale of force per displacement.
 
-    def tangent(self):
-        """Derivative of minus the contact force, a matrix that is kept; see StaticContact. Collective."""
+        Args:
+            K: tangent of the bodies [F/L].
+        """
+
+    def tangent(self) -> PETSc.Mat:
+        """Derivative of minus the contact force. Collective.
+
+        Returns:
+            Matrix of this contact, valid until the next call [F/L].
+        """
         return self._cpp.tangent(self.convex)
 
-    def closing_forces(self):
-        """Force (array over owned dofs) that brings the nearest points to touch, to take from the right-hand side; or
-        None. Collective."""
-        return -self._cpp.closing_forces() if self._pulls else None
+    def closing_forces(self) -> FloatArray | None:
+        """Forces that close the gaps of the points of close_nearest. Collective.
 
-    def rigid_body_constraints(self, motions):
-        """Jumps at touching points under the rigid body modes; see StaticContact. Collective."""
+        Returns:
+            Forces to be subtracted from the right-hand side, owned dofs; None without such points [F].
+        """
+        return -self._cpp.closing_forces() if self._closes_nearest else None
+
+    def rigid_body_constraints(self, motions: RigidBodyModes) -> list[FloatArray]:
+        """Relative displacements of slave and master at closed points under the rigid body modes. Collective.
+
+        Args:
+            motions: rigid body modes of the bodies.
+
+        Returns:
+            Arrays (num_points, motions.num_modes).
+        """
         touching = np.flatnonzero(self.status)
         slave, master, body = self.slave, None, motions.body
-        if not self.pair.rigid:  # facets that other ranks know
+        if not self.pair.rigid:  # the search knows facets of other ranks as well
             search = self._cpp.search
             slave, master, near = search.slave, search.master, search.map
-            body = np.zeros(near.size_local + near.num_ghosts)
-            body[: motions.num_owned] = motions.body[: motions.num_owned]
-            body = NodalSum(near, 1).forward(body).ravel().astype(int)
-        feet, facing, parts = self._feet(), self._points.master, []
+            known = np.zeros(near.size_local + near.num_ghosts)
+            known[: motions.num_owned] = motions.body[: motions.num_owned]
+            body = NodalSum(near, 1).forward(known).ravel().astype(int)
+        closest, facing, parts = self._closest_points(), self._points.master, []
         for at in np.array_split(touching, max(1, len(touching) // 10000)):
             directions = [self.normal[at]]
             if self.pair.friction > 0.0:
@@ -320,77 +446,96 @@ class PenaltyContact(ContactOutput):
                 rows = motions.rows(slaves, self.points[at], d)
                 if master is not None:
                     masters = body[master.nodes[facing[at], 0]]
-                    rows -= motions.rows(masters, feet[at], d)
+                    rows -= motions.rows(masters, closest[at], d)
                 parts.append(rows)
         return parts
 
     # --- results ---------------------------------------------------------------------------------------------------
 
     @property
-    def points(self):
-        """Current positions, (n, gdim) [L]."""
+    def points(self) -> FloatArray:
+        """Present positions, (n, gdim) [L]."""
         return self._points.x
 
     @property
-    def gap(self):
-        """Gap, positive open; infinite where there is no master, (n) [L]."""
+    def gap(self) -> FloatArray:
+        """Gaps, (n), positive if open, infinite without master [L]."""
         return self._points.gap + self.initial.offset
 
     @property
-    def normal(self):
-        """Unit normals out of the master, (n, gdim)."""
+    def normal(self) -> FloatArray:
+        """Unit normals out of the master, (n, gdim) [1]."""
         return self._points.normal
 
     @property
-    def pressure(self):
-        """Pressure per reference area at quadrature points, (n) [F/L^2]; to plot it: at_nodes(contact.pressure)."""
+    def pressure(self) -> FloatArray:
+        """Contact pressure per reference area, (n) [F/L^2]; at_nodes(contact.pressure) is smoother in plots."""
         return self._cpp.state.pressure
 
     @property
-    def traction(self):
+    def traction(self) -> FloatArray:
         """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
         return self._cpp.state.traction.reshape(-1, self.gdim)
 
     @property
-    def slip(self):
-        """Tangential displacement of slave against master, added up while in contact, (n, gdim) [L]."""
+    def slip(self) -> FloatArray:
+        """Tangential displacement of slave relative to master, accumulated in contact, (n, gdim) [L]."""
         return self._cpp.state.slip.reshape(-1, self.gdim)
 
     @property
-    def status(self):
+    def status(self) -> IntArray:
         """ContactStatus numbers, (n)."""
         return self._cpp.state.status
 
     @property
-    def weight(self):
-        """Area that belongs to each point, (n) [L^2]; a length in 2D."""
+    def weight(self) -> FloatArray:
+        """Area of each point, a length in 2D, (n) [L^2]."""
         return self._points.weight
 
-    def covered(self):
-        """Part of each point's area that is in contact: all of it or nothing, (n)."""
+    def covered(self) -> FloatArray:
+        """Part of each point's area that is in contact: one or zero.
+
+        Returns:
+            Fractions, (n) [1].
+        """
         return (self.status > 0).astype(float)
 
-    def nodal(self, values):
-        """Means of point values at the slave's nodes: (nodes, values); weights are squares of the shape functions."""
+    def nodal(self, values: ArrayLike) -> tuple[IntArray, FloatArray]:
+        """Means of point values at the slave's nodes, weighted with squares of the shape functions. Collective.
+
+        Args:
+            values: values at the points, (n) or (n, ...).
+
+        Returns:
+            Owned nodes, (m), and means, (m, number of values per point).
+        """
         points, element = self._points, self.slave.displacement
         table = np.array([element.tabulate(*xi)[0] for xi in points.xi[: points.per_facet]])
         w = points.weight.reshape(-1, points.per_facet)[:, :, None] * (table**2)[None]
         values = np.asarray(values, dtype=float)
         values = values.reshape(-1, points.per_facet, int(np.prod(values.shape[1:])))
-        size = self.V.dofmap.index_map.size_local + self.V.dofmap.index_map.num_ghosts
+        index_map = self.V.dofmap.index_map
+        size = index_map.size_local + index_map.num_ghosts
         total, weight = np.zeros((size, values.shape[-1])), np.zeros(size)
         np.add.at(total, self.slave.nodes, np.einsum("fqn,fqv->fnv", w, values))
         np.add.at(weight, self.slave.nodes, w.sum(axis=1))
-        total = NodalSum(self.V.dofmap.index_map, values.shape[-1])(total)
-        weight = NodalSum(self.V.dofmap.index_map, 1)(weight).ravel()
-        nodes = np.flatnonzero(weight[: self.V.dofmap.index_map.size_local])
-        return nodes, total[nodes] / weight[nodes, None]
+        totals = NodalSum(index_map, values.shape[-1])(total)
+        weights = NodalSum(index_map, 1)(weight).ravel()
+        nodes = np.flatnonzero(weights[: index_map.size_local])
+        return nodes, totals[nodes] / weights[nodes, None]
 
-    def at_nodes(self, values):
-        """A contact array by nodes: their numbers on this rank, (m), and values, (m) or (m, gdim). Collective.
+    def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
+        """Values of the contact points by nodes. Collective.
 
-        Numbers are means over the points that know one (a gap without master is none; nodes without any: infinite). Of
-        whole numbers, as status, it is the one that most of the node's area has.
+        Real values become means over the points with finite ones, as a gap without master is infinite; a node without
+        finite values gets an infinite one. Integers, as status, become the one with the largest part of the node's
+        area.
+
+        Args:
+            values: an array over the contact points, (n) or (n, gdim).
+
+        Returns:
+            Numbers of nodes on this rank, (m), and their values, (m) or (m, gdim).
         """
         values = np.asarray(values)
         if np.issubdtype(values.dtype, np.integer):

@@ -1,51 +1,63 @@
 # SPDX-License-Identifier: MIT
-"""Multipliers of penalty contact from the penetrations reached: Uzawa's method, seed (3.48) with (3.47)."""
+"""Augmentation of penalty contact by multipliers: Uzawa's method, seed (3.48) with (3.47)."""
+
+from collections.abc import Sequence
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
 from ... import _cpp
+from ...common.types import FloatArray
 from ..matrices import NodalSum
 
 
 class Uzawa:
-    """Multipliers at the corners of a slave's facets, with piecewise linear functions: one at every quadrature point
-    would be more conditions than the nodes can fulfil. Simo and Laursen (1992).
+    """Multipliers at the corners of the slave's facets, interpolated linearly. Simo and Laursen (1992).
+
+    Multipliers at every quadrature point would be more conditions than the displacements of the nodes can satisfy.
 
     Args:
-        V: displacement space. slave: this rank's facets. rule: points (n, dimension of the facet) and weights.
+        V: displacement space.
+        slave: this rank's facets of the slave.
+        rule: quadrature rule of a facet: points, (num_points, dimension of the facet), and weights, (num_points) [1].
 
     Attributes:
-        multiplier: at the nodes, owned and ghosts, zero but at corners [F/L^2].
-        rounds: augmentations of the increment so far.
-        penetration: largest mean penetration around a corner, or what a multiplier must give way by, of the last round
-        and of the one before [L].
+        multiplier: multipliers at owned and ghost nodes, zero at nodes that are not corners [F/L^2].
+        rounds: number of augmentations of the present increment.
+        penetration: of the round before the last one and of the last one, the largest change of a multiplier divided by
+            the penalty: mean penetration around a corner, or its opening where the multiplier decreases [L].
     """
 
-    def __init__(self, V, slave, rule):
+    rounds: int
+    penetration: tuple[float, float]
+
+    def __init__(self, V: FunctionSpace, slave: _cpp.surface.Facets, rule: Sequence[FloatArray]) -> None:
         self.comm, self.slave = V.mesh.comm, slave
         functions = _cpp.surface.FacetElement(slave.displacement.shape, 1)
-        # From the rule: a rank without slave facets has no points, but takes part in the sums.
+        # The table is made from the rule: a rank without slave facets has no points, but takes part in the sums.
         places = np.pad(rule[0], ((0, 0), (0, 2 - rule[0].shape[1])))
         self._table = np.array([functions.tabulate(*xi)[0] for xi in places])
         self._corners = slave.nodes[:, : self._table.shape[1]]
         self._sum = NodalSum(V.dofmap.index_map, 1)
-        self.multiplier = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
+        self.multiplier: FloatArray = np.zeros(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts)
         self.begin()
 
-    def begin(self):
-        """An increment starts."""
+    def begin(self) -> None:
+        """Begin an increment."""
         self.rounds, self.penetration = 0, (np.inf, np.inf)
 
-    def augment(self, gap, weight, penalty, tolerance):
-        """Another round, where the surfaces still penetrate. Collective.
+    def augment(self, gap: FloatArray, weight: FloatArray, penalty: float, tolerance: float) -> FloatArray | None:
+        """Update the multipliers if surfaces still penetrate. Collective.
 
         Args:
-            gap, weight: of the quadrature points, facet after facet; a gap may be infinite [L], [L^2]. penalty:
-            [F/L^3]. tolerance: penetration that may stay [L].
+            gap: gaps of the quadrature points, facet by facet, (n), infinite without master [L].
+            weight: areas of the quadrature points, (n) [L^2].
+            penalty: penalty of the contact [F/L^3].
+            tolerance: largest permitted penetration [L].
 
         Returns:
-            multipliers at the points [F/L^2], or None: it may stay as it is.
+            Multipliers at the quadrature points, (n); None if the penetration is below the tolerance [F/L^2].
         """
         gap = gap.reshape(-1, len(self._table))
         weight = np.where(np.isfinite(gap), weight.reshape(gap.shape), 0.0)
@@ -63,8 +75,16 @@ class Uzawa:
         self.multiplier, self.rounds = new, self.rounds + 1
         return (new[self._corners] @ self._table.T).ravel()
 
-    def fault(self, penalty, tolerance):
-        """Why the rounds before the last one were too few, and what to do."""
+    def fault(self, penalty: float, tolerance: float) -> str:
+        """Describe why the permitted number of augmentations was too small, and what to do.
+
+        Args:
+            penalty: penalty of the contact [F/L^3].
+            tolerance: largest permitted penetration [L].
+
+        Returns:
+            A text for an error.
+        """
         before, now = self.penetration
         text = f"after {self.rounds - 1} augmentations the penetration is {now:.3e}, more than {tolerance:.3e}"
         rate = now / before if np.isfinite(before) and before > 0.0 else 0.0
