@@ -99,8 +99,8 @@ nb::dict penalty_history(const PenaltyContact& self)
 nb::dict kinematic_history(const KinematicContact& self)
 {
   nb::dict out = history(self);
-  out["taken"] = copy(self.taken(), {self.taken().size()});
-  out["pulse"] = copy(self.pulse(), {self.pulse().size()});
+  out["absorbed_energy"] = copy(self.absorbed_energy(), {self.absorbed_energy().size()});
+  out["impulse"] = copy(self.impulse(), {self.impulse().size()});
   add_state(self, out);
   return out;
 }
@@ -136,7 +136,7 @@ void set_penalty_history(PenaltyContact& self, const nb::dict& dict)
 void set_kinematic_history(KinematicContact& self, const nb::dict& dict)
 {
   set_history(self, dict);
-  self.set_taken(entries<double>(dict, "taken"), entries<double>(dict, "pulse"));
+  self.set_release_history(entries<double>(dict, "absorbed_energy"), entries<double>(dict, "impulse"));
 }
 
 nb::dict counters(const NodeToSurface& self)
