@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Loads with checked input; their virtual work is in forms/loads.py."""
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import ufl
@@ -214,6 +214,9 @@ class FollowerPressure(_FacetLoad):
         p = self._prepare(mesh, self.pressure)
         ds = self._measure(u, material, extra=(mesh.geometry.dim - 1) * (u.function_space.element.basix_element.degree))
         return loads.follower_pressure(p, u, v, material.hypothesis_on(mesh), ds)
+
+
+Load: TypeAlias = BodyForce | Traction | FollowerPressure
 
 
 class DeadLoad:

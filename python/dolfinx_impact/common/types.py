@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Types of arrays in annotations; shapes and units stand in docstrings."""
+"""Types of arrays and of names of files in annotations; shapes and units are in docstrings."""
 
+import os
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -11,3 +12,4 @@ IntArray: TypeAlias = npt.NDArray[np.integer[Any]]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 AnyArray: TypeAlias = npt.NDArray[Any]
 ArrayLike: TypeAlias = npt.ArrayLike
+FilePath: TypeAlias = str | os.PathLike[str]

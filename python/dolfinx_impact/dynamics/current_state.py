@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""The state of an explicit problem as a user sees it: functions, energies, results of contacts."""
+"""State of an explicit problem at the present time: functions, energies and contact results."""
+
+from collections.abc import Sequence
 
 import numpy as np
+from dolfinx import fem
 
+from .. import _cpp
+from ..common.types import FloatArray
+from ..contact.protocol import ExplicitContact
 from .run_history import ENERGIES, RunHistory, total_energy
 
 
@@ -11,37 +17,49 @@ class CurrentState:
 
     Args:
         integrator: C++ CentralDifference.
-        displacement: function that follows the run [L].
-        velocity: function that follows the run [L/T].
-        acceleration: function that follows the run [L/T^2].
-        contacts: contacts with results.
-        history: RunHistory that the drift is relative to.
+        displacement: function that receives the displacement [L].
+        velocity: function that receives the velocity [L/T].
+        acceleration: function that receives the acceleration [L/T^2].
+        contacts: contacts whose results are updated.
+        history: RunHistory; the energy drift is computed from it.
 
     Attributes:
         energy: energies at the present time by name, with `total` [F L] and `drift` [1].
     """
 
-    def __init__(self, integrator, displacement, velocity, acceleration, contacts, history: RunHistory) -> None:
+    def __init__(
+        self,
+        integrator: _cpp.integrators.CentralDifference,
+        displacement: fem.Function,
+        velocity: fem.Function,
+        acceleration: fem.Function,
+        contacts: Sequence[ExplicitContact],
+        history: RunHistory,
+    ) -> None:
         self.integrator, self.contacts, self.history = integrator, contacts, history
         self.functions = (displacement, velocity, acceleration)
         V = displacement.function_space
-        self.num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
+        self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.energy: dict[str, float] = {}
 
-    def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Displacement, velocity and acceleration at the present time, owned entries [L, L/T, L/T^2]."""
+    def motion(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Motion at the present time.
+
+        Returns:
+            Displacement [L], velocity [L/T] and acceleration [L/T^2], each (num_owned) over owned degrees of freedom.
+        """
         v, a = np.empty(self.num_owned), np.empty(self.num_owned)
         self.integrator.motion(v, a)
         return self.integrator.displacement(), v, a
 
     def update_functions(self) -> None:
-        """Give the functions their values at the present time, ghosts too. Collective."""
+        """Set the functions to their values at the present time, ghosts included. Collective."""
         for f, values in zip(self.functions, self.motion()):
             f.x.array[: self.num_owned] = values
             f.x.scatter_forward()
 
     def update(self) -> None:
-        """Functions, results of contacts and energies at the present time. Collective."""
+        """Update functions, contact results and energies to the present time. Collective."""
         self.update_functions()
         for contact in self.contacts:
             contact.update_results()

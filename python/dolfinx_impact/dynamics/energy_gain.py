@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: MIT
-"""Energy that an explicit run gains without work: limits and what a user is told; docs/explicit/energies.md."""
+"""Limits and messages for energy that an explicit run gains without external work; docs/explicit/energies.md."""
 
 import math
+from collections.abc import Iterable
 
-LIMITS = (0.1, 0.5)  # of the energies so far: warn, stop. Runs with contact that are in order gain less than 0.01
+# Gain relative to the energies so far at which a run warns and at which it stops. A correct run with contact gains less
+# than 0.01.
+LIMITS = (0.1, 0.5)
 
 
-def checked(limits):
-    """The argument `energy_limits` of `advance` as two numbers.
+def checked(limits: Iterable[float] | None) -> tuple[float, float]:
+    """Check the argument `energy_limits` of `advance`.
+
+    Args:
+        limits: gain at which the run warns and gain at which it stops; None: no limits [1].
+
+    Returns:
+        The two limits; infinite for None [1].
 
     Raises:
-        ValueError: no two numbers, or not in order.
+        ValueError: `limits` are not two numbers, or not in increasing order.
     """
     if limits is None:
         return math.inf, math.inf
@@ -23,8 +32,15 @@ def checked(limits):
     return warn, stop
 
 
-def told(gain):
-    """What to say of a run that has gained this part of its energies."""
+def message(gain: float) -> str:
+    """Text of a warning or error about gained energy.
+
+    Args:
+        gain: gained energy relative to the energies so far [1].
+
+    Returns:
+        What was found and what to do.
+    """
     return (
         f"it has gained energy without the work of loads or supports: {100 * gain:.3g} % of the energies so far. "
         "Contact or the steps bring it in: take a smaller step, damping or bulk viscosity, or check that bodies do not "

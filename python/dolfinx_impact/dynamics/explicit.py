@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Composes material, loads, prescribed motion and contact into an explicit problem; seed (3.67)-(3.80)."""
 
+from __future__ import annotations
+
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
@@ -16,12 +20,13 @@ from ..assembly import operators, problem_arguments
 from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
+from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..contact.explicit.springs import stiffness
 from ..forms import elasticity, viscosity
 from ..forms import materials as laws
-from ..loads import DeadLoad
+from ..loads import DeadLoad, Load
 from ..common.arguments import number
-from ..materials import Rayleigh
+from ..materials import MaterialMap, Rayleigh, _Material
 from ..io.mesh_check import check_cells
 from ..assembly.residual import check_radius, split
 from . import energy_gain
@@ -31,65 +36,74 @@ from .inputs import Inputs
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
-from .stable_step import METHODS, Frequencies, cell_sizes, damped
+from .stable_step import METHODS, CellMasses, Frequencies, cell_sizes, damped
 from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
 
+if TYPE_CHECKING:
+    from ..contact.explicit.nodal import Kinematic, NodalResult
+    from ..contact.penalty.penalty import Penalty
+
 
 class ExplicitProblem(Unique):
-    """Motion of bodies under lumped mass by central differences; docs/explicit/scheme.md has the equations.
+    """Motion of bodies with lumped mass by central differences; docs/explicit/scheme.md has the equations.
 
     Args:
-        u: displacement function; its value is the start and follows the run [L].
+        u: displacement function. Its value is the initial displacement; the problem updates it [L].
         material: material or MaterialMap with densities; or give `residual` and `density`.
-        residual: UFL residual of your own in u (rank 1): internal less external forces. Where it contains the function
-            given as `velocity` this stands for the velocity half a step before; that part resists, its work is
-            `damping`. Constants and other functions of it are read anew after every callback.
-        density: for a residual of your own: number, function or UFL expression per reference volume, positive; read
-            once [M/L^3].
-        velocity: function on u's space at the start [L/T]. A residual that contains it makes it follow the run as u
-            does: then it is the attribute `velocity` as well. Else it stays as it is.
-        bcs: list of DirichletBC (values stay) and PrescribedMotion (functions of time).
-        loads: list of loads; their `amplitude` is a function of time.
-        contact: list of contacts: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
+        residual: UFL residual of your own in u (rank 1): internal minus external forces. If it contains the function
+            given as `velocity`, that function stands for the velocity half a step before, and the work of the terms
+            with it counts as `damping`. Constants and other functions in it are read again after every callback.
+        density: density per undeformed volume for a residual of your own: number, function or UFL expression,
+            positive; read once [M/L^3].
+        velocity: initial velocity, a function on u's space. If the residual contains it, the problem updates it and it
+            is the attribute `velocity`; otherwise it is not changed [L/T].
+        bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
+        loads: loads; their `amplitude` is a function of time.
+        contact: contacts: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
         damping: Rayleigh(alpha, beta) or None.
-        bulk_viscosity: pair (linear, quadratic) of factors, for example (0.06, 1.2), or None [1].
+        bulk_viscosity: factors (linear, quadratic), for example (0.06, 1.2), or None [1].
         scheme: "half_step" (seed 3.72-3.77) or "classical" (seed 3.68-3.71).
-        lumping: as for lumped_mass. mass_scaling: None, or the step that cells with a smaller one of their own get mass
-            for [T]; `added_mass` tells how much.
-        hypothesis: of a residual of your own: "axisymmetric" where its integrals carry 2 pi r; None or another one
-            where they do not.
+        lumping: lumping scheme, as for lumped_mass.
+        mass_scaling: step to which the stable step of cells is raised by added mass; None: no mass is added [T].
+        hypothesis: for a residual of your own: "axisymmetric" if its integrals contain 2 pi r, otherwise None or
+            another hypothesis.
 
     Attributes:
-        time [T], step: reached. velocity, acceleration: functions at that time. contact: with results. mass: lumped,
-        per degree of freedom [M]. added_mass: by mass scaling, in all [M].
+        u: displacement at the present time [L].
+        velocity: velocity at the present time [L/T].
+        acceleration: acceleration at the present time [L/T^2].
+        contact: contacts with results.
+        mass: lumped mass per degree of freedom [M].
+        added_mass: mass that mass scaling has added, of all ranks [M].
 
     Raises:
-        TypeError, ValueError: what does not fit, or differs between ranks; on all ranks.
+        TypeError: an argument is of the wrong type; on all ranks.
+        ValueError: a value does not fit, or differs between ranks; on all ranks.
 
     Warns:
-        UserWarning: another ExplicitProblem that is alive has the same u.
+        UserWarning: another ExplicitProblem with the same u exists.
     """
 
     _instead = "use save and restore, or make another one on a displacement function of its own"
 
     def __init__(
         self,
-        u,
-        material=None,
-        residual=None,
-        density=None,
-        velocity=None,
-        bcs=(),
-        loads=(),
-        contact=(),
-        damping=None,
-        bulk_viscosity=None,
-        scheme="half_step",
-        lumping="auto",
-        mass_scaling=None,
-        hypothesis=None,
-    ):
+        u: fem.Function,
+        material: _Material | MaterialMap | None = None,
+        residual: ufl.Form | None = None,
+        density: float | ufl.core.expr.Expr | None = None,
+        velocity: fem.Function | None = None,
+        bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
+        loads: Sequence[Load] = (),
+        contact: Sequence[Penalty | Kinematic] = (),
+        damping: Rayleigh | None = None,
+        bulk_viscosity: tuple[float, float] | None = None,
+        scheme: str = "half_step",
+        lumping: str = "auto",
+        mass_scaling: float | None = None,
+        hypothesis: str | None = None,
+    ) -> None:
         with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "ExplicitProblem") as ranks:
             if residual is not None and (loads or density is None):
                 what = "write the loads into your own residual" if loads else "a residual of your own needs a density"
@@ -98,7 +112,7 @@ class ExplicitProblem(Unique):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
-            self._check_velocity(velocity, u)
+            velocity = self._check_velocity(velocity, u)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
@@ -116,6 +130,7 @@ class ExplicitProblem(Unique):
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         resisting = damping_tangent = None
         if residual is None:
+            assert material is not None  # checked above
             hypothesis = material.hypothesis_on(mesh)
             internal = operators.internal_force_form(u, v, material)
             tangent = operators.tangent_form(u, du, v, material)
@@ -164,7 +179,7 @@ class ExplicitProblem(Unique):
         self._functions = FunctionsOfTime()
         self._set_loads(self.loads, v)
         self._set_motion(bcs)
-        self.contact = [c._bind_explicit(self) for c in contact]
+        self.contact: list[NodalResult] = [c._bind_explicit(self) for c in contact]
         for c in self.contact:
             motion = c.motion
             columns = [-1] * 3 if motion is None else self._functions.add(motion)
@@ -181,14 +196,14 @@ class ExplicitProblem(Unique):
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
         return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
 
     @staticmethod
-    def _check_velocity(velocity, u):
+    def _check_velocity(velocity: fem.Function | None, u: fem.Function) -> fem.Function:
         if velocity is None:
             raise ValueError("give the velocity at the start: a Function on u's space (zero: fem.Function(V))")
         arguments.function("velocity", velocity)
@@ -199,26 +214,34 @@ class ExplicitProblem(Unique):
             raise ValueError("the velocity is on another space than the displacement")
         if not all(np.all(np.isfinite(f.x.array)) for f in (u, velocity)):
             raise ValueError("displacement or velocity at the start is not a number")
+        return velocity
 
-    def _density(self, density, mesh):
+    def _density(self, density: float | ufl.core.expr.Expr, mesh: Mesh) -> ufl.core.expr.Expr:
         if isinstance(density, ufl.core.expr.Expr):
             return density
         return fem.Constant(mesh, default_scalar_type(number("density", density, 0.0, " [M/L^3]")))
 
-    def _frequencies_masses(self):
+    def _frequencies_masses(self) -> CellMasses:
         masses = self._frequencies.masses()
         return [(np.arange(len(masses), dtype=np.int32), masses)]
 
-    def _scale_mass(self, dt):
-        """Mass for cells whose own stable step is less than dt; returns how much, of all ranks. Collective."""
+    def _scale_mass(self, dt: float) -> float:
+        """Add mass to cells whose own stable step is less than dt. Collective.
+
+        Args:
+            dt: step [T].
+
+        Returns:
+            Added mass, of all ranks [M].
+        """
         f = self._frequencies
         squares, rates = f.by_cell()
         factor = np.maximum(1.0, squares * (dt / 2.0) ** 2 + rates * (dt / 2.0))
         added = self.comm.allreduce(float((factor - 1.0) @ f.masses().sum(axis=1)), MPI.SUM)
         f.factor = factor
-        return added / self.space.mesh.geometry.dim
+        return float(added / self.space.mesh.geometry.dim)
 
-    def _check_viscosity(self, factors):
+    def _check_viscosity(self, factors: tuple[float, float] | None) -> tuple[float, float]:
         if factors is None:
             return (0.0, 0.0)
         if np.shape(factors) != (2,) or not np.all(np.isfinite(factors)) or np.any(np.asarray(factors) < 0):
@@ -227,9 +250,10 @@ class ExplicitProblem(Unique):
             )
         if self.material is None:
             raise ValueError("bulk viscosity needs the wave speed of a material: write it into your own residual")
-        return tuple(float(f) for f in factors)
+        linear, quadratic = factors
+        return float(linear), float(quadratic)
 
-    def _add_damping(self, v):
+    def _add_damping(self, v: ufl.Argument) -> None:
         kinds = _cpp.integrators.WorkKind
         if self.damping.beta > 0.0:
             if self.scheme == "classical":
@@ -243,22 +267,23 @@ class ExplicitProblem(Unique):
             self._term(form, kinds.damping)
         if any(self._viscosity):
             mesh = self.space.mesh
-            factors = [fem.Constant(mesh, default_scalar_type(f)) for f in self._viscosity]
+            linear, quadratic = (fem.Constant(mesh, default_scalar_type(f)) for f in self._viscosity)
             form = operators.sum_materials(
                 self.u, self.material,
                 lambda m, dx: viscosity.bulk(
-                    self.u, self.velocity, v, m.law(mesh), m.density_constant(mesh), *factors, dx
+                    self.u, self.velocity, v, m.law(mesh), m.density_constant(mesh), linear, quadratic, dx
                 ),
             )  # fmt: skip
             self._term(form, kinds.viscosity)
 
-    def _term(self, form, account):
+    def _term(self, form: ufl.Form, kind: _cpp.integrators.WorkKind) -> None:
+        """Add a force term to the integrator; `kind` says which energy its work counts to."""
         term = operators.SplitForce(form, self.u, self.velocity)
         self._terms.append(term)
-        self._cpp_object.add_term(term.forces(), account)
+        self._cpp_object.add_term(term.forces(), kind)
 
-    def _set_loads(self, loads, v):
-        self._loads = []
+    def _set_loads(self, loads: Sequence[Load], v: ufl.Argument) -> None:
+        self._loads: list[DeadLoad] = []
         for load in loads:
             form = load.form(self.u, v, self.material)
             amplitude = Amplitude(getattr(load, "amplitude", None), f"amplitude of {type(load).__name__}")
@@ -271,18 +296,19 @@ class ExplicitProblem(Unique):
             self._cpp_object.add_load(dead.dofs, dead.values(), self._functions.add(amplitude)[0])
             self._loads.append(dead)
 
-    def _set_motion(self, bcs):
-        taken, self._supports = np.zeros(len(self.u.x.array), dtype=bool), []
-        for bc in bcs:
-            amplitude = bc.amplitude if isinstance(bc, PrescribedMotion) else None
-            bc = bc.bc if amplitude else bc
+    def _set_motion(self, bcs: Sequence[fem.DirichletBC | PrescribedMotion]) -> None:
+        taken = np.zeros(len(self.u.x.array), dtype=bool)
+        self._supports: list[tuple[IntArray, FloatArray, int]] = []
+        for given in bcs:
+            amplitude = given.amplitude if isinstance(given, PrescribedMotion) else None
+            bc = given.bc if isinstance(given, PrescribedMotion) else given
             dofs = bc.dof_indices()[0]
             dofs = dofs[(dofs < self.num_owned) & ~taken[dofs]]
             taken[dofs] = True
             values = np.zeros(len(self.u.x.array))
             bc.set(values)
             column = -1 if amplitude is None else self._functions.add(amplitude)[0]
-            start = values[dofs] * (1.0 if amplitude is None else amplitude.sample([0.0])[0, 0])
+            start = values[dofs] * (1.0 if amplitude is None else amplitude.sample(np.zeros(1))[0, 0])
             jump = float(np.max(np.abs(start - self.u.x.array[dofs]), initial=0.0))
             size = self.comm.allreduce(float(np.max(np.abs(start), initial=0.0)), MPI.MAX)
             if self.comm.allreduce(jump, MPI.MAX) > 1e-12 * size:
@@ -300,37 +326,38 @@ class ExplicitProblem(Unique):
         self,
         until: float,
         dt: float | str = "auto",
-        callback: Callable[["ExplicitProblem"], None] | None = None,
+        callback: Callable[[ExplicitProblem], object] | None = None,
         progress: bool = True,
         unsafe: bool = False,
         energy_limits: tuple[float, float] | None = energy_gain.LIMITS,
     ) -> None:
-        """Go on to a time. Collective.
+        """Advance to a time. Collective.
+
+        An exception of the callback on one rank is raised on all ranks. After it, and after KeyboardInterrupt, the
+        problem has the state of the last step: it may be saved, and `advance` to the same time continues with the
+        remaining steps.
 
         Args:
-            until: time to reach [T].
-            dt: step, or "auto": 0.9 of the stable step; steps are equal and at most that [T].
-            callback: called as callback(problem) after each step, and before the first step of a run (at step 0). What
-                it changes, constants, functions and loads of forms, holds from the time at which it is called; ghosts
-                are brought up to date.
-            progress: show a bar on rank 0.
-            unsafe: take a dt beyond the stable step all the same, with a warning.
-            energy_limits: two numbers, or None for no limits. The energy that the run has gained without the work of
-                loads and supports, relative to the energies so far (docs/explicit/energies.md): beyond the first it
-                warns, once; beyond the second it stops [1].
+            until: time to advance to [T].
+            dt: largest step; "auto": 0.9 of the stable step. All steps are equal [T].
+            callback: function that is called as callback(problem) after each step and before the first step of a run
+                (at step 0). Its changes of constants, functions and loads are in force from the time at which it is
+                called; the problem updates their ghosts.
+            progress: whether rank 0 shows a progress bar.
+            unsafe: accept a dt beyond the stable step, with a warning.
+            energy_limits: two limits for the energy that the run has gained without the work of loads and supports,
+                relative to the energies so far (docs/explicit/energies.md). Beyond the first the run warns, once;
+                beyond the second it stops. None: no limits [1].
 
         Raises:
-            TypeError, ValueError: a time that has passed, dt not positive, beyond the stable step, or so small that the
-                time cannot be reached; energy limits that are no two positive numbers in order; arguments that differ
-                between ranks.
-            RuntimeError: called from a callback of `advance`; or the run went unstable or gained energy beyond the
-                limit; the message says when and where, displacement and velocity are back at the last good state, from
-                which works count anew and friction has no history.
+            TypeError: an argument is of the wrong type.
+            ValueError: the time has passed; dt is not positive, beyond the stable step, or so small that the time
+                cannot be reached; the energy limits are not two positive numbers in increasing order; an argument
+                differs between ranks.
+            RuntimeError: the call came from a callback of `advance`; or the run went unstable or gained energy beyond
+                the limit. The message says when and where. Displacement and velocity are then those of the last good
+                state; works are zero and friction has no history there.
             KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
-
-        What the callback raises on one rank is raised on all. After KeyboardInterrupt, or an exception of the callback,
-        the problem is as after the last step: it may be saved, and `advance` to the same time goes on with the very
-        steps that were left.
         """
         with guard(self.comm, "advance", callback=callback, unsafe=bool(unsafe)) as ranks:
             until, limits = self._stepper.check_arguments(until, callback), energy_gain.checked(energy_limits)
@@ -340,12 +367,12 @@ class ExplicitProblem(Unique):
 
     @property
     def time(self) -> float:
-        """Time that was reached [T]."""
+        """Present time [T]."""
         return self._stepper.time
 
     @property
     def step(self) -> int:
-        """Number of steps that were taken."""
+        """Number of the present step [1]."""
         return self._stepper.step
 
     @property
@@ -355,102 +382,124 @@ class ExplicitProblem(Unique):
         return dict(self._state.energy)
 
     @property
-    def energy_history(self) -> np.ndarray:
-        """Time and energies before every step, the first at the start of the run, (num_steps, 9): time [T], then those
-        of `energy` in its order, external last [F L]. Runs of more than `history_limit` steps: every second, fourth,
-        ... step."""
+    def energy_history(self) -> FloatArray:
+        """Time and energies before every step, (num_steps, 9): time [T], then the energies of `energy` in its order, up
+        to external [F L]. The first row is the start of the run. Runs of more than `history_limit` steps have every
+        second, fourth, ... step."""
         return self._history.energies
 
     @property
-    def force_history(self) -> list[np.ndarray]:
-        """Contact forces on the slaves, by contact: list of arrays (num_steps, gdim) at the times of `energy_history`
-        [F]."""
+    def force_history(self) -> list[FloatArray]:
+        """Forces on the slaves at the times of `energy_history`, for each contact (num_steps, gdim) [F]."""
         return self._history.forces
 
     @property
     def history_limit(self) -> int:
-        """Largest number of rows that histories keep in memory, 250,000 unless set; a Recorder writes all rows [1]."""
+        """Largest number of history rows in memory, 250,000 unless set; a Recorder writes all rows [1]."""
         return self._history.limit
 
     @history_limit.setter
     def history_limit(self, value: int) -> None:
+        """Set the largest number of history rows in memory.
+
+        Args:
+            value: number of rows, two or more [1].
+
+        Raises:
+            ValueError: the value is no integer, or less than two.
+        """
         self._history.limit = value
 
     # --- files -----------------------------------------------------------------------------------------------------
 
     def record(
-        self, path=None, fields=("displacement", "velocity"), every=100, points=None, points_every=10
+        self,
+        path: FilePath | None = None,
+        fields: Sequence[str] = ("displacement", "velocity"),
+        every: int = 100,
+        points: ArrayLike | None = None,
+        points_every: int = 10,
     ) -> Recorder:
         """Write fields and histories into a folder from now on; see Recorder. Collective.
 
         Args:
             path: folder; None as for RunFolder.
             fields: some of displacement, velocity, acceleration.
-            every: steps between frames.
-            points: (n, gdim) places whose nearest nodes' motion is kept every `points_every` steps [L].
-            points_every: steps between samples of points.
+            every: steps between frames [1].
+            points: points, (n, gdim); the motion of their nearest nodes is sampled [L].
+            points_every: steps between samples of points [1].
 
         Returns:
-            Recorder; `close()` it at the end.
+            Recorder; call its `close()` at the end.
 
         Raises:
-            ValueError: unknown fields, intervals that are no positive integers.
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: a field is unknown, or an interval is no positive integer; on all ranks.
             RuntimeError: the folder cannot be written; on all ranks.
         """
         with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
-            fields, points = check_arguments(self, path, fields, every, points, points_every)
-            ranks.same(points=points)
-        return Recorder(self, self._stepper, self._state, path, fields, every, points, points_every)
+            names, places = check_arguments(self, path, fields, every, points, points_every)
+            ranks.same(points=places)
+        return Recorder(self, self._stepper, self._state, path, names, every, places, points_every)
 
-    def save(self, path) -> None:
-        """Write a checkpoint, HDF5: all that a run needs to go on as if it had not stopped. Collective.
+    def save(self, path: FilePath) -> None:
+        """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.
 
-        It is written as PATH.part and then renamed: if anything goes wrong with it an earlier file at `path` is as it
-        was. Recorders write their histories up to now after it. Ctrl-C waits until that is done.
+        The file is written as PATH.part and then renamed. If writing fails, an earlier file at `path` is not changed.
+        Afterwards, recorders write their histories up to the present time. Ctrl-C takes effect after that.
 
         Args:
             path: file to write.
 
         Raises:
-            RuntimeError: the folder cannot be written, no space is left; on all ranks.
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the folder cannot be written, or no space is left; on all ranks.
         """
         self._restart.save(path)
 
-    def restore(self, path) -> None:
-        """Go on from a checkpoint of the same problem, written on any number of ranks. Collective.
+    def restore(self, path: FilePath) -> None:
+        """Continue from a checkpoint of the same problem, written on any number of ranks. Collective.
 
-        The same are mesh, materials, damping, scheme, supports, loads, contacts, and their functions of time up to the
-        time of the checkpoint, to the last digit. Values of loads (`constant.value`) must be those that they had when
-        it was written; afterwards they may be changed, as between any two calls of `advance`.
+        The problem must have the same mesh, materials, damping, scheme, supports, loads and contacts, and the same
+        functions of time up to the time of the checkpoint, to round-off. The values of loads (`constant.value`) must be
+        those at the time when the file was written; they may be changed afterwards, as between any two calls of
+        `advance`. The file does not contain constants, functions and loads that were changed during the run: set them
+        before.
 
-        On as many ranks as wrote it the run goes on bit for bit (if DOLFINx numbers the mesh as it did then, which it
-        does not always on three ranks and more), on others to round-off. `advance` with the time that
-        the interrupted call had continues with its very steps. Constants, functions and loads that were changed in the
-        course of the run are not in the file: set them before.
+        On the number of ranks that wrote the file, the run continues bit for bit if DOLFINx numbers the mesh in the
+        same way, which is not always so on three or more ranks. On another number of ranks it continues to round-off.
+        After an interrupted `advance`, `advance` to the same time continues with the remaining steps.
 
         Args:
             path: file that `save` has written.
 
         Raises:
-            RuntimeError: the file cannot be read, or is damaged.
-            ValueError: it is of another mesh, material, ...; on all ranks. The problem is then as it was.
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the file cannot be read, or is damaged; on all ranks.
+            ValueError: the file belongs to another mesh, material, ...; on all ranks. The problem is then unchanged.
         """
         self._restart.restore(path)
 
     # --- the stable step -------------------------------------------------------------------------------------------
 
-    def stable_step(self, method="element"):
-        """Largest stable step at the present state [T]. Collective.
+    def stable_step(self, method: str = "element") -> float:
+        """Largest stable step at the present state. Collective.
+
+        Contact springs of given stiffness reduce the step. For "length" and "element" they do so by a bound that holds
+        wherever the bodies meet; for "eigenvalue" the system contains the springs of all slave nodes that have a master
+        now, closed or not.
 
         Args:
-            method: "length": L/c_d, seed (3.79), (3.80), an estimate that distorted cells may exceed; "element": from
-                the highest frequency of the cells, never more than the true limit; "eigenvalue": the true limit, from
-                the highest frequency of the assembled system. Contact springs of given stiffness lower the first two
-                by a bound that holds wherever the bodies meet; the last has the springs of all slave nodes that have a
-                master now, closed or not.
+            method: "length": L/c_d, seed (3.79), (3.80), an estimate that may be too large for distorted cells;
+                "element": lower bound of the true limit, from the highest frequency of the cells; "eigenvalue": the
+                true limit, from the highest frequency of the assembled system.
+
+        Returns:
+            Stable step; infinite where nothing limits it [T].
 
         Raises:
-            ValueError: unknown method; "length" for a residual of your own.
+            ValueError: the method is unknown, or "length" for a residual of your own.
+            RuntimeError: the eigenvalue solver does not converge.
         """
         same(self.comm, "stable_step", method=method)
         if method not in METHODS:
@@ -468,21 +517,22 @@ class ExplicitProblem(Unique):
         else:
             inverse = 1.0 / self.mass.array[: self.num_owned]
             inverse[self.prescribed[: self.num_owned]] = 0.0
-            springs = stiffness(self.contact, self.space, self.u.x.array)
+            matrix = stiffness(self.contact, self.space, self.u.x.array)
             if self._frequencies.damps:
-                found = self._frequencies.critical_step(inverse, springs, self.damping.alpha, self.stable_step())
+                found = self._frequencies.critical_step(inverse, matrix, self.damping.alpha, self.stable_step())
             else:
-                omega = self._frequencies.highest(inverse, springs)
-            if springs is not None:
-                springs.destroy()
+                omega = self._frequencies.highest(inverse, matrix)
+            if matrix is not None:
+                matrix.destroy()
             if self._frequencies.damps:
                 return found
         if method != "eigenvalue":
             omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
         return damped(omega, self.damping.alpha, self.damping.beta, self._viscosity[0], self.scheme)
 
-    def _cell_times(self):
-        """Time a dilatational wave takes through each owned cell [T]."""
+    def _cell_times(self) -> FloatArray:
+        """Time that a dilatational wave takes through each owned cell, (num_cells) [T]."""
+        assert self.material is not None  # checked by stable_step
         mesh = self.space.mesh
         times = cell_sizes(mesh) / self.space.element.basix_element.degree
         for tag, m in self.material.parts():

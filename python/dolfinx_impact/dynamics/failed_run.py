@@ -1,53 +1,71 @@
 # SPDX-License-Identifier: MIT
-"""Where and why an explicit run failed, in words."""
+"""Message about where and why an explicit run failed."""
+
+from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
 from ..common.cell_numbers import input_cell_numbers
 from . import energy_gain
 
+if TYPE_CHECKING:
+    from .explicit import ExplicitProblem
 
-def describe_node(V, node: int) -> str:
-    """Number, cell and place at rest of a node of this rank.
+
+def describe_node(V: FunctionSpace, node: int) -> str:
+    """Describe a node by its number, a cell and its undeformed coordinates.
 
     Args:
         V: displacement space.
         node: number of the node on this rank.
+
+    Returns:
+        Text for an error message, with numbers as in the mesh's input.
     """
     cell = int(np.argmax(np.any(V.dofmap.list == node, axis=1)))
     x = V.tabulate_dof_coordinates()[node]
     number = int(input_cell_numbers(V.mesh.topology)[cell])
     text = f"cell {number} (number in the mesh's input) at {x[: V.mesh.geometry.dim].round(9).tolist()}"
     geometry = V.mesh.geometry
-    places = geometry.x[geometry.dofmap[cell]]
-    distance = np.linalg.norm(places - x, axis=1)
+    vertices = geometry.x[geometry.dofmap[cell]]
+    distance = np.linalg.norm(vertices - x, axis=1)
     nearest = int(np.argmin(distance))
-    if distance[nearest] < 1e-9 * np.ptp(places, axis=0).max():
+    if distance[nearest] < 1e-9 * np.ptp(vertices, axis=0).max():
         text = f"node {int(geometry.input_global_indices[geometry.dofmap[cell, nearest]])} of {text}"
     return text
 
 
 class FailedRun:
-    """What has stopped the C++ integrator before the last step. Collective.
+    """Finds why the C++ integrator stopped before the last step. Collective.
 
     Args:
         problem: ExplicitProblem.
-        time: of the step that failed [T].
+        time: time of the step that failed [T].
         step: length of the steps [T].
         stable_step: largest stable step [T].
+
+    Attributes:
+        gain: energy gained without external work, relative to the energies so far [1].
+        gain_limit: gain at which the integrator stops [1].
+        passed: depth by which a slave node passed through the master in one step, in facets; 0 if none did [1].
+        place: description of the node that passed, or else of the fastest node.
+        contact: name of the pair whose node passed, or an empty text.
     """
 
-    def __init__(self, problem, time: float, step: float, stable_step: float) -> None:
+    def __init__(self, problem: ExplicitProblem, time: float, step: float, stable_step: float) -> None:
         comm, integrator = problem.comm, problem._cpp_object
         self.time, self.step, self.stable_step = time, step, stable_step
-        self.gain, self.gain_limit = integrator.gain, integrator.gain_limit
+        self.gain: float = integrator.gain
+        self.gain_limit: float = integrator.gain_limit
         pair, node, facets = integrator.passage()
-        # Nodes of a run with steps beyond the stable one go everywhere.
+        # In a run with steps beyond the stable step, passing nodes are an effect of the instability, not its cause.
         stable = step <= stable_step * (1 + 1e-12)
-        self.passed = comm.allreduce(facets, MPI.MAX) if stable else 0.0  # facets in a step
+        self.passed: float = comm.allreduce(facets, MPI.MAX) if stable else 0.0
         if self.passed > 0.0:
             rank = comm.allreduce(comm.rank if facets == self.passed else comm.size, MPI.MIN)
         else:
@@ -55,14 +73,17 @@ class FailedRun:
             node = dof // problem.space.dofmap.index_map_bs
             worst = -1.0 if dof < 0 else math.inf if math.isnan(speed) else speed
             rank = int(np.argmax(comm.allgather(worst)))
-        self.place = comm.bcast(describe_node(problem.space, node) if comm.rank == rank else None, root=rank)
-        self.contact = comm.bcast(problem.contact[pair].pair.name if pair >= 0 else "", root=rank)
+        self.place: str = comm.bcast(describe_node(problem.space, node) if comm.rank == rank else None, root=rank)
+        self.contact: str = comm.bcast(problem.contact[pair].pair.name if pair >= 0 else "", root=rank)
 
     def message(self, back_at: float) -> str:
-        """Text of the error.
+        """Text of the error that the run raises.
 
         Args:
-            back_at: time to which the problem has gone back [T].
+            back_at: time of the state that the problem has returned to [T].
+
+        Returns:
+            What happened, when and where, and what to do.
         """
         if self.passed > 0.0:
             return (
@@ -72,7 +93,7 @@ class FailedRun:
                 f"{0.9 * self.step / self.passed:.3g} (now {self.step:.3g}), or coarser facets"
             )
         gained = self.gain > self.gain_limit
-        why = f"{energy_gain.told(self.gain)} What moves fastest is" if gained else "first"
+        why = f"{energy_gain.message(self.gain)} What moves fastest is" if gained else "first"
         advice = "" if gained else " Take a smaller step, or check loads and contact"
         return (
             f"the run went unstable at the time {self.time:.6g}, step {self.step:.6g} (stable: {self.stable_step:.6g}),"

@@ -1,45 +1,65 @@
 # SPDX-License-Identifier: MIT
-"""Rows of numbers, one for each step, in a bounded amount of memory."""
+"""Table of one row per step in a bounded amount of memory."""
 
 import numpy as np
+import numpy.typing as npt
+
+from ..common.types import AnyArray
 
 LIMIT = 250_000  # rows: 24 MB with one contact, on every rank
 
 
 class History:
-    """A table that grows by rows. When it has more than `limit` every second one is dropped, and from then on only
-    every second (fourth, ...) row is taken: the first row stays, rows stay equally far apart.
+    """Table that grows by rows, up to a limit.
+
+    When the table has more than `limit` rows, every second row is dropped, and from then on only every second (fourth,
+    ...) row is added. The first row always stays, and the rows stay equally spaced.
 
     Args:
         row_type: data type of a row, structured or of several numbers.
-        limit: largest number of rows, two or more.
+        limit: largest number of rows, two or more [1].
 
     Attributes:
-        stride: one of so many rows is kept. last: the row added last, kept or not; None at first.
+        stride: one row is kept of this many [1].
+        last: row that was added last, kept or not; None before the first.
     """
 
-    def __init__(self, row_type: np.dtype, limit: int = LIMIT) -> None:
+    def __init__(self, row_type: npt.DTypeLike, limit: int = LIMIT) -> None:
         self._type, self._limit = row_type, limit
         self.clear()
 
-    def clear(self):
+    def clear(self) -> None:
         """Forget all rows."""
-        self._table, self._size = np.zeros(0, self._type), 0
-        self._count, self.stride, self.last = 0, 1, None
+        self._table: AnyArray = np.zeros(0, self._type)
+        self._size, self._count, self.stride = 0, 0, 1
+        self.last: np.void | AnyArray | None = None
 
     @property
-    def limit(self):
+    def limit(self) -> int:
+        """Largest number of rows that are kept [1]."""
         return self._limit
 
     @limit.setter
-    def limit(self, value):
+    def limit(self, value: int) -> None:
+        """Set the largest number of rows; rows beyond it are dropped.
+
+        Args:
+            value: number of rows, two or more [1].
+
+        Raises:
+            ValueError: the value is no integer, or less than two.
+        """
         if isinstance(value, bool) or int(value) != value or value < 2:
             raise ValueError(f"history_limit is {value!r}: give a number of rows, two or more")
         self._limit = int(value)
         self._thin()
 
-    def add(self, rows):
-        """Append rows, (n,) of the row type."""
+    def add(self, rows: AnyArray) -> None:
+        """Append rows.
+
+        Args:
+            rows: (n) rows of the row type.
+        """
         if len(rows) == 0:
             return
         self.last = rows[-1].copy()
@@ -51,17 +71,21 @@ class History:
         self._size = first + len(rows)
         self._thin()
 
-    def rows(self):
-        """All rows kept, (n,) of the row type; a copy."""
+    def rows(self) -> AnyArray:
+        """Copy of the rows that are kept.
+
+        Returns:
+            (num_rows) rows of the row type.
+        """
         return self._table[: self._size].copy()
 
-    def _reserve(self, size):
+    def _reserve(self, size: int) -> None:
         if size > len(self._table):
             table = np.zeros(max(size, 2 * len(self._table), 64), self._type)
             table[: self._size] = self._table[: self._size]
             self._table = table
 
-    def _thin(self):
+    def _thin(self) -> None:
         while self._size > self._limit:
             kept = self._table[: self._size : 2].copy()
             self._table, self._size, self.stride = kept, len(kept), 2 * self.stride

@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""What a user may change between steps: constants and functions of forms, values of loads."""
+"""Constants, functions and load values that a user may change between steps."""
+
+from collections.abc import Sequence
 
 import numpy as np
 from mpi4py import MPI
+
+from .. import _cpp
+from ..assembly.operators import SplitForce
+from ..loads import DeadLoad
+from .stable_step import Frequencies
 
 
 class Inputs:
@@ -14,40 +21,48 @@ class Inputs:
     Args:
         comm: communicator of the problem.
         integrator: C++ CentralDifference that holds the copies.
-        terms: force terms (SplitForce) of the integrator.
-        loads: dead loads (DeadLoad), in the order of the integrator.
-        frequencies: Frequencies of the cells, from which the stable step is found.
+        terms: force terms of the integrator.
+        loads: dead loads, in the order of the integrator.
+        frequencies: frequencies of the cells, from which the stable step is computed.
     """
 
-    def __init__(self, comm, integrator, terms, loads, frequencies) -> None:
+    def __init__(
+        self,
+        comm: MPI.Intracomm,
+        integrator: _cpp.integrators.CentralDifference,
+        terms: Sequence[SplitForce],
+        loads: Sequence[DeadLoad],
+        frequencies: Frequencies,
+    ) -> None:
         self.comm, self.integrator = comm, integrator
         self.terms, self.loads, self.frequencies = terms, loads, frequencies
 
-    def take_changes(self) -> bool:
-        """Copy what has changed: forces of the present time level are those of the new values. Collective.
+    def update_changed(self) -> bool:
+        """Copy the values that have changed; the forces at the present time are then those of the new values.
+        Collective.
 
         Returns:
-            Whether the stable step has to be found anew, the same on all ranks.
+            Whether the stable step must be computed again, the same on all ranks.
         """
-        changed = [any(term.changed() for term in self.terms), self.frequencies.changed()]
-        changed += [load.changed() for load in self.loads]
-        changed = np.array(changed, dtype=np.int32)
+        here = [any(term.changed() for term in self.terms), self.frequencies.changed()]
+        here += [load.changed() for load in self.loads]
+        changed = np.array(here, dtype=np.int32)
         self.comm.Allreduce(MPI.IN_PLACE, changed, MPI.MAX)
         if changed[0]:
             for term in self.terms:
                 term.update()
             self.integrator.revise()
         if changed[1]:
-            self.frequencies.take()
+            self.frequencies.store_inputs()
         for i, load in enumerate(self.loads):
             if changed[2 + i]:
                 self.integrator.set_load(i, load.values())
         return bool(changed[1])
 
-    def take_all(self) -> None:
-        """Copy everything, changed or not. Collective."""
+    def update_all(self) -> None:
+        """Copy all values, changed or not. Collective."""
         for term in self.terms:
             term.update()
         for i, load in enumerate(self.loads):
             self.integrator.set_load(i, load.values())
-        self.frequencies.take()
+        self.frequencies.store_inputs()

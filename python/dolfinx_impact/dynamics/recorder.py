@@ -1,25 +1,61 @@
 # SPDX-License-Identifier: MIT
-"""What an explicit run writes while it runs: fields for ParaView, histories in HDF5."""
+"""Output of an explicit run while it runs: fields for ParaView, histories in HDF5."""
+
+from __future__ import annotations
 
 import time
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 from mpi4py import MPI
 
 from ..common import arguments
+from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
 from ..io import hdf5
 from ..io.frames import Frames
 from ..io.run_folder import RunFolder
+from .current_state import CurrentState
 from .run_history import ENERGIES
+
+if TYPE_CHECKING:
+    import h5py
+
+    from .explicit import ExplicitProblem
+    from .time_stepper import TimeStepper
 
 UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
 FIELDS = ("displacement", "velocity", "acceleration")
-ROWS = 100_000  # of histories that wait in memory at most
+ROWS = 100_000  # largest number of history rows that wait in memory
 INTERVAL = 1.0  # s of wall-clock time: opening the file takes milliseconds, as long as several steps of a small model
 
 
-def check_arguments(problem, path, fields, every, points, points_every):
-    """Arguments of a Recorder, on this rank; fields as a tuple and points as an array (n, gdim), or None."""
+def check_arguments(
+    problem: ExplicitProblem,
+    path: FilePath | None,
+    fields: Iterable[str],
+    every: int,
+    points: ArrayLike | None,
+    points_every: int,
+) -> tuple[tuple[str, ...], FloatArray | None]:
+    """Check the arguments of a Recorder on this rank.
+
+    Args:
+        problem: ExplicitProblem.
+        path: folder, or None.
+        fields: some of FIELDS.
+        every: steps between frames [1].
+        points: points, (n, gdim) or (gdim); None: no points [L].
+        points_every: steps between samples of points [1].
+
+    Returns:
+        `fields`, and `points` as an array (n, gdim) or None.
+
+    Raises:
+        TypeError: an argument is of the wrong type.
+        ValueError: a field is unknown, a number is not positive, or points have too few or infinite coordinates.
+    """
     if path is not None:
         arguments.path("path", path)
     if isinstance(fields, str):
@@ -33,31 +69,56 @@ def check_arguments(problem, path, fields, every, points, points_every):
         return tuple(fields), None
     gdim = problem.space.mesh.geometry.dim
     try:
-        points = np.atleast_2d(np.asarray(points, dtype=float))
+        x = np.atleast_2d(np.asarray(points, dtype=float))
     except (TypeError, ValueError):
         raise TypeError(f"points must be numbers of shape (n, {gdim}), found {points!r:.60}") from None
-    if points.ndim != 2 or points.shape[1] < gdim:
-        raise ValueError(f"points have {points.shape[-1]} coordinates: {gdim} are needed")
-    if not np.all(np.isfinite(points)):
+    if x.ndim != 2 or x.shape[1] < gdim:
+        raise ValueError(f"points have {x.shape[-1]} coordinates: {gdim} are needed")
+    if not np.all(np.isfinite(x)):
         raise ValueError("points have coordinates that are not finite: give places in the body")
-    return tuple(fields), points
+    return tuple(fields), x
 
 
 class Recorder:
     """Writes frames and histories of an ExplicitProblem into a folder; made by ExplicitProblem.record.
 
-    Files: fields.bp (ParaView 5.12 or newer), history.h5: `time`, energies and contact forces `force_0`, ... of every
-    step; `points/time` and `points/displacement`, `points/velocity`, shape (frames, points, gdim). Datasets have units
-    as attributes: T, L, F stand for the units of time, length and force of the problem's numbers. Histories are written
-    with frames, once a second at most, after 100,000 steps, with checkpoints, when `advance` ends by an exception, and
-    by `close`. On a disk that is full `advance` ends with a RuntimeError after a step; what was written before can be
-    read, what was not is kept and written when there is room.
+    Files: fields.bp has the fields (ParaView 5.12 or newer). history.h5 has `time`, energies and contact forces
+    `force_0`, ... of every step, and `points/time`, `points/displacement` and `points/velocity` of shape (frames,
+    points, gdim). Datasets have units as attributes; T, L and F stand for the problem's units of time, length, force.
+
+    Histories are written with frames, at most once a second; after 100,000 steps; with checkpoints; when `advance` ends
+    by an exception; and by `close`. If the disk is full, `advance` ends with a RuntimeError after a step. The files can
+    then be read, and the rows that are missing in them are kept and written when there is room.
+
+    Args:
+        problem: ExplicitProblem.
+        stepper: its TimeStepper.
+        state: its CurrentState.
+        path: folder; None as for RunFolder.
+        fields: some of FIELDS.
+        every: steps between frames [1].
+        points: points whose nearest nodes are sampled, (n, gdim); None: no points [L].
+        points_every: steps between samples of points [1].
 
     Attributes:
-        seconds: wall-clock time that frames, samples and histories have taken while the problem ran.
+        folder: RunFolder with the files.
+        seconds: wall-clock time that frames, samples and histories have taken during the run [s].
+
+    Raises:
+        RuntimeError: the folder cannot be written; on all ranks.
     """
 
-    def __init__(self, problem, stepper, state, path, fields, every, points, points_every):
+    def __init__(
+        self,
+        problem: ExplicitProblem,
+        stepper: TimeStepper,
+        state: CurrentState,
+        path: FilePath | None,
+        fields: Sequence[str],
+        every: int,
+        points: FloatArray | None,
+        points_every: int,
+    ) -> None:
         self.problem, self.every, self.points_every = problem, int(every), int(points_every)
         self._stepper, self._state = stepper, state
         self._nodes = [] if points is None else self._nearest(points)
@@ -66,18 +127,20 @@ class Recorder:
         self._fields = [functions[f] for f in fields]
         for name, f in functions.items():
             f.name = name
-        self._writer = None
+        self._writer: Frames | None = None
         if self._fields:
             self._writer = Frames(self.folder, "fields.bp", self._fields)
-        self._samples, self._rows, self._waiting, self._frame = [], [], 0, -1
+        self._samples: list[tuple[float, FloatArray]] = []
+        self._rows: list[npt.NDArray[np.void]] = []
+        self._waiting, self._frame = 0, -1
         self._open()
         self._flushed = time.monotonic()
         self.seconds = 0.0
         self.after()
         stepper.recorders.append(self)
 
-    def _nearest(self, points):
-        """For each point the node nearest to it: (rank, number there). Collective."""
+    def _nearest(self, points: FloatArray) -> list[tuple[int, int]]:
+        """Rank and local number of the node nearest to each point. Collective."""
         V, comm = self.problem.space, self.problem.comm
         x = V.tabulate_dof_coordinates()[: V.dofmap.index_map.size_local, : V.mesh.geometry.dim]
         out = []
@@ -88,10 +151,10 @@ class Recorder:
             out.append((rank, node))
         return out
 
-    def _open(self):
-        """History file with growing datasets, on rank 0."""
+    def _open(self) -> None:
+        """Create the history file with extendible datasets, on rank 0."""
 
-        def fill(file):
+        def fill(file: h5py.File) -> None:
             gdim, grow = self.problem.space.mesh.geometry.dim, {"chunks": True}
             names = {"time": "T", **{name: "F L" for name in ENERGIES}}
             for name, unit in names.items():
@@ -108,21 +171,29 @@ class Recorder:
 
         self.folder._write("history.h5", lambda: hdf5.create(self.folder.file("history.h5"), fill))
 
-    def steps_left(self):
-        """Steps until something is to be written."""
+    def steps_left(self) -> int:
+        """Number of steps until the next frame or sample."""
         step = self.problem.step
         waits = [self.every - step % self.every]
         if self._nodes:
             waits.append(self.points_every - step % self.points_every)
         return min(waits)
 
-    def take(self, rows):
-        """Rows of the RunHistory, to be written by and by."""
+    def add(self, rows: npt.NDArray[np.void]) -> None:
+        """Add rows that the next `flush` writes.
+
+        Args:
+            rows: (n) rows of RunHistory.row_type.
+        """
         self._rows.append(rows)
         self._waiting += len(rows)
 
-    def after(self):
-        """Write what is due after a step. Collective."""
+    def after(self) -> None:
+        """Write frame, sample and histories if they are due after the present step. Collective.
+
+        Raises:
+            RuntimeError: no room; on all ranks.
+        """
         p, begin = self.problem, time.perf_counter()
         frame, sample = p.step % self.every == 0, bool(self._nodes) and p.step % self.points_every == 0
         if (frame or sample) and p.step != self._frame:
@@ -140,7 +211,7 @@ class Recorder:
             self.flush()
             self.seconds += time.perf_counter() - begin
 
-    def _sample(self):
+    def _sample(self) -> None:
         p, values = self.problem, []
         for rank, node in self._nodes:
             gdim = p.space.mesh.geometry.dim
@@ -149,15 +220,16 @@ class Recorder:
             values.append(p.comm.bcast(mine, root=rank))
         self._samples.append((p.time, np.array(values)))
 
-    def flush(self):
-        """Write histories so far. Collective.
+    def flush(self) -> None:
+        """Write the rows and samples that wait in memory. Collective.
 
         Raises:
-            RuntimeError: no room; on all ranks. What was written before is there, the rest is kept for the next time.
+            RuntimeError: no room; on all ranks. The file has what was written before; the rest is kept for the next
+                call.
         """
         p, samples, rows = self.problem, self._samples, self._rows
 
-        def work(file):
+        def work(file: h5py.File) -> None:
             if rows:
                 table = np.concatenate(rows)
                 for name in ("time", *ENERGIES):
@@ -173,11 +245,11 @@ class Recorder:
         self.folder._write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
         self._rows, self._waiting, self._samples, self._flushed = [], 0, [], time.monotonic()
 
-    def close(self):
-        """Write what is left and close the files; nothing more is recorded. Collective.
+    def close(self) -> None:
+        """Write what waits in memory, close the files and stop recording. Collective.
 
         Raises:
-            RuntimeError: no room for what is left; the files are closed all the same.
+            RuntimeError: no room for what waits in memory; the files are closed nevertheless.
         """
         try:
             self.flush()
@@ -189,7 +261,7 @@ class Recorder:
                 self._writer = None
 
 
-def _append(dataset, rows):
+def _append(dataset: h5py.Dataset, rows: AnyArray) -> None:
     size = len(dataset)
     dataset.resize(size + len(rows), axis=0)
     dataset[size:] = rows

@@ -1,22 +1,76 @@
 # SPDX-License-Identifier: MIT
 """Saving and restoring explicit runs."""
 
+from __future__ import annotations
+
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from .. import _cpp
 from ..common import arguments
 from ..io import checkpoint
 from ..common.collective import agree, attempt, guard
 from ..common.interrupts import Interrupts
+from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray, IntArray
 from .step_schedule import StepSchedule
 from ..io.signature import functions_of_time, short, supports
 
+if TYPE_CHECKING:
+    from .explicit import ExplicitProblem
+    from .time_stepper import TimeStepper
+
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
-TABLES = ("works", "common")  # of numbers that the integrator saves by name: adding up over ranks, the same on all
+TABLES = ("works", "common")  # numbers that the integrator saves by name: sums over ranks, equal on all ranks
 NUMBERS = ("time", "next_time", "step", "safe_step", "nominal_step", "largest", "total_start")
-SAME = 1e-12  # of the values of functions of time: other libraries may round otherwise
-XI_MARGIN = 0.5  # reference coordinates on facets [0, 1]: nodes are held a little beside them
+SAME = 1e-12  # relative tolerance for values of functions of time: another library version may round differently
+XI_MARGIN = 0.5  # reference coordinates on facets are in [0, 1]; tracked nodes may lie outside by this much
+
+Want: TypeAlias = Callable[[bool | np.bool_, str], None]  # raises ValueError with a text unless a condition holds
+NodeHistory: TypeAlias = dict[str, AnyArray]  # arrays of a contact's nodes by name, rows by node
+
+
+@dataclass
+class Stored:
+    """Tables of a checkpoint as read, before their values are checked.
+
+    Attributes:
+        file: reader of the checkpoint.
+        names: names of the entries of each of TABLES.
+        tables: entries of each of TABLES, this rank's share.
+        sides: C++ contacts.
+        histories: packed history of each side, rows by node.
+        energies: energies of each side in the order of ENERGY, this rank's share [F L].
+        results: results of each contact, rows by node.
+    """
+
+    file: checkpoint.Reader
+    names: dict[str, list[str]]
+    tables: dict[str, FloatArray]
+    sides: list[_cpp.nodal.PenaltyContact | _cpp.nodal.KinematicContact]
+    histories: list[FloatArray]
+    energies: list[FloatArray]
+    results: list[FloatArray]
+
+
+@dataclass
+class Checked:
+    """Contents of a checkpoint after all values have been checked.
+
+    Attributes:
+        stored: tables as read.
+        schedule: steps of an `advance` that was interrupted, or None.
+        tables: entries of each of TABLES by name.
+        histories: history of each side.
+    """
+
+    stored: Stored
+    schedule: StepSchedule | None
+    tables: dict[str, dict[str, float]]
+    histories: list[NodeHistory]
 
 
 class Restart:
@@ -27,12 +81,21 @@ class Restart:
         stepper: its TimeStepper.
     """
 
-    def __init__(self, problem, stepper) -> None:
+    def __init__(self, problem: ExplicitProblem, stepper: TimeStepper) -> None:
         self.problem, self.stepper = problem, stepper
         self.comm, self.integrator = problem.comm, problem._cpp_object
 
-    def save(self, path) -> None:
-        """Write a checkpoint. Collective."""
+    def save(self, path: FilePath) -> None:
+        """Write a checkpoint. Collective.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            KeyboardInterrupt: a rank was interrupted; the file is complete.
+            RuntimeError: the file cannot be written; on all ranks.
+            TypeError: `path` is no name of a file.
+        """
         with guard(self.comm, "save", path=path):
             arguments.path("path", path)
         with Interrupts(self.comm) as interrupts:
@@ -42,44 +105,55 @@ class Restart:
                 recorder.flush()
             interrupts.check()
 
-    def restore(self, path) -> None:
-        """Become what a checkpoint holds. Collective."""
+    def restore(self, path: FilePath) -> None:
+        """Set the problem to the state of a checkpoint. Collective.
+
+        Args:
+            path: file that `save` has written.
+
+        Raises:
+            KeyboardInterrupt: a rank was interrupted; the problem is restored.
+            RuntimeError: the file cannot be read, or is damaged; on all ranks.
+            TypeError: `path` is no name of a file.
+            ValueError: the file belongs to another problem; on all ranks.
+        """
         with guard(self.comm, "restore", path=path):
             arguments.path("path", path)
         with Interrupts(self.comm) as interrupts:
-            self._take(self._read(path))
+            self._apply(self._read(path))
             interrupts.check()
 
-    def _save(self, path):
+    def _save(self, path: FilePath) -> None:
         state = self.integrator.save()
         bs = self.problem.space.dofmap.index_map_bs
         arrays = {name: values.reshape(-1, bs) for name, values in state["arrays"].items()}
-        nodal, ranks = {}, {table: np.array(list(state[table].values())) for table in TABLES}
+        nodal: dict[str, tuple[IntArray, FloatArray]] = {}
+        ranks = {table: np.array(list(state[table].values())) for table in TABLES}
         for k, contact in enumerate(self.problem.contact):
             for j, side in enumerate(contact.sides()):
                 nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history()))
                 ranks[f"contact{k}_{j}"] = np.array([side.own_energy()[name] for name in ENERGY])
-        schedule, totals, stepper = self.stepper.schedule, {}, self.stepper
+        stepper, totals = self.stepper, {}
         for k, contact in enumerate(self.problem.contact):
             rows, totals[f"contact{k}"] = contact.save_results()
             nodal[f"results{k}"] = (contact.nodes, rows)
-        s = schedule
+        s = stepper.schedule
         steps = [s.begin, s.until, s.first, s.last, s.auto] if s else []
         history = stepper.history
-        started = history.total_start is not None
         table, error = attempt(functions_of_time, stepper.functions, stepper.time, stepper.next_time)
         agree(self.comm, error, "functions of time")
         attributes = {
             **totals,
             "time": stepper.time, "next_time": stepper.next_time, "step": stepper.step, "safe_step": stepper.safe_step,
             "nominal_step": stepper.nominal_step, "largest": history.largest,
-            "total_start": history.total_start if started else 0.0, "schedule": np.array(steps, dtype=float),
-            "functions of time": table, **{table: short(", ".join(state[table])) for table in TABLES},
+            "total_start": 0.0 if history.total_start is None else history.total_start,
+            "schedule": np.array(steps, dtype=float), "functions of time": table,
+            **{table: short(", ".join(state[table])) for table in TABLES},
         }  # fmt: skip
         checkpoint.write(path, self.problem, arrays, nodal, ranks, attributes)
 
-    def _read(self, path):
-        """All of a checkpoint, looked at; nothing is changed. Collective."""
+    def _read(self, path: FilePath) -> Checked:
+        """Read and check a whole checkpoint; the problem is not changed. Collective."""
         bs, saved = self.problem.space.dofmap.index_map_bs, self.integrator.saved_names()
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.problem.contact) for j, s in enumerate(c.sides())]
         results = {f"results{k}": contact.save_results()[0].shape[1] for k, contact in enumerate(self.problem.contact)}
@@ -100,24 +174,24 @@ class Restart:
             place = checkpoint.places(self.problem.space)[nodes[other[0]]].tolist()
             error = ValueError(f"{path} is of another problem: supports differ, the first at {place}")
         agree(self.comm, error, "restore")
-        read = {
-            "file": file,
-            "names": {table: list(saved[table]) for table in TABLES},
-            "works": file.rank("works", True),
-            "common": file.rank("common", False),
-            "histories": [file.all_at(name, side.nodes) for name, side in sides],
-            "energies": [file.rank(name, True) for name, _ in sides],
-            "results": [file.all_at(f"results{k}", contact.nodes) for k, contact in enumerate(self.problem.contact)],
-            "sides": [side for _, side in sides],
-        }
-        agree(self.comm, attempt(self._check, path, read)[1], "restore")
-        return read
+        stored = Stored(
+            file=file,
+            names={table: list(saved[table]) for table in TABLES},
+            tables={"works": file.rank("works", True), "common": file.rank("common", False)},
+            sides=[side for _, side in sides],
+            histories=[file.all_at(name, side.nodes) for name, side in sides],
+            energies=[file.rank(name, True) for name, _ in sides],
+            results=[file.all_at(f"results{k}", contact.nodes) for k, contact in enumerate(self.problem.contact)],
+        )
+        checked, error = attempt(self._check, path, stored)
+        agree(self.comm, error, "restore")
+        return checked
 
-    def _check(self, path, read):
-        """Look at what was read on this rank, and bring it into form."""
-        a = read["file"].attributes
+    def _check(self, path: FilePath, stored: Stored) -> Checked:
+        """Check the values on this rank and convert them."""
+        a = stored.file.attributes
 
-        def want(right, what):
+        def want(right: bool | np.bool_, what: str) -> None:
             if not right:
                 raise ValueError(f"{path} is of no run: {what}")
 
@@ -130,21 +204,20 @@ class Restart:
         want(step == a["step"] and 0 <= step < 2**53 and (step > 0) == (time > 0.0), f"step is {a['step']}")
         want(a["safe_step"] > 0.0 and a["nominal_step"] > 0.0, f"steps are {a['safe_step']} and {a['nominal_step']}")
         want(0.0 <= a["largest"] < math.inf and abs(a["total_start"]) < math.inf, "energies are no numbers")
-        read["schedule"] = _schedule(a["schedule"], want, time, step)
+        schedule = _schedule(a["schedule"], want, time, step)
+        tables = {}
         for table in TABLES:
-            names = read["names"][table]
+            names = stored.names[table]
             want(str(a[table]) == short(", ".join(names)), f"{table} are {a[table]!r}")
-            read[table] = dict(zip(names, read[table].tolist()))
-        common = read["common"]
+            tables[table] = dict(zip(names, (float(value) for value in stored.tables[table])))
+        common = tables["common"]
         numbers = [value for name, value in common.items() if name != "contact_step"]  # infinite where nothing limits
         want(np.all(np.isfinite(numbers)), "the table ranks/common has values that are no numbers")
         want(common["reference"] >= 0.0 and common["largest"] >= 0.0, "energies of ranks/common")
         want(common["last_step"] >= 0.0 and common["contact_step"] > 0.0, "steps of ranks/common")
         want(0.0 <= common["release_share"] <= 1.0, "what releases give back is no part")
         facets = 8 * self.problem.space.mesh.topology.index_map(self.problem.space.mesh.topology.dim).size_global
-        read["histories"] = [
-            _unpack(rows, side.history(), facets, want) for rows, side in zip(read["histories"], read["sides"])
-        ]
+        histories = [_unpack(rows, side.history(), facets, want) for rows, side in zip(stored.histories, stored.sides)]
         for k, contact in enumerate(self.problem.contact):
             totals, known = np.asarray(a[f"contact{k}"]), contact.save_results()[1]
             want(totals.shape == known.shape and np.all(np.isfinite(totals)), f"contact{k} is {totals!r}")
@@ -155,64 +228,71 @@ class Restart:
                 f"{path} is of another problem: functions of time (of loads, supports, obstacles) have other values up "
                 f"to the time {time:g}"
             )
+        return Checked(stored, schedule, tables, histories)
 
-    def _take(self, read):
-        """Become what was read; nothing of this can fail. Collective."""
-        file = read["file"]
-        a = file.attributes
-        # Constants, functions and loads as they are now are those of the state that is read.
-        self.stepper.inputs.take_all()
-        for side, history, energy in zip(read["sides"], read["histories"], read["energies"]):
+    def _apply(self, checked: Checked) -> None:
+        """Set the problem to the state that was read; this raises no exceptions. Collective."""
+        stored = checked.stored
+        a = stored.file.attributes
+        # The present constants, functions and loads are those of the state that was read.
+        self.stepper.inputs.update_all()
+        for side, history, energy in zip(stored.sides, checked.histories, stored.energies):
             side.set_history(history)
             side.set_energy(*energy)
-        arrays = {name: np.ascontiguousarray(values).ravel() for name, values in file.arrays.items()}
-        self.integrator.restore(arrays, read["works"], read["common"])
+        arrays = {name: np.ascontiguousarray(values).ravel() for name, values in stored.file.arrays.items()}
+        self.integrator.restore(arrays, checked.tables["works"], checked.tables["common"])
         step = int(a["step"])
-        # Loads and prescribed motion of the present time are needed: acceleration and velocity have them in.
+        # `resume` gives the integrator loads and prescribed motion, which acceleration and velocity depend on.
         self.stepper.resume(
             float(a["time"]),
             step,
             float(a["next_time"]),
             float(a["safe_step"]),
             float(a["nominal_step"]),
-            read["schedule"],
+            checked.schedule,
         )
         self.stepper.history.resume(float(a["total_start"]) if step else None, float(a["largest"]))
         self.stepper.state.update()
         for k, contact in enumerate(self.problem.contact):
-            contact.restore_results(read["results"][k], np.asarray(a[f"contact{k}"]))
+            contact.restore_results(stored.results[k], np.asarray(a[f"contact{k}"]))
 
 
-def _schedule(values, want, time, step):
-    """The steps that were still to be taken, or None."""
-    values = np.asarray(values, dtype=float).ravel()
-    want(len(values) in (0, 5) and np.all(np.isfinite(values)), f"schedule is {values.tolist()}")
-    if not len(values):
+def _schedule(values: ArrayLike, want: Want, time: float, step: int) -> StepSchedule | None:
+    """Steps of an `advance` that was interrupted, from its five numbers; None without numbers."""
+    numbers = np.asarray(values, dtype=float).ravel()
+    want(len(numbers) in (0, 5) and np.all(np.isfinite(numbers)), f"schedule is {numbers.tolist()}")
+    if not len(numbers):
         return None
-    begin, until, first, last, auto = values.tolist()
+    begin, until, first, last, auto = (float(number) for number in numbers)
     schedule = StepSchedule(begin, until, int(first), int(last), bool(auto))
     right = 0.0 <= begin < until and 0 <= first < last and auto in (0.0, 1.0) and first % 1 == last % 1 == 0.0
-    right = right and first <= step <= last and abs(schedule.times(np.array(step)) - time) <= SAME * until
-    want(right, f"schedule is {values.tolist()} at the time {time} and step {step}")
+    right = right and first <= step <= last and bool(abs(schedule.times(np.array(step)) - time) <= SAME * until)
+    want(right, f"schedule is {numbers.tolist()} at the time {time} and step {step}")
     return schedule
 
 
-def _widths(history):
-    """Columns of each array of a contact's history, by name."""
+def _widths(history: Mapping[str, AnyArray]) -> dict[str, int]:
+    """Number of columns of each array of a contact's history, by name."""
     return {name: math.prod(values.shape[1:]) for name, values in history.items()}
 
 
-def _pack(history):
-    """History of a contact's nodes as one table: its arrays side by side, in their order."""
+def _pack(history: Mapping[str, AnyArray]) -> FloatArray:
+    """History of a contact's nodes as one table with the columns of all arrays, in their order."""
     widths = _widths(history)
     return np.hstack([values.astype(float).reshape(len(values), widths[name]) for name, values in history.items()])
 
 
-def _unpack(rows, like, facets, want):
-    """Back from `_pack`, looked at.
+def _unpack(rows: FloatArray, like: Mapping[str, AnyArray], facets: int, want: Want) -> NodeHistory:
+    """Check a table of `_pack` and split it into arrays.
 
     Args:
-        like: a history of the contact, with the names, shapes and types. facets: numbers of facets are less than this.
+        rows: table, rows by node.
+        like: history of the contact, with the names, shapes and types of the arrays.
+        facets: upper bound of the numbers of facets [1].
+        want: raises ValueError unless a condition holds.
+
+    Returns:
+        Arrays by name.
     """
     ends = np.cumsum(list(_widths(like).values()))
     columns = dict(zip(like, np.split(rows, ends[:-1], axis=1)))

@@ -1,60 +1,70 @@
 # SPDX-License-Identifier: MIT
-"""Energies and contact forces of an explicit run, step by step."""
+"""Energies and contact forces of an explicit run at every step."""
 
 from collections.abc import Mapping
+from typing import Any, TypeAlias, cast
 
 import numpy as np
+import numpy.typing as npt
 
+from ..common.types import FloatArray
 from .history import History
+
+# Energies by the names of ENERGIES: a mapping, or a row of a structured array.
+Energies: TypeAlias = Mapping[str, float] | np.void
 
 ENERGIES = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "external")
 
 
-def total_energy(values: Mapping[str, float] | np.ndarray) -> float:
-    """Total of the energies at one time, docs/explicit/energies.md: their sum less the work of external forces.
+def total_energy(values: Energies) -> float:
+    """Total energy at one time: the sum of the energies minus the work of external forces; docs/explicit/energies.md.
 
     Args:
-        values: energies by the names of ENERGIES: a mapping, or a row of a structured array [F L].
+        values: energies by the names of ENERGIES [F L].
+
+    Returns:
+        Total energy [F L].
     """
     return float(sum(values[name] for name in ENERGIES[:-1]) - values[ENERGIES[-1]])
 
 
 class RunHistory:
-    """Rows with time, energies and contact forces before each step, and the drift of the total energy.
+    """Time, energies and contact forces before each step, and the drift of the total energy.
 
     Args:
-        num_contacts: contacts of the problem.
-        gdim: components of a contact's force.
+        num_contacts: number of contacts of the problem [1].
+        gdim: number of components of a contact force [1].
 
     Attributes:
         step_type: data type of a row as the C++ integrator writes it: the ENERGIES by name [F L], then `force`,
             (num_contacts, 3) [F].
-        row_type: the same after `time` [T].
-        total_start: total energy that the drift counts from; None before the first row [F L].
-        largest: largest sum of absolute values of the energies so far, which the drift is relative to [F L].
+        row_type: data type of a row of the history: `time` [T], then the fields of `step_type`.
+        total_start: total energy at the start, the reference of the drift; None before the first row [F L].
+        largest: largest sum of absolute values of the energies so far, the scale of the drift [F L].
     """
 
     def __init__(self, num_contacts: int, gdim: int) -> None:
         self._gdim = gdim
-        fields = [*((name, float) for name in ENERGIES), ("force", float, (num_contacts, 3))]
-        self.step_type, self.row_type = np.dtype(fields), np.dtype([("time", float), *fields])
+        fields: list[Any] = [*((name, float) for name in ENERGIES), ("force", float, (num_contacts, 3))]
+        self.step_type: np.dtype[np.void] = np.dtype(fields)
+        self.row_type: np.dtype[np.void] = np.dtype([("time", float), *fields])
         self._rows = History(self.row_type)
         self.total_start: float | None = None
         self.largest = 0.0
 
-    def add(self, times: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    def add(self, times: FloatArray, steps: npt.NDArray[np.void]) -> npt.NDArray[np.void]:
         """Append rows.
 
         Args:
-            times: time of each row, (n,) [T].
-            steps: rows of `step_type`, (n,).
+            times: time of each row, (n) [T].
+            steps: (n) rows of `step_type`.
 
         Returns:
-            The rows with their times, of `row_type`, (n,).
+            (n) rows of `row_type`: the rows with their times.
         """
         rows = np.zeros(len(steps), dtype=self.row_type)
         rows["time"] = times
-        for name in self.step_type.names:
+        for name in steps.dtype.names or ():
             rows[name] = steps[name]
         if len(rows):
             if self.total_start is None:
@@ -65,20 +75,28 @@ class RunHistory:
         return rows
 
     def begin_anew(self) -> None:
-        """Forget all rows; drift counts from the next one."""
+        """Forget all rows; the next row is the new reference of the drift."""
         self._rows.clear()
         self.total_start, self.largest = None, 0.0
 
     def resume(self, total_start: float | None, largest: float) -> None:
-        """Forget all rows; drift goes on from what a checkpoint tells."""
+        """Forget all rows and set the reference of the drift to that of a checkpoint.
+
+        Args:
+            total_start: total energy at the start of the run; None if there is none [F L].
+            largest: largest sum of absolute values of the energies so far [F L].
+        """
         self._rows.clear()
         self.total_start, self.largest = total_start, largest
 
-    def drift(self, values: Mapping[str, float] | np.ndarray) -> float:
-        """Change of the total energy since the start over the largest sum of absolute values of the energies [1].
+    def drift(self, values: Energies) -> float:
+        """Relative change of the total energy since the start.
 
         Args:
-            values: energies at the present time, as for `total_energy` [F L].
+            values: energies at the present time by the names of ENERGIES [F L].
+
+        Returns:
+            Change over the largest sum of absolute values of the energies [1].
         """
         total = total_energy(values)
         change = total - (total if self.total_start is None else self.total_start)
@@ -86,19 +104,19 @@ class RunHistory:
         return change / largest if largest > 0.0 else 0.0
 
     @property
-    def last(self) -> np.ndarray | None:
-        """The row that was added last, of `row_type`."""
-        return self._rows.last
+    def last(self) -> np.void | None:
+        """Row of `row_type` that was added last; None without rows."""
+        return cast(np.void | None, self._rows.last)  # rows of `row_type` are structured
 
     @property
-    def energies(self) -> np.ndarray:
+    def energies(self) -> FloatArray:
         """Times [T] and energies in the order of ENERGIES [F L], (num_rows, 9)."""
         rows = self._rows.rows()
         return np.column_stack([rows["time"], *(rows[name] for name in ENERGIES)])
 
     @property
-    def forces(self) -> list[np.ndarray]:
-        """Force on the slave of each contact, (num_rows, gdim) [F]."""
+    def forces(self) -> list[FloatArray]:
+        """Forces on the slaves, for each contact (num_rows, gdim) [F]."""
         force = self._rows.rows()["force"]
         return [force[:, k, : self._gdim].copy() for k in range(force.shape[1])]
 
@@ -109,4 +127,9 @@ class RunHistory:
 
     @limit.setter
     def limit(self, value: int) -> None:
+        """Set the largest number of rows; see History.limit.
+
+        Args:
+            value: number of rows, two or more [1].
+        """
         self._rows.limit = value

@@ -1,35 +1,68 @@
 # SPDX-License-Identifier: MIT
-"""Largest steps of explicit integration: seed (3.78)-(3.80), docs/explicit/stable_step.md."""
+"""Stable steps of explicit integration: seed (3.78)-(3.80), docs/explicit/stable_step.md."""
 
 import math
 import warnings
+from collections.abc import Callable, Collection, Iterator
+from typing import Any, TypeAlias
 
 import basix
 import numpy as np
 import ufl
+from dolfinx import fem
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from .. import _cpp
 from ..assembly import operators
 from ..assembly.jit import compile_form
 from ..common.cell_numbers import input_cell_numbers
+from ..common.types import FloatArray, IntArray
 
 METHODS = ("length", "element", "eigenvalue")
 
+CellMasses: TypeAlias = list[tuple[IntArray, FloatArray]]  # of lumped_mass.cell_masses
 
-def damped(omega, alpha=0.0, beta=0.0, viscosity=0.0, scheme="half_step", rate=0.0):
-    """Limit of the step at the angular frequency omega [1/T], with damping; seed (3.78), corrected [T].
 
-    Rayleigh's factors alpha and beta, linear bulk viscosity and the eigenvalue `rate` of damping over mass [1/T] are a
-    fraction xi of critical damping, 2 xi omega = rate + ..., which the classical scheme's limit does not feel.
+def damped(
+    omega: float,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    viscosity: float = 0.0,
+    scheme: str = "half_step",
+    rate: float = 0.0,
+) -> float:
+    """Stable step of a mode with damping; seed (3.78), corrected.
+
+    All damping adds up to a fraction xi of critical damping: 2 xi omega = rate + alpha + beta omega^2 +
+    2 viscosity omega. The classical scheme's stable step does not depend on it.
+
+    Args:
+        omega: angular frequency of the mode [1/T].
+        alpha: factor of mass-proportional damping [1/T].
+        beta: factor of stiffness-proportional damping [T].
+        viscosity: factor of linear bulk viscosity [1].
+        scheme: "half_step" or "classical".
+        rate: eigenvalue of damping over mass [1/T].
+
+    Returns:
+        Stable step; infinite where nothing limits it [T].
     """
     half = 0.0 if scheme == "classical" else 0.5 * (rate + alpha + beta * omega**2) + viscosity * omega
     largest = half + math.sqrt(half**2 + omega**2)
     return 2.0 / largest if largest > 0.0 else math.inf
 
 
-def cell_sizes(mesh):
-    """Shortest edge between corners of each owned cell [L]."""
+def cell_sizes(mesh: Mesh) -> FloatArray:
+    """Shortest edge between vertices of each owned cell.
+
+    Args:
+        mesh: mesh of the body.
+
+    Returns:
+        Lengths, (num_cells) [L].
+    """
     cell = getattr(basix.CellType, mesh.topology.cell_name())
     num_cells = mesh.topology.index_map(mesh.topology.dim).size_local
     x = mesh.geometry.x[mesh.geometry.dofmap[:num_cells]]
@@ -38,34 +71,35 @@ def cell_sizes(mesh):
 
 
 class CellMatrices:
-    """Matrices of a bilinear form, cell by cell; a cell's facets count with it.
+    """Cell matrices of a bilinear form; integrals over a cell's facets belong to the cell.
 
     Args:
-        u: displacement function. form: UFL form of rank 2 over dx and ds. without: functions whose changes count for
-            nothing.
+        u: displacement function.
+        form: UFL form of rank 2 over dx and ds.
+        without: functions whose changes are ignored by `changed`.
 
     Attributes:
-        has_place: does the form depend on the place (ufl.SpatialCoordinate)?
+        has_place: whether the form depends on the coordinates (ufl.SpatialCoordinate).
     """
 
-    def __init__(self, u, form, without):
+    def __init__(self, u: fem.Function, form: ufl.Form, without: Collection[fem.Function | None]) -> None:
         self.space = u.function_space
         self._compiled = compile_form(form)
         data = next(iter(form.subdomain_data().values()))
         self._tags = {kind: next((t for t in tags if t is not None), None) for kind, tags in data.items()}
-        self.has_place = ufl.algorithms.analysis.has_type(form, ufl.SpatialCoordinate)
+        self.has_place: bool = ufl.algorithms.analysis.has_type(form, ufl.SpatialCoordinate)
         self._inputs = operators.Inputs(self._compiled.constants, self._compiled.coefficients, without)
 
-    def changed(self):
-        """Have constants or coefficients changed on this rank since `take`?"""
+    def changed(self) -> bool:
+        """Whether constants or coefficients have changed on this rank since `store_inputs`."""
         return self._inputs.changed()
 
-    def take(self):
-        """Remember the present constants and coefficients. Collective."""
+    def store_inputs(self) -> None:
+        """Store the present constants and coefficients, which `changed` compares with. Collective."""
         self._inputs.store()
 
-    def _integrals(self):
-        """Kernel, functions by name, entities and constants of each integral. Collective."""
+    def _integrals(self) -> Iterator[tuple[Any, dict[str, fem.Function], IntArray, FloatArray]]:
+        """Kernel (C++), functions by name, entities and constants of each integral. Collective."""
         for f in self._compiled.coefficients:
             f.x.scatter_forward()
         for kernel in self._compiled.kernels:
@@ -75,25 +109,27 @@ class CellMatrices:
                 entities = operators._entities(self.space.mesh._cpp_object, kind, subdomain, self._tags.get(kind))
                 yield kernel, functions, np.ascontiguousarray(entities), constants
 
-    def spectra(self, masses):
-        """Of every owned cell's matrix over its mass, (num_cells, 3): a lower bound of the eigenvalues, an upper one,
-        and the norm of the skew-symmetric part. Collective.
+    def spectra(self, masses: FloatArray) -> FloatArray:
+        """Bounds of the eigenvalues of every owned cell's matrix over its mass. Collective.
 
         Args:
-            masses: lumped, (num_cells, local degrees of freedom) [M].
+            masses: lumped masses, (num_cells, local degrees of freedom) [M].
+
+        Returns:
+            Lower bound, upper bound and norm of the skew-symmetric part, (num_cells, 3), in the form's unit over [M].
 
         Raises:
-            ValueError: a matrix that is not a number; on all ranks.
+            ValueError: a matrix has entries that are not finite; on all ranks.
         """
         V, failed = self.space, False
         out = np.zeros((len(masses), 3))
         for kernel, functions, entities, constants in self._integrals():
             cells = entities if kernel.integral_type == "cell" else np.ascontiguousarray(entities[::2])
             integral = _cpp.operators.Integral(kernel.address, entities, constants)
-            functions = {name: f._cpp_object for name, f in functions.items()}
+            coefficients = {name: f._cpp_object for name, f in functions.items()}
             given = np.ascontiguousarray(masses[cells]).ravel()
             try:
-                found = _cpp.operators.cell_spectra(integral, V._cpp_object, functions, given)
+                found = _cpp.operators.cell_spectra(integral, V._cpp_object, coefficients, given)
                 np.add.at(out, cells, found.reshape(-1, 3))
             except RuntimeError:
                 failed = True
@@ -101,8 +137,17 @@ class CellMatrices:
             raise ValueError("the stiffness of a cell is not a number: check the material, the mesh and the state")
         return out
 
-    def resistance(self, direction, count):
-        """Size of a cell's matrix times a translation, over that of the matrix: of the first `count` cells [1]."""
+    def resistance(self, direction: FloatArray, count: int) -> FloatArray:
+        """Relative resistance of cells against a translation, zero for cells that are free to translate.
+
+        Args:
+            direction: translation, (gdim) [1].
+            count: number of cells that are looked at, from the first [1].
+
+        Returns:
+            Largest entry of matrix times translation over the largest entry of the matrix, for cells with a matrix that
+            is not zero [1].
+        """
         mesh, bs, parts = self.space.mesh, self.space.dofmap.bs, []
         for kernel, functions, entities, constants in self._integrals():
             if kernel.integral_type != "cell":
@@ -124,67 +169,91 @@ class CellMatrices:
 
 
 class Frequencies:
-    """Highest frequencies of a body by cells and as a whole.
+    """Highest frequencies of the cells and of the assembled system.
 
     Args:
-        u: displacement function. tangent: UFL form of rank 2, derivative of the internal force. masses: function
-            without arguments, returns what mass.cell_masses does; called when needed, nothing is kept.
-        damping: UFL form of rank 2, derivative of the residual with respect to the velocity, or None. velocity: the
-            function of it.
+        u: displacement function.
+        tangent: UFL form of rank 2, derivative of the internal force.
+        masses: function that returns what lumped_mass.cell_masses does; called when needed, its values are not kept.
+        damping: UFL form of rank 2, derivative of the residual with respect to the velocity; None: the residual does
+            not contain the velocity.
+        velocity: velocity function of the residual.
 
     Attributes:
-        factor: of each owned cell's mass, or None [1]. damps: is there damping of the residual's own?
+        stiffness: cell matrices of the tangent.
+        factor: factor of each owned cell's mass, (num_cells); None: no factors [1].
     """
 
-    def __init__(self, u, tangent, masses, damping=None, velocity=None):
+    def __init__(
+        self,
+        u: fem.Function,
+        tangent: ufl.Form,
+        masses: Callable[[], CellMasses],
+        damping: ufl.Form | None = None,
+        velocity: fem.Function | None = None,
+    ) -> None:
         V = u.function_space
         self.u, self.tangent, self.comm = u, tangent, V.mesh.comm
-        self._num_cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
-        self._masses, self.factor = masses, None
+        self._num_cells: int = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+        self._masses = masses
+        self.factor: FloatArray | None = None
         motion = (u, velocity)
         self.stiffness = CellMatrices(u, tangent, motion)
         self._damping_form = damping
         self._damping = None if damping is None else CellMatrices(u, damping, motion)
 
     @property
-    def damps(self):
+    def damps(self) -> bool:
+        """Whether the residual contains damping of its own."""
         return self._damping is not None
 
-    def changed(self):
-        """Has anything but the displacement changed on this rank that frequencies depend on, since `take`?"""
-        return self.stiffness.changed() or (self.damps and self._damping.changed())
+    def changed(self) -> bool:
+        """Whether values that the frequencies depend on, other than the motion, have changed on this rank since
+        `store_inputs`."""
+        return self.stiffness.changed() or (self._damping is not None and self._damping.changed())
 
-    def take(self):
-        """Remember what frequencies depend on. Collective."""
+    def store_inputs(self) -> None:
+        """Store the values that the frequencies depend on, which `changed` compares with. Collective."""
         for matrices in (self.stiffness, self._damping):
             if matrices is not None:
-                matrices.take()
+                matrices.store_inputs()
 
-    def masses(self):
-        """Lumped mass of every owned cell, (num_cells, local degrees of freedom) [M]. Collective."""
+    def masses(self) -> FloatArray:
+        """Lumped masses of every owned cell. Collective.
+
+        Returns:
+            Masses, (num_cells, local degrees of freedom) [M].
+        """
         V = self.u.function_space
         out = np.zeros((self._num_cells, V.dofmap.bs * V.dofmap.dof_layout.num_dofs))
         for cells, values in self._masses():
             out[cells] += values
         return out if self.factor is None else out * self.factor[:, None]
 
-    def by_cell(self):
-        """Of every owned cell: square of the highest angular frequency [1/T^2], largest eigenvalue of damping over mass
-        [1/T]. Collective."""
+    def by_cell(self) -> tuple[FloatArray, FloatArray]:
+        """Largest eigenvalues of every owned cell. Collective.
+
+        Returns:
+            Square of the highest angular frequency, (num_cells) [1/T^2], and largest eigenvalue of damping over mass,
+            (num_cells) [1/T].
+        """
         masses = self.masses()
-        rates = self._damping.spectra(masses)[:, 1] if self.damps else np.zeros(len(masses))
+        rates = np.zeros(len(masses)) if self._damping is None else self._damping.spectra(masses)[:, 1]
         return np.maximum(self.stiffness.spectra(masses)[:, 1], 0.0), np.maximum(rates, 0.0)
 
-    def check_signs(self):
+    def check_signs(self) -> None:
         """Refuse a stiffness or damping of the wrong sign. Collective.
 
         Raises:
-            ValueError: on all ranks.
+            ValueError: the stiffness or the damping of a cell is negative; on all ranks.
+
+        Warns:
+            UserWarning: the damping is not symmetric.
         """
         masses = self.masses()
         asked = "is the residual internal minus external forces?"
         parts = [(self.stiffness, f"the stiffness of the residual is negative: {asked}")]
-        if self.damps:
+        if self._damping is not None:
             parts.append((self._damping, f"the velocity's part of the residual feeds energy in: {asked}"))
         for matrices, what in parts:
             low, high, skew = matrices.spectra(masses).T
@@ -194,7 +263,7 @@ class Frequencies:
             if len(bad):
                 mesh, cell = self.u.function_space.mesh, bad[0]
                 middle = mesh.geometry.x[mesh.geometry.dofmap[cell], : mesh.geometry.dim].mean(axis=0)
-                first = int(input_cell_numbers(mesh.topology)[cell]), middle.round(9).tolist()
+                first = (int(input_cell_numbers(mesh.topology)[cell]), middle.round(9).tolist())
             found = [f for f in self.comm.allgather(first) if f is not None]
             if found:
                 number, place = found[0]
@@ -210,20 +279,27 @@ class Frequencies:
                         stacklevel=4,
                     )
 
-    def bound(self):
-        """Angular frequency that no mode of the body exceeds [1/T]. Collective.
+    def bound(self) -> float:
+        """Upper bound of the angular frequencies of the body. Collective.
+
+        Returns:
+            Angular frequency [1/T].
 
         Raises:
-            ValueError: a stiffness that is not a number; on all ranks.
+            ValueError: the stiffness of a cell is not finite; on all ranks.
         """
         largest = float(np.max(self.by_cell()[0], initial=0.0))
         return math.sqrt(self.comm.allreduce(largest, MPI.MAX))
 
-    def step_bound(self, alpha, springs):
-        """Step that every cell allows, with damping of the residual's own [T]. Collective.
+    def step_bound(self, alpha: float, springs: float) -> float:
+        """Smallest stable step of all cells, with damping of the residual's own. Collective.
 
         Args:
-            alpha: factor of mass-proportional damping [1/T]. springs: angular frequency that contact adds [1/T].
+            alpha: factor of mass-proportional damping [1/T].
+            springs: angular frequency that contact adds [1/T].
+
+        Returns:
+            Stable step; infinite where nothing limits it [T].
         """
         squares, rates = self.by_cell()
         half = 0.5 * (rates + alpha)
@@ -231,14 +307,18 @@ class Frequencies:
         largest = self.comm.allreduce(largest, MPI.MAX)
         return 2.0 / largest if largest > 0.0 else math.inf
 
-    def highest(self, inverse_mass, extra=None):
-        """Highest angular frequency of the assembled system, by SLEPc's Krylov-Schur method [1/T]. Collective.
+    def highest(self, inverse_mass: FloatArray, extra: PETSc.Mat | None = None) -> float:
+        """Highest angular frequency of the assembled system, by SLEPc's Krylov-Schur method. Collective.
 
         Args:
-            inverse_mass: owned entries, zero where prescribed [1/M]. extra: PETSc matrix to add, or None.
+            inverse_mass: inverse lumped mass over owned degrees of freedom, zero where motion is prescribed [1/M].
+            extra: matrix that is added to the stiffness; None: nothing [F/L].
+
+        Returns:
+            Angular frequency [1/T].
 
         Raises:
-            RuntimeError: no convergence.
+            RuntimeError: the eigenvalue solver does not converge.
         """
         matrix, root = self._scaled(self.tangent, inverse_mass, extra)
         value, vector = largest_eigenvalue(matrix)
@@ -246,18 +326,24 @@ class Frequencies:
             thing.destroy()
         return math.sqrt(max(value, 0.0))
 
-    def critical_step(self, inverse_mass, extra, alpha, start):
-        """Step at which the assembled system with damping of the residual's own is at its limit [T]. Collective.
+    def critical_step(self, inverse_mass: FloatArray, extra: PETSc.Mat | None, alpha: float, start: float) -> float:
+        """Stable step of the assembled system with damping of the residual's own. Collective.
 
-        This is where dt^2/4 K + dt/2 C has the eigenvalue one over the mass. From a step, take the eigenvector of the
-        largest eigenvalue and the step that it allows: the limit is the least over all vectors, so that the steps fall
-        to it.
+        At the stable step dt the largest eigenvalue of dt^2/4 K + dt/2 C over the mass is one. Each iteration computes
+        the eigenvector of the largest eigenvalue at the present step, then the step at which this vector's Rayleigh
+        quotient is one. The stable step is the minimum over all vectors, so that the iterates decrease to it.
 
         Args:
-            inverse_mass, extra: as for `highest`. alpha: factor of mass-proportional damping [1/T]. start: a step [T].
+            inverse_mass: inverse lumped mass over owned degrees of freedom, zero where motion is prescribed [1/M].
+            extra: matrix that is added to the stiffness; None: nothing [F/L].
+            alpha: factor of mass-proportional damping [1/T].
+            start: step that the iteration starts from [T].
+
+        Returns:
+            Stable step [T].
 
         Raises:
-            RuntimeError: no convergence.
+            RuntimeError: the eigenvalue solver does not converge.
         """
         K, root = self._scaled(self.tangent, inverse_mass, extra)
         C, other = self._scaled(self._damping_form, inverse_mass, None)
@@ -286,8 +372,8 @@ class Frequencies:
             thing.destroy()
         return dt
 
-    def _scaled(self, form, inverse_mass, extra):
-        """Matrix of a form, times the inverse root of the mass from both sides, and a vector of its kind."""
+    def _scaled(self, form: ufl.Form, inverse_mass: FloatArray, extra: PETSc.Mat | None) -> tuple[PETSc.Mat, PETSc.Vec]:
+        """Matrix of a form, scaled by the root of the inverse mass from both sides, and that root."""
         matrix = operators.Tangent(form).assemble()
         if extra is not None:
             matrix.axpy(1.0, extra)
@@ -297,11 +383,17 @@ class Frequencies:
         return matrix, root
 
 
-def largest_eigenvalue(matrix):
-    """Largest eigenvalue of a symmetric PETSc matrix and its vector of norm one. Collective.
+def largest_eigenvalue(matrix: PETSc.Mat) -> tuple[float, PETSc.Vec]:
+    """Largest eigenvalue of a symmetric matrix. Collective.
+
+    Args:
+        matrix: symmetric matrix.
+
+    Returns:
+        Eigenvalue, and eigenvector of norm one.
 
     Raises:
-        RuntimeError: no convergence.
+        RuntimeError: the eigenvalue solver does not converge.
     """
     from slepc4py import SLEPc
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.types import FloatArray, IntArray
+
 
 @dataclass
 class StepSchedule:
@@ -29,6 +31,13 @@ class StepSchedule:
         """Length of a step [T]."""
         return (self.until - self.begin) / (self.last - self.first)
 
-    def times(self, steps: np.ndarray) -> np.ndarray:
-        """Times of steps by their numbers; the last one is `until` to the last digit [T]."""
+    def times(self, steps: IntArray) -> FloatArray:
+        """Times of steps; the time of step `last` is exactly `until`.
+
+        Args:
+            steps: numbers of steps, (n) or a scalar [1].
+
+        Returns:
+            Times, in the shape of `steps` [T].
+        """
         return np.where(steps == self.last, self.until, self.begin + (steps - self.first) * self.dt)

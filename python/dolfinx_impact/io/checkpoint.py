@@ -1,32 +1,49 @@
 # SPDX-License-Identifier: MIT
 """Checkpoints of explicit runs in one HDF5 file, written by all ranks together, readable on any number of ranks.
 
-Nodal values are stored by the numbers that nodes had when the file was written, with a table of each cell's nodes by
-the cell's number in the mesh's input: that number is the same on any ranks. A file is written under another name and
-renamed when it is complete, so that whatever happens the last checkpoint opens. Every byte is under a checksum
-(seal.py), and everything is looked at before anything of it is used.
+Nodal values are stored by the global numbers that the nodes have when the file is written. A table has the nodes of
+each cell by the cell's number in the mesh's input, which does not depend on the ranks. A file is written under another
+name and renamed when it is complete, so that the last checkpoint can always be opened. Checksums cover all bytes
+(seal.py), and the whole file is checked before any of it is used.
 """
+
+from __future__ import annotations
 
 import contextlib
 import os
 import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
+from dolfinx.fem import FunctionSpace
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
 from ..common.cell_numbers import has_input
+from ..common.types import AnyArray, BoolArray, FilePath, FloatArray, IntArray
 from . import seal
 from .hdf5 import Sketch, reserve, write_at
-from .signature import signature, supports
+from .signature import Problem, Signature, signature, supports
 
 FORMAT = 7
-SAME = 1e-9  # of sums over nodes and of their places: another mesh differs by more, another sum of the same by less
+SAME = 1e-9  # relative tolerance of sums over nodes and of coordinates: round-off is less, another mesh differs by more
 CELLS = ("cells/input", "cells/nodes")
 
+Attribute: TypeAlias = str | int | float | AnyArray
 
-def nodes_of(space):
-    """Global number of this rank's first node, and of the nodes of its owned cells (num_cells, nodes per cell)."""
+
+def nodes_of(space: FunctionSpace) -> tuple[int, IntArray]:
+    """Global numbers of this rank's nodes.
+
+    Args:
+        space: displacement space.
+
+    Returns:
+        Number of this rank's first node, and numbers of the nodes of its owned cells, (num_cells, nodes per cell).
+    """
     index_map = space.dofmap.index_map
     tdim = space.mesh.topology.dim
     num_cells = space.mesh.topology.index_map(tdim).size_local
@@ -34,11 +51,17 @@ def nodes_of(space):
     return index_map.local_range[0], index_map.local_to_global(cells.ravel()).reshape(cells.shape)
 
 
-def input_cells(mesh):
+def input_cells(mesh: Mesh) -> IntArray:
     """Numbers of this rank's owned cells in the mesh's input.
 
+    Args:
+        mesh: mesh.
+
+    Returns:
+        Numbers, (num_cells).
+
     Raises:
-        RuntimeError: a submesh, which has no such numbers: its cells could not be told on other ranks.
+        RuntimeError: the mesh is a submesh, which has no input: its cells cannot be identified on other ranks.
     """
     if not has_input(mesh.topology):
         raise RuntimeError(
@@ -48,34 +71,48 @@ def input_cells(mesh):
     return mesh.topology.original_cell_index[: mesh.topology.index_map(mesh.topology.dim).size_local]
 
 
-def places(space):
-    """Reference positions of this rank's owned nodes, (n, gdim) [L]."""
+def places(space: FunctionSpace) -> FloatArray:
+    """Undeformed coordinates of this rank's owned nodes.
+
+    Args:
+        space: displacement space.
+
+    Returns:
+        Coordinates, (num_nodes, gdim) [L].
+    """
     return space.tabulate_dof_coordinates()[: space.dofmap.index_map.size_local, : space.mesh.geometry.dim].copy()
 
 
-def _together(comm, work):
-    """Do the work, which must not communicate, on all ranks; what the lowest rank raised, as texts, or None."""
+def _together(comm: MPI.Intracomm, work: Callable[[], object]) -> tuple[str, str] | None:
+    """Call a function, which must not communicate, on all ranks. Collective.
+
+    Returns:
+        Type and text of the exception on the lowest rank that raised one, or None.
+    """
     error = None
     try:
         work()
-    except Exception as e:  # whatever it is, the other ranks must hear of it
+    except Exception as e:  # whatever it is, the other ranks must get it
         error = (type(e).__name__, str(e))
     return next((e for e in comm.allgather(error) if e), None)
 
 
-def lay_out(attributes, tables):
-    """An HDF5 file with attributes and room for tables.
+def lay_out(
+    attributes: Mapping[str, Attribute], tables: Mapping[str, tuple[tuple[int, ...], np.dtype[Any]]]
+) -> tuple[Sketch, dict[str, int]]:
+    """Lay out an HDF5 file with attributes and room for tables.
 
     Args:
-        attributes: dict of numbers and texts.
-        tables: dict name -> (shape, dtype).
+        attributes: numbers, texts and arrays by name.
+        tables: shapes and types by name.
 
     Returns:
-        Sketch of what is in the file already; dict name -> offset of the table's rows (None where it has none).
+        Sketch with the structure of the file, and offset of each table's rows (0 for a table without rows) [bytes].
     """
     import h5py
 
-    sketch, offsets = Sketch(), {}
+    sketch = Sketch()
+    offsets: dict[str, int] = {}
     with h5py.File(sketch, "w") as file:
         for name, value in attributes.items():
             file.attrs[name] = value
@@ -86,26 +123,35 @@ def lay_out(attributes, tables):
             group, _, last = name.rpartition("/")
             kind, space = h5py.h5t.py_create(dtype), h5py.h5s.create_simple(shape)
             table = h5py.h5d.create(file.require_group(group).id, last.encode(), kind, space, properties)
-            offsets[name] = table.get_offset() if np.prod(shape) else None
+            offsets[name] = table.get_offset() if np.prod(shape) else 0
     return sketch, offsets
 
 
-def write(path, problem, arrays, nodal, ranks, attributes):
+def write(
+    path: FilePath,
+    problem: Problem,
+    arrays: Mapping[str, FloatArray],
+    nodal: Mapping[str, tuple[IntArray, FloatArray]],
+    ranks: Mapping[str, FloatArray],
+    attributes: Mapping[str, Attribute],
+) -> None:
     """Write a checkpoint. Collective.
 
     Args:
-        arrays: dict name -> owned rows by node.
-        nodal: dict name -> (nodes, rows): values at some owned nodes. ranks:
-            dict name -> vector of this rank.
-        attributes: dict of numbers and texts.
+        path: file to write.
+        problem: ExplicitProblem.
+        arrays: values at all owned nodes by name, rows by node.
+        nodal: some owned nodes and the values at them by name, rows by node.
+        ranks: vector of this rank by name.
+        attributes: numbers, texts and arrays by name, the same on all ranks.
 
     Raises:
-        RuntimeError: on all ranks: the folder cannot be written, no space is left; an earlier file is as it was.
+        RuntimeError: the folder cannot be written, or no space is left; on all ranks. An earlier file is as it was.
     """
-    comm, path = problem.comm, Path(path)
-    part = path.with_name(path.name + ".part")
+    comm, target = problem.comm, Path(path)
+    part = target.with_name(target.name + ".part")
     begin, cells = nodes_of(problem.space)
-    mine = dict(zip(CELLS, (input_cells(problem.space.mesh), cells)))
+    mine: dict[str, AnyArray] = dict(zip(CELLS, (input_cells(problem.space.mesh), cells)))
     x = places(problem.space)
     mine |= {f"nodes/{name}": rows for name, rows in {"x": x, **arrays}.items()}
     for name, (nodes, rows) in {"supports": supports(problem), **nodal}.items():
@@ -115,28 +161,30 @@ def write(path, problem, arrays, nodal, ranks, attributes):
     mine = {name: np.ascontiguousarray(rows) for name, rows in mine.items()}
     counts = comm.allgather([len(rows) for rows in mine.values()])
     attributes = {"format": FORMAT, "ranks": comm.size, **signature(problem, x), **attributes}
-    sketch = offsets = None
+    sketch, offsets = Sketch(), dict[str, int]()
+    sums: list[list[seal.Section]] | None = None  # checksums of all ranks' rows, on rank 0
 
-    def place():
+    def place() -> None:
         nonlocal sketch, offsets
         if comm.rank == 0:
             totals = np.sum(counts, axis=0)
             tables = {name: ((int(n), *rows.shape[1:]), rows.dtype) for (name, rows), n in zip(mine.items(), totals)}
             sketch, offsets = lay_out(attributes, tables)
 
-    def pieces():
-        """(offset, rows) of this rank."""
+    def pieces() -> Iterator[tuple[int, AnyArray]]:
+        """Offset in the file and rows of each of this rank's tables."""
         for k, (name, rows) in enumerate(mine.items()):
             if rows.nbytes:
                 before = sum(count[k] for count in counts[: comm.rank])
                 yield offsets[name] + before * (rows.nbytes // len(rows)), rows
 
-    def prepare():
+    def prepare() -> None:
         if comm.rank == 0:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            sealed = seal.table([s for part in sums for s in part], sketch.bytes, sketch.size)
+            assert sums is not None
+            target.parent.mkdir(parents=True, exist_ok=True)
+            sealed = seal.table([s for part in sums for s in part], sketch.content, sketch.size)
             size = sketch.size + len(sealed)
-            free = shutil.disk_usage(path.parent).free
+            free = shutil.disk_usage(target.parent).free
             if free < size:
                 raise OSError(f"no space left: {size / 1e6:.3g} MB are needed, {free / 1e6:.3g} MB free")
             with open(part, "wb") as file:
@@ -145,7 +193,7 @@ def write(path, problem, arrays, nodal, ranks, attributes):
                     write_at(file.fileno(), data, offset)
                 write_at(file.fileno(), sealed, sketch.size)
 
-    def save():
+    def save() -> None:
         file = os.open(part, os.O_WRONLY)
         try:
             for offset, rows in pieces():
@@ -154,9 +202,9 @@ def write(path, problem, arrays, nodal, ranks, attributes):
         finally:
             os.close(file)
 
-    def publish():
+    def publish() -> None:
         if comm.rank == 0:
-            os.replace(part, path)
+            os.replace(part, target)
 
     for work in (place, prepare, save, publish):
         error = _together(comm, work)
@@ -165,30 +213,43 @@ def write(path, problem, arrays, nodal, ranks, attributes):
                 with contextlib.suppress(OSError):
                     part.unlink()
             said = ": ".join(error)
-            raise RuntimeError(f"the checkpoint {path} could not be written ({said}); what was there is untouched")
+            raise RuntimeError(f"the checkpoint {target} could not be written ({said}); what was there is untouched")
         if work is place:
             offsets = comm.bcast(offsets, root=0)
             sums = comm.gather([s for offset, rows in pieces() for s in seal.sections(offset, rows)], root=0)
 
 
 class Reader:
-    """A checkpoint opened for a problem, read and looked at as a whole. Collective.
+    """Reads and checks a whole checkpoint for a problem. Collective.
 
     Args:
-        arrays, nodal, ranks: dicts name -> number of columns: the tables that the problem needs.
-        attributes: names of
-            the attributes.
+        path: file to read.
+        problem: ExplicitProblem.
+        arrays: number of columns by name of the values at all nodes.
+        nodal: number of columns by name of the values at some nodes.
+        ranks: length by name of the ranks' vectors.
+        attributes: names of the attributes.
 
     Attributes:
-        attributes: dict.
-        arrays: dict name -> rows of this rank's owned nodes.
+        attributes: attributes by name.
+        arrays: values at this rank's owned nodes by name, rows by node.
+        nodal: nodes, by their numbers in the file, and the values at them by name, of all ranks.
+        ranks: vectors of all ranks that wrote the file by name, rows by rank.
 
     Raises:
-        RuntimeError: it cannot be read, or is damaged. ValueError: it is that of another mesh, material, ...; on all
-            ranks.
+        RuntimeError: the file cannot be read, or is damaged; on all ranks.
+        ValueError: the file belongs to another mesh, material, ...; on all ranks.
     """
 
-    def __init__(self, path, problem, arrays, nodal, ranks, attributes):
+    def __init__(
+        self,
+        path: FilePath,
+        problem: Problem,
+        arrays: Mapping[str, int],
+        nodal: Mapping[str, int],
+        ranks: Mapping[str, int],
+        attributes: Iterable[str],
+    ) -> None:
         self.problem, self.comm, self.path = problem, problem.comm, Path(path)
         self._nodal_columns = {"supports": 3 * problem.space.dofmap.index_map_bs, **nodal}
         self._array_columns, self._rank_columns = {"x": problem.space.mesh.geometry.dim, **arrays}, ranks
@@ -205,14 +266,15 @@ class Reader:
         self._owned_then, agreed = self._owned()
         self._guarded(lambda: self._read_values(agreed))
 
-    def _guarded(self, work):
+    def _guarded(self, work: Callable[[], object]) -> None:
+        """Call a function on all ranks; raise RuntimeError on all ranks if it fails on any. Collective."""
         error = _together(self.comm, work)
         if error:
             said = error[1] if error[0] == seal.Damaged.__name__ else ": ".join(error)
             raise RuntimeError(f"the checkpoint {self.path} cannot be read ({said})")
 
-    def _open(self):
-        """The file's structure, where its tables are, its attributes."""
+    def _open(self) -> None:
+        """Read the attributes, and the places and types of the tables."""
         import h5py
 
         try:
@@ -220,17 +282,19 @@ class Reader:
         except seal.Damaged:
             self._format_before_seals()
             raise
-        self._mark, self._tables = self._sealed.mark, {}
+        self._mark = self._sealed.mark
+        self._tables: dict[str, tuple[int, tuple[int, ...], np.dtype[Any]]] = {}  # offset, shape and type
         with h5py.File(self.path, "r") as file:
-            self.attributes = dict(file.attrs)
+            self.attributes: dict[str, Any] = dict(file.attrs)  # numbers, texts and arrays
 
-            def note(name, thing):
+            def note(name: str, thing: h5py.Group | h5py.Dataset) -> None:
                 if isinstance(thing, h5py.Dataset):
                     self._tables[name] = (thing.id.get_offset() if thing.size else 0, thing.shape, thing.dtype)
 
             file.visititems(note)
 
-    def _format_before_seals(self):
+    def _format_before_seals(self) -> None:
+        """Raise Damaged with the format of a file from before files had seals."""
         import h5py
 
         found = None
@@ -239,12 +303,13 @@ class Reader:
         if found not in (None, FORMAT):
             raise seal.Damaged(f"it has format {found}, this version reads {FORMAT}")
 
-    def _compare(self, here, attributes):
+    def _compare(self, here: Signature, attributes: Iterable[str]) -> None:
+        """Raise ValueError unless the signature is that of the problem and all attributes are there."""
         found = self.attributes
         if found.get("format") != FORMAT:
             raise ValueError(f"{self.path} has format {found.get('format')}, this version reads {FORMAT}")
         for name, value in here.items():
-            there = found.get(name)
+            there: Any = found.get(name)
             if name.startswith("sums"):
                 same = np.shape(there) == np.shape(value)
                 if not same or not np.all(np.abs(there - value) <= SAME * np.abs(value).max(initial=0.0)):
@@ -257,12 +322,27 @@ class Reader:
         if missing:
             raise ValueError(f"{self.path} lacks {', '.join(missing)}")
 
-    def _table(self, name, dtype, columns=None, rows=None, low=0, high=None):
-        """Rows low to high of a table of known type, verified.
+    def _table(
+        self,
+        name: str,
+        dtype: npt.DTypeLike,
+        columns: int | None = None,
+        rows: int | None = None,
+        low: int = 0,
+        high: int | None = None,
+    ) -> AnyArray:
+        """Read and verify rows of a table.
 
         Args:
-            columns: number of them; None: a vector.
-            rows: how many the whole table must have; None: any number.
+            name: name of the table.
+            dtype: type that it must have.
+            columns: number of columns that it must have; None: it must be a vector.
+            rows: number of rows that it must have; None: any number.
+            low: first row to read.
+            high: row behind the last one to read; None: read up to the end.
+
+        Returns:
+            The rows, (high - low, columns) or (high - low).
         """
         if name not in self._tables:
             raise seal.Damaged(f"the table {name} is missing")
@@ -280,7 +360,8 @@ class Reader:
             raise seal.Damaged(f"the table {name} has values that are no numbers")
         return values
 
-    def _read_cells(self):
+    def _read_cells(self) -> None:
+        """Read the numbers that the nodes of this rank's owned cells have in the file."""
         V, a = self.problem.space, self.attributes
         num_cells, num_nodes = int(a["num_cells"]), int(a["num_nodes"])
         inputs = self._table(CELLS[0], np.int64, rows=num_cells)
@@ -292,12 +373,15 @@ class Reader:
         mine = input_cells(V.mesh)
         nodes = cells[np.argsort(inputs)[mine]]
         num_local = V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts
-        self._then = np.full(num_local, -1, dtype=np.int64)  # numbers that nodes had when the file was written
+        self._then = np.full(num_local, -1, dtype=np.int64)  # numbers of this rank's nodes in the file
         self._then[V.dofmap.list[: len(mine)].ravel()] = nodes.ravel()
 
-    def _owned(self):
-        """Numbers then of this rank's owned nodes; those of nodes without an owned cell here come from other ranks.
-        Also whether cells that share a node agree on its number. Collective."""
+    def _owned(self) -> tuple[IntArray, bool]:
+        """Exchange the numbers of nodes whose cells belong to other ranks. Collective.
+
+        Returns:
+            Numbers of this rank's owned nodes in the file, and whether cells that share a node agree on its number.
+        """
         from dolfinx import la
 
         index_map = self.problem.space.dofmap.index_map
@@ -312,11 +396,12 @@ class Reader:
         agreed = np.all((self._then < 0) | (self._then == number.array)) and np.all(count.array[:n] > 0)
         return number.array[:n].astype(np.int64), bool(agreed)
 
-    def _read_values(self, agreed):
+    def _read_values(self, agreed: bool) -> None:
+        """Read and check all values; `agreed` is the second result of `_owned`."""
         a, n = self.attributes, len(self._owned_then)
         num_nodes, low = int(a["num_nodes"]), int(self._owned_then.min(initial=0))
         high = int(self._owned_then.max(initial=-1)) + 1
-        self.arrays = {}
+        self.arrays: dict[str, FloatArray] = {}
         for name, columns in self._array_columns.items():
             rows = self._table(f"nodes/{name}", np.float64, columns, num_nodes, low if n else 0, high if n else 0)
             self.arrays[name] = rows[self._owned_then - low]
@@ -324,7 +409,7 @@ class Reader:
         size = np.abs(x).max(initial=0.0)
         if not agreed or not np.all(np.abs(self.arrays.pop("x") - x) <= SAME * size):
             raise seal.Damaged("its nodes lie elsewhere: it is of another mesh, or its cells are numbered anew")
-        self.nodal = {}
+        self.nodal: dict[str, tuple[IntArray, FloatArray]] = {}
         for name, columns in self._nodal_columns.items():
             nodes = self._table(f"some/{name}/nodes", np.int64)
             values = self._table(f"some/{name}/values", np.float64, columns, len(nodes))
@@ -332,7 +417,7 @@ class Reader:
                 raise seal.Damaged(f"the table some/{name}/nodes has nodes twice or nodes that do not exist")
             self.nodal[name] = (nodes, values)
         ranks = int(a["ranks"])
-        self.ranks = {
+        self.ranks: dict[str, FloatArray] = {
             name: self._table(f"ranks/{name}", np.float64, columns, ranks)
             for name, columns in self._rank_columns.items()
         }
@@ -343,8 +428,16 @@ class Reader:
             raise seal.Damaged(f"it has tables that the problem does not know: {', '.join(unknown)}")
         self._sealed.close()
 
-    def at(self, name, nodes):
-        """Values of a nodal group at this rank's owned nodes, and which of them were found."""
+    def at(self, name: str, nodes: IntArray) -> tuple[FloatArray, BoolArray]:
+        """Values of `nodal` at nodes of this rank.
+
+        Args:
+            name: name of the values.
+            nodes: owned nodes, (n).
+
+        Returns:
+            Values, (n, columns), and whether the file has values at each node, (n).
+        """
         numbers, values = self.nodal[name]
         order = np.argsort(numbers)
         wanted = self._owned_then[nodes]
@@ -354,11 +447,19 @@ class Reader:
         rows = order[place]
         return values[rows], numbers[rows] == wanted
 
-    def all_at(self, name, nodes):
-        """Values of a nodal group that has exactly these nodes of all ranks. Collective.
+    def all_at(self, name: str, nodes: IntArray) -> FloatArray:
+        """Values of `nodal` at nodes of this rank, if the file has values at the nodes of all ranks and no others.
+        Collective.
+
+        Args:
+            name: name of the values.
+            nodes: owned nodes, (n).
+
+        Returns:
+            Values, (n, columns).
 
         Raises:
-            ValueError: it has others; on all ranks.
+            ValueError: the file has values at other nodes; on all ranks.
         """
         values, found = self.at(name, nodes)
         here, missing = self.comm.allreduce(np.array([len(nodes), np.count_nonzero(~found)]), MPI.SUM)
@@ -369,11 +470,16 @@ class Reader:
             )
         return values
 
-    def rank(self, name, additive):
-        """This rank's vector: its own if there are as many ranks as there were; else rank 0 has the sums.
+    def rank(self, name: str, additive: bool) -> FloatArray:
+        """Vector of this rank.
 
         Args:
-            additive: do the entries add up over ranks? Else they are the same on all.
+            name: name of the vector.
+            additive: whether the entries are summed over ranks; otherwise they are equal on all ranks.
+
+        Returns:
+            The vector that this rank wrote, if the number of ranks is that of the file. Otherwise, for additive
+            entries, their sums on rank 0 and zeros elsewhere.
         """
         table = self.ranks[name]
         if len(table) == self.comm.size:

@@ -1,44 +1,54 @@
 # SPDX-License-Identifier: MIT
-"""Fields for ParaView, frame by frame, on disks that may be full.
+"""Fields for ParaView in frames, on disks that may be full.
 
-ADIOS2, which writes them, does not survive a disk that is full: a rank whose write fails leaves the others waiting, and
-ends the process when the writer is given back. So it may write only where room for the frame was found before: a file
-of that size is laid out beside it and removed again. Room for what is written at the end is held from the beginning.
+ADIOS2 writes the fields. On a full disk, a rank whose write fails leaves the other ranks waiting, and the process ends
+when the writer is destroyed. Therefore room for a frame is reserved before ADIOS2 writes it, by a file of its size that
+is then removed. Room for the end of the file is reserved from the beginning.
 """
+
+from __future__ import annotations
 
 import ctypes
 import os
 import resource
 import shutil
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from dolfinx import io
+from dolfinx import fem, io
 from mpi4py import MPI
 
 from ..common.collective import agree, attempt
 from .hdf5 import reserve
 
-END = 1 << 17  # bytes that ADIOS2 may need to close a file, and that it may add to every frame
+if TYPE_CHECKING:
+    from .run_folder import RunFolder
+
+END = 1 << 17  # room for what ADIOS2 may write when it closes a file, and may add to every frame [bytes]
 
 
 class Frames:
-    """A series of frames in a folder FILE.bp.
+    """Series of frames in a folder NAME.bp.
 
     Args:
-        folder: RunFolder.
-        name: of the file, ending in .bp.
-        functions: list of fem.Function on one mesh, of one degree.
+        folder: RunFolder that the series is written into.
+        name: name of the series, ending in .bp.
+        functions: functions on one mesh, of one degree.
+
+    Attributes:
+        path: path of the series.
 
     Raises:
         RuntimeError: no room, or the folder cannot be written; on all ranks.
     """
 
-    def __init__(self, folder, name, functions):
+    def __init__(self, folder: RunFolder, name: str, functions: Sequence[fem.Function]) -> None:
         self.folder, self.path, self.comm = folder, folder.file(name), folder.comm
         self._spare = folder.file(f".{name}.room")
         V = functions[0].function_space
         local = V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts
-        cells = V.mesh.topology.index_map(V.mesh.topology.dim)
-        cells = (cells.size_local + cells.num_ghosts) * (8 * V.dofmap.list.shape[1] + 16)
+        cell_map = V.mesh.topology.index_map(V.mesh.topology.dim)
+        cells = (cell_map.size_local + cell_map.num_ghosts) * (8 * V.dofmap.list.shape[1] + 16)
         sizes = self.comm.allreduce(24 * local * len(functions) + END // 8, MPI.SUM)
         self._frame, self._mesh = sizes, self.comm.allreduce(cells + 64 * local, MPI.SUM)
         self._before = 0
@@ -47,14 +57,19 @@ class Frames:
         self._writer, error = attempt(io.VTXWriter, self.comm, self.path, functions, "BP4", io.VTXMeshPolicy.reuse)
         agree(self.comm, error and self._error(error), "fields")
 
-    def _error(self, error):
+    def _error(self, error: BaseException) -> RuntimeError:
         said = str(error).strip().splitlines()[0]
         return RuntimeError(f"{self.path} cannot be written ({said}): make room there, or name another folder")
 
-    def _hold(self, size, more=0):
-        """Find room for `size` bytes, which is kept, and for `more`, which is given back at once. Collective."""
+    def _hold(self, size: int, more: int = 0) -> None:
+        """Reserve room on the disk. Collective.
 
-        def work():
+        Args:
+            size: room that stays reserved [bytes].
+            more: further room that must be there, and is released at once [bytes].
+        """
+
+        def work() -> None:
             try:
                 with open(self._spare, "ab") as file:
                     reserve(file.fileno(), 0, size + more)
@@ -66,13 +81,14 @@ class Frames:
 
         self.folder._write(self.path.name, work)
 
-    def _sizes(self):
+    def _sizes(self) -> list[int]:
+        """Sizes of the files of the series [bytes]."""
         return [e.stat().st_size for e in os.scandir(self.path)] if self.path.exists() else []
 
-    def _make_room(self):
-        """Room for a frame. Collective."""
+    def _make_room(self) -> None:
+        """Check that there is room for a frame. Collective."""
 
-        def needed():
+        def needed() -> int:
             sizes = self._sizes()
             total = sum(sizes)
             last, self._before = total - self._before, total
@@ -84,14 +100,15 @@ class Frames:
 
         self._hold(END, self.folder._write(self.path.name, needed))
 
-    def write(self, now):
-        """Add a frame of the present values.
+    def write(self, now: float) -> None:
+        """Add a frame with the present values. Collective.
 
         Args:
-            now: time [T].
+            now: time of the frame [T].
 
         Raises:
-            RuntimeError: no room; on all ranks. The frames before are complete; with room made the next can be written.
+            RuntimeError: no room; on all ranks. Earlier frames are complete, and later ones can be written when there
+                is room.
         """
         if self._writer is None:
             raise RuntimeError(f"{self.path} is closed")
@@ -101,13 +118,17 @@ class Frames:
             self._abandon()
         agree(self.comm, error and self._error(error), "fields")
 
-    def _abandon(self):
-        """A writer that has failed ends the process when it is given back: it never is."""
+    def _abandon(self) -> None:
+        """Keep a writer that has failed alive for ever, as its destruction ends the process."""
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._writer))
         self._writer = None
 
-    def close(self):
-        """No more frames. Collective."""
+    def close(self) -> None:
+        """Close the series. Collective.
+
+        Raises:
+            RuntimeError: the end of the series cannot be written; on all ranks.
+        """
         if self.comm.rank == 0:
             self._spare.unlink(missing_ok=True)
         writer, error = self._writer, None
@@ -119,8 +140,18 @@ class Frames:
         agree(self.comm, error and self._error(error), "fields")
 
 
-def write_once(folder, name, functions, now):
-    """One frame."""
+def write_once(folder: RunFolder, name: str, functions: Sequence[fem.Function], now: float) -> None:
+    """Write a series of one frame. Collective.
+
+    Args:
+        folder: RunFolder that the series is written into.
+        name: name of the series, ending in .bp.
+        functions: functions on one mesh, of one degree.
+        now: time of the frame [T].
+
+    Raises:
+        RuntimeError: no room, or the folder cannot be written; on all ranks.
+    """
     frames = Frames(folder, name, functions)
     try:
         frames.write(now)

@@ -1,40 +1,64 @@
 # SPDX-License-Identifier: MIT
-"""HDF5 files that no full disk can spoil: HDF5 lays them out in memory, plain writes bring them to the disk.
+"""HDF5 files that a full disk cannot damage: HDF5 lays them out in memory, and plain writes copy them to the disk.
 
-A write that fails inside HDF5 leaves the file, and with it the process, in no state to go on: at its end the process
-may be aborted. So HDF5 never writes to a disk here. A new file is written under another name and renamed when it is
-complete. Where a file grows, room is reserved first, then what is new is written behind its end, and only then what was
-there is changed in place: a disk that is full leaves the file as it was.
+After a write that fails inside HDF5, the file is damaged and the process may be aborted when it ends. Therefore HDF5
+never writes to a disk here. A new file is written under another name and renamed when it is complete. A file that grows
+is changed in three steps: room is reserved, new bytes are written behind the end, and only then existing bytes are
+changed in place. If the disk is full, the file stays as it was.
 """
+
+from __future__ import annotations
 
 import io
 import os
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..common.types import FilePath
+
+if TYPE_CHECKING:
+    import h5py
+    from _typeshed import ReadableBuffer, WriteableBuffer
 
 
 class Sketch(io.RawIOBase):
-    """A file in memory that has only what was written into it, page by page.
+    """File in memory that stores only the pages that were written.
 
     Args:
-        base: descriptor of a file whose content shows where nothing was written, or None: zeros.
+        base: descriptor of a file from which all other pages are read; None: other pages are zero.
+
+    Attributes:
+        pages: pages that were written, by number.
+        size: size of the file [bytes].
     """
 
     page = 4096
 
-    def __init__(self, base=None):
+    def __init__(self, base: int | None = None) -> None:
         super().__init__()
-        self.pages, self._base, self._at = {}, base, 0
+        self.pages: dict[int, bytearray] = {}
+        self._base, self._at = base, 0
         self.size = 0 if base is None else os.fstat(base).st_size
 
-    def seek(self, offset, whence=os.SEEK_SET):
+    def seek(self, offset: int, whence: int = os.SEEK_SET, /) -> int:
+        """Set the position; see io.RawIOBase."""
         self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self.size}[whence]
         return self._at
 
-    def tell(self):
+    def tell(self) -> int:
+        """Position; see io.RawIOBase."""
         return self._at
 
-    def _parts(self, count):
-        """(place in the buffer, page, place in the page, length) of a range from here on; moves behind it."""
+    def _parts(self, count: int) -> Iterator[tuple[int, int, int, int]]:
+        """Split the next bytes into pages and move behind them.
+
+        Args:
+            count: number of bytes.
+
+        Yields:
+            Offset in the buffer, number of the page, offset in the page, length.
+        """
         done = 0
         while done < count:
             number, first = divmod(self._at, self.page)
@@ -42,12 +66,13 @@ class Sketch(io.RawIOBase):
             yield done, number, first, length
             done, self._at = done + length, self._at + length
 
-    def _below(self, number):
-        """What a page was before anything was written into it."""
+    def _below(self, number: int) -> bytes:
+        """Content of a page before anything was written into it."""
         data = b"" if self._base is None else os.pread(self._base, self.page, number * self.page)
         return data.ljust(self.page, b"\0")
 
-    def write(self, data):
+    def write(self, data: ReadableBuffer, /) -> int:
+        """Write all of the data; see io.RawIOBase."""
         data = memoryview(data).cast("B")
         for place, number, first, length in self._parts(len(data)):
             page = self.pages.get(number)
@@ -57,45 +82,73 @@ class Sketch(io.RawIOBase):
         self.size = max(self.size, self._at)
         return len(data)
 
-    def readinto(self, data):
+    def readinto(self, data: WriteableBuffer, /) -> int:
+        """Fill the data; see io.RawIOBase."""
         data = memoryview(data).cast("B")
         for place, number, first, length in self._parts(len(data)):
             page = self.pages.get(number)
             data[place : place + length] = (page or self._below(number))[first : first + length]
         return len(data)
 
-    def truncate(self, size):
-        self.size = size
+    def truncate(self, size: int | None = None, /) -> int:
+        """Set the size; see io.RawIOBase."""
+        self.size = self._at if size is None else size
+        return self.size
 
-    def bytes(self, begin, end):
-        """Content of a range."""
+    def content(self, begin: int, end: int) -> bytes:
+        """Content of a range.
+
+        Args:
+            begin: first byte.
+            end: byte behind the last one.
+
+        Returns:
+            Bytes of the range.
+        """
         self.seek(begin)
         data = bytearray(end - begin)
         self.readinto(data)
         return bytes(data)
 
-    def writes(self):
-        """(offset, bytes) of what was written, in order."""
+    def writes(self) -> Iterator[tuple[int, bytes]]:
+        """Pages that were written, in their order.
+
+        Yields:
+            Offset and bytes of a page.
+        """
         for number in sorted(self.pages):
             offset = number * self.page
             if offset < self.size:
                 yield offset, bytes(self.pages[number][: self.size - offset])
 
 
-def write_at(file, data, offset):
-    """All of the data (bytes-like) to a descriptor; a disk that is full takes a part first and says so at the next
-    call."""
-    data = memoryview(data).cast("B")
-    while len(data):
-        count = os.pwrite(file, data, offset)
-        data, offset = data[count:], offset + count
+def write_at(file: int, data: ReadableBuffer, offset: int) -> None:
+    """Write all of the data; a disk that becomes full takes a part of it first.
 
-
-def reserve(file, begin, end):
-    """Room on the disk for a range of a file (a descriptor).
+    Args:
+        file: descriptor.
+        data: bytes, or an array.
+        offset: offset in the file [bytes].
 
     Raises:
-        OSError: there is none; the file is not longer than before.
+        OSError: no room.
+    """
+    rest = memoryview(data).cast("B")
+    while len(rest):
+        count = os.pwrite(file, rest, offset)
+        rest, offset = rest[count:], offset + count
+
+
+def reserve(file: int, begin: int, end: int) -> None:
+    """Reserve room on the disk for a range of a file.
+
+    Args:
+        file: descriptor.
+        begin: first byte.
+        end: byte behind the last one.
+
+    Raises:
+        OSError: no room; the file is not longer than before.
     """
     if end > begin:
         size = os.fstat(file).st_size
@@ -107,14 +160,15 @@ def reserve(file, begin, end):
             raise
 
 
-def write_whole(path, content):
-    """Write a file at once, or leave what was there.
+def write_whole(path: FilePath, content: str | bytes | Iterable[tuple[int, bytes]]) -> None:
+    """Write a complete file, or leave an earlier one as it was.
 
     Args:
-        content: text, bytes, or (offset, bytes) pairs in order.
+        path: file to write.
+        content: text, bytes, or pairs of offset and bytes in order.
 
     Raises:
-        OSError: no room, ...
+        OSError: no room, or another failure to write.
     """
     path = Path(path)
     part = path.with_name(path.name + ".part")
@@ -132,11 +186,15 @@ def write_whole(path, content):
         raise
 
 
-def create(path, fill):
-    """Make an HDF5 file: fill(file) gets it as h5py.File.
+def create(path: FilePath, fill: Callable[[h5py.File], object]) -> None:
+    """Create an HDF5 file.
+
+    Args:
+        path: file to write.
+        fill: function that fills the file.
 
     Raises:
-        OSError: as write_whole.
+        OSError: no room, or another failure to write; an earlier file is as it was.
     """
     import h5py
 
@@ -146,11 +204,15 @@ def create(path, fill):
     write_whole(path, sketch.writes())
 
 
-def update(path, change):
-    """Change an HDF5 file: change(file) gets it as h5py.File.
+def update(path: FilePath, change: Callable[[h5py.File], object]) -> None:
+    """Change an HDF5 file.
+
+    Args:
+        path: file to change.
+        change: function that changes the file.
 
     Raises:
-        OSError: it is no HDF5 file; no room, then it is as it was.
+        OSError: the file is no HDF5 file, or there is no room; the file is then as it was.
     """
     import h5py
 

@@ -1,36 +1,44 @@
 # SPDX-License-Identifier: MIT
-"""Reading meshes, and saying what is wrong with a bad one: what was found, where, and what to do.
+"""Reads meshes from files and checks them.
 
-`read_mesh` takes gmsh .msh files and XDMF files written by DOLFINx, `check_mesh` any mesh. Both are collective: an
-error is the same on every rank. A bad file raises ValueError, a missing one FileNotFoundError.
+`read_mesh` reads gmsh .msh files and XDMF files written by DOLFINx, `check_mesh` checks any mesh. Both are collective,
+and an error is the same on every rank. A bad file raises ValueError, a missing one FileNotFoundError.
 """
+
+from __future__ import annotations
 
 import os
 import re
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, TypeVar
 
 from mpi4py import MPI
 
 import numpy as np
 from dolfinx import io
+from dolfinx.mesh import Mesh, MeshTags
 
 from ..common.collective import guard
+from ..common.types import FilePath, IntArray
 from .mesh_check import SHOWN, MeshReport, check_mesh, label
 
 __all__ = ["MeshInput", "MeshReport", "check_mesh", "read_mesh"]
 
-# gmsh element type -> (cell, degree) that DOLFINx reads and this package computes on
+T = TypeVar("T")
+
+# gmsh element type -> cell and degree, of those that DOLFINx reads and this package has kernels for
 _GMSH = {
     2: ("triangle", 1), 3: ("quadrilateral", 1), 4: ("tetrahedron", 1), 5: ("hexahedron", 1),
     9: ("triangle", 2), 10: ("quadrilateral", 2), 11: ("tetrahedron", 2), 12: ("hexahedron", 2),
 }  # fmt: skip
 _FACET = {2: 1, 3: 1, 4: 2, 5: 3, 9: 8, 10: 8, 11: 9, 12: 10}  # type of a cell -> type of its facets
-_ROWS = 1_000_000  # rows of a table that are in memory at a time
+_ROWS = 1_000_000  # rows of a table that are in memory at the same time
 _XDMF_DIMENSION = {
     "polyvertex": 0,
     "polyline": 1,
@@ -44,25 +52,55 @@ _XDMF_DIMENSION = {
 
 @dataclass
 class MeshInput:
-    """A mesh with its tags; unpacks as (mesh, cell_tags, facet_tags). Names are those of the file's physical groups."""
+    """A mesh with its tags; unpacks as (mesh, cell_tags, facet_tags).
 
-    mesh: Any
-    cell_tags: Any
-    facet_tags: Any
-    cell_names: dict = field(default_factory=dict)
-    facet_names: dict = field(default_factory=dict)
+    Attributes:
+        mesh: mesh.
+        cell_tags: tags of cells; None if the file has none.
+        facet_tags: tags of facets; None if the file has none.
+        cell_names: tags of cells by the names of the file's physical groups.
+        facet_names: tags of facets by the names of the file's physical groups.
+        report: what `check_mesh` found.
+    """
+
+    mesh: Mesh
+    cell_tags: MeshTags | None
+    facet_tags: MeshTags | None
+    cell_names: dict[str, int] = field(default_factory=dict)
+    facet_names: dict[str, int] = field(default_factory=dict)
     report: MeshReport | None = None
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Any]:
         return iter((self.mesh, self.cell_tags, self.facet_tags))
 
 
-def read_mesh(path, comm=MPI.COMM_WORLD, gdim=None, required_cell_tags=(), required_facet_tags=()):
+def read_mesh(
+    path: FilePath,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+    gdim: int | None = None,
+    required_cell_tags: Iterable[int | str] = (),
+    required_facet_tags: Iterable[int | str] = (),
+) -> MeshInput:
     """Read and check a mesh with its cell and facet tags. Collective.
 
-    `path`: a gmsh .msh file, or an XDMF file written by DOLFINx; `gdim`: geometric dimension, default 2 for a flat
-    mesh of triangles or quadrilaterals, else 3; `required_cell_tags`, `required_facet_tags`: numbers (or, in a .msh
-    file, names) that must be there and not be empty.
+    Args:
+        path: gmsh .msh file, or XDMF file written by DOLFINx.
+        comm: communicator of the mesh.
+        gdim: geometric dimension, 2 or 3; None: 2 for a flat mesh of triangles or quadrilaterals, otherwise 3 [1].
+        required_cell_tags: tags of cells, or in a .msh file their names, that must not be empty.
+        required_facet_tags: tags of facets, or in a .msh file their names, that must not be empty.
+
+    Returns:
+        Mesh, tags, names and what was found.
+
+    Raises:
+        TypeError: an argument is of the wrong type.
+        ValueError: the file is damaged, or its mesh is bad; on all ranks.
+        FileNotFoundError: there is no such file; on all ranks.
+        RuntimeError: gmsh is needed and is not there; on all ranks.
+
+    Warns:
+        UserWarning: parts of the file are left out.
     """
     if not isinstance(comm, MPI.Comm):
         raise TypeError(f"comm must be a communicator of mpi4py, found {type(comm).__name__}")
@@ -78,8 +116,7 @@ def read_mesh(path, comm=MPI.COMM_WORLD, gdim=None, required_cell_tags=(), requi
                 f"{path}: a mesh is read from a .msh (gmsh) or an .xdmf (DOLFINx) file; convert it, e.g. with gmsh"
             )
         ranks.same(required_cell_tags=list(required_cell_tags), required_facet_tags=list(required_facet_tags))
-    found = _read_msh(path, comm, gdim) if kind == "msh" else _read_xdmf(path, comm, gdim)
-    result, tags_in_file, numbers = found
+    result, tags_in_file, numbers = (_read_msh if kind == "msh" else _read_xdmf)(path, comm, gdim)
     result.report = check_mesh(
         result.mesh, result.cell_tags, result.facet_tags, required_cell_tags, required_facet_tags,
         cell_names=result.cell_names, facet_names=result.facet_names, where=str(path), numbers=numbers,
@@ -94,23 +131,24 @@ def read_mesh(path, comm=MPI.COMM_WORLD, gdim=None, required_cell_tags=(), requi
     return result
 
 
-def _together(comm, work):
+def _together(comm: MPI.Intracomm, work: Callable[[], T]) -> T:
     """Run work() on rank 0; return its result on all ranks, or raise its error on all ranks."""
-    outcome = None
+    outcome: tuple[Exception | None, T | None] = (None, None)
     if comm.rank == 0:
         try:
             outcome = (None, work())
-        except (ValueError, OSError, RuntimeError) as error:
-            outcome = (error, None)
-        except Exception as error:  # whatever it is, the other ranks must hear of it
-            outcome = (RuntimeError(f"{type(error).__name__}: {error}"), None)
+        except (ValueError, OSError, RuntimeError) as e:
+            outcome = (e, None)
+        except Exception as e:  # whatever it is, the other ranks must get it
+            outcome = (RuntimeError(f"{type(e).__name__}: {e}"), None)
     error, result = comm.bcast(outcome, root=0)
     if error is not None:
         raise error
     return result
 
 
-def _exists(path):
+def _exists(path: Path) -> None:
+    """Raise FileNotFoundError or ValueError unless there is a file that is not empty."""
     if not path.exists():
         near = sorted(p.name for p in path.parent.glob(f"*{path.suffix}")) if path.parent.is_dir() else []
         raise FileNotFoundError(
@@ -123,15 +161,20 @@ def _exists(path):
 # --- gmsh -----------------------------------------------------------------------------------------------------------
 
 
-def _read_msh(path, comm, gdim):
+def _read_msh(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshInput, dict[int, int], IntArray | None]:
+    """Read a gmsh file. Collective.
+
+    Returns:
+        Mesh and tags, number of facets in the file by tag, and gmsh's numbers of the cells (on rank 0 only).
+    """
     _together(comm, lambda: _check_msh_text(path))
     try:
         import gmsh
     except ImportError as error:
         raise RuntimeError(f"{path}: reading .msh files needs the Python module gmsh") from error
-    state = {}
+    state: dict[str, Any] = {}
 
-    def load():
+    def load() -> tuple[int, dict[str, int], dict[str, int], dict[int, int], list[str]]:
         state["mine"] = not gmsh.isInitialized()
         if state["mine"]:
             gmsh.initialize(interruptible=False)
@@ -166,10 +209,14 @@ def _read_msh(path, comm, gdim):
     return MeshInput(mesh, cell_tags, facet_tags, cell_names, facet_names), facets, state.get("numbers")
 
 
-def _renumber(model):
-    """Number the nodes without holes, those of tagged cells first: DOLFINx 0.9 aborts on a loose node before them.
+def _renumber(model: ModuleType) -> IntArray:
+    """Number the nodes without gaps, those of tagged cells first: DOLFINx 0.9 aborts if an unused node precedes them.
 
-    Returns gmsh's element numbers in the order in which DOLFINx takes the cells.
+    Args:
+        model: gmsh.model.
+
+    Returns:
+        gmsh's element numbers in the order in which DOLFINx reads the cells.
     """
     tdim = model.getDimension()
     groups = [tag for dim, tag in model.getPhysicalGroups() if dim == tdim]
@@ -180,13 +227,13 @@ def _renumber(model):
     return np.concatenate([numbers for _, (numbers,), _ in elements])
 
 
-def _check_msh_text(path):
-    """The file is there, is a gmsh file, and every section it opens it also closes."""
+def _check_msh_text(path: Path) -> None:
+    """Check that the file exists, is a gmsh file, and closes every section that it opens."""
     _exists(path)
     data = path.read_bytes()
     if not data.lstrip().startswith(b"$MeshFormat"):
         raise ValueError(f"{path}: not a gmsh mesh, it starts with {data[:20]!r} instead of $MeshFormat")
-    # `(?m)^` keeps to line starts; binary files may hold a stray "$" in the middle of numbers.
+    # `(?m)^` matches at line starts only; binary files may contain "$" inside numbers.
     opened = [s.decode() for s in re.findall(rb"(?m)^\$((?!End)[A-Za-z]+)\r?$", data)]
     for section in dict.fromkeys(opened):
         if f"$End{section}".encode() not in data:
@@ -196,8 +243,20 @@ def _check_msh_text(path):
             raise ValueError(f"{path}: no section ${section}: it has no mesh; mesh the geometry before writing it")
 
 
-def _check_msh_model(model, path, gdim):
-    """Everything that can be said about the file before DOLFINx reads it."""
+def _check_msh_model(
+    model: ModuleType, path: Path, gdim: int | None
+) -> tuple[int, dict[str, int], dict[str, int], dict[int, int], list[str]]:
+    """Check a gmsh model before DOLFINx reads it.
+
+    Args:
+        model: gmsh.model.
+        path: file, for messages.
+        gdim: geometric dimension that was asked for, or None [1].
+
+    Returns:
+        Geometric dimension, tags of cells by name, tags of facets by name, number of facets by tag, and notes about
+        parts of the file that are left out.
+    """
     nodes, x, _ = model.mesh.getNodes()
     x = x.reshape(-1, 3)
     types = {dim: model.mesh.getElements(dim)[0] for dim in (1, 2, 3)}
@@ -218,7 +277,12 @@ def _check_msh_model(model, path, gdim):
             f"{path}: no physical group of dimension {tdim} holds the cells (there are {there}); in gmsh: "
             f'Physical {"Surface" if tdim == 2 else "Volume"}("body", 1) = {{...}};'
         )
-    counts, owner, used, notes, facets, facet_kinds = Counter(), {}, [], [], {}, set()
+    counts: Counter[int] = Counter()  # cells by gmsh element type
+    owner: dict[tuple[int, int], int] = {}  # dimension and entity -> tag
+    used: list[tuple[int, IntArray]] = []  # tag and nodes of cells
+    facets: dict[int, int] = {}
+    notes: list[str] = []
+    facet_kinds: set[int] = set()
     for dim, tag in groups:
         for entity in model.getEntitiesForPhysicalGroup(dim, tag):
             kinds, tags, connectivity = model.mesh.getElements(dim, entity)
@@ -275,7 +339,8 @@ def _check_msh_model(model, path, gdim):
     return gdim, names[tdim], names[tdim - 1], facets, notes
 
 
-def _check_types(model, path, counts, facet_kinds):
+def _check_types(model: ModuleType, path: Path, counts: Mapping[int, int], facet_kinds: set[int]) -> None:
+    """Raise ValueError unless all cells are of one supported type, with facets of theirs."""
     said = {kind: model.mesh.getElementProperties(kind)[0] for kind in counts}
     listing = ", ".join(f"{n} of {said[kind]!r}" for kind, n in counts.items())
     for kind in counts:
@@ -295,10 +360,15 @@ def _check_types(model, path, counts, facet_kinds):
 # --- XDMF -----------------------------------------------------------------------------------------------------------
 
 
-def _read_xdmf(path, comm, gdim):
+def _read_xdmf(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshInput, dict[int, int], IntArray | None]:
+    """Read an XDMF file. Collective.
+
+    Returns:
+        As `_read_msh`, without numbers of facets and cells.
+    """
     mesh_name, dimension, tag_grids = _together(comm, lambda: _check_xdmf_text(path))
     problem = None
-    tags = {}
+    tags: dict[int, MeshTags] = {}
     try:
         with io.XDMFFile(comm, path, "r") as file:
             mesh = file.read_mesh(name=mesh_name)
@@ -320,14 +390,18 @@ def _read_xdmf(path, comm, gdim):
     return MeshInput(mesh, tags.get(tdim), tags.get(tdim - 1)), {}, None
 
 
-def _check_xdmf_text(path):
-    """Name of the mesh grid, its dimension, and (name, dimension) of the tag grids; all data files are there."""
+def _check_xdmf_text(path: Path) -> tuple[str, int, list[tuple[str, int]]]:
+    """Check that the file is an XDMF file with a mesh, and that its data files have its data.
+
+    Returns:
+        Name and dimension of the grid with the mesh, and names and dimensions of the grids with tags.
+    """
     _exists(path)
     try:
         root = ElementTree.parse(path).getroot()
     except ElementTree.ParseError as error:
         raise ValueError(f"{path}: not an XDMF file, or cut off ({error}); write it again") from error
-    grids = []
+    grids: list[tuple[str, int, ElementTree.Element | None, ElementTree.Element | None, ElementTree.Element]] = []
     for grid in root.iter("Grid"):
         topology = grid.find("Topology")
         if topology is None:
@@ -336,7 +410,7 @@ def _check_xdmf_text(path):
         if kind == "mixed":
             raise ValueError(f"{path}: mixed cells in grid {grid.get('Name')!r}; one kind is needed")
         parts = grid.find("Geometry"), grid.find("Attribute"), topology
-        grids.append((grid.get("Name"), _XDMF_DIMENSION.get(kind, -1), *parts))
+        grids.append((grid.get("Name", ""), _XDMF_DIMENSION.get(kind, -1), *parts))
     meshes = [g for g in grids if g[2] is not None and g[3] is None] or [g for g in grids if g[2] is not None]
     if not meshes or meshes[0][1] < 2:
         raise ValueError(f"{path}: no grid with cells and coordinates; write it with XDMFFile.write_mesh")
@@ -349,8 +423,16 @@ def _check_xdmf_text(path):
     return meshes[0][0], meshes[0][1], [(g[0], g[1]) for g in grids if g is not meshes[0]]
 
 
-def _check_numbers(path, name, topology, geometry):
-    """The nodes that the cells of a grid name are there: DOLFINx does not look, and the process would end."""
+def _check_numbers(path: Path, name: str, topology: ElementTree.Element, geometry: ElementTree.Element | None) -> None:
+    """Check that the nodes of a grid's cells exist; DOLFINx does not, and the process would end.
+
+    Args:
+        path: file.
+        name: name of the grid, for messages.
+        topology: element of the grid's cells.
+        geometry: element of the coordinates.
+    """
+    assert geometry is not None  # _check_xdmf_text has found it
     places = [(part.findtext("DataItem") or "").strip() for part in (topology, geometry)]
     if not all(":" in place for place in places):
         return
@@ -372,7 +454,14 @@ def _check_numbers(path, name, topology, geometry):
                 )
 
 
-def _check_dataset(path, name, dataset):
+def _check_dataset(path: Path, name: str, dataset: str) -> None:
+    """Check that a data file exists and has a dataset.
+
+    Args:
+        path: XDMF file.
+        name: name of the data file.
+        dataset: path of the dataset in it.
+    """
     try:
         import h5py
     except ImportError:

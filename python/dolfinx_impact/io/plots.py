@@ -1,30 +1,48 @@
 # SPDX-License-Identifier: MIT
-"""Pictures: deformed meshes with a field on them (drawn by PyVista without a screen), framed by matplotlib.
+"""Figures of deformed meshes with fields, drawn by PyVista without a screen, with axes by matplotlib.
 
-The axes, labels and colour bars are matplotlib's, so that they can be read; the image inside is VTK's. Everything here
-works on gathered arrays (gather.py) and is called on rank 0.
+PyVista draws the image; matplotlib draws axes, labels and colour bars, so that they are legible. All functions take
+gathered arrays (gather.py) and are called on rank 0.
 """
+
+from __future__ import annotations
 
 import atexit
 import os
 import shutil
 import subprocess
+from collections.abc import Sequence
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
+
+from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray, IntArray
+from .gather import Gathered
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+    import matplotlib.colorbar
+    import matplotlib.figure
+    import pyvista
+
+Image: TypeAlias = npt.NDArray[np.uint8]  # (height, width, 3)
+Box: TypeAlias = Sequence[float]  # xmin, xmax, ymin, ymax
 
 COLOURS = ("#0b5394", "#c8501e", "#3a7d44", "#6b6b6b")
 _STYLE = {"font.size": 10, "axes.grid": True, "grid.color": "#dddddd", "axes.axisbelow": True, "legend.frameon": False}
 
 
 class NoScreen(RuntimeError):
-    """There is nothing VTK could draw on."""
+    """There is no display for VTK."""
 
 
-def screen():
-    """Make sure that VTK has a display: the present one, else an Xvfb of this process, ended with it.
+def screen() -> None:
+    """Make sure that VTK has a display: the present one, or else an Xvfb that ends with this process.
 
     Raises:
-        NoScreen: neither is there.
+        NoScreen: there is no display, and Xvfb is missing or does not start.
     """
     if os.environ.get("DISPLAY"):
         return
@@ -44,7 +62,7 @@ def screen():
         raise NoScreen(f"{program} did not start: set DISPLAY, or see what it says when started by hand")
     os.environ["DISPLAY"] = f":{number}"
 
-    def stop():
+    def stop() -> None:
         server.terminate()
         server.wait()
         os.environ.pop("DISPLAY", None)
@@ -52,8 +70,12 @@ def screen():
     atexit.register(stop)
 
 
-def pyplot():
-    """matplotlib.pyplot without a screen, in the style of these figures."""
+def pyplot() -> ModuleType:
+    """Import matplotlib.pyplot without a screen, with the style of these figures.
+
+    Returns:
+        matplotlib.pyplot.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
@@ -63,16 +85,26 @@ def pyplot():
     return plt
 
 
-def grid(field, displacement=None, scale=1.0, cell_mask=None):
-    """PyVista grid of a gathered field.
+def grid(
+    field: Gathered,
+    displacement: FloatArray | None = None,
+    scale: float = 1.0,
+    cell_mask: BoolArray | IntArray | None = None,
+) -> pyvista.UnstructuredGrid:
+    """PyVista grid of a gathered mesh or field.
 
     Args:
-        field: Gathered, of the mesh or of any field.
-        displacement: at its nodes, shape (num_nodes, gdim) [L]; moves them, multiplied by `scale`.
-        cell_mask: cells to keep.
+        field: gathered mesh or field.
+        displacement: displacement of its nodes, (num_nodes, gdim); None: undeformed [L].
+        scale: factor of the displacement [1].
+        cell_mask: mask or numbers of the cells that are shown; None: all.
+
+    Returns:
+        Grid.
     """
     import pyvista
 
+    assert field.points is not None, "gathered fields have their nodes on rank 0 only"
     points = np.zeros((len(field.points), 3))
     points[:, : field.points.shape[1]] = field.points
     if displacement is not None:
@@ -84,19 +116,38 @@ def grid(field, displacement=None, scale=1.0, cell_mask=None):
     return pyvista.UnstructuredGrid(flat, np.full(len(cells), kind, dtype=np.uint8), points)
 
 
-def draw(grids, clim, cmap="viridis", size=(900, 700), box=None, view=None, log=False, edges=True, zoom=1, above=None):
-    """Image (height, width, 3) of grids coloured by the point data "value".
+def draw(
+    grids: Sequence[pyvista.UnstructuredGrid],
+    clim: Sequence[float],
+    cmap: str = "viridis",
+    size: tuple[int, int] = (900, 700),
+    box: Box | None = None,
+    view: tuple[ArrayLike, ArrayLike, ArrayLike | None] | None = None,
+    log: bool = False,
+    edges: bool = True,
+    zoom: float = 1,
+    above: str | None = None,
+) -> Image:
+    """Draw grids, coloured by their point data "value".
 
     Args:
-        grids: list of PyVista grids.
-        clim: range of the colours.
-        size: in pixels.
-        box: (xmin, xmax, ymin, ymax) of a view along z, which fills the image; None: everything.
-        view: (direction towards the eye, up, focal point or None) of a parallel projection in 3D.
-        log: colours by logarithm.
-        edges: draw the cells' edges.
-        zoom: of the camera, where there is no box.
-        above: colour of values beyond the range.
+        grids: grids.
+        clim: smallest and largest value of the colour scale, in the unit of the values.
+        cmap: matplotlib's name of the colour map.
+        size: width and height of the image [pixels].
+        box: xmin, xmax, ymin, ymax of the image in a view along z; None: the whole of the grids [L].
+        view: direction towards the viewer, upward direction, and focal point or None, of a parallel projection in 3D;
+            None: view along z.
+        log: whether the colour scale is logarithmic.
+        edges: whether edges of cells are drawn.
+        zoom: zoom factor of the camera, with `view` [1].
+        above: colour of values above the range; None: that of the largest value.
+
+    Returns:
+        Image, (height, width, 3).
+
+    Raises:
+        NoScreen: there is no display.
     """
     import pyvista
 
@@ -134,19 +185,52 @@ def draw(grids, clim, cmap="viridis", size=(900, 700), box=None, view=None, log=
     return image
 
 
-def colour_bar(figure, axes, clim, label, cmap="viridis", log=False, **options):
-    """Colour bar for an image made by `draw`."""
+def colour_bar(
+    figure: matplotlib.figure.Figure,
+    axes: matplotlib.axes.Axes,
+    clim: Sequence[float],
+    label: str,
+    cmap: str = "viridis",
+    log: bool = False,
+    **options: Any,
+) -> matplotlib.colorbar.Colorbar:
+    """Add the colour bar of an image made by `draw`.
+
+    Args:
+        figure: figure.
+        axes: axes of the image.
+        clim: smallest and largest value, as for `draw`.
+        label: label of the bar.
+        cmap: colour map, as for `draw`.
+        log: whether the scale is logarithmic, as for `draw`.
+        options: further arguments of `Figure.colorbar`.
+
+    Returns:
+        Colour bar.
+    """
     from matplotlib import cm, colors
 
-    norm = colors.LogNorm(*clim) if log else colors.Normalize(*clim)
+    low, high = clim
+    norm = colors.LogNorm(low, high) if log else colors.Normalize(low, high)
     bar = figure.colorbar(cm.ScalarMappable(norm, cmap), ax=axes, label=label, **options)
     bar.ax.grid(False)
     return bar
 
 
-def show(axes, image, box=None, unit="mm", title=None):
-    """Put an image into matplotlib axes; `box` (xmin, xmax, ymin, ymax) gives it coordinates in `unit`."""
-    axes.imshow(image, extent=box, aspect="equal", interpolation="lanczos")
+def show(
+    axes: matplotlib.axes.Axes, image: Image, box: Box | None = None, unit: str = "mm", title: str | None = None
+) -> None:
+    """Show an image in matplotlib axes.
+
+    Args:
+        axes: axes.
+        image: image of `draw`, (height, width, 3).
+        box: xmin, xmax, ymin, ymax of the image, in `unit`; None: the axes have no coordinates.
+        unit: unit of the coordinates, for the labels.
+        title: title of the axes, or None.
+    """
+    extent = None if box is None else (box[0], box[1], box[2], box[3])
+    axes.imshow(image, extent=extent, aspect="equal", interpolation="lanczos")
     axes.grid(False)
     if box is None:
         axes.set_axis_off()
@@ -157,18 +241,28 @@ def show(axes, image, box=None, unit="mm", title=None):
         axes.set_title(title, fontsize=10)
 
 
-def save(figure, path, colours=None, dpi=110):
-    """Save a figure as PNG and close it; `colours` reduces the palette (a quarter of the size at 128)."""
+def save(figure: matplotlib.figure.Figure, path: FilePath, colours: int | None = None, dpi: float = 110) -> FilePath:
+    """Save a figure as PNG and close it.
+
+    Args:
+        figure: figure.
+        path: file to write.
+        colours: number of colours of the palette, 128 for a quarter of the file's size; None: all colours [1].
+        dpi: resolution [dots per inch].
+
+    Returns:
+        `path`.
+    """
     import io
 
+    import PIL.Image
     from matplotlib import pyplot
-    from PIL import Image
 
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=dpi, format="png")
     pyplot.close(figure)
-    image = Image.open(buffer).convert("RGB")
+    image = PIL.Image.open(buffer).convert("RGB")
     if colours:
-        image = image.quantize(colours, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        image = image.quantize(colours, method=PIL.Image.Quantize.MAXCOVERAGE, dither=PIL.Image.Dither.NONE)
     image.save(path, optimize=True)
     return path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One run, one folder: the parameters that made it, fields for ParaView, tables with units, figures.
+"""Folder of one run: its parameters, fields for ParaView, tables with units, figures.
 
     with RunFolder("results/press", {"load": 4e6}) as run:
         run.print("solving")
@@ -9,26 +9,43 @@
 All methods are collective over the folder's communicator, and an error on rank 0 is raised on every rank.
 """
 
+from __future__ import annotations
+
 import csv
 import datetime
 import json
 import os
 import platform
 import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+import ufl
 from dolfinx import fem, io, la
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from ..common.types import ArrayLike, FilePath
 from . import hdf5
 from .frames import write_once
 from .gather import together
 
+if TYPE_CHECKING:
+    import h5py
 
-def versions():
-    """Name -> version of the package and of what it stands on; "unknown" where a library does not say."""
+T = TypeVar("T")
+
+
+def versions() -> dict[str, str]:
+    """Versions of the package and of its dependencies.
+
+    Returns:
+        Versions by name; "unknown" for a library that does not have one.
+    """
     import importlib.metadata
     import subprocess
     import sys
@@ -36,16 +53,15 @@ def versions():
     import basix
     import dolfinx
     import petsc4py.PETSc
-    import ufl
 
-    def of(distribution, fallback=None):
+    def of(distribution: str, fallback: str | None = None) -> str:
         try:
             return importlib.metadata.version(distribution)
         except importlib.metadata.PackageNotFoundError:
             return fallback or "unknown"
 
-    def nanobind():
-        """Debian ships nanobind without the metadata pip would know."""
+    def nanobind() -> str:
+        """Version of nanobind; Debian's package has no metadata for importlib."""
         found = of("nanobind")
         if found == "unknown":
             command = [sys.executable, "-m", "nanobind", "--version"]
@@ -55,7 +71,7 @@ def versions():
 
     return {
         "dolfinx_impact": of("dolfinx_impact"),
-        "dolfinx": dolfinx.__version__,
+        "dolfinx": getattr(dolfinx, "__version__"),
         "ffcx": of("fenics-ffcx"),
         "basix": basix.__version__,
         "ufl": of("fenics-ufl", getattr(ufl, "__version__", None)),
@@ -71,32 +87,43 @@ class RunFolder:
     """Folder of one run.
 
     Args:
-        path: folder, made if it is not there; None: IMPACT_OUTPUT, or results/<name>.
-        parameters: what makes this run different from another; written to parameters.json with versions and ranks.
+        path: folder, created if it does not exist; None: IMPACT_OUTPUT, or results/<name>.
+        parameters: parameters of the run by name; written to parameters.json with versions and ranks.
         comm: communicator of the run.
-        name: of the run, for the default folder and parameters.json.
+        name: name of the run, for the default folder and parameters.json.
+
+    Attributes:
+        path: absolute path of the folder.
 
     Raises:
-        RuntimeError: the folder cannot be made or written; on all ranks.
+        RuntimeError: the folder cannot be created or written; on all ranks.
     """
 
-    def __init__(self, path=None, parameters=None, comm=MPI.COMM_WORLD, name="run"):
+    def __init__(
+        self,
+        path: FilePath | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+        name: str = "run",
+    ) -> None:
         self.comm, self.name = comm, name
         self.path = Path(path or os.environ.get("IMPACT_OUTPUT") or Path("results") / name).absolute()
         self.path = Path(comm.bcast(str(self.path), root=0))
         together(comm, self._make)
         self.write_parameters(parameters or {})
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"RunFolder({str(self.path)!r}, name={self.name!r}, ranks={self.comm.size})"
 
-    def __enter__(self):
+    def __enter__(self) -> RunFolder:
         return self
 
-    def __exit__(self, *error):
-        return False
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pass
 
-    def _make(self):
+    def _make(self) -> None:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=self.path) as probe:
@@ -107,10 +134,13 @@ class RunFolder:
                 "folder that can be written (demos: --output DIR or the variable IMPACT_OUTPUT)"
             ) from error
 
-    def _write(self, what, work):
-        """Run work() on rank 0; a failure to write is the same RuntimeError on all ranks."""
+    def _write(self, what: FilePath, work: Callable[[], T]) -> T:
+        """Run work() on rank 0 and return its result; a failure to write is the same RuntimeError on all ranks.
 
-        def guarded():
+        `what` is the name of the file, for messages. Collective.
+        """
+
+        def guarded() -> T:
             try:
                 return work()
             except OSError as error:
@@ -122,19 +152,39 @@ class RunFolder:
 
         return together(self.comm, guarded)
 
-    def print(self, *args, **kwargs):
-        """Print on rank 0, at once."""
+    def print(self, *args: object, **kwargs: Any) -> None:
+        """Print on rank 0, without buffering.
+
+        Args:
+            args: as for `print`.
+            kwargs: as for `print`.
+        """
         if self.comm.rank == 0:
             print(*args, **{"flush": True, **kwargs})
 
-    def file(self, name):
-        """Full path of a file in the folder."""
+    def file(self, name: FilePath) -> Path:
+        """Full path of a file in the folder.
+
+        Args:
+            name: name of the file.
+
+        Returns:
+            Path.
+        """
         return self.path / name
 
-    def pictures(self, draw, *args):
-        """Run draw(*args) on rank 0; where PyVista or a screen is missing, say so and go on without the picture."""
+    def pictures(self, draw: Callable[..., object], *args: Any) -> None:
+        """Draw figures on rank 0; without PyVista or a screen, print a message instead. Collective.
 
-        def work():
+        Args:
+            draw: function that draws and writes figures.
+            args: its arguments.
+
+        Raises:
+            RuntimeError: a figure cannot be written; on all ranks.
+        """
+
+        def work() -> None:
             from .plots import NoScreen
 
             try:
@@ -144,8 +194,18 @@ class RunFolder:
 
         self._write(self.path, work)
 
-    def write_parameters(self, parameters):
-        """Write parameters.json: the parameters, the versions, the number of ranks, the time."""
+    def write_parameters(self, parameters: Mapping[str, Any]) -> Path:
+        """Write parameters.json with parameters, versions, number of ranks and time of writing. Collective.
+
+        Args:
+            parameters: parameters of the run by name.
+
+        Returns:
+            Path of the file.
+
+        Raises:
+            RuntimeError: the file cannot be written; on all ranks.
+        """
         path = self.file("parameters.json")
         record = {
             "run": self.name,
@@ -154,25 +214,28 @@ class RunFolder:
             "written": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
         }
 
-        def work():
+        def work() -> None:
             text = json.dumps({**record, "versions": versions()}, indent=2, default=_plain)
             hdf5.write_whole(path, text + "\n")
 
         self._write(path, work)
         return path
 
-    def fields(self, name, functions, time=0.0, xdmf=False):
-        """Write functions for ParaView.
+    def fields(self, name: str, functions: Sequence[fem.Function], time: float = 0.0, xdmf: bool = False) -> list[Path]:
+        """Write functions for ParaView. Collective.
 
         Args:
-            name: of the file, without ending.
-            functions: list of fem.Function with a name each; those of other degrees go to a file of their own,
+            name: name of the file, without ending.
+            functions: functions with names; those of other degrees than the first are written to files of their own,
                 name_<degree>.bp.
-            time: written with the fields [T].
-            xdmf: write name.xdmf with HDF5 instead; fields are interpolated at the vertices of the mesh.
+            time: time of the fields [T].
+            xdmf: write name.xdmf with HDF5 instead; fields are interpolated to the degree of the mesh.
 
         Returns:
-            List of paths.
+            Paths of the files.
+
+        Raises:
+            RuntimeError: a file cannot be written; on all ranks.
         """
         paths = []
         if xdmf:
@@ -182,7 +245,7 @@ class RunFolder:
                 for function in functions:
                     file.write_function(_on_geometry(function), time)
             return [path]
-        groups = {}
+        groups: dict[tuple[int, int, bool], list[fem.Function]] = {}
         for function in functions:
             mesh, element = function.function_space.mesh, function.function_space.element.basix_element
             groups.setdefault((id(mesh), element.degree, element.discontinuous), []).append(function)
@@ -192,18 +255,23 @@ class RunFolder:
             paths.append(path)
         return paths
 
-    def table(self, name, columns):
-        """Write name.csv and name.h5 on rank 0.
+    def table(self, name: str, columns: Mapping[str, tuple[ArrayLike, str]]) -> list[Path]:
+        """Write name.csv and name.h5 on rank 0. Collective.
 
         Args:
-            columns: dict name -> (values, unit), values of one length; as known on rank 0.
+            name: name of the files, without ending.
+            columns: values and unit by name, with values of one length; those of rank 0 are written.
+
+        Returns:
+            Paths of the files.
 
         Raises:
-            ValueError: columns of different lengths.
+            RuntimeError: a file cannot be written; on all ranks.
+            ValueError: the columns have different lengths; on all ranks.
         """
         paths = [self.file(f"{name}.csv"), self.file(f"{name}.h5")]
 
-        def work():
+        def work() -> None:
             arrays = {key: (np.atleast_1d(values), unit) for key, (values, unit) in columns.items()}
             lengths = {key: len(values) for key, (values, _) in arrays.items()}
             if len(set(lengths.values())) > 1:
@@ -214,7 +282,7 @@ class RunFolder:
             writer.writerows(zip(*(values.tolist() for values, _ in arrays.values())))
             hdf5.write_whole(paths[0], text.getvalue())
 
-            def fill(file):
+            def fill(file: h5py.File) -> None:
                 for key, (values, unit) in arrays.items():
                     file.create_dataset(key, data=values).attrs["units"] = unit
 
@@ -224,13 +292,13 @@ class RunFolder:
         return paths
 
 
-def _plain(value):
-    """JSON form of NumPy numbers and arrays; anything else by its text."""
+def _plain(value: Any) -> Any:
+    """NumPy numbers and arrays as Python numbers and lists for JSON, anything else as text."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
 
 
-def _on_geometry(function):
-    """XDMF holds fields of the mesh's own degree only."""
+def _on_geometry(function: fem.Function) -> fem.Function:
+    """The function, interpolated to the degree of the mesh if it has another; XDMF needs that."""
     V = function.function_space
     degree, shape = V.mesh.geometry.cmap.degree, V.element.basix_element.degree
     if degree == shape and not V.element.basix_element.discontinuous:
@@ -241,23 +309,24 @@ def _on_geometry(function):
     return out
 
 
-def vertex_average(expression, mesh, name):
-    """A UFL expression (a stress, say) at the vertices: each cell's own value there, averaged over the cells that meet.
+def vertex_average(expression: ufl.core.expr.Expr, mesh: Mesh, name: str) -> fem.Function:
+    """Average a UFL expression, for example a stress, at the vertices over the cells that meet there. Collective.
 
-    Bodies that share no nodes are not mixed; within a body a jump between two materials is.
+    Bodies that share no nodes are not mixed. Within a body the values of different materials are averaged.
 
     Args:
         expression: scalar UFL expression of DOLFINx functions on `mesh`.
-        name: of the result.
+        mesh: mesh of the result.
+        name: name of the result.
 
     Returns:
-        fem.Function, continuous of degree 1.
+        Continuous function of degree 1.
     """
     from ..assembly.operators import PointValues
 
     V = fem.functionspace(mesh, ("Lagrange", 1))
-    corners = V.element.basix_element.points
-    values = PointValues(expression, corners).values()[..., 0]
+    vertices = V.element.basix_element.points
+    values = PointValues(expression, vertices).values()[..., 0]
     num_cells = values.shape[0]
     dofs = V.dofmap.list[:num_cells]
     out, count = fem.Function(V, name=name), fem.Function(V)

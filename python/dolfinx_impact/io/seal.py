@@ -1,42 +1,77 @@
 # SPDX-License-Identifier: MIT
-"""Seals of files: a checksum of every byte, in sections that several ranks may write and verify.
+"""Seals of files: checksums of all bytes, in sections that several ranks may write and verify.
 
-Behind the end of a file, where HDF5 does not look, stand a table of its sections and a footer. Sections follow each
-other without a gap. Each has its length, a checksum, and whether it is structure, which everybody reads first, or data.
+A table of the file's sections and a footer follow behind the end of the HDF5 data, which HDF5 ignores. Sections follow
+each other without a gap. The table has the length and checksum of each section, and whether it is structure, which
+every rank reads first, or data.
 """
+
+from __future__ import annotations
 
 import hashlib
 import os
 import struct
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from ..common.types import FilePath
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
+
 SECTION = np.dtype([("length", "<i8"), ("data", "<i8"), ("sum", "V16")])
 FOOTER = struct.Struct("<8sq16s")  # mark, number of sections, checksum of their table
-MARK = b"IMPACT\r\n"  # a transfer as text would spoil it
-BLOCK = 1 << 23  # bytes of a section at most: what is verified to read one row
+MARK = b"IMPACT\r\n"  # with an end of line, so that a transfer as text changes it
+BLOCK = 1 << 23  # largest section, which is verified to read one row [bytes]
+
+Section: TypeAlias = tuple[int, int, int, bytes]  # offset, length, 1 for data or 0 for structure, checksum
 
 
-def checksum(data):
+def checksum(data: ReadableBuffer) -> bytes:
+    """Checksum of data.
+
+    Args:
+        data: bytes, or a contiguous array.
+
+    Returns:
+        Checksum, 16 bytes.
+    """
     return hashlib.blake2b(data, digest_size=16).digest()
 
 
-def sections(offset, data):
-    """[(offset, length, is it data, checksum)] of data (bytes-like) that are to stand at an offset."""
-    data = memoryview(data).cast("B")
-    starts = range(0, len(data), BLOCK)
-    return [(offset + s, len(data[s : s + BLOCK]), 1, checksum(data[s : s + BLOCK])) for s in starts]
+def sections(offset: int, data: ReadableBuffer) -> list[Section]:
+    """Sections of data that will be written at an offset.
+
+    Args:
+        offset: offset in the file [bytes].
+        data: bytes, or a contiguous array.
+
+    Returns:
+        Sections in their order.
+    """
+    view = memoryview(data).cast("B")
+    starts = range(0, len(view), BLOCK)
+    return [(offset + s, len(view[s : s + BLOCK]), 1, checksum(view[s : s + BLOCK])) for s in starts]
 
 
-def table(parts, structure, size):
-    """The seal of a file, as bytes to be written behind its end.
+def table(parts: Iterable[Section], structure: Callable[[int, int], bytes], size: int) -> bytes:
+    """Seal of a file, to be written behind its end.
 
     Args:
         parts: sections of data, of all ranks.
-        structure: function (begin, end) -> bytes of what lies between them.
-        size: of the file.
+        structure: function (begin, end) that returns the bytes between the sections.
+        size: size of the file [bytes].
+
+    Returns:
+        Table of all sections, and footer.
+
+    Raises:
+        ValueError: sections overlap, or lie behind the end.
     """
-    rows, at = [], 0
+    rows: list[tuple[int, int, bytes]] = []
+    at = 0
     for offset, length, kind, digest in [*sorted(parts), (size, 0, 1, b"")]:
         for begin in range(at, offset, BLOCK):
             end = min(begin + BLOCK, offset)
@@ -53,16 +88,21 @@ def table(parts, structure, size):
 class Sealed:
     """A sealed file, open for reading.
 
+    Args:
+        path: file to open.
+
     Attributes:
-        mark: checksum of all that is in it.
+        mark: checksum of the table of sections, and thereby of the whole file.
 
     Raises:
-        OSError: it cannot be read. Damaged: it has no seal, or the seal or the structure is damaged.
+        OSError: the file cannot be read.
+        Damaged: the file has no seal, or the seal or the structure is damaged.
     """
 
-    _file = None
+    _file: int | None = None
+    mark: bytes
 
-    def __init__(self, path):
+    def __init__(self, path: FilePath) -> None:
         self._file = os.open(path, os.O_RDONLY)
         size = os.fstat(self._file).st_size
         footer = os.pread(self._file, FOOTER.size, max(0, size - FOOTER.size))
@@ -76,16 +116,18 @@ class Sealed:
             raise Damaged("its seal is damaged")
         self._rows, self._ends = rows, np.cumsum(rows["length"])
         for k in np.flatnonzero(rows["data"] == 0):
-            self._section(k, "the structure of the file")
+            self._section(int(k), "the structure of the file")
 
-    def close(self):
+    def close(self) -> None:
+        """Close the file."""
         if self._file is not None:
             os.close(self._file)
             self._file = None
 
     __del__ = close
 
-    def _bytes(self, offset, length):
+    def _bytes(self, offset: int, length: int) -> bytes:
+        assert self._file is not None, "the file is closed"
         parts = []
         while length > 0:
             part = os.pread(self._file, length, offset)
@@ -95,15 +137,29 @@ class Sealed:
             offset, length = offset + len(part), length - len(part)
         return b"".join(parts)
 
-    def _section(self, k, name):
+    def _section(self, k: int, name: str) -> bytes:
+        """Content of section k, verified; `name` is for messages."""
         length = int(self._rows["length"][k])
         data = self._bytes(int(self._ends[k]) - length, length)
         if checksum(data) != self._rows["sum"][k].tobytes():
             raise Damaged(f"{name} is damaged")
         return data
 
-    def read(self, name, offset, length):
-        """Bytes of a range, whose sections are verified. Args: name: for messages."""
+    def read(self, name: str, offset: int, length: int) -> bytes:
+        """Read a range and verify its sections.
+
+        Args:
+            name: name of the content, for messages.
+            offset: first byte.
+            length: number of bytes.
+
+        Returns:
+            Bytes of the range.
+
+        Raises:
+            OSError: the file cannot be read.
+            Damaged: a section is damaged, or the range is not in the file.
+        """
         end = offset + length
         if not 0 <= offset <= end <= (int(self._ends[-1]) if len(self._ends) else 0):
             raise Damaged(f"{name} lies outside the file")
@@ -116,4 +172,4 @@ class Sealed:
 
 
 class Damaged(RuntimeError):
-    """A file is not what was written."""
+    """The content of a file is not what was written."""

@@ -1,30 +1,123 @@
 # SPDX-License-Identifier: MIT
-"""What tells one explicit problem from another, the same on any number of ranks: what a checkpoint is compared by.
+"""Signature of an explicit problem: a checkpoint is accepted by problems with the same signature.
 
-Texts and whole numbers are compared exactly, numbers with all their digits. Sums over nodes are compared to round-off,
-as their order depends on the ranks.
+The signature does not depend on the number of ranks. Texts and integers are compared exactly. Sums over nodes are
+compared to round-off, as the order of the summation depends on the ranks.
 """
 
 import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, la
+from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
-LONG = 2000  # characters of a text that are kept; of longer ones a checksum
+from ..common.types import FloatArray, IntArray
+from ..loads import DeadLoad, Load
+from ..materials import MaterialMap, Rayleigh, _Material
+
+LONG = 2000  # characters; the rest of a longer text is replaced by a checksum
+
+Signature: TypeAlias = dict[str, str | int | FloatArray]
 
 
-def signature(problem, x):
-    """Dict of texts, whole numbers and, under "sums", arrays. Collective.
+class Pair(Protocol):
+    """What a signature reads of a contact pair; see contact.pair.ContactPair."""
+
+    @property
+    def facet_tags(self) -> MeshTags:
+        """Tags of facets."""
+
+    @property
+    def slave(self) -> int:
+        """Tag of the slave's facets."""
+
+    @property
+    def master(self) -> Any:
+        """Tag of the master's facets, or a rigid obstacle."""
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the master is a rigid obstacle."""
+
+    @property
+    def friction(self) -> float:
+        """Friction coefficient [1]."""
+
+    @property
+    def search_distance(self) -> float | None:
+        """Search distance; None: chosen by the contact [L]."""
+
+
+class Contact(Protocol):
+    """What a signature reads of a contact; see contact.explicit.nodal.NodalResult."""
+
+    _law: type
+
+    @property
+    def pair(self) -> Pair:
+        """Contact pair."""
+
+    @property
+    def options(self) -> Mapping[str, object]:
+        """Options of the contact by name."""
+
+
+class Functions(Protocol):
+    """Functions of time of a problem; see dynamics.functions_of_time.FunctionsOfTime."""
+
+    def table(self, times: FloatArray) -> FloatArray:
+        """Values at times.
+
+        Args:
+            times: times, (num_times) [T].
+
+        Returns:
+            Values, (num_times, num_columns).
+        """
+
+
+class Problem(Protocol):
+    """What a checkpoint reads of an explicit problem; see dynamics.explicit.ExplicitProblem."""
+
+    comm: MPI.Intracomm
+    space: fem.FunctionSpace
+    num_owned: int
+    mass: la.Vector
+    material: _Material | MaterialMap | None
+    damping: Rayleigh
+    scheme: str
+    lumping: str
+    mass_scaling: float | None
+    loads: list[Load]
+    _loads: list[DeadLoad]
+    _supports: list[tuple[IntArray, FloatArray, int]]
+    _viscosity: tuple[float, float]
+    _residual_form: ufl.Form | None
+    _given_density: float | ufl.core.expr.Expr | None
+
+    @property
+    def contact(self) -> Sequence[Contact]:
+        """Contacts."""
+
+
+def signature(problem: Problem, x: FloatArray) -> Signature:
+    """Signature of a problem. Collective.
 
     Args:
-        x: reference positions of this rank's owned nodes, (n, gdim) [L].
+        problem: ExplicitProblem.
+        x: undeformed coordinates of this rank's owned nodes, (num_nodes, gdim) [L].
+
+    Returns:
+        Texts, integers and arrays by name; the names of arrays begin with "sums".
     """
     V, mesh, comm = problem.space, problem.space.mesh, problem.comm
     n, bs = V.dofmap.index_map.size_local, V.dofmap.index_map_bs
     mass = problem.mass.array[: n * bs].reshape(n, bs)[:, 0]
-    out = {
+    out: Signature = {
         "cell": mesh.topology.cell_name(),
         "degree": int(V.element.basix_element.degree),
         "degree of the geometry": int(mesh.geometry.cmap.degree),
@@ -41,19 +134,26 @@ def signature(problem, x):
         "sums of masses": comm.allreduce(np.concatenate([[mass.sum()], mass @ x, mass @ x**2]), MPI.SUM),
     }
     for k, load in enumerate(problem._loads):
-        # As it would act now: its value may have been changed since the last step.
-        values = np.zeros(n * bs)
-        values[load.dofs] = load.forces()
-        values = values.reshape(n, bs)
+        # Present forces: the value of the load may have changed since the last step.
+        forces = np.zeros(n * bs)
+        forces[load.dofs] = load.forces()
+        values = forces.reshape(n, bs)
         out[f"sums of load {k}"] = comm.allreduce(
             np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]), MPI.SUM
         )
     return {name: short(value) if isinstance(value, str) else value for name, value in out.items()}
 
 
-def supports(problem):
-    """Prescribed degrees of freedom: owned nodes, and for each component whether it is prescribed, its value [L], and
-    the number of its function of time (-1: none)."""
+def supports(problem: Problem) -> tuple[IntArray, FloatArray]:
+    """Prescribed degrees of freedom.
+
+    Args:
+        problem: ExplicitProblem.
+
+    Returns:
+        Owned nodes with prescribed components, (n); and rows (n, 3 * components) that have, for all components, whether
+        they are prescribed (1 or 0), then their values [L], then the numbers of their functions of time (-1: none).
+    """
     bs = problem.space.dofmap.index_map_bs
     rows = np.zeros((problem.num_owned, 3))
     rows[:, 2] = -1
@@ -64,20 +164,37 @@ def supports(problem):
     return nodes, np.ascontiguousarray(rows[nodes].transpose(0, 2, 1)).reshape(-1, 3 * bs)
 
 
-def functions_of_time(functions, time, beyond):
-    """Values of all functions of time up to the present, as a flat array."""
+def functions_of_time(functions: Functions, time: float, beyond: float) -> FloatArray:
+    """Sample all functions of time up to the present.
+
+    Args:
+        functions: functions of time of a problem.
+        time: present time [T].
+        beyond: time of the next step [T].
+
+    Returns:
+        Values as a flat array.
+    """
     times = np.append(np.linspace(0.0, time, 5), beyond)
     return functions.table(times).ravel()
 
 
-def short(text):
+def short(text: str) -> str:
+    """Shorten a long text to its beginning and a checksum.
+
+    Args:
+        text: any text.
+
+    Returns:
+        The text, if it has at most LONG characters, or its beginning and checksum.
+    """
     if len(text) <= LONG:
         return text
     return f"{text[: LONG // 10]}... (checksum {hashlib.blake2b(text.encode(), digest_size=16).hexdigest()})"
 
 
-def _marks(comm, numbers):
-    """Count and checksum of numbers over all ranks, each known on one rank, in any order. Collective."""
+def _marks(comm: MPI.Intracomm, numbers: IntArray) -> str:
+    """Count and checksum of the numbers of all ranks, independent of their order. Collective."""
     x = np.asarray(numbers, dtype=np.uint64) + np.uint64(0x9E3779B97F4A7C15)
     for factor, shift in ((0xBF58476D1CE4E5B9, 30), (0x94D049BB133111EB, 27)):  # as the generator splitmix64 mixes
         x = (x ^ (x >> np.uint64(shift))) * np.uint64(factor)
@@ -86,17 +203,17 @@ def _marks(comm, numbers):
     return f"{sums[0]} of checksum {sums[1]:x}"
 
 
-def _cells(tags, tag):
-    """The cells with a tag, by their numbers in the mesh's input. Collective."""
+def _cells(tags: MeshTags, tag: int) -> str:
+    """Checksum of the cells with a tag, by their numbers in the mesh's input. Collective."""
     topology = tags.topology
     cells = tags.find(tag)
     cells = cells[cells < topology.index_map(topology.dim).size_local]
     return f"cells {_marks(topology.comm, topology.original_cell_index[cells])}"
 
 
-def _facets(mesh, tags, tag):
-    """The facets of the boundary with a tag, by the numbers of their cells in the mesh's input and their own there.
-    Collective."""
+def _facets(mesh: Mesh, tags: MeshTags, tag: int) -> str:
+    """Checksum of the boundary facets with a tag, by the numbers of their cells in the mesh's input and their local
+    numbers in the cells. Collective."""
     topology, dim = mesh.topology, mesh.topology.dim
     topology.create_connectivity(dim - 1, dim)
     topology.create_connectivity(dim, dim - 1)
@@ -110,13 +227,16 @@ def _facets(mesh, tags, tag):
     return f"facets {_marks(mesh.comm, 8 * topology.original_cell_index[cells] + local)}"
 
 
-def _material(problem):
+def _material(problem: Problem) -> str:
+    """Material, or residual and density; collective."""
     if problem.material is not None:
         tags = problem.material.cell_tags
         parts = [
-            repr(m) if tag is None else f"{tag}: {m!r} on {_cells(tags, tag)}" for tag, m in problem.material.parts()
+            repr(m) if tag is None or tags is None else f"{tag}: {m!r} on {_cells(tags, tag)}"
+            for tag, m in problem.material.parts()
         ]
         return ", ".join(parts)
+    assert problem._residual_form is not None
     constants = [np.asarray(c.value).tolist() for c in problem._residual_form.constants()]
     density = problem._given_density
     if isinstance(density, ufl.core.expr.Expr):
@@ -124,12 +244,12 @@ def _material(problem):
     return f"a residual of one's own, {problem._residual_form.signature()[:32]}, {constants!r}, density {density!r}"
 
 
-def _load(load, mesh):
-    """Kind, place and value; that of `constant`, which may have been changed since the load was made."""
+def _load(load: Load, mesh: Mesh) -> str:
+    """Type, facets and present value of a load. Collective."""
     words = [type(load).__name__]
     if hasattr(load, "per_mass"):
         words.append("per mass" if load.per_mass else "per volume")
-    if hasattr(load, "tag"):
+    if hasattr(load, "tag") and hasattr(load, "facet_tags"):
         words.append(f"tag {load.tag}, {_facets(mesh, load.facet_tags, load.tag)}")
     constant = getattr(load, "constant", None)
     if isinstance(constant, fem.Constant):
@@ -138,7 +258,8 @@ def _load(load, mesh):
     return ", ".join(words)
 
 
-def _contact(contact, mesh):
+def _contact(contact: Contact, mesh: Mesh) -> str:
+    """Pair, law and options of a contact. Collective."""
     pair = contact.pair
     master = pair.master
     if pair.rigid:

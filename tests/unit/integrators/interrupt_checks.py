@@ -46,7 +46,7 @@ class At:
         if self.problem.step == self.step:
             self.work()
 
-    def take(self, rows):
+    def add(self, rows):
         pass
 
     def flush(self):
