@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/mortar/Condensation.h"
+#include "dolfinx_impact/enforcement/mortar/SaddlePoint.h"
 #include "dolfinx_impact/enforcement/mortar/active_set.h"
 #include "dolfinx_impact/gap/MortarIntegrals.h"
 #include <caster_mpi.h>
@@ -349,6 +350,57 @@ void bind_condensation(nb::module_& m)
           "Displacement increments T y + known. Collective")
       .def("condense", &Condensation::condense, nb::arg("K"), nb::rv_policy::take_ownership, "T_L^T K T. Collective");
 }
+
+std::vector<Mat> matrices(const nb::list& values)
+{
+  std::vector<Mat> out;
+  for (nb::handle value : values)
+  {
+    nb::detail::make_caster<Mat> caster;
+    if (!caster.from_python(value, 0, nullptr))
+      throw nb::type_error("a list of PETSc matrices is needed");
+    out.push_back(static_cast<Mat&>(caster));
+  }
+  return out;
+}
+
+void bind_saddle_point(nb::module_& m)
+{
+  nb::class_<SaddlePoint>(m, "SaddlePoint", "Displacements and multipliers as unknowns; `stiffness`: list of matrices")
+      .def(
+          "__init__",
+          [](SaddlePoint* self, dolfinx_wrappers::MPICommWrapper comm, std::size_t num_owned, int gdim,
+             std::vector<std::size_t> sizes)
+          { new (self) SaddlePoint(comm.get(), num_owned, gdim, std::move(sizes)); },
+          nb::arg("comm"), nb::arg("num_owned"), nb::arg("gdim"), nb::arg("sizes"), "Collective")
+      .def(
+          "assign", [](SaddlePoint& s, const std::vector<Constraints>& parts, Mask pinned, Array forces,
+                       double diagonal) { s.assign(parts, view(pinned), view(forces), diagonal); },
+          nb::arg("parts"), nb::arg("pinned"), nb::arg("forces"), nb::arg("diagonal"),
+          "A new linear problem. Collective")
+      .def_prop_ro(
+          "pinned", [](const SaddlePoint& s) { return mask(s.pinned(), {s.pinned().size()}); }, nb::rv_policy::move,
+          "Mask of the pinned unknowns, a copy")
+      .def_prop_ro("right", &SaddlePoint::right, nb::rv_policy::reference, "C, kept by this object")
+      .def_prop_ro("left", &SaddlePoint::left, nb::rv_policy::reference, "C_L, kept by this object")
+      .def(
+          "mult", [](SaddlePoint& s, nb::list stiffness, Vec x, Vec y) { s.mult(matrices(stiffness), x, y); },
+          nb::arg("stiffness"), nb::arg("x"), nb::arg("y"), "y = A x. Collective")
+      .def(
+          "load", [](SaddlePoint& s, nb::list stiffness, Array residual, Vec values, Vec b)
+          { s.load(matrices(stiffness), view(residual), values, b); }, nb::arg("stiffness"), nb::arg("residual"),
+          nb::arg("values"), nb::arg("b"), "Right-hand side. Collective")
+      .def(
+          "assemble", [](SaddlePoint& s, nb::list stiffness) { return s.assemble(matrices(stiffness)); },
+          nb::arg("stiffness"), nb::rv_policy::take_ownership, "A as a matrix of its own. Collective")
+      .def(
+          "unknowns", [](const SaddlePoint& s, Array increments, Array forces)
+          { return take(s.unknowns(view(increments), view(forces))); }, nb::arg("increments"), nb::arg("forces"),
+          "Unknowns that stand for displacement increments and the multipliers' forces")
+      .def(
+          "forces", [](const SaddlePoint& s, Vec y) { return take(s.forces(y)); }, nb::arg("y"),
+          "The multipliers' forces that unknowns stand for");
+}
 } // namespace
 
 void dolfinx_impact::bindings::multipliers(nb::module_& m)
@@ -357,4 +409,5 @@ void dolfinx_impact::bindings::multipliers(nb::module_& m)
   bind_constraints(m);
   bind_active_set(m);
   bind_condensation(m);
+  bind_saddle_point(m);
 }

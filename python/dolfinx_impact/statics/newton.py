@@ -53,7 +53,10 @@ class Newton:
         # How much further than asked for linear solutions go: with factors at hand digits are cheap.
         self.margin = 1e-3 if problem._solver.direct else 0.3
         self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
-        self._forces = np.zeros(sum(c.gdim * len(c.nodes) for c in self.multipliers) if self.saddle else 0)
+        if self.saddle:
+            sizes, gdim = [len(c.nodes) for c in self.multipliers], problem.space.mesh.geometry.dim
+            self._rows = _cpp.multipliers.SaddlePoint(self.comm, self.num_owned, gdim, sizes)
+            self._forces = np.zeros(gdim * sum(sizes))
 
     def run(self, target, log):
         """From the present u to prescribed values `target` (array over all dofs, prescribed entries count). Collective.
@@ -362,10 +365,9 @@ class Newton:
         elif geometric:  # from the guess: small, but not symmetric
             residual = residual + self._product(geometric, guess)
         if self.saddle:
-            parts = [c.constraints() for c in self.multipliers]
-            sizes = [len(c.nodes) for c in self.multipliers]
-            system = SaddlePoint(K, extra, pinned, mean, parts, sizes, self._start)
-            start = np.concatenate([guess, np.where(system.mask[self.num_owned :], 0.0, self._forces - system.forces)])
+            self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
+            system = SaddlePoint(K, extra, self._rows)
+            start = system.unknowns(guess, self._forces)
         else:
             system = LinearSystem(K, extra, symmetric, transformation, pinned, mean)
             start = transformation.unknowns(guess) if transformation else guess
@@ -376,7 +378,7 @@ class Newton:
             fault = self.problem._solver.solve(system, b, x, rtol)
         moved = system.displacements(x)
         if self.saddle:
-            self._forces = system.forces + x.array_r[self.num_owned :]
+            self._forces = system.forces(x)
         matrices = [K, *penalties, *geometric]
         forces, changes = self._product(matrices, moved), 0
         factors = self.problem._solver.factors(system)
