@@ -4,6 +4,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <dolfinx_impact/enforcement/mortar/Condensation.h>
+#include <dolfinx_impact/enforcement/mortar/SaddlePoint.h>
 #include <dolfinx_impact/enforcement/mortar/active_set.h>
 #include <stdexcept>
 
@@ -42,6 +43,48 @@ struct TwoNodes
             .lock = {}};
   }
   NodalGeometry geometry() const { return {nodes, normal, gap, slip, weight, cover, fixed, {}, frames}; }
+};
+/// Two nodes of the plane: node 0 lies on node 1 but for a gap of 0.5, normal along y.
+Constraints one_over_the_other()
+{
+  Constraints c;
+  c.gdim = 2;
+  c.rows = {0};
+  c.nodes = {0};
+  c.frames = c.over = {1.0, 0.0, 0.0, 1.0};
+  c.constrained = {0, 1};
+  c.known = {0.0, -0.5};
+  c.tilt = {0.0, 0.0};
+  c.normal = {1};
+  c.pointers = {0, 1};
+  c.columns = {1};
+  c.values = {1.0};
+  return c;
+}
+
+/// A vector of this process alone.
+struct Vector
+{
+  Vec v = nullptr;
+  explicit Vector(const Values& values)
+  {
+    VecCreateSeq(MPI_COMM_SELF, PetscInt(values.size()), &v);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      VecSetValue(v, PetscInt(i), values[i], INSERT_VALUES);
+  }
+  ~Vector() { VecDestroy(&v); }
+  Vector(const Vector&) = delete;
+  Vector& operator=(const Vector&) = delete;
+  Values values() const
+  {
+    PetscInt size = 0;
+    const PetscScalar* array = nullptr;
+    VecGetLocalSize(v, &size);
+    VecGetArrayRead(v, &array);
+    Values out(array, array + size);
+    VecRestoreArrayRead(v, &array);
+    return out;
+  }
 };
 } // namespace
 
@@ -128,19 +171,7 @@ TEST_CASE("constraints close the gap, and hold what sticks")
 
 TEST_CASE("condensed nodes follow their master")
 {
-  // Two nodes of the plane: node 0 lies on node 1 but for a gap of 0.5, normal along y.
-  Constraints c;
-  c.gdim = 2;
-  c.rows = {0};
-  c.nodes = {0};
-  c.frames = c.over = {1.0, 0.0, 0.0, 1.0};
-  c.constrained = {0, 1};
-  c.known = {0.0, -0.5};
-  c.tilt = {0.0, 0.0};
-  c.normal = {1};
-  c.pointers = {0, 1};
-  c.columns = {1};
-  c.values = {1.0};
+  Constraints c = one_over_the_other();
   const Condensation condensation(MPI_COMM_SELF, 4, 0, 2, {c});
   CHECK(condensation.symmetric());
   CHECK(condensation.pinned() == Flags{0, 1, 0, 0});
@@ -157,4 +188,63 @@ TEST_CASE("condensed nodes follow their master")
   c.tilt = {0.5, 0.0};
   CHECK_FALSE(Condensation(MPI_COMM_SELF, 4, 0, 2, {c}).symmetric());
   CHECK_THROWS_AS(Condensation(MPI_COMM_SELF, 1, 0, 2, {c}), std::invalid_argument);
+}
+
+TEST_CASE("a saddle point has a row for the jump and a column for the force")
+{
+  const Constraints c = one_over_the_other();
+  dolfinx_impact::operators::CooMatrix K;
+  dolfinx_impact::operators::CooMatrix::Entries entries;
+  for (int i = 0; i < 4; ++i)
+    entries.add(i, i, 10.0 * (i + 1));
+  K.assign(MPI_COMM_SELF, 4, 4, 2, entries);
+  const std::vector<Mat> stiffness{K.matrix()};
+  SaddlePoint system(MPI_COMM_SELF, 4, 2, {1});
+  CHECK(system.num_unknowns() == 6);
+  system.assign(std::vector{c}, Flags{1, 0, 0, 0}, Values{5.0, 0.25}, 2.0);
+  CHECK(system.pinned() == Flags{1, 0, 0, 0, 1, 0});
+  const Vector x(Values{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}), y(Values(6, 0.0));
+  // Rows: K u - 2 C^T f, and -2 times the jump u_1 - u_3; pinned ones are twice their unknown.
+  const Values product{2.0, 40.0 - 12.0, 90.0, 160.0 + 12.0, 10.0, 4.0};
+  system.mult(stiffness, x.v, y.v);
+  CHECK(y.values() == product);
+  SECTION("the matrix has the same product, also when it is made again")
+  {
+    for (int again = 0; again < 2; ++again)
+    {
+      Mat A = system.assemble(stiffness);
+      MatMult(A, x.v, y.v);
+      CHECK(y.values() == product);
+      MatDestroy(&A);
+    }
+  }
+  SECTION("the right-hand side has the start's forces and the known jump")
+  {
+    const Values residual{1.0, 2.0, 3.0, 4.0};
+    system.load(stiffness, residual, x.v, y.v);
+    // Of K times the prescribed unknown no free row sees anything here; the force at the start is 0.25.
+    CHECK(y.values() == Values{2.0, -2.0 + 0.5, -3.0, -4.0 - 0.5, 0.0, 1.0});
+    CHECK(system.unknowns(residual, Values{9.0, 1.0}) == Values{1.0, 2.0, 3.0, 4.0, 0.0, 0.75});
+    CHECK(system.forces(x.v) == Values{5.0, 6.25});
+  }
+  SECTION("matrices are kept while the pattern stands")
+  {
+    const Mat before = system.right();
+    Constraints other = c;
+    other.known = {0.0, 1.0};
+    system.assign(std::vector{other}, Flags(4, 0), Values(2, 0.0), 2.0);
+    CHECK(system.right() == before);
+  }
+  SECTION("friction leans on the force's side alone")
+  {
+    Constraints slips = c;
+    slips.tilt = {0.5, 0.0};
+    system.assign(std::vector{slips}, Flags(4, 0), Values(2, 0.0), 2.0);
+    system.mult(stiffness, x.v, y.v);
+    CHECK(y.values() == Values{10.0 - 6.0, 28.0, 90.0 + 6.0, 172.0, 10.0, 4.0});
+  }
+  CHECK_THROWS_AS(system.assign({}, Flags(4, 0), Values(2, 0.0), 2.0), std::invalid_argument);
+  CHECK_THROWS_AS(system.assign(std::vector{c}, Flags(3, 0), Values(2, 0.0), 2.0), std::invalid_argument);
+  CHECK_THROWS_AS(SaddlePoint(MPI_COMM_SELF, 1, 2, {1}).assign(std::vector{c}, Flags(1, 0), Values(2, 0.0), 2.0),
+                  std::invalid_argument);
 }

@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..assembly import rigid_body_modes
-from .matrices import NodalSum
+from .nodal_sum import NodalSum
 from .body_size import body_size
 
 LOG = logging.getLogger("dolfinx_impact")

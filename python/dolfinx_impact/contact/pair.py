@@ -12,7 +12,7 @@ from ..common.arguments import LARGEST_DEGREE, integer
 from ..common.collective import comm_of, guard
 from ..loads import _tag, check_tag, facet_tags_of
 from ..common.arguments import number
-from .matrices import NodalSum
+from .nodal_sum import NodalSum
 from .rigid import _Rigid
 
 

@@ -48,7 +48,7 @@ public:
   Mat right() const { return _right.matrix(); }
   Mat left() const { return _left.matrix(); }
 
-  /// y = A x; stiffness is a sum of matrices, K and what contacts add to it. Collective.
+  /// y = A x; `stiffness` is a sum of matrices, K and what contacts add to it. Collective.
   void mult(std::span<const Mat> stiffness, Vec x, Vec y);
   /// Right-hand side. Collective.
   /// @param[in] residual without contact, owned entries [F]

@@ -5,7 +5,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ... import _cpp
-from ..matrices import NodalSum
+from ..nodal_sum import NodalSum
 
 
 # A given penalty beyond this many times the automatic one leaves no digits of the bodies' stiffness in the matrix: of

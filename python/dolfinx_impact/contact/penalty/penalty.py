@@ -11,7 +11,7 @@ from ...common.collective import comm_of, guard
 from ...common.arguments import number
 from .automatic import automatic_penalty, check_penalty
 from .facets import FacetKeeper
-from ..matrices import NodalSum
+from ..nodal_sum import NodalSum
 from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
 from ..pair import ContactStatus, check_pair, check_quadrature_degree

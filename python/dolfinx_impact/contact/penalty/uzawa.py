@@ -5,7 +5,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ... import _cpp
-from ..matrices import NodalSum
+from ..nodal_sum import NodalSum
 
 
 class Uzawa:
