@@ -409,9 +409,9 @@ void bind_linearisation(nb::module_& m)
       "remaining_motion",
       [prescribed](Mask fixed, Array driven, int gdim, Indices nodes, Array u, Array start)
       {
-        return take(remaining_motion(prescribed(fixed, driven, gdim, 0.0), {nodes.data(), nodes.size()}, view(u),
-                                     view(start)),
-                    {nodes.size(), std::size_t(gdim)});
+        return take(
+            remaining_motion(prescribed(fixed, driven, gdim, 0.0), {nodes.data(), nodes.size()}, view(u), view(start)),
+            {nodes.size(), std::size_t(gdim)});
       },
       nb::arg("fixed"), nb::arg("driven"), nb::arg("gdim"), nb::arg("nodes"), nb::arg("u"), nb::arg("start"),
       "What prescribed components of nodes have yet to move, (n, gdim)");
@@ -441,8 +441,7 @@ void bind_friction(nb::module_& m)
   nb::class_<CoulombFriction>(m, "CoulombFriction", "Friction tractions that no equilibrium of a node tells")
       .def(nb::init<int, std::size_t>(), nb::arg("gdim"), nb::arg("num_nodes"))
       .def_prop_rw(
-          "imposed",
-          [](const CoulombFriction& f) { return copy(f.imposed, {f.num_nodes(), std::size_t(f.gdim())}); },
+          "imposed", [](const CoulombFriction& f) { return copy(f.imposed, {f.num_nodes(), std::size_t(f.gdim())}); },
           [](CoulombFriction& f, Array values)
           {
             if (values.size() != f.imposed.size())
@@ -548,14 +547,13 @@ void bind_saddle_point(nb::module_& m)
       .def(
           "__init__",
           [](SaddlePoint* self, dolfinx_wrappers::MPICommWrapper comm, std::size_t num_owned, int gdim,
-             std::vector<std::size_t> sizes)
-          { new (self) SaddlePoint(comm.get(), num_owned, gdim, std::move(sizes)); },
+             std::vector<std::size_t> sizes) { new (self) SaddlePoint(comm.get(), num_owned, gdim, std::move(sizes)); },
           nb::arg("comm"), nb::arg("num_owned"), nb::arg("gdim"), nb::arg("sizes"), "Collective")
       .def(
-          "assign", [](SaddlePoint& s, const std::vector<Constraints>& parts, Mask pinned, Array forces,
-                       double diagonal) { s.assign(parts, view(pinned), view(forces), diagonal); },
-          nb::arg("parts"), nb::arg("pinned"), nb::arg("forces"), nb::arg("diagonal"),
-          "A new linear problem. Collective")
+          "assign",
+          [](SaddlePoint& s, const std::vector<Constraints>& parts, Mask pinned, Array forces, double diagonal)
+          { s.assign(parts, view(pinned), view(forces), diagonal); }, nb::arg("parts"), nb::arg("pinned"),
+          nb::arg("forces"), nb::arg("diagonal"), "A new linear problem. Collective")
       .def_prop_ro(
           "pinned", [](const SaddlePoint& s) { return mask(s.pinned(), {s.pinned().size()}); }, nb::rv_policy::move,
           "Mask of the pinned unknowns, a copy")

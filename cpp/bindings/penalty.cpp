@@ -86,9 +86,6 @@ void bind_points(nb::module_& m)
 void bind_state(nb::module_& m)
 {
   nb::class_<PenaltyHistory>(m, "PenaltyHistory", "What points remember; flat arrays, properties are copies")
-      .def(
-          "__init__", [](PenaltyHistory* self, const Points& points)
-          { new (self) PenaltyHistory(make_history(points)); }, nb::arg("points"))
       .def_prop_rw(
           "multiplier", [](const PenaltyHistory& h) { return copy(h.multiplier, {h.multiplier.size()}); },
           [](PenaltyHistory& h, Values v) { set(h.multiplier, v, "multiplier"); }, nb::rv_policy::move)
@@ -103,10 +100,7 @@ void bind_state(nb::module_& m)
           { set(h.gap, v, "gap"); }, nb::rv_policy::move, "Of points that were open; of others not positive")
       .def_prop_rw(
           "offset", [](const PenaltyHistory& h) { return copy(h.offset, {h.offset.size()}); },
-          [](PenaltyHistory& h, Values v) { set(h.offset, v, "offset"); }, nb::rv_policy::move, "Added to the gaps")
-      .def(
-          "advance", [](PenaltyHistory& h, const PenaltyState& s) { advance(s, h); }, nb::arg("state"),
-          "The state is the last converged one from now on");
+          [](PenaltyHistory& h, Values v) { set(h.offset, v, "offset"); }, nb::rv_policy::move, "Added to the gaps");
   const auto vectors = [](const PenaltyState& s, const std::vector<double>& v)
   {
     const std::size_t num = s.pressure.size();

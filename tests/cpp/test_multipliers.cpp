@@ -4,8 +4,11 @@
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <dolfinx_impact/enforcement/mortar/Condensation.h>
+#include <dolfinx_impact/enforcement/mortar/CoulombFriction.h>
 #include <dolfinx_impact/enforcement/mortar/SaddlePoint.h>
 #include <dolfinx_impact/enforcement/mortar/active_set.h>
+#include <dolfinx_impact/enforcement/mortar/prescribed_components.h>
+#include <limits>
 #include <stdexcept>
 
 using Catch::Approx;
@@ -247,4 +250,121 @@ TEST_CASE("a saddle point has a row for the jump and a column for the force")
   CHECK_THROWS_AS(system.assign(std::vector{c}, Flags(3, 0), Values(2, 0.0), 2.0), std::invalid_argument);
   CHECK_THROWS_AS(SaddlePoint(MPI_COMM_SELF, 1, 2, {1}).assign(std::vector{c}, Flags(1, 0), Values(2, 0.0), 2.0),
                   std::invalid_argument);
+}
+
+TEST_CASE("prescribed components are locked where the master moves alike")
+{
+  // Two nodes of the plane, both prescribed along x; the first is to move by 0.1, the second stays.
+  const Flags fixed{1, 0, 1, 0};
+  const Values driven{0.1, 0.0, 0.0, 0.0};
+  const PrescribedComponents prescribed{2, fixed, driven, 1e-12};
+  const std::vector<std::int32_t> nodes{1, 0};
+  CHECK(locked_components(prescribed, nodes, {0.0, 0.0, 0.0}) == Flags{1, 0, 0, 0});
+  CHECK(locked_components(prescribed, nodes, {0.1, 0.0, 0.0}) == Flags{0, 0, 1, 0});
+  CHECK(locked_components(prescribed, nodes, {0.1 * (1 + 1e-10), 0.0, 0.0}) == Flags{0, 0, 1, 0});
+  const Values u{0.03, 0.2, 0.0, 0.2}, start(4, 0.0);
+  CHECK(remaining_motion(prescribed, nodes, u, start) == Values{0.0, 0.0, 0.1 - 0.03, 0.0});
+  CHECK_THROWS_AS(remaining_motion(prescribed, nodes, Values{0.0}, start), std::invalid_argument);
+  CHECK_THROWS_AS(locked_components(prescribed, std::vector<std::int32_t>{2}, {0.0, 0.0, 0.0}), std::invalid_argument);
+}
+
+TEST_CASE("friction along prescribed directions is driven or kept")
+{
+  TwoNodes n;
+  n.fixed = {1, 0, 0, 0}; // x of the first node, along the surface
+  n.frames = frames_at(2, n.normal, n.fixed);
+  CoulombFriction friction(2, 2);
+  const Flags stuck{1, 0};
+  SECTION("driven: the imposed traction starts from the one it had and is raised until nothing slips")
+  {
+    friction.update_directions(n.usable, n.geometry(), Flags(4, 0));
+    CHECK(friction.locked() == Values(8, 0.0));
+    CHECK(friction.prescribed() == Values{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+    n.traction = {0.4, 0.0, 0.0, 0.0};
+    CHECK(friction.update_imposed(n.state(), Flags{0, 0}, Values(4, 0.0)) == Flags{0, 0});
+    CHECK(friction.imposed == Values{0.4, 0.0, 0.0, 0.0});
+    n.slip[0] = 1e-3;
+    CHECK_FALSE(friction.has_springs());
+    const auto springs = friction.update_springs(n.state(), n.geometry(), Values{3.0, 0.0}, Values{2.0, 0.0});
+    CHECK(friction.has_springs());
+    CHECK(springs.rows == std::vector<std::int32_t>{0});
+    // 1000 times the stiffness, over the weight; the block has the area weight^2/cover.
+    CHECK(springs.blocks[0] == Approx(0.5 * 1000 * 3.0 / 0.5).epsilon(1e-14));
+    CHECK(springs.traction[0] == Approx(6000.0 * 1e-3 - 0.4).epsilon(1e-14));
+    friction.raise_imposed(n.state());
+    CHECK(friction.imposed[0] == Approx(0.4 - 6.0).epsilon(1e-14));
+    CHECK(friction.known_tractions(n.state())[0] == friction.imposed[0]);
+  }
+  SECTION("locked: the traction of the last converged state, as far as the bound leaves room")
+  {
+    friction.update_directions(n.usable, n.geometry(), Flags{1, 0, 0, 0});
+    CHECK(friction.locked() == Values{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+    CHECK(friction.update_imposed(n.state(), stuck, Values{0.4, 0.0, 0.0, 0.0}) == Flags{1, 0});
+    CHECK(friction.imposed == Values{0.4, 0.0, 0.0, 0.0});
+    CHECK(friction.update_imposed(n.state(), stuck, Values{0.4, 0.0, 0.0, 0.0}) == Flags{0, 0});
+    CHECK(friction.update_imposed(n.state(), stuck, Values{3.0, 0.0, 0.0, 0.0}) == Flags{1, 0});
+    CHECK(friction.imposed[0] == Approx(1.0).epsilon(1e-14)); // friction 0.5 times the multiplier 2
+    n.sliding = {1, 0};
+    friction.update_imposed(n.state(), stuck, Values{3.0, 0.0, 0.0, 0.0});
+    CHECK(friction.imposed == Values(4, 0.0));
+  }
+  SECTION("imposed tractions follow the surface with their size")
+  {
+    friction.imposed = {0.3, 0.4, 0.0, 0.7};
+    friction.update_directions(n.usable, n.geometry(), Flags{1, 0, 0, 0});
+    CHECK(friction.imposed == Values{0.5, 0.0, 0.0, 0.0});
+  }
+  CHECK_THROWS_AS(friction.update_directions(n.usable, n.geometry(), Flags(3, 0)), std::invalid_argument);
+}
+
+TEST_CASE("a node that has closed in the step is held by pressure over gap")
+{
+  TwoNodes n;
+  n.opening = {0.25, 0.0};
+  n.slip[0] = 0.05;
+  CoulombFriction friction(2, 2);
+  friction.update_directions(n.usable, n.geometry(), Flags(4, 0));
+  const auto springs = friction.update_springs(n.state(), n.geometry(), Values(2, 1.0), Values(2, 1.0));
+  CHECK(springs.rows == std::vector<std::int32_t>{0});
+  CHECK(springs.blocks == Values{0.5 * 2.0 / 0.25, 0.0, 0.0, 0.0});
+  CHECK(springs.traction == Values(4, 0.0)); // slack at the present slip
+  n.slip[0] = 0.15;
+  CHECK(friction.known_tractions(n.state())[0] == Approx(-0.8).epsilon(1e-14));
+  CHECK(friction_tilt(n.state())[0] == Approx(-0.6).epsilon(1e-14));
+}
+
+TEST_CASE("multipliers of a saddle point are its forces per area")
+{
+  TwoNodes n;
+  n.frames = frames_at(2, n.normal, n.fixed);
+  Values multiplier(2), traction(4);
+  take_multipliers(n.state(), n.geometry(), Values{0.3, 2.0, 5.0, 5.0}, Values(4, 0.0), Values(4, 0.1), multiplier,
+                   traction);
+  CHECK(multiplier == Values{4.0, 0.0});
+  CHECK(traction[0] == Approx(0.6 + 0.1).epsilon(1e-14));
+  CHECK(traction[2] == 0.0);
+}
+
+TEST_CASE("linearised gaps and slips are those of the jump")
+{
+  TwoNodes n;
+  n.gap = {-0.5, 1.0};
+  n.slip = {0.25, 0.0, 0.0, 0.0};
+  Values gap(2), slip(4);
+  add_jump(n.geometry(), Values{1.0, 2.0, 3.0, 4.0}, gap, slip);
+  CHECK(gap == Values{1.5, 5.0});
+  CHECK(slip == Values{1.25, 0.0, 3.0, 0.0});
+  // What the linear state lacks is added where there is a master.
+  Values gap_at{0.0, 0.0}, slip_at(4, 0.0);
+  const double none = std::numeric_limits<double>::infinity();
+  add_linearisation_error(n.state(), n.geometry(), Values{-0.25, none}, Values{0.5, 9.0, 1.0, 1.0}, gap_at, slip_at);
+  CHECK(gap_at == Values{0.25, 0.0});
+  CHECK(slip_at == Values{0.25, 0.0, 0.0, 0.0});
+  CHECK(normal_tractions(n.usable, n.geometry(), Values{1.0, 2.0, 3.0, 4.0}) == Values{4.0, 16.0});
+  const Violations found = violations(n.state(), Values{-0.125, -1.0});
+  CHECK(found.gap == Values{0.125, 0.0});
+  CHECK(found.slip == Values{0.25, 0.0});
+  n.traction = {3.0, 4.0, 0.0, 0.0};
+  CHECK(rotate_friction_traction(n.state(), n.normal) == Values{5.0, 0.0, 0.0, 0.0});
+  CHECK_THROWS_AS(add_jump(n.geometry(), Values(3), gap, slip), std::invalid_argument);
 }

@@ -2,10 +2,12 @@
 """Rigid motions that neither supports nor contact prevent, found before the linear solver breaks."""
 
 import numpy as np
+from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 AXES = "xyz"
+UNRESISTED = 1e-10  # of |K||r|: below it the forces K r on a rigid motion r are round-off
 
 
 def bodies(V):
@@ -93,6 +95,16 @@ class RigidBodyModes:
         out[np.arange(len(x)), body] = np.einsum("nma,na->nm", self.fields(body, x), vectors)
         return out.reshape(len(x), self.num_modes)
 
+    def field(self, mode):
+        """A combination of the motions at the owned nodes, (n, gdim).
+
+        Args:
+            mode: (num_modes) its coefficients.
+        """
+        own = self.body[: self.num_owned]
+        coefficients = np.reshape(mode, (self.count, len(self.names)))[own]
+        return np.einsum("nm,nma->na", coefficients, self.fields(own, self.x[: self.num_owned]))
+
     def everywhere(self, number):
         """One of the motions of all bodies at the owned nodes, (n, gdim)."""
         b, k = divmod(number, len(self.names))
@@ -101,14 +113,48 @@ class RigidBodyModes:
         return np.where((own == b)[:, None], values, 0.0)
 
 
-def unconstrained_modes(V, fixed, contacts, u, axisymmetric=False):
+def _unresisted(stiffness, motions, modes):
+    """Combinations of rigid motions that a tangent does not resist: K r is small against |K||r|. Collective.
+
+    Args:
+        stiffness: PETSc matrix K [F/L].
+        motions: RigidBodyModes.
+        modes: (num_modes, k) orthonormal combinations.
+
+    Returns:
+        (num_modes, number of those without resistance).
+    """
+    comm = stiffness.getComm().tompi4py()
+    x, y = stiffness.createVecs()
+    fields, forces = [], []
+    for mode in modes.T:
+        x.array[:] = motions.field(mode).ravel()
+        stiffness.mult(x, y)
+        fields.append(x.array.copy())
+        forces.append(y.array.copy())
+    x.destroy()
+    y.destroy()
+    fields, forces = np.array(fields), np.array(forces)
+    work, lengths = comm.allreduce(fields @ forces.T), comm.allreduce(fields @ fields.T)
+    turn = np.linalg.eigh(work + work.T)[1]  # springs resist some combinations of motions, others not
+    resisting = np.sqrt(comm.allreduce(np.sum((turn.T @ forces) ** 2, axis=1)))
+    size = stiffness.norm(PETSc.NormType.NORM_INFINITY) * np.sqrt(np.einsum("ka,kl,la->a", turn, lengths, turn))
+    return modes @ turn[:, resisting < UNRESISTED * size]
+
+
+def unconstrained_modes(V, fixed, contacts, u, axisymmetric=False, stiffness=None):
     """Sentences about the rigid motions that supports and active contacts leave. Collective.
 
     Bodies that nothing holds but that nearly touch are held by it: their contacts `close_nearest()`.
 
     Args:
-        V: displacement space. fixed: mask of prescribed dofs (owned and ghosts). contacts: StaticContact.
+        V: displacement space.
+        fixed: mask of prescribed dofs (owned and ghosts).
+        contacts: StaticContact.
         u: present displacements (array over owned and ghost dofs) [L].
+        axisymmetric: x is the radius.
+        stiffness: tangent of the bodies, where it may resist rigid motions (springs in a residual) [F/L]; None: it does
+            not.
 
     Returns:
         list of str, empty if everything is held; the same on all ranks, and the same on any number of them.
@@ -126,8 +172,14 @@ def unconstrained_modes(V, fixed, contacts, u, axisymmetric=False):
         gram = supports + sum(r.T @ r for contact in contacts for r in contact.rigid_body_constraints(motions))
         gram = np.sum(comm.allgather(gram), axis=0)
         values, vectors = np.linalg.eigh(gram)
-        return vectors[:, values < 1e-10 * max(values[-1], 1.0)]
+        loose = vectors[:, values < 1e-10 * max(values[-1], 1.0)]
+        if stiffness is None or loose.shape[1] == 0:
+            return loose
+        # A law of small strains does not resist motions about the reference configuration, others those about the
+        # present one.
+        return max((_unresisted(stiffness, m, loose) for m in (motions, at_rest)), key=lambda modes: modes.shape[1])
 
+    at_rest = RigidBodyModes(V, np.zeros_like(u), axisymmetric)
     loose = free()
     if loose.shape[1] > 0 and any([c.close_nearest() for c in contacts]):
         loose = free()

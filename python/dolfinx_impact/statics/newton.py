@@ -109,11 +109,11 @@ class Newton:
             if iteration - round_start == self.max_iterations:
                 break
             period = result.cycle() if iteration - round_start > PLAIN else 0
+            K = self._stiffness()
             if iteration == 0 and p.contact:
-                loose = self._unconstrained_modes()
+                loose = self._unconstrained_modes(K)
                 if loose:
                     return result.failed(loose, hopeless=True)
-            K = self._stiffness()
             inner = max(inner, self._tangent_force(K))
             noise = self._round_off(K)
             # What is still asked for, but no more than Newton's quadratic convergence may bring from here.
@@ -236,11 +236,12 @@ class Newton:
         free[self.fixed] = 0.0
         return self._norm(free)
 
-    def _unconstrained_modes(self):
+    def _unconstrained_modes(self, K):
         """What is wrong with the supports, or an empty string: bodies that supports and contact leave free.
         Collective."""
         p = self.problem
-        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric)
+        springs = K if p.material is None else None  # a residual of the user's own may have springs
+        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric, springs)
         if not loose:
             return ""
         gaps = [(c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact]

@@ -192,8 +192,8 @@ CoulombFriction::Springs CoulombFriction::update_springs(const NodalMultipliers&
       apply(g, lock, &now.slip[i * g], part);
       for (int a = 0; a < g; ++a)
         slip[a] = now.slip[i * g + a] - part[a];
-      const double turning = std::min(now.friction * pressure / std::max(norm(g, slip), 1e-300),
-                                      stiffest * now.stiffness[i]);
+      const double turning =
+          std::min(now.friction * pressure / std::max(norm(g, slip), 1e-300), stiffest * now.stiffness[i]);
       const double factor = grip ? pressure / now.opening[i] : turning;
       for (int a = 0; a < g && !drive; ++a)
         for (int b = 0; b < g; ++b)
