@@ -6,9 +6,9 @@ Its rows, products and matrix are C++: cpp/dolfinx_impact/enforcement/mortar/Sad
 
 from typing import Any
 
-import numpy as np
 from petsc4py import PETSc
 
+from ..common.types import FloatArray
 from .linear_solver import Stiffness
 
 
@@ -53,7 +53,7 @@ class SaddlePoint(Stiffness):
         """
         self.rows.mult([self.K, *self.extra], x, y)
 
-    def load(self, residual: np.ndarray, values: PETSc.Vec, b: PETSc.Vec) -> None:
+    def load(self, residual: FloatArray, values: PETSc.Vec, b: PETSc.Vec) -> None:
         """Right-hand side b. Collective.
 
         Args:
@@ -63,7 +63,7 @@ class SaddlePoint(Stiffness):
         """
         self.rows.load([self.K, *self.extra], residual, values, b)
 
-    def unknowns(self, increments: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    def unknowns(self, increments: FloatArray, forces: FloatArray) -> FloatArray:
         """A guess: unknowns that stand for increments and forces.
 
         Args:
@@ -75,12 +75,20 @@ class SaddlePoint(Stiffness):
         """
         return self.rows.unknowns(increments, forces)
 
-    def displacements(self, y: PETSc.Vec) -> np.ndarray:
-        """Increments of displacement that unknowns stand for, owned dofs [L]."""
+    def displacements(self, y: PETSc.Vec) -> FloatArray:
+        """Increments of displacement that unknowns stand for, owned dofs [L].
+
+        Args:
+            y: unknowns.
+        """
         return y.array_r[: self.num].copy()
 
-    def forces(self, y: PETSc.Vec) -> np.ndarray:
-        """Forces of the multipliers that unknowns stand for, by node and direction, over the system's diagonal [L]."""
+    def forces(self, y: PETSc.Vec) -> FloatArray:
+        """Forces of the multipliers that unknowns stand for, by node and direction, over the system's diagonal [L].
+
+        Args:
+            y: unknowns.
+        """
         return self.rows.forces(y)
 
     def assemble(self) -> PETSc.Mat:
