@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from dolfinx import la
 
+from ..common.types import AnyArray, FloatArray
+
 
 class NodalSum:
     """Sums and updates of nodal values over the ranks.
@@ -24,7 +26,7 @@ class NodalSum:
         """Nodes of this rank, owned and ghosts."""
         return self.index_map.size_local + self.index_map.num_ghosts
 
-    def __call__(self, values: np.ndarray) -> np.ndarray:
+    def __call__(self, values: AnyArray) -> FloatArray:
         """Contributions of all ranks, added; complete on ghosts as well. Collective.
 
         Args:
@@ -38,7 +40,7 @@ class NodalSum:
         self._vector.scatter_forward()
         return self._vector.array.reshape(-1, self.block).copy()
 
-    def forward(self, values: np.ndarray) -> np.ndarray:
+    def forward(self, values: AnyArray) -> FloatArray:
         """Values at the ghosts from their owners. Collective.
 
         Args:

@@ -32,7 +32,7 @@ ITERATIVE: dict[str, Any] = {
 }
 # Above these numbers of unknowns factors of 3D and 2D meshes cost more than iterations (measured: 108k unknowns in 3D,
 # factorisation 10 s, conjugate gradients 3 s).
-LARGEST_DIRECT: dict[str, Any] = {2: 400_000, 3: 40_000}
+LARGEST_DIRECT = {2: 400_000, 3: 40_000}
 WORTH = 10  # iterations that cost as much as factors of other packages than MUMPS, which do not tell
 # Operations of a factorisation run this much faster than those of a solution with the factors (measured: 4.5 on meshes
 # of the plane, 5.5 in space).
@@ -61,7 +61,7 @@ def rigid_motions(V: Any) -> PETSc.NullSpace:
         turn = np.zeros((len(x), gdim))
         turn[:, a], turn[:, b] = -x[:, b], x[:, a]
         fields.append(turn)
-    vectors = []
+    vectors: list[PETSc.Vec] = []
     for field in fields:
         v = PETSc.Vec().createMPI((field.size, None), gdim, V.mesh.comm)
         v.array[:] = field.ravel()

@@ -64,6 +64,12 @@ class SurfaceGeometry(abc.ABC):
     gap: FloatArray
     normal: FloatArray
     locked: BoolArray
+    driven: FloatArray
+    start: FloatArray
+    displacement: FloatArray
+    start_displacement: FloatArray
+    offset: FloatArray
+    initial: InitialPenetration
 
     def __init__(self, spec: Any, V: Any, axisymmetric: bool, fixed: BoolArray, basis: str) -> None:
         self.prescribed, self.driven = fixed, np.zeros(len(fixed))

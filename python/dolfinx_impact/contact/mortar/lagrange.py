@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ... import _cpp
 from ...common.collective import comm_of, guard
-from ...common.types import AnyArray, FloatArray, IntArray
+from ...common.types import AnyArray, BoolArray, FloatArray, IntArray
 from .geometry import RigidGeometry, SurfaceGeometry
 from .mortar_geometry import MortarGeometry
 from .prescribed_overlap import prescribed_overlap
@@ -71,6 +71,20 @@ class LagrangeContact(ContactOutput):
         coulomb: tractions that no equilibrium of a node tells: CoulombFriction (C++).
         nodal_stiffness, facing_stiffness: (n) of the bodies at the slave's nodes and opposite to them [F/L].
     """
+
+    active: BoolArray
+    sliding: BoolArray
+    direction: FloatArray
+    multiplier: FloatArray
+    friction_traction: FloatArray
+    traction_n: FloatArray
+    nodal_stiffness: FloatArray
+    facing_stiffness: FloatArray
+    # Of the state that is linearised about, and of the present linear solution.
+    _at: tuple[FloatArray, FloatArray]
+    _gap: FloatArray
+    _slip: FloatArray
+    _linear_tilt: FloatArray
 
     def __init__(self, spec: Lagrange, problem: Any) -> None:
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
@@ -139,12 +153,12 @@ class LagrangeContact(ContactOutput):
 
     def accept_step(self) -> None:
         """The increment has converged: slip adds up, less what a node slides before it closes. Collective."""
-        slip = self._slip
+        slip, opening = self._slip, np.zeros(0) if self.opening is None else self.opening
         if self._friction:  # along locked directions nothing slips
             slip = slip - np.einsum("nab,nb->na", self._lock, slip)
         length = np.linalg.norm(slip, axis=1)
-        free = np.where(np.isfinite(self.opening), self.opening, 0.0) * self.pair.friction
-        part = np.where(self.opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
+        free = np.where(np.isfinite(opening), opening, 0.0) * self.pair.friction
+        part = np.where(opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
         self.total_slip += np.where(self.active[:, None], part[:, None] * slip, 0.0)
         self.total_slip[~self.active] = 0.0
         self.opening = self._opened(self._gap)
