@@ -25,8 +25,8 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::mortar(gap);
   nb::module_ search = m.def_submodule("search", "Which facets can meet, and closest points");
   dolfinx_impact::bindings::search(search);
-  nb::module_ linear = m.def_submodule("linear", "PETSc matrices from entries");
-  dolfinx_impact::bindings::triplets(linear);
+  nb::module_ linear = m.def_submodule("linear", "PETSc's options");
+  dolfinx_impact::bindings::linear(linear);
   nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
   dolfinx_impact::bindings::penalty(penalty);
   nb::module_ multipliers = m.def_submodule("multipliers", "Mortar integrals, active set and condensation");

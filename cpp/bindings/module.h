@@ -18,7 +18,7 @@ void surface(nanobind::module_& m);
 void nodal(nanobind::module_& m);
 void mortar(nanobind::module_& m);
 void multipliers(nanobind::module_& m);
-void triplets(nanobind::module_& m);
+void linear(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/mortar/Condensation.h"
+#include "dolfinx_impact/enforcement/mortar/CoulombFriction.h"
+#include "dolfinx_impact/enforcement/mortar/SaddlePoint.h"
 #include "dolfinx_impact/enforcement/mortar/active_set.h"
+#include "dolfinx_impact/enforcement/mortar/prescribed_components.h"
 #include "dolfinx_impact/gap/MortarIntegrals.h"
 #include <caster_mpi.h>
 #include <caster_petsc.h>
@@ -318,6 +321,181 @@ void bind_active_set(nb::module_& m)
       },
       nb::arg("state"), nb::arg("geometry"), nb::arg("gdim"), nb::arg("friction"), nb::arg("residual"), nb::arg("tilt"),
       nb::arg("known"), nb::arg("follow"), "Multipliers and friction tractions from equilibrium");
+  m.def(
+      "take_multipliers",
+      [](nb::dict state, nb::dict geometry, int gdim, double friction, Array forces, Array tilt, Array known)
+      {
+        const Nodes nodes(state, gdim, friction);
+        const std::size_t num = nodes.now.size();
+        std::vector<double> multiplier(num), traction(num * gdim);
+        take_multipliers(nodes.now, Geometry(geometry).now, view(forces), view(tilt), view(known), multiplier,
+                         traction);
+        return nb::make_tuple(take(std::move(multiplier)), take(std::move(traction), {num, std::size_t(gdim)}));
+      },
+      nb::arg("state"), nb::arg("geometry"), nb::arg("gdim"), nb::arg("friction"), nb::arg("forces"), nb::arg("tilt"),
+      nb::arg("known"), "Multipliers and friction tractions from a saddle point's forces");
+  m.def(
+      "rotate_friction_traction",
+      [](nb::dict state, int gdim, double friction, Array normal)
+      {
+        const Nodes nodes(state, gdim, friction);
+        return take(rotate_friction_traction(nodes.now, view(normal)), {nodes.now.size(), std::size_t(gdim)});
+      },
+      nb::arg("state"), nb::arg("gdim"), nb::arg("friction"), nb::arg("normal"),
+      "Friction tractions that follow the surface");
+  m.def(
+      "violations",
+      [](nb::dict state, int gdim, double friction, Array gap)
+      {
+        Violations found = violations(Nodes(state, gdim, friction).now, view(gap));
+        return nb::make_tuple(take(std::move(found.gap)), take(std::move(found.slip)));
+      },
+      nb::arg("state"), nb::arg("gdim"), nb::arg("friction"), nb::arg("gap"),
+      "Gaps of active nodes and slips of those that stick");
+  m.def(
+      "sticking",
+      [](nb::dict state, int gdim, double friction)
+      {
+        const Nodes nodes(state, gdim, friction);
+        std::vector<std::int8_t> out(nodes.now.size());
+        for (std::size_t i = 0; i < out.size(); ++i)
+          out[i] = sticks(nodes.now, i);
+        return mask(out, {out.size()});
+      },
+      nb::arg("state"), nb::arg("gdim"), nb::arg("friction"), "Mask of the nodes that stick where they are");
+}
+
+void bind_linearisation(nb::module_& m)
+{
+  m.def(
+      "tangential",
+      [](Array normal, Array vectors)
+      {
+        const std::size_t num = normal.shape(0), gdim = normal.shape(1);
+        return take(tangential(int(gdim), view(normal), view(vectors)), {num, gdim});
+      },
+      nb::arg("normal"), nb::arg("vectors"), "Parts of vectors along the surface, (n, gdim)");
+  m.def(
+      "add_jump",
+      [](nb::dict geometry, Array jump)
+      {
+        const Geometry nodes(geometry);
+        const std::size_t num = nodes.now.gap.size();
+        std::vector<double> gap(num), slip(jump.size());
+        add_jump(nodes.now, view(jump), gap, slip);
+        return nb::make_tuple(take(std::move(gap)), vectors(slip, num));
+      },
+      nb::arg("geometry"), nb::arg("jump"), "Gaps and slips of the linearised problem");
+  m.def(
+      "normal_tractions", [](Mask usable, nb::dict geometry, Array forces)
+      { return take(normal_tractions(view(usable), Geometry(geometry).now, view(forces))); }, nb::arg("usable"),
+      nb::arg("geometry"), nb::arg("forces"), "What multipliers gain by nodal forces, without friction, (n)");
+  m.def(
+      "add_linearisation_error",
+      [](nb::dict state, nb::dict geometry, int gdim, double friction, Array gap, Array slip)
+      {
+        const Nodes nodes(state, gdim, friction);
+        const Geometry at(geometry);
+        std::vector<double> gap_at(at.now.gap.begin(), at.now.gap.end()),
+            slip_at(at.now.slip.begin(), at.now.slip.end());
+        add_linearisation_error(nodes.now, at.now, view(gap), view(slip), gap_at, slip_at);
+        return nb::make_tuple(take(std::move(gap_at)), vectors(slip_at, nodes.now.size()));
+      },
+      nb::arg("state"), nb::arg("geometry"), nb::arg("gdim"), nb::arg("friction"), nb::arg("gap"), nb::arg("slip"),
+      "Gaps and slips to linearise about, with a second-order correction");
+  const auto prescribed = [](const Mask& fixed, const Array& driven, int gdim, double tolerance)
+  { return PrescribedComponents{gdim, view(fixed), view(driven), tolerance}; };
+  m.def(
+      "remaining_motion",
+      [prescribed](Mask fixed, Array driven, int gdim, Indices nodes, Array u, Array start)
+      {
+        return take(
+            remaining_motion(prescribed(fixed, driven, gdim, 0.0), {nodes.data(), nodes.size()}, view(u), view(start)),
+            {nodes.size(), std::size_t(gdim)});
+      },
+      nb::arg("fixed"), nb::arg("driven"), nb::arg("gdim"), nb::arg("nodes"), nb::arg("u"), nb::arg("start"),
+      "What prescribed components of nodes have yet to move, (n, gdim)");
+  m.def(
+      "locked_components",
+      [prescribed](Mask fixed, Array driven, int gdim, Indices nodes, std::array<double, 3> motion, double tolerance)
+      {
+        return mask(locked_components(prescribed(fixed, driven, gdim, tolerance), {nodes.data(), nodes.size()}, motion),
+                    {nodes.size(), std::size_t(gdim)});
+      },
+      nb::arg("fixed"), nb::arg("driven"), nb::arg("gdim"), nb::arg("nodes"), nb::arg("motion"), nb::arg("tolerance"),
+      "Prescribed components that move as a rigid master does, (n, gdim)");
+  m.def(
+      "locked_components",
+      [prescribed](Mask fixed, Array driven, int gdim, const MortarIntegrals& integrals, Array x, double size,
+                   double tolerance)
+      {
+        return mask(locked_components(prescribed(fixed, driven, gdim, tolerance), integrals, view(x), size),
+                    {integrals.nodes().nodes.size(), std::size_t(gdim)});
+      },
+      nb::arg("fixed"), nb::arg("driven"), nb::arg("gdim"), nb::arg("integrals"), nb::arg("x"), nb::arg("size"),
+      nb::arg("tolerance"), "Prescribed components that the master is prescribed to move along as well. Collective");
+}
+
+void bind_friction(nb::module_& m)
+{
+  nb::class_<CoulombFriction>(m, "CoulombFriction", "Friction tractions that no equilibrium of a node tells")
+      .def(nb::init<int, std::size_t>(), nb::arg("gdim"), nb::arg("num_nodes"))
+      .def_prop_rw(
+          "imposed", [](const CoulombFriction& f) { return copy(f.imposed, {f.num_nodes(), std::size_t(f.gdim())}); },
+          [](CoulombFriction& f, Array values)
+          {
+            if (values.size() != f.imposed.size())
+              throw std::invalid_argument("imposed: a traction of every node is needed");
+            f.imposed = vector<double>(values);
+          },
+          nb::rv_policy::move, "Tractions along prescribed directions, (n, gdim), a copy")
+      .def(
+          "update_directions", [](CoulombFriction& f, Mask usable, nb::dict geometry, Mask locked)
+          { f.update_directions(view(usable), Geometry(geometry).now, view(locked)); }, nb::arg("usable"),
+          nb::arg("geometry"), nb::arg("locked"), "A new state to linearise about")
+      .def_prop_ro(
+          "locked", [](const CoulombFriction& f)
+          { return copy(f.locked(), {f.num_nodes(), std::size_t(f.gdim()), std::size_t(f.gdim())}); },
+          nb::rv_policy::move, "Projectors on locked directions, (n, gdim, gdim), a copy")
+      .def_prop_ro(
+          "prescribed", [](const CoulombFriction& f)
+          { return take(f.prescribed(), {f.num_nodes(), std::size_t(f.gdim()), std::size_t(f.gdim())}); },
+          nb::rv_policy::move, "Projectors on locked and driven directions together, (n, gdim, gdim)")
+      .def(
+          "update_imposed",
+          [](CoulombFriction& f, nb::dict state, double friction, Mask was_stuck, Array traction_n)
+          {
+            return mask(f.update_imposed(Nodes(state, f.gdim(), friction).now, view(was_stuck), view(traction_n)),
+                        {f.num_nodes()});
+          },
+          nb::arg("state"), nb::arg("friction"), nb::arg("was_stuck"), nb::arg("traction_n"),
+          "Imposed tractions after changes of the active set; mask of nodes whose kept traction is another one")
+      .def(
+          "update_springs",
+          [](CoulombFriction& f, nb::dict state, nb::dict geometry, double friction, Array slave_stiffness,
+             Array master_stiffness)
+          {
+            CoulombFriction::Springs s = f.update_springs(Nodes(state, f.gdim(), friction).now, Geometry(geometry).now,
+                                                          view(slave_stiffness), view(master_stiffness));
+            const std::size_t num = s.rows.size(), gdim = f.gdim();
+            return nb::make_tuple(take(std::move(s.rows)), take(std::move(s.blocks), {num, gdim, gdim}),
+                                  take(std::move(s.traction), {f.num_nodes(), gdim}));
+          },
+          nb::arg("state"), nb::arg("geometry"), nb::arg("friction"), nb::arg("slave_stiffness"),
+          nb::arg("master_stiffness"), "Numbers of nodes with springs, their blocks, tractions of all nodes")
+      .def_prop_ro("has_springs", &CoulombFriction::has_springs)
+      .def(
+          "raise_imposed", [](CoulombFriction& f, nb::dict state, double friction)
+          { f.raise_imposed(Nodes(state, f.gdim(), friction).now); }, nb::arg("state"), nb::arg("friction"),
+          "After a linear solution: slips along driven directions raise the imposed tractions")
+      .def(
+          "known_tractions",
+          [](const CoulombFriction& f, nb::dict state, double friction)
+          {
+            return take(f.known_tractions(Nodes(state, f.gdim(), friction).now),
+                        {f.num_nodes(), std::size_t(f.gdim())});
+          },
+          nb::arg("state"), nb::arg("friction"), "Tractions of springs and imposed ones, (n, gdim)");
 }
 
 void bind_condensation(nb::module_& m)
@@ -349,6 +527,56 @@ void bind_condensation(nb::module_& m)
           "Displacement increments T y + known. Collective")
       .def("condense", &Condensation::condense, nb::arg("K"), nb::rv_policy::take_ownership, "T_L^T K T. Collective");
 }
+
+std::vector<Mat> matrices(const nb::list& values)
+{
+  std::vector<Mat> out;
+  for (nb::handle value : values)
+  {
+    nb::detail::make_caster<Mat> caster;
+    if (!caster.from_python(value, 0, nullptr))
+      throw nb::type_error("a list of PETSc matrices is needed");
+    out.push_back(static_cast<Mat&>(caster));
+  }
+  return out;
+}
+
+void bind_saddle_point(nb::module_& m)
+{
+  nb::class_<SaddlePoint>(m, "SaddlePoint", "Displacements and multipliers as unknowns; `stiffness`: list of matrices")
+      .def(
+          "__init__",
+          [](SaddlePoint* self, dolfinx_wrappers::MPICommWrapper comm, std::size_t num_owned, int gdim,
+             std::vector<std::size_t> sizes) { new (self) SaddlePoint(comm.get(), num_owned, gdim, std::move(sizes)); },
+          nb::arg("comm"), nb::arg("num_owned"), nb::arg("gdim"), nb::arg("sizes"), "Collective")
+      .def(
+          "assign",
+          [](SaddlePoint& s, const std::vector<Constraints>& parts, Mask pinned, Array forces, double diagonal)
+          { s.assign(parts, view(pinned), view(forces), diagonal); }, nb::arg("parts"), nb::arg("pinned"),
+          nb::arg("forces"), nb::arg("diagonal"), "A new linear problem. Collective")
+      .def_prop_ro(
+          "pinned", [](const SaddlePoint& s) { return mask(s.pinned(), {s.pinned().size()}); }, nb::rv_policy::move,
+          "Mask of the pinned unknowns, a copy")
+      .def_prop_ro("right", &SaddlePoint::right, nb::rv_policy::reference, "C, kept by this object")
+      .def_prop_ro("left", &SaddlePoint::left, nb::rv_policy::reference, "C_L, kept by this object")
+      .def(
+          "mult", [](SaddlePoint& s, nb::list stiffness, Vec x, Vec y) { s.mult(matrices(stiffness), x, y); },
+          nb::arg("stiffness"), nb::arg("x"), nb::arg("y"), "y = A x. Collective")
+      .def(
+          "load", [](SaddlePoint& s, nb::list stiffness, Array residual, Vec values, Vec b)
+          { s.load(matrices(stiffness), view(residual), values, b); }, nb::arg("stiffness"), nb::arg("residual"),
+          nb::arg("values"), nb::arg("b"), "Right-hand side. Collective")
+      .def(
+          "assemble", [](SaddlePoint& s, nb::list stiffness) { return s.assemble(matrices(stiffness)); },
+          nb::arg("stiffness"), nb::rv_policy::take_ownership, "A as a matrix of its own. Collective")
+      .def(
+          "unknowns", [](const SaddlePoint& s, Array increments, Array forces)
+          { return take(s.unknowns(view(increments), view(forces))); }, nb::arg("increments"), nb::arg("forces"),
+          "Unknowns that stand for displacement increments and the multipliers' forces")
+      .def(
+          "forces", [](const SaddlePoint& s, Vec y) { return take(s.forces(y)); }, nb::arg("y"),
+          "The multipliers' forces that unknowns stand for");
+}
 } // namespace
 
 void dolfinx_impact::bindings::multipliers(nb::module_& m)
@@ -356,5 +584,8 @@ void dolfinx_impact::bindings::multipliers(nb::module_& m)
   bind_integrals(m);
   bind_constraints(m);
   bind_active_set(m);
+  bind_linearisation(m);
+  bind_friction(m);
   bind_condensation(m);
+  bind_saddle_point(m);
 }

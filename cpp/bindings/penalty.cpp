@@ -16,7 +16,6 @@ namespace
 {
 using namespace dolfinx_impact::bindings;
 typedef nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> Rows;
-typedef nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Globals;
 
 /// Copy of an enumeration's vector as int8.
 template <typename T>
@@ -34,33 +33,6 @@ void set(std::vector<double>& target, const Values& source, const char* name)
                                 std::to_string(source.size()));
   std::copy_n(source.data(), source.size(), target.begin());
 }
-
-/// A pair and the Python objects it refers to.
-struct Pair
-{
-  const Points& points;
-  const Facets& slave;
-  const Facets* master;
-  PenaltyParameters parameters;
-  PenaltyHistory& history;
-  std::vector<double> increment;
-  std::array<double, 3> rigid_increment;
-
-  PenaltyPair view() const { return {points, slave, master, parameters, history, increment, rigid_increment}; }
-  std::size_t num_nodes() const
-  {
-    std::int32_t last = -1;
-    for (const Facets* side : {&slave, master})
-      if (side && !side->nodes.empty())
-        last = std::max(last, *std::max_element(side->nodes.begin(), side->nodes.end()));
-    return last + 1;
-  }
-  void check(const PenaltyState& state) const
-  {
-    if (state.status.size() != points.size())
-      throw std::invalid_argument("the state belongs to other points");
-  }
-};
 
 void bind_points(nb::module_& m)
 {
@@ -114,9 +86,6 @@ void bind_points(nb::module_& m)
 void bind_state(nb::module_& m)
 {
   nb::class_<PenaltyHistory>(m, "PenaltyHistory", "What points remember; flat arrays, properties are copies")
-      .def(
-          "__init__", [](PenaltyHistory* self, const Points& points)
-          { new (self) PenaltyHistory(make_history(points)); }, nb::arg("points"))
       .def_prop_rw(
           "multiplier", [](const PenaltyHistory& h) { return copy(h.multiplier, {h.multiplier.size()}); },
           [](PenaltyHistory& h, Values v) { set(h.multiplier, v, "multiplier"); }, nb::rv_policy::move)
@@ -131,10 +100,7 @@ void bind_state(nb::module_& m)
           { set(h.gap, v, "gap"); }, nb::rv_policy::move, "Of points that were open; of others not positive")
       .def_prop_rw(
           "offset", [](const PenaltyHistory& h) { return copy(h.offset, {h.offset.size()}); },
-          [](PenaltyHistory& h, Values v) { set(h.offset, v, "offset"); }, nb::rv_policy::move, "Added to the gaps")
-      .def(
-          "advance", [](PenaltyHistory& h, const PenaltyState& s) { advance(s, h); }, nb::arg("state"),
-          "The state is the last converged one from now on");
+          [](PenaltyHistory& h, Values v) { set(h.offset, v, "offset"); }, nb::rv_policy::move, "Added to the gaps");
   const auto vectors = [](const PenaltyState& s, const std::vector<double>& v)
   {
     const std::size_t num = s.pressure.size();
@@ -202,6 +168,7 @@ void bind_contact(nb::module_& m)
       .def_prop_ro("map", &QuadraturePenalty::map)
       .def_prop_ro("search", &QuadraturePenalty::search, reference)
       .def_prop_ro("num_matrices", &QuadraturePenalty::num_matrices)
+      .def("energy", &QuadraturePenalty::energy, "Energy of the springs, this rank's part")
       .def(
           "update_gap", [](QuadraturePenalty& p, Values u, Values start, bool stay)
           { p.update_gap(view(u), view(start), stay); }, nb::arg("u"), nb::arg("start"), nb::arg("stay"))
@@ -223,79 +190,4 @@ void dolfinx_impact::bindings::penalty(nb::module_& m)
   bind_points(m);
   bind_state(m);
   bind_contact(m);
-  nb::class_<Pair>(m, "Penalty", "Penalty method for a pair in its present configuration")
-      .def(
-          "__init__",
-          [](Pair* self, const Points& points, const Facets& slave, const Facets* master, PenaltyHistory& history,
-             double normal, double tangential, double friction, double touch)
-          { new (self) Pair{points, slave, master, {normal, tangential, friction, touch}, history, {}, {}}; },
-          nb::arg("points"), nb::arg("slave"), nb::arg("master").none(), nb::arg("history"), nb::arg("normal"),
-          nb::arg("tangential") = 0.0, nb::arg("friction") = 0.0, nb::arg("touch") = 0.0, nb::keep_alive<1, 2>(),
-          nb::keep_alive<1, 3>(), nb::keep_alive<1, 4>(), nb::keep_alive<1, 5>(), "master None: rigid")
-      .def(
-          "set_increment",
-          [](Pair& self, Values increment, std::array<double, 3> rigid)
-          {
-            self.increment.assign(increment.data(), increment.data() + increment.size());
-            self.rigid_increment = rigid;
-          },
-          nb::arg("increment"), nb::arg("rigid") = std::array<double, 3>{},
-          "Displacements since the last converged state, at the nodes that the facets number; copied")
-      .def(
-          "evaluate", [](const Pair& self) { return evaluate(self.view()); }, "PenaltyState: pressures, tractions")
-      .def(
-          "stretched",
-          [](const Pair& self, const PenaltyState& state)
-          {
-            self.check(state);
-            return stretched(self.view(), state);
-          },
-          nb::arg("state"), "PenaltyState whose tractions pull closed points that are apart on the master")
-      .def(
-          "energy",
-          [](const Pair& self, const PenaltyState& state)
-          {
-            self.check(state);
-            return energy(self.view(), state);
-          },
-          nb::arg("state"), "This rank's part")
-      .def(
-          "add_force",
-          [](const Pair& self, const PenaltyState& state, MutableValues force)
-          {
-            self.check(state);
-            if (force.size() < self.num_nodes() * self.points.gdim)
-              throw std::invalid_argument("the force has fewer entries than the surfaces' nodes need");
-            add_force(self.view(), state, {force.data(), force.size()});
-          },
-          nb::arg("state"), nb::arg("force").noconvert(),
-          "Add the contact force at the nodes that the facets number (changed)")
-      .def(
-          "tangent",
-          [](const Pair& self, const PenaltyState& state, Globals global_nodes, bool convex)
-          {
-            self.check(state);
-            if (global_nodes.size() < self.num_nodes())
-              throw std::invalid_argument("fewer global numbers than nodes");
-            std::vector<std::int64_t> rows, cols;
-            std::vector<double> values;
-            const int gdim = self.points.gdim;
-            const auto insert = [&](std::span<const std::int32_t> nodes, std::span<const double> block)
-            {
-              for (std::int32_t a : nodes)
-                for (int c = 0; c < gdim; ++c)
-                  for (std::int32_t b : nodes)
-                    for (int d = 0; d < gdim; ++d)
-                    {
-                      rows.push_back(gdim * global_nodes.data()[a] + c);
-                      cols.push_back(gdim * global_nodes.data()[b] + d);
-                    }
-              values.insert(values.end(), block.begin(), block.end());
-            };
-            tangent(self.view(), state, convex, insert);
-            return nb::make_tuple(take(std::move(rows)), take(std::move(cols)), take(std::move(values)));
-          },
-          nb::arg("state"), nb::arg("global_nodes"), nb::arg("convex") = false,
-          "Rows, columns and values of minus the derivative of the contact force; convex: its part that is positive "
-          "semi-definite");
 }

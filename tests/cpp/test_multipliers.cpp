@@ -4,7 +4,11 @@
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <dolfinx_impact/enforcement/mortar/Condensation.h>
+#include <dolfinx_impact/enforcement/mortar/CoulombFriction.h>
+#include <dolfinx_impact/enforcement/mortar/SaddlePoint.h>
 #include <dolfinx_impact/enforcement/mortar/active_set.h>
+#include <dolfinx_impact/enforcement/mortar/prescribed_components.h>
+#include <limits>
 #include <stdexcept>
 
 using Catch::Approx;
@@ -42,6 +46,48 @@ struct TwoNodes
             .lock = {}};
   }
   NodalGeometry geometry() const { return {nodes, normal, gap, slip, weight, cover, fixed, {}, frames}; }
+};
+/// Two nodes of the plane: node 0 lies on node 1 but for a gap of 0.5, normal along y.
+Constraints one_over_the_other()
+{
+  Constraints c;
+  c.gdim = 2;
+  c.rows = {0};
+  c.nodes = {0};
+  c.frames = c.over = {1.0, 0.0, 0.0, 1.0};
+  c.constrained = {0, 1};
+  c.known = {0.0, -0.5};
+  c.tilt = {0.0, 0.0};
+  c.normal = {1};
+  c.pointers = {0, 1};
+  c.columns = {1};
+  c.values = {1.0};
+  return c;
+}
+
+/// A vector of this process alone.
+struct Vector
+{
+  Vec v = nullptr;
+  explicit Vector(const Values& values)
+  {
+    VecCreateSeq(MPI_COMM_SELF, PetscInt(values.size()), &v);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      VecSetValue(v, PetscInt(i), values[i], INSERT_VALUES);
+  }
+  ~Vector() { VecDestroy(&v); }
+  Vector(const Vector&) = delete;
+  Vector& operator=(const Vector&) = delete;
+  Values values() const
+  {
+    PetscInt size = 0;
+    const PetscScalar* array = nullptr;
+    VecGetLocalSize(v, &size);
+    VecGetArrayRead(v, &array);
+    Values out(array, array + size);
+    VecRestoreArrayRead(v, &array);
+    return out;
+  }
 };
 } // namespace
 
@@ -128,19 +174,7 @@ TEST_CASE("constraints close the gap, and hold what sticks")
 
 TEST_CASE("condensed nodes follow their master")
 {
-  // Two nodes of the plane: node 0 lies on node 1 but for a gap of 0.5, normal along y.
-  Constraints c;
-  c.gdim = 2;
-  c.rows = {0};
-  c.nodes = {0};
-  c.frames = c.over = {1.0, 0.0, 0.0, 1.0};
-  c.constrained = {0, 1};
-  c.known = {0.0, -0.5};
-  c.tilt = {0.0, 0.0};
-  c.normal = {1};
-  c.pointers = {0, 1};
-  c.columns = {1};
-  c.values = {1.0};
+  Constraints c = one_over_the_other();
   const Condensation condensation(MPI_COMM_SELF, 4, 0, 2, {c});
   CHECK(condensation.symmetric());
   CHECK(condensation.pinned() == Flags{0, 1, 0, 0});
@@ -157,4 +191,180 @@ TEST_CASE("condensed nodes follow their master")
   c.tilt = {0.5, 0.0};
   CHECK_FALSE(Condensation(MPI_COMM_SELF, 4, 0, 2, {c}).symmetric());
   CHECK_THROWS_AS(Condensation(MPI_COMM_SELF, 1, 0, 2, {c}), std::invalid_argument);
+}
+
+TEST_CASE("a saddle point has a row for the jump and a column for the force")
+{
+  const Constraints c = one_over_the_other();
+  dolfinx_impact::operators::CooMatrix K;
+  dolfinx_impact::operators::CooMatrix::Entries entries;
+  for (int i = 0; i < 4; ++i)
+    entries.add(i, i, 10.0 * (i + 1));
+  K.assign(MPI_COMM_SELF, 4, 4, 2, entries);
+  const std::vector<Mat> stiffness{K.matrix()};
+  SaddlePoint system(MPI_COMM_SELF, 4, 2, {1});
+  CHECK(system.num_unknowns() == 6);
+  system.assign(std::vector{c}, Flags{1, 0, 0, 0}, Values{5.0, 0.25}, 2.0);
+  CHECK(system.pinned() == Flags{1, 0, 0, 0, 1, 0});
+  const Vector x(Values{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}), y(Values(6, 0.0));
+  // Rows: K u - 2 C^T f, and -2 times the jump u_1 - u_3; pinned ones are twice their unknown.
+  const Values product{2.0, 40.0 - 12.0, 90.0, 160.0 + 12.0, 10.0, 4.0};
+  system.mult(stiffness, x.v, y.v);
+  CHECK(y.values() == product);
+  SECTION("the matrix has the same product, also when it is made again")
+  {
+    for (int again = 0; again < 2; ++again)
+    {
+      Mat A = system.assemble(stiffness);
+      MatMult(A, x.v, y.v);
+      CHECK(y.values() == product);
+      MatDestroy(&A);
+    }
+  }
+  SECTION("the right-hand side has the start's forces and the known jump")
+  {
+    const Values residual{1.0, 2.0, 3.0, 4.0};
+    system.load(stiffness, residual, x.v, y.v);
+    // Of K times the prescribed unknown no free row sees anything here; the force at the start is 0.25.
+    CHECK(y.values() == Values{2.0, -2.0 + 0.5, -3.0, -4.0 - 0.5, 0.0, 1.0});
+    CHECK(system.unknowns(residual, Values{9.0, 1.0}) == Values{1.0, 2.0, 3.0, 4.0, 0.0, 0.75});
+    CHECK(system.forces(x.v) == Values{5.0, 6.25});
+  }
+  SECTION("matrices are kept while the pattern stands")
+  {
+    const Mat before = system.right();
+    Constraints other = c;
+    other.known = {0.0, 1.0};
+    system.assign(std::vector{other}, Flags(4, 0), Values(2, 0.0), 2.0);
+    CHECK(system.right() == before);
+  }
+  SECTION("friction leans on the force's side alone")
+  {
+    Constraints slips = c;
+    slips.tilt = {0.5, 0.0};
+    system.assign(std::vector{slips}, Flags(4, 0), Values(2, 0.0), 2.0);
+    system.mult(stiffness, x.v, y.v);
+    CHECK(y.values() == Values{10.0 - 6.0, 28.0, 90.0 + 6.0, 172.0, 10.0, 4.0});
+  }
+  CHECK_THROWS_AS(system.assign({}, Flags(4, 0), Values(2, 0.0), 2.0), std::invalid_argument);
+  CHECK_THROWS_AS(system.assign(std::vector{c}, Flags(3, 0), Values(2, 0.0), 2.0), std::invalid_argument);
+  CHECK_THROWS_AS(SaddlePoint(MPI_COMM_SELF, 1, 2, {1}).assign(std::vector{c}, Flags(1, 0), Values(2, 0.0), 2.0),
+                  std::invalid_argument);
+}
+
+TEST_CASE("prescribed components are locked where the master moves alike")
+{
+  // Two nodes of the plane, both prescribed along x; the first is to move by 0.1, the second stays.
+  const Flags fixed{1, 0, 1, 0};
+  const Values driven{0.1, 0.0, 0.0, 0.0};
+  const PrescribedComponents prescribed{2, fixed, driven, 1e-12};
+  const std::vector<std::int32_t> nodes{1, 0};
+  CHECK(locked_components(prescribed, nodes, {0.0, 0.0, 0.0}) == Flags{1, 0, 0, 0});
+  CHECK(locked_components(prescribed, nodes, {0.1, 0.0, 0.0}) == Flags{0, 0, 1, 0});
+  CHECK(locked_components(prescribed, nodes, {0.1 * (1 + 1e-10), 0.0, 0.0}) == Flags{0, 0, 1, 0});
+  const Values u{0.03, 0.2, 0.0, 0.2}, start(4, 0.0);
+  CHECK(remaining_motion(prescribed, nodes, u, start) == Values{0.0, 0.0, 0.1 - 0.03, 0.0});
+  CHECK_THROWS_AS(remaining_motion(prescribed, nodes, Values{0.0}, start), std::invalid_argument);
+  CHECK_THROWS_AS(locked_components(prescribed, std::vector<std::int32_t>{2}, {0.0, 0.0, 0.0}), std::invalid_argument);
+}
+
+TEST_CASE("friction along prescribed directions is driven or kept")
+{
+  TwoNodes n;
+  n.fixed = {1, 0, 0, 0}; // x of the first node, along the surface
+  n.frames = frames_at(2, n.normal, n.fixed);
+  CoulombFriction friction(2, 2);
+  const Flags stuck{1, 0};
+  SECTION("driven: the imposed traction starts from the one it had and is raised until nothing slips")
+  {
+    friction.update_directions(n.usable, n.geometry(), Flags(4, 0));
+    CHECK(friction.locked() == Values(8, 0.0));
+    CHECK(friction.prescribed() == Values{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+    n.traction = {0.4, 0.0, 0.0, 0.0};
+    CHECK(friction.update_imposed(n.state(), Flags{0, 0}, Values(4, 0.0)) == Flags{0, 0});
+    CHECK(friction.imposed == Values{0.4, 0.0, 0.0, 0.0});
+    n.slip[0] = 1e-3;
+    CHECK_FALSE(friction.has_springs());
+    const auto springs = friction.update_springs(n.state(), n.geometry(), Values{3.0, 0.0}, Values{2.0, 0.0});
+    CHECK(friction.has_springs());
+    CHECK(springs.rows == std::vector<std::int32_t>{0});
+    // 1000 times the stiffness, over the weight; the block has the area weight^2/cover.
+    CHECK(springs.blocks[0] == Approx(0.5 * 1000 * 3.0 / 0.5).epsilon(1e-14));
+    CHECK(springs.traction[0] == Approx(6000.0 * 1e-3 - 0.4).epsilon(1e-14));
+    friction.raise_imposed(n.state());
+    CHECK(friction.imposed[0] == Approx(0.4 - 6.0).epsilon(1e-14));
+    CHECK(friction.known_tractions(n.state())[0] == friction.imposed[0]);
+  }
+  SECTION("locked: the traction of the last converged state, as far as the bound leaves room")
+  {
+    friction.update_directions(n.usable, n.geometry(), Flags{1, 0, 0, 0});
+    CHECK(friction.locked() == Values{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+    CHECK(friction.update_imposed(n.state(), stuck, Values{0.4, 0.0, 0.0, 0.0}) == Flags{1, 0});
+    CHECK(friction.imposed == Values{0.4, 0.0, 0.0, 0.0});
+    CHECK(friction.update_imposed(n.state(), stuck, Values{0.4, 0.0, 0.0, 0.0}) == Flags{0, 0});
+    CHECK(friction.update_imposed(n.state(), stuck, Values{3.0, 0.0, 0.0, 0.0}) == Flags{1, 0});
+    CHECK(friction.imposed[0] == Approx(1.0).epsilon(1e-14)); // friction 0.5 times the multiplier 2
+    n.sliding = {1, 0};
+    friction.update_imposed(n.state(), stuck, Values{3.0, 0.0, 0.0, 0.0});
+    CHECK(friction.imposed == Values(4, 0.0));
+  }
+  SECTION("imposed tractions follow the surface with their size")
+  {
+    friction.imposed = {0.3, 0.4, 0.0, 0.7};
+    friction.update_directions(n.usable, n.geometry(), Flags{1, 0, 0, 0});
+    CHECK(friction.imposed == Values{0.5, 0.0, 0.0, 0.0});
+  }
+  CHECK_THROWS_AS(friction.update_directions(n.usable, n.geometry(), Flags(3, 0)), std::invalid_argument);
+}
+
+TEST_CASE("a node that has closed in the step is held by pressure over gap")
+{
+  TwoNodes n;
+  n.opening = {0.25, 0.0};
+  n.slip[0] = 0.05;
+  CoulombFriction friction(2, 2);
+  friction.update_directions(n.usable, n.geometry(), Flags(4, 0));
+  const auto springs = friction.update_springs(n.state(), n.geometry(), Values(2, 1.0), Values(2, 1.0));
+  CHECK(springs.rows == std::vector<std::int32_t>{0});
+  CHECK(springs.blocks == Values{0.5 * 2.0 / 0.25, 0.0, 0.0, 0.0});
+  CHECK(springs.traction == Values(4, 0.0)); // slack at the present slip
+  n.slip[0] = 0.15;
+  CHECK(friction.known_tractions(n.state())[0] == Approx(-0.8).epsilon(1e-14));
+  CHECK(friction_tilt(n.state())[0] == Approx(-0.6).epsilon(1e-14));
+}
+
+TEST_CASE("multipliers of a saddle point are its forces per area")
+{
+  TwoNodes n;
+  n.frames = frames_at(2, n.normal, n.fixed);
+  Values multiplier(2), traction(4);
+  take_multipliers(n.state(), n.geometry(), Values{0.3, 2.0, 5.0, 5.0}, Values(4, 0.0), Values(4, 0.1), multiplier,
+                   traction);
+  CHECK(multiplier == Values{4.0, 0.0});
+  CHECK(traction[0] == Approx(0.6 + 0.1).epsilon(1e-14));
+  CHECK(traction[2] == 0.0);
+}
+
+TEST_CASE("linearised gaps and slips are those of the jump")
+{
+  TwoNodes n;
+  n.gap = {-0.5, 1.0};
+  n.slip = {0.25, 0.0, 0.0, 0.0};
+  Values gap(2), slip(4);
+  add_jump(n.geometry(), Values{1.0, 2.0, 3.0, 4.0}, gap, slip);
+  CHECK(gap == Values{1.5, 5.0});
+  CHECK(slip == Values{1.25, 0.0, 3.0, 0.0});
+  // What the linear state lacks is added where there is a master.
+  Values gap_at{0.0, 0.0}, slip_at(4, 0.0);
+  const double none = std::numeric_limits<double>::infinity();
+  add_linearisation_error(n.state(), n.geometry(), Values{-0.25, none}, Values{0.5, 9.0, 1.0, 1.0}, gap_at, slip_at);
+  CHECK(gap_at == Values{0.25, 0.0});
+  CHECK(slip_at == Values{0.25, 0.0, 0.0, 0.0});
+  CHECK(normal_tractions(n.usable, n.geometry(), Values{1.0, 2.0, 3.0, 4.0}) == Values{4.0, 16.0});
+  const Violations found = violations(n.state(), Values{-0.125, -1.0});
+  CHECK(found.gap == Values{0.125, 0.0});
+  CHECK(found.slip == Values{0.25, 0.0});
+  n.traction = {3.0, 4.0, 0.0, 0.0};
+  CHECK(rotate_friction_traction(n.state(), n.normal) == Values{5.0, 0.0, 0.0, 0.0});
+  CHECK_THROWS_AS(add_jump(n.geometry(), Values(3), gap, slip), std::invalid_argument);
 }

@@ -6,12 +6,14 @@ from typing import Protocol
 
 import numpy as np
 from dolfinx.fem import FunctionSpace
+from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..common.types import BoolArray, FloatArray, IntArray
 
 AXES = "xyz"
+UNRESISTED = 1e-10  # of |K||r|: below it the forces K r on a rigid motion r are round-off
 
 
 class ConstrainingContact(Protocol):
@@ -148,6 +150,19 @@ class RigidBodyModes:
         out[np.arange(len(x)), body] = np.einsum("nma,na->nm", self.fields(body, x), vectors)
         return out.reshape(len(x), self.num_modes)
 
+    def field(self, mode: FloatArray) -> FloatArray:
+        """Displacements of the owned nodes under a combination of the modes.
+
+        Args:
+            mode: coefficients of the modes, (num_modes).
+
+        Returns:
+            Displacements, (num_owned, gdim) [1].
+        """
+        own = self.body[: self.num_owned]
+        coefficients = np.reshape(mode, (self.count, len(self.names)))[own]
+        return np.einsum("nm,nma->na", coefficients, self.fields(own, self.x[: self.num_owned]))
+
     def everywhere(self, number: int) -> FloatArray:
         """Displacements of the owned nodes under one mode; bodies without this mode do not move.
 
@@ -163,12 +178,42 @@ class RigidBodyModes:
         return np.where((own == b)[:, None], values, 0.0)
 
 
+def _unresisted(stiffness: PETSc.Mat, motions: RigidBodyModes, modes: FloatArray) -> FloatArray:
+    """Combinations of rigid body modes that a tangent does not resist: K r is small against |K||r|. Collective.
+
+    Args:
+        stiffness: tangent K of the bodies [F/L].
+        motions: the rigid body modes.
+        modes: orthonormal combinations, (num_modes, k).
+
+    Returns:
+        The combinations without resistance, (num_modes, number of them).
+    """
+    comm = stiffness.getComm().tompi4py()
+    x, y = stiffness.createVecs()
+    fields, forces = [], []
+    for mode in modes.T:
+        x.array[:] = motions.field(mode).ravel()
+        stiffness.mult(x, y)
+        fields.append(x.array.copy())
+        forces.append(y.array.copy())
+    x.destroy()
+    y.destroy()
+    fields, forces = np.array(fields), np.array(forces)
+    work, lengths = comm.allreduce(fields @ forces.T), comm.allreduce(fields @ fields.T)
+    turn = np.linalg.eigh(work + work.T)[1]  # springs resist some combinations of motions, others not
+    resisting = np.sqrt(comm.allreduce(np.sum((turn.T @ forces) ** 2, axis=1)))
+    size = stiffness.norm(PETSc.NormType.NORM_INFINITY) * np.sqrt(np.einsum("ka,kl,la->a", turn, lengths, turn))
+    return modes @ turn[:, resisting < UNRESISTED * size]
+
+
 def unconstrained_modes(
     V: FunctionSpace,
     fixed: BoolArray,
     contacts: Sequence[ConstrainingContact],
     u: FloatArray,
     axisymmetric: bool = False,
+    stiffness: PETSc.Mat | None = None,
 ) -> list[str]:
     """Sentences about the rigid body modes that supports and active contacts do not constrain. Collective.
 
@@ -181,6 +226,8 @@ def unconstrained_modes(
         contacts: contacts of the problem.
         u: present displacements, owned and ghost dofs [L].
         axisymmetric: whether x is the radius of an axisymmetric body.
+        stiffness: tangent of the bodies, where it may resist rigid body modes (springs in a residual) [F/L]; None: it
+            does not.
 
     Returns:
         One sentence per body with unconstrained modes; the same on all ranks and on any number of ranks.
@@ -199,8 +246,14 @@ def unconstrained_modes(
         gram = supports + sum(r.T @ r for contact in contacts for r in contact.rigid_body_constraints(motions))
         gram = np.sum(comm.allgather(gram), axis=0)
         values, vectors = np.linalg.eigh(gram)
-        return vectors[:, values < 1e-10 * max(values[-1], 1.0)]
+        loose = vectors[:, values < 1e-10 * max(values[-1], 1.0)]
+        if stiffness is None or loose.shape[1] == 0:
+            return loose
+        # A law of small strains does not resist motions about the reference configuration, others those about the
+        # present one.
+        return max((_unresisted(stiffness, m, loose) for m in (motions, at_rest)), key=lambda modes: modes.shape[1])
 
+    at_rest = RigidBodyModes(V, np.zeros_like(u), axisymmetric)
     modes = unconstrained()
     if modes.shape[1] > 0 and any([c.close_nearest() for c in contacts]):
         modes = unconstrained()

@@ -10,8 +10,8 @@ from mpi4py import MPI
 from .. import _cpp
 from ..assembly import rigid_body_modes
 from ..common.types import FloatArray
+from .nodal_sum import NodalSum
 from .body_size import body_size
-from .matrices import NodalSum
 from .pair import ContactPair
 
 LOG = logging.getLogger("dolfinx_impact")

@@ -17,7 +17,7 @@ from ..common.arguments import LARGEST_DEGREE, integer, number
 from ..common.collective import comm_of, guard
 from ..common.types import IntArray
 from ..loads import _tag, check_tag, facet_tags_of
-from .matrices import NodalSum
+from .nodal_sum import NodalSum
 from .rigid import _Rigid
 
 _Result = TypeVar("_Result")

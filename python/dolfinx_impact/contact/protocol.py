@@ -6,6 +6,9 @@ this rank's contact points or degrees of freedom; collective methods are called 
 this rank's contact points, gdim the dimension of space. Forces act on the right-hand side: the residual of equilibrium
 is internal minus external minus contact forces.
 
+Newton loops in C++ ask for the part of it that they call: the concepts RegularisedContact and MultiplierContact of
+cpp/dolfinx_impact/enforcement/StaticContact.h.
+
 The order of the calls in one increment of statics.newton.Newton:
 
     begin_step

@@ -4,15 +4,17 @@
 import itertools
 import warnings
 import weakref
+from typing import Any, Iterable, Protocol
 
 import numpy as np
 from petsc4py import PETSc
 
 from .. import _cpp
+from ..common.types import BoolArray, FloatArray
 
 # LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
 # pivots. One iteration with factors of its own matrix, some more with those of an earlier one.
-DIRECT = {
+DIRECT: dict[str, Any] = {
     "ksp_type": "gmres",
     "pc_type": "lu",
     "pc_factor_mat_solver_type": "mumps",
@@ -20,8 +22,8 @@ DIRECT = {
     "mat_mumps_cntl_3": 1e-14,
 }
 # Conjugate gradients with smoothed aggregation, which needs the rigid motions as near-nullspace.
-CG = {"ksp_type": "cg", "ksp_max_it": 500}
-ITERATIVE = {
+CG: dict[str, Any] = {"ksp_type": "cg", "ksp_max_it": 500}
+ITERATIVE: dict[str, Any] = {
     **CG,
     "pc_type": "gamg",
     "pc_gamg_threshold": 0.01,
@@ -38,7 +40,7 @@ BLOCKED = 5.0
 _SOLVERS = itertools.count()
 
 
-def _forget(keys):
+def _forget(keys: Iterable[str]) -> None:
     """Take the options of a solver out of PETSc's database; else PETSc reports those never read when it ends."""
     database = PETSc.Options()
     for key in keys:
@@ -46,8 +48,12 @@ def _forget(keys):
             database.delValue(key)
 
 
-def rigid_motions(V):
-    """Near-nullspace of elasticity on a blocked Lagrange space: translations and rotations, orthonormal."""
+def rigid_motions(V: Any) -> PETSc.NullSpace:
+    """Near-nullspace of elasticity: translations and rotations, orthonormal. Collective.
+
+    Args:
+        V: blocked Lagrange space.
+    """
     gdim, index_map = V.mesh.geometry.dim, V.dofmap.index_map
     x = V.tabulate_dof_coordinates()[: index_map.size_local]
     fields = [np.tile(np.eye(gdim)[a], (len(x), 1)) for a in range(gdim)]
@@ -55,7 +61,7 @@ def rigid_motions(V):
         turn = np.zeros((len(x), gdim))
         turn[:, a], turn[:, b] = -x[:, b], x[:, a]
         fields.append(turn)
-    vectors = []
+    vectors: list[PETSc.Vec] = []
     for field in fields:
         v = PETSc.Vec().createMPI((field.size, None), gdim, V.mesh.comm)
         v.array[:] = field.ravel()
@@ -66,20 +72,54 @@ def rigid_motions(V):
     return PETSc.NullSpace().create(vectors=vectors, comm=V.mesh.comm)
 
 
+class System(Protocol):
+    """What a LinearSolver asks of a linear system A y = b.
+
+    Attributes:
+        K: matrix of the displacements [F/L].
+        mask: pinned unknowns of this rank.
+        symmetric: is A?
+    """
+
+    K: PETSc.Mat
+    mask: BoolArray
+    symmetric: bool
+
+    @property
+    def sizes(self) -> Any:
+        """Of the operator, as PETSc takes them."""
+
+    def mult(self, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """y = A x. Collective.
+
+        Args:
+            x: unknowns.
+            y: is overwritten.
+        """
+
+    def assemble(self) -> PETSc.Mat:
+        """A as a matrix of its own, for a preconditioner. Collective."""
+
+
 class LinearSolver:
     """A KSP with options of its own.
 
     Args:
-        V: displacement space. options: dict of PETSc options without prefix; None chooses by size.
+        V: displacement space.
+        options: PETSc options without prefix; None chooses by size.
         prefix: what the command line says of it goes first; a number is added to it, so that the options of one
             problem are not those of the next.
         indefinite: the systems are saddle points: a direct solver is the default at any size.
 
+    Attributes:
+        near_nullspace: of preconditioners, None for direct solvers.
+        num_set_ups: preconditioners made so far; num_iterations: of all solutions.
+
     Raises:
-        ValueError: options that choose an iterative solver for saddle points.
+        ValueError: options that PETSc does not take, or that choose an iterative solver for saddle points.
     """
 
-    def __init__(self, V, options, prefix, indefinite=False):
+    def __init__(self, V: Any, options: dict[str, Any] | None, prefix: str, indefinite: bool = False) -> None:
         size = V.dofmap.index_map.size_global * V.dofmap.index_map_bs
         self.default = DIRECT if indefinite or size <= LARGEST_DIRECT[V.mesh.geometry.dim] else ITERATIVE
         database, own = PETSc.Options(), f"{prefix}{next(_SOLVERS)}_"
@@ -112,11 +152,15 @@ class LinearSolver:
         self._max_it = self.ksp.getTolerances()[3]
         if self._keeps:
             self.ksp.setTolerances(divtol=1e30)  # the guess may be far worse than none
-        self._operator, self._system, self._own = None, None, None
-        self._matrix, self._pace, self._worth, self._spent = None, 1.0, 0, 0
+        self._operator: PETSc.Mat | None = None
+        self._system: System | None = None  # that products are taken with
+        self._own: System | None = None  # that the preconditioner was made of
+        self._matrix: PETSc.Mat | None = None
+        self._pinned: BoolArray = np.zeros(0, dtype=bool)
+        self._pace, self._worth, self._spent = 1.0, 0, 0
         self.num_set_ups, self.num_iterations = 0, 0
 
-    def warn_of_unused(self):
+    def warn_of_unused(self) -> None:
         """After a solution: warn, once and on rank 0, of options that were asked for and that nobody has read."""
         unused = sorted(key for key, name in self._asked.items() if not _cpp.linear.option_used(name))
         self._asked = {}
@@ -128,18 +172,24 @@ class LinearSolver:
             )
 
     @property
-    def direct(self):
+    def direct(self) -> bool:
         """Does it factorise?"""
         return self.ksp.getPC().getType() in ("lu", "cholesky")
 
-    def solve(self, system, b, x, rtol=1e-10):
-        """Solve a LinearSystem from the guess x; returns what is wrong with the solution, or None. Collective.
+    def solve(self, system: System, b: PETSc.Vec, x: PETSc.Vec, rtol: float = 1e-10) -> str | None:
+        """Solve a linear system. Collective.
 
         Factors (or the multigrid hierarchy) of an earlier system serve as preconditioner as long as that needs few
         iterations; then the present one is factorised.
 
         Args:
-            rtol: of the residual, for tolerances that the options do not set.
+            system: what it is.
+            b: right-hand side.
+            x: a guess, becomes the solution.
+            rtol: of the residual, for tolerances that the options do not set [1].
+
+        Returns:
+            what is wrong with the solution, or None.
         """
         if self._pins:
             self.ksp.setType("cg" if system.symmetric else "gmres")
@@ -172,13 +222,17 @@ class LinearSolver:
         self._judge(rtol)
         return fault
 
-    def factors(self, system):
-        """PETSc factor matrix of a system, if it is the one that was factorised last; else None."""
+    def factors(self, system: System) -> PETSc.Mat | None:
+        """Factors of a system, if it is the one that was factorised last; else None.
+
+        Args:
+            system: as it was solved.
+        """
         if not self.direct or not self._keeps or self._own is not system:
             return None
         return self.ksp.getPC().getFactorMatrix()
 
-    def _solved(self, system, b, x, rtol):
+    def _solved(self, system: System, b: PETSc.Vec, x: PETSc.Vec, rtol: float) -> bool:
         """Is the guess good enough? Collective."""
         residual = b.duplicate()
         system.mult(x, residual)
@@ -187,7 +241,7 @@ class LinearSolver:
         residual.destroy()
         return norms[0] <= 10.0 ** -self._digits(rtol) * norms[1]
 
-    def _serves(self, system, rtol):
+    def _serves(self, system: System, rtol: float) -> bool:
         """May the earlier preconditioner be tried? Sets how many iterations it may take. Collective.
 
         At a time it may spend as much as a new one costs, in all twice that.
@@ -204,10 +258,11 @@ class LinearSolver:
         return True
 
     @staticmethod
-    def _digits(rtol):
+    def _digits(rtol: float) -> float:
+        """Decimal digits of a tolerance, within sensible bounds."""
         return -np.log10(min(max(rtol, 1e-12), 1e-3))
 
-    def _judge(self, rtol):
+    def _judge(self, rtol: float) -> None:
         """How long the preconditioner that has just solved its own system may serve others."""
         self._spent = 0
         self._pace = max(self.ksp.getIterationNumber(), 1) / self._digits(rtol)  # iterations per digit
@@ -220,7 +275,7 @@ class LinearSolver:
         else:
             self._worth = WORTH
 
-    def _prepare(self, system):
+    def _prepare(self, system: System) -> None:
         """Preconditioner of the present system."""
         if self._matrix is not None:
             self._matrix.destroy()
@@ -232,7 +287,8 @@ class LinearSolver:
         self.num_set_ups += 1
         self._pinned, self._own = system.mask, system
 
-    def _run(self, system, b, x):
+    def _run(self, system: System, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Solve with the present preconditioner. Collective."""
         if self._operator is None:
             self._operator = PETSc.Mat().createPython(system.sizes, self, comm=system.K.getComm())
             self._operator.setUp()
@@ -243,11 +299,18 @@ class LinearSolver:
         self.ksp.getPC().setReusePreconditioner(True)
         self.num_iterations += self.ksp.getIterationNumber()
 
-    def mult(self, _, x, y):
-        """Product with the present system; PETSc calls it. One operator for all systems: preconditioners keep it."""
+    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Product with the present system; PETSc calls it. One operator for all systems: preconditioners keep it.
+
+        Args:
+            x: unknowns.
+            y: is overwritten.
+        """
+        assert self._system is not None
         self._system.mult(x, y)
 
-    def _fault(self, system, b, x):
+    def _fault(self, system: System, b: PETSc.Vec, x: PETSc.Vec) -> str | None:
+        """What is wrong with a solution, or None. Collective."""
         reason, pc = self.ksp.getConvergedReason(), self.ksp.getPC()
         if reason < 0:
             return f"PETSc reason {reason}"
@@ -270,14 +333,20 @@ class Stiffness:
     """K and what contacts add to it, a sum that is not formed.
 
     Args:
-        K: PETSc matrix of the displacements. extra: list of matrices of the same size.
+        K: matrix of the displacements [F/L].
+        extra: matrices of the same size, which are added to it [F/L].
     """
 
-    def __init__(self, K, extra):
+    def __init__(self, K: PETSc.Mat, extra: list[PETSc.Mat]) -> None:
         self.K, self.extra = K, extra
 
-    def stiffness(self, x, y):
-        """y = (K + sum of extra) x. Collective."""
+    def stiffness(self, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """y = (K + sum of extra) x. Collective.
+
+        Args:
+            x: displacements [L].
+            y: is overwritten [F].
+        """
         self.K.mult(x, y)
         for E in self.extra:
             E.multAdd(x, y, y)
@@ -290,12 +359,26 @@ class LinearSystem(Stiffness):
     preconditioner forms it.
 
     Args:
-        K: PETSc matrix of the displacements. extra: list of matrices of the same size. symmetric: are they?
-        transformation: Condensation or None. pinned: mask over owned degrees of freedom.
-        diagonal: d, an entry of the size of K's.
+        K: matrix of the displacements [F/L].
+        extra: matrices of the same size, which are added to it [F/L].
+        symmetric: are they?
+        transformation: Condensation (C++) or None.
+        pinned: mask over owned degrees of freedom.
+        diagonal: d, an entry of the size of K's [F/L].
+
+    Attributes:
+        mask, pinned: the pinned unknowns as a mask and by number.
     """
 
-    def __init__(self, K, extra, symmetric, transformation, pinned, diagonal):
+    def __init__(
+        self,
+        K: PETSc.Mat,
+        extra: list[PETSc.Mat],
+        symmetric: bool,
+        transformation: Any,
+        pinned: BoolArray,
+        diagonal: float,
+    ) -> None:
         super().__init__(K, extra)
         self.transformation = transformation
         self.symmetric = symmetric and (transformation is None or transformation.symmetric)
@@ -303,21 +386,26 @@ class LinearSystem(Stiffness):
         self._work = [K.createVecRight() for _ in range(3)]
 
     @property
-    def sizes(self):
+    def sizes(self) -> Any:
         """Of the operator, as PETSc takes them."""
         return self.K.getSizes()
 
-    def create(self):
+    def create(self) -> PETSc.Vec:
         """A vector of the unknowns."""
         return self.K.createVecRight()
 
-    def free(self):
+    def free(self) -> None:
         """Give back the memory of what was made here. Collective."""
         for vector in self._work:
             vector.destroy()
 
-    def mult(self, x, y):
-        """y = A x. Collective."""
+    def mult(self, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """y = A x. Collective.
+
+        Args:
+            x: unknowns [L].
+            y: is overwritten [F].
+        """
         free, moved, force = self._work
         x.copy(free)
         free.array[self.pinned] = 0.0
@@ -329,8 +417,14 @@ class LinearSystem(Stiffness):
             self.transformation.left.multTranspose(force, y)
         y.array[self.pinned] = self.diagonal * x.array_r[self.pinned]
 
-    def load(self, residual, values, b):
-        """Right side b for a residual (array over owned dofs) and a vector of pinned values. Collective."""
+    def load(self, residual: FloatArray, values: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Right-hand side b. Collective.
+
+        Args:
+            residual: nodal, owned dofs [F].
+            values: unknowns, of which the pinned ones count [L].
+            b: is overwritten [F].
+        """
         pinned, moved, force = self._work
         pinned.set(0.0)
         pinned.array[self.pinned] = values.array_r[self.pinned]
@@ -343,11 +437,15 @@ class LinearSystem(Stiffness):
             self.transformation.left.multTranspose(force, b)
         b.array[self.pinned] = self.diagonal * values.array_r[self.pinned]
 
-    def displacements(self, y):
-        """Increments of displacement that unknowns stand for, array over owned dofs. Collective."""
+    def displacements(self, y: PETSc.Vec) -> FloatArray:
+        """Increments of displacement that unknowns stand for, owned dofs [L]. Collective.
+
+        Args:
+            y: unknowns [L].
+        """
         return y.array_r.copy() if self.transformation is None else self.transformation.increment(y)
 
-    def assemble(self):
+    def assemble(self) -> PETSc.Mat:
         """A as a matrix of its own. Collective."""
         total = self.K.copy()
         for E in self.extra:

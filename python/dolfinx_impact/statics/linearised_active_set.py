@@ -89,13 +89,6 @@ class LinearisedActiveSet:
         z[rows] = np.linalg.solve(A, b)
         return z
 
-    def _gap_of_one(self, here):
-        """Displacements that open a gap of one at a node (mask), array over owned dofs."""
-        contact = self.contact
-        known = np.zeros((len(self.increments) // contact.gdim, contact.gdim))
-        known[contact.nodes[here]] = contact._normal_direction()[here] / contact.free_length[here, None]
-        return known.ravel()
-
     def _add(self, new):
         """Columns of more nodes."""
         contact, system = self.contact, self.system
@@ -112,7 +105,7 @@ class LinearisedActiveSet:
         for k, number in enumerate(new):
             here = geometry.numbers == number
             if opened[k]:
-                transformation.known[:] = self._gap_of_one(here)
+                transformation.known[:] = contact.unit_gap(number)
                 system.load(np.zeros(rows), x, b)
                 columns[:, k] = b.array_r
             else:
@@ -125,7 +118,7 @@ class LinearisedActiveSet:
         increments = np.empty((rows, len(new)))
         gaps, multipliers = (np.empty((len(contact.nodes), len(new))) for _ in range(2))
         for k in range(len(new)):
-            transformation.known[:] = self._gap_of_one(geometry.numbers == new[k]) if opened[k] else 0.0
+            transformation.known[:] = contact.unit_gap(new[k]) if opened[k] else 0.0
             x.array[:] = values[:, k]
             increments[:, k] = system.displacements(x)
             gaps[:, k], multipliers[:, k] = contact.linearised_response(

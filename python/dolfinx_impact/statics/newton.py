@@ -53,7 +53,10 @@ class Newton:
         # How much further than asked for linear solutions go: with factors at hand digits are cheap.
         self.margin = 1e-3 if problem._solver.direct else 0.3
         self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
-        self._forces = np.zeros(sum(c.gdim * len(c.nodes) for c in self.multipliers) if self.saddle else 0)
+        if self.saddle:
+            sizes, gdim = [len(c.nodes) for c in self.multipliers], problem.space.mesh.geometry.dim
+            self._rows = _cpp.multipliers.SaddlePoint(self.comm, self.num_owned, gdim, sizes)
+            self._forces = np.zeros(gdim * sum(sizes))
 
     def run(self, target, log):
         """From the present u to prescribed values `target` (array over all dofs, prescribed entries count). Collective.
@@ -106,11 +109,11 @@ class Newton:
             if iteration - round_start == self.max_iterations:
                 break
             period = result.cycle() if iteration - round_start > PLAIN else 0
+            K = self._stiffness()
             if iteration == 0 and p.contact:
-                loose = self._unconstrained_modes()
+                loose = self._unconstrained_modes(K)
                 if loose:
                     return result.failed(loose, hopeless=True)
-            K = self._stiffness()
             inner = max(inner, self._tangent_force(K))
             noise = self._round_off(K)
             # What is still asked for, but no more than Newton's quadratic convergence may bring from here.
@@ -233,11 +236,12 @@ class Newton:
         free[self.fixed] = 0.0
         return self._norm(free)
 
-    def _unconstrained_modes(self):
+    def _unconstrained_modes(self, K):
         """What is wrong with the supports, or an empty string: bodies that supports and contact leave free.
         Collective."""
         p = self.problem
-        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric)
+        springs = K if p.material is None else None  # a residual of the user's own may have springs
+        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric, springs)
         if not loose:
             return ""
         gaps = [(c.pair.name, self.comm.allreduce(float(np.min(c.gap, initial=np.inf)), MPI.MIN)) for c in p.contact]
@@ -362,10 +366,9 @@ class Newton:
         elif geometric:  # from the guess: small, but not symmetric
             residual = residual + self._product(geometric, guess)
         if self.saddle:
-            parts = [c.constraints() for c in self.multipliers]
-            sizes = [len(c.nodes) for c in self.multipliers]
-            system = SaddlePoint(K, extra, pinned, mean, parts, sizes, self._start)
-            start = np.concatenate([guess, np.where(system.mask[self.num_owned :], 0.0, self._forces - system.forces)])
+            self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
+            system = SaddlePoint(K, extra, self._rows)
+            start = system.unknowns(guess, self._forces)
         else:
             system = LinearSystem(K, extra, symmetric, transformation, pinned, mean)
             start = transformation.unknowns(guess) if transformation else guess
@@ -376,7 +379,7 @@ class Newton:
             fault = self.problem._solver.solve(system, b, x, rtol)
         moved = system.displacements(x)
         if self.saddle:
-            self._forces = system.forces + x.array_r[self.num_owned :]
+            self._forces = system.forces(x)
         matrices = [K, *penalties, *geometric]
         forces, changes = self._product(matrices, moved), 0
         factors = self.problem._solver.factors(system)

@@ -171,10 +171,10 @@ class Solver:
         """An increment by a method of PETSc's: one linear step to the prescribed values, then its iterations."""
         p, newton, result = self.problem, self._newton, Increment()
         residual, self._changes = self._residual()
-        loose = newton._unconstrained_modes() if p.contact else ""
+        K = p._tangent.assemble()
+        loose = newton._unconstrained_modes(K) if p.contact else ""
         if loose:
             return result.failed(loose, hopeless=True)
-        K = p._tangent.assemble()
         if self._J is None:
             self._J = K.copy()
             self._J.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)

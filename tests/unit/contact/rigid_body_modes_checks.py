@@ -2,6 +2,7 @@
 """Bodies whose rigid body modes only contact constrains, on any partition of the mesh; see on_ranks.py."""
 
 import numpy as np
+import ufl
 from dolfinx import fem, graph
 from mpi4py import MPI
 
@@ -69,6 +70,52 @@ def check_contact_constrains_rigid_body_modes():
                 stack.problem.solve()
                 force = stack.problem.contact[0].force
                 assert abs((-force[1] if swapped else force[1]) - 1e3) < 1e-6 * 1e3, (method, swapped, shift, force)
+
+
+class OnSprings:
+    """A block on another one, pressed by a traction; the upper one hangs on springs of its own residual, on its top.
+
+    Args:
+        method: of METHODS. stiffness: (2) of the springs along x and y, per area.
+    """
+
+    def __init__(self, method, stiffness):
+        made = meshes.make("two_blocks", COMM)
+        domain, facets, tags = made.mesh, made.facet_tags, made.tags
+        V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+        self.u, v = fem.Function(V), ufl.TestFunction(V)
+        top = ufl.Measure("ds", domain, subdomain_data=facets)(tags["top"])
+        spring = ufl.as_vector([k * self.u[c] for c, k in enumerate(stiffness)])
+        F = 1e6 * ufl.inner(ufl.sym(ufl.grad(self.u)), ufl.sym(ufl.grad(v))) * ufl.dx
+        F += ufl.inner(spring - ufl.as_vector([0.0, -1e3]), v) * top
+        bottom = fem.locate_dofs_topological(V, 1, facets.find(tags["bottom"]))
+        pair = di.ContactPair(facets, tags["slave_surface"], tags["master_surface"])
+        bcs = [fem.dirichletbc(np.zeros(2), bottom, V)]
+        self.problem = di.StaticProblem(self.u, residual=F, bcs=bcs, contact=[METHODS[method](pair)])
+        self._force = fem.form(-spring[1] * top)
+
+    def force(self):
+        """Vertical force of the springs on the upper block."""
+        return COMM.allreduce(fem.assemble_scalar(self._force))
+
+
+def check_springs_in_a_residual_hold_a_body():
+    """A body that only springs of a residual hold is solved, from soft springs to stiff ones, also from a deformed
+    state: springs and contact carry the traction together. Springs along y alone leave it free along x."""
+    for method in METHODS:
+        for stiffness in (1.0, 1e3, 1e6):
+            block = OnSprings(method, (stiffness, stiffness))
+            for _ in range(2):
+                block.problem.solve()
+            contact, springs = block.problem.contact[0].force[1], block.force()
+            assert contact > 0.0 and springs > 0.0
+            assert abs(contact + springs - 1e3) < 1e-6 * 1e3, (method, stiffness, contact, springs)
+        text = ""
+        try:
+            OnSprings(method, (0.0, 1e3)).problem.solve()
+        except RuntimeError as error:
+            text = str(error)
+        assert text == "not held against rigid motion: the body around (0.5, 0.75) is free to move along x", text
 
 
 def check_unconstrained_modes_are_reported():

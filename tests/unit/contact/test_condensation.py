@@ -4,10 +4,18 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from dolfinx_impact import _cpp
-from dolfinx_impact.contact.matrices import rectangle
 from dolfinx_impact.statics.linear_solver import LinearSystem
+from dolfinx_impact.statics.saddle_point import SaddlePoint
+
+
+def full_matrix(K):
+    """Sparse matrix with all entries of a dense one."""
+    size = len(K)
+    csr = np.arange(0, size * size + 1, size, dtype=np.int32), np.tile(np.arange(size, dtype=np.int32), size), K.ravel()
+    return PETSc.Mat().createAIJ((size, size), csr=csr, comm=MPI.COMM_SELF)
 
 
 @pytest.mark.parametrize("gdim", (2, 3))
@@ -69,8 +77,7 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     comm = MPI.COMM_SELF
     transformation = _cpp.multipliers.Condensation(comm, size, 0, gdim, [rows])
     assert transformation.symmetric != slips
-    i, j = np.indices((size, size))
-    P = rectangle(comm, size, size, i.ravel(), j.ravel(), K.ravel())
+    P = full_matrix(K)
     b, x, product = P.createVecLeft(), P.createVecRight(), P.createVecLeft()
     system = LinearSystem(P, [], True, transformation, transformation.pinned, 1.0)
     system.load(-f, x, b)
@@ -88,3 +95,28 @@ def test_condensed_system_equals_the_saddle_point(slips, rng):
     assert np.allclose(along, exact[size:], atol=1e-11)
     free = transformation.residual(residual)
     assert np.max(np.abs(free)) < 1e-11
+    # Multipliers kept as unknowns, scaled by an entry of K's size: forces D (n + tilt) lambda.
+    kept = _cpp.multipliers.SaddlePoint(comm, size, gdim, [2])
+    kept.assign([rows], np.zeros(size, dtype=bool), np.zeros(4), 3.0)
+    assert np.array_equal(kept.pinned[size:], ~constrained.ravel())
+    system = SaddlePoint(P, [], kept)
+    x, b, product = system.create(), system.create(), system.create()
+    A = system.assemble().convert("dense")
+    dense = A.getDenseArray()
+    x.array[:] = rng.normal(size=len(x.array))
+    system.mult(x, product)
+    assert np.allclose(product.array, dense @ x.array, atol=1e-11)
+    x.set(0.0)
+    system.load(-f, x, b)
+    x.array[:] = np.linalg.solve(dense, b.array)
+    assert np.allclose(system.displacements(x), exact[:size], atol=1e-11)
+    along = 3.0 * system.forces(x).reshape(2, gdim)[[0, 1], place] / D
+    assert np.allclose(along, exact[size:], atol=1e-11)
+    # From a start with other forces the same solution is found.
+    start = np.where(constrained, 0.1, 0.0).ravel()
+    kept.assign([rows], np.zeros(size, dtype=bool), start, 3.0)
+    assert np.array_equal(system.unknowns(exact[:size], start), np.concatenate([exact[:size], np.zeros(4)]))
+    x.set(0.0)
+    system.load(-f, x, b)
+    x.array[:] = np.linalg.solve(dense, b.array)
+    assert np.allclose(3.0 * system.forces(x).reshape(2, gdim)[[0, 1], place] / D, exact[size:], atol=1e-11)

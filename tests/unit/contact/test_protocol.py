@@ -2,6 +2,7 @@
 """Every contact class has what problems ask of it, with the same arguments."""
 
 import inspect
+import re
 
 import pytest
 
@@ -73,3 +74,15 @@ def test_a_contact_that_lacks_something_is_noticed():
 def test_penalties_have_no_multipliers():
     assert len(complaints(protocol.MultiplierContact, PenaltyContact)) > 5
     assert not PenaltyContact.has_multipliers and LagrangeContact.has_multipliers
+
+
+def test_concepts_in_cpp_ask_for_members_of_the_protocols(checkout):
+    """Their names are those of the protocols. `evaluate` is the part of update_gap that follows the search."""
+    text = (checkout / "cpp/dolfinx_impact/enforcement/StaticContact.h").read_text()
+    concepts = dict(re.findall(r"concept (\w+) =(.*?\});?\n", text, re.DOTALL))
+    assert set(concepts) == {"StaticContact", "RegularisedContact", "MultiplierContact"}
+    asked = {name: set(re.findall(r"\w+\.(\w+)\(", body)) for name, body in concepts.items()}
+    static, multipliers = (set(members(p)[0]) for p in (protocol.StaticContact, protocol.MultiplierContact))
+    assert asked["StaticContact"] == {"update_gap", "contact_forces"}
+    assert asked["StaticContact"] | asked["RegularisedContact"] - {"evaluate"} <= static
+    assert asked["MultiplierContact"] <= multipliers and not asked["MultiplierContact"] <= static

@@ -37,8 +37,7 @@ def check_gaps():
     for kind, seed, shift in kinds():
         results = []
         for comm in (COMM, MPI.COMM_SELF):
-            model = pair(kind, comm, seed if comm is COMM else None, shift)
-            model.reach = 0.2
+            model = pair(kind, comm, seed if comm is COMM else None, shift, reach=0.2)
             state = model.state(smooth(model.V, 0.02))
             p = model.points
             results.append(in_order(comm, p.x, p.gap, p.normal, p.weight, state.pressure, state.status))
@@ -78,7 +77,7 @@ def check_forces():
         results = []
         for comm in (COMM, MPI.COMM_SELF):
             model = pair(kind, comm, seed if comm is COMM else None, shift, friction=0.3)
-            model.u_n = smooth(model.V, 0.02, 1.0)[: model.num]
+            model.u_n = smooth(model.V, 0.02, 1.0)
             x = model.points.x
             model.history.traction = 0.1 * np.cos(5 * x + 1).ravel()
             results.append(form(comm, model, smooth(model.V, 0.02)))

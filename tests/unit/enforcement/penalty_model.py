@@ -37,47 +37,64 @@ def smooth(V, amplitude, phase=0.0, comm=None):
 
 
 class Deformable:
-    """A pair of deformable bodies; `master` facets come through Exchange."""
+    """A pair of deformable bodies: QuadraturePenalty as functions of the displacements (owned and ghost dofs)."""
+
+    rigid_increment = (0.0, 0.0, 0.0)
 
     def __init__(
-        self, cell, geometry_degree, degree, comm=MPI.COMM_SELF, friction=0.0, seed=None, quadrature=4, **parameters
+        self,
+        cell,
+        geometry_degree,
+        degree,
+        comm=MPI.COMM_SELF,
+        friction=0.0,
+        seed=None,
+        quadrature=4,
+        reach=0.5,
+        **parameters,
     ):
         dim = 2 if cell in ("triangle", "quadrilateral") else 3
-        self.V, slave, master = partitioned_bodies.two_bodies(
-            comm, dim, cell, geometry_degree, degree, seed, **parameters
-        )
-        self.dim, self.friction, self.reach = dim, friction, 0.5
-        self.num = self.V.dofmap.index_map.size_local * dim
-        self.exchange = _cpp.search.Exchange(self.V._cpp_object, slave, master, self.reach)
-        self.slave, self.master = self.exchange.slave, self.exchange.master
-        self.search = _cpp.search.SurfaceSearch(self.master)
-        self.points = _cpp.penalty.Points(self.slave, *rule(cell, quadrature))
-        self.history = _cpp.penalty.PenaltyHistory(self.points)
-        self.u_n = np.zeros(self.V.dofmap.index_map.size_local * dim)
-        self.penalty = _cpp.penalty.Penalty(
-            self.points, self.slave, self.master, self.history, CHI, 0.7 * CHI, self.friction
-        )
-        self.nodes = self.exchange.map.local_to_global(np.arange(self.exchange.size // dim, dtype=np.int32))
+        self.V, slave, master = partitioned_bodies.two_bodies(comm, dim, cell, geometry_degree, degree, seed, **parameters)
+        self._set(dim, friction, self.V, slave, master, *rule(cell, quadrature), False, reach)
+
+    def _set(self, dim, friction, V, *arguments):
+        self.dim, self.friction = dim, friction
+        self.penalty = _cpp.penalty.QuadraturePenalty(V._cpp_object, *arguments)
+        given = self.penalty.parameters
+        given.normal, given.tangential, given.friction = CHI, 0.7 * CHI, friction
+        self.points, self.history = self.penalty.points, self.penalty.history
+        index_map = V.dofmap.index_map
+        self.num = index_map.size_local * dim
+        self.u_n = np.zeros((index_map.size_local + index_map.num_ghosts) * dim)
+
+    @property
+    def slave(self):
+        return self.penalty.search.slave
+
+    @property
+    def master(self):
+        return self.penalty.search.master
 
     def state(self, u):
-        self.exchange.move(u)
-        self.search.update()
-        self.points.update(self.slave, self.search, self.reach)
-        self.penalty.set_increment(self.exchange.forward(u[: self.num] - self.u_n))
-        return self.penalty.evaluate()
+        self.penalty.update_gap(u, u, False)
+        self.penalty.evaluate(u - self.u_n, self.rigid_increment)
+        return self.penalty.state
 
     def energy(self, u):
-        return self.penalty.energy(self.state(u))
+        self.state(u)
+        return self.penalty.energy()
 
     def force(self, u):
         """Entries of the owned nodes."""
-        values, out = np.zeros(self.exchange.size), np.zeros(self.num)
-        self.penalty.add_force(self.state(u), values)
-        self.exchange.reverse(values, out)
-        return out
+        self.state(u)
+        return self.penalty.contact_forces()
 
-    def tangent(self, u):
-        return self.penalty.tangent(self.state(u), self.nodes)
+    def tangent(self, u, convex=False):
+        """Rows of the owned nodes: rows, columns (global numbers) and values."""
+        self.state(u)
+        K = self.penalty.tangent(convex)
+        pointers, columns, values = K.getValuesCSR()
+        return K.getOwnershipRange()[0] + np.repeat(np.arange(self.num), np.diff(pointers)), columns, values
 
     def kinks(self, u):
         """What must not change between two states for the force to be smooth."""
@@ -86,13 +103,13 @@ class Deformable:
 
 
 class Rigid(Deformable):
-    """The slave against a rigid obstacle; nodes are those of V itself."""
+    """The slave against a rigid obstacle."""
+
+    rigid_increment = (0.01, -0.02, 0.03)
 
     def __init__(self, cell, degree, kind, friction=0.0):
         dim = 2 if cell in ("triangle", "quadrilateral") else 3
-        self.V, self.slave, _ = partitioned_bodies.two_bodies(MPI.COMM_SELF, dim, cell, degree, degree)
-        self.dim, self.friction = dim, friction
-        self.num = self.V.dofmap.index_map.size_local * dim
+        self.V, slave, _ = partitioned_bodies.two_bodies(MPI.COMM_SELF, dim, cell, degree, degree)
         up, middle = np.eye(3)[dim - 1], np.append(np.full(dim, 0.5), np.zeros(3 - dim))
         axis = np.array([0.6, 0.8, 0.0]) if dim == 3 else np.eye(3)[2]
         point, direction, radius = {
@@ -103,22 +120,7 @@ class Rigid(Deformable):
         }[kind]
         name = {"bore": "cylinder"}.get(kind, kind)
         self.obstacle = _cpp.gap.Rigid(name, dim, point.tolist(), direction.tolist(), radius)
-        self.points = _cpp.penalty.Points(self.slave, *rule(cell))
-        self.history = _cpp.penalty.PenaltyHistory(self.points)
-        self.u_n = np.zeros(self.num)
-        self.penalty = _cpp.penalty.Penalty(self.points, self.slave, None, self.history, CHI, 0.7 * CHI, friction)
-        self.nodes = np.arange(self.num // dim)
-
-    def state(self, u):
-        self.slave.move(u)
-        self.points.update_rigid(self.slave, self.obstacle)
-        self.penalty.set_increment(u - self.u_n, [0.01, -0.02, 0.03])
-        return self.penalty.evaluate()
-
-    def force(self, u):
-        out = np.zeros(self.num)
-        self.penalty.add_force(self.state(u), out)
-        return out
+        self._set(dim, friction, self.V, slave, self.obstacle, *rule(cell))
 
 
 def remember(model, rng, pressure=0.0):
@@ -128,11 +130,11 @@ def remember(model, rng, pressure=0.0):
     model.history.traction = rng.uniform(-0.3, 0.3, size=num * dim)
     model.history.multiplier = np.full(num, pressure)
     model.history.gap = rng.permutation(np.resize([-0.01, 0.02, 0.05, 0.01, np.inf, 0.0], num))
-    model.u_n = smooth(model.V, 0.02, 1.0)[: model.num]
+    model.u_n = smooth(model.V, 0.02, 1.0)
 
 
-def dense(model, u):
-    rows, cols, values = model.tangent(u)
+def dense(model, u, convex=False):
+    rows, cols, values = model.tangent(u, convex)
     K = np.zeros((model.num, model.num))
     np.add.at(K, (rows, cols), values)
     return K

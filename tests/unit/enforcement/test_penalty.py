@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from petsc4py import PETSc
 from penalty_model import CHI, Deformable, Rigid, dense, remember, smooth
 
 # Cell, degree of the geometry, degree of the displacements.
@@ -122,14 +123,12 @@ def test_values_of_a_point():
     """Pressure, traction, slip and status by hand: one flat pair, slid by a known amount."""
     model = Rigid("quadrilateral", 1, "plane", friction=0.2)
     u = np.zeros(model.num)
-    model.state(u)
-    weight, gap = model.points.weight, model.points.gap
+    weight = model.points.weight
     slide = 1e-5
     u[0::2] = slide
-    model.slave.move(u)
-    model.points.update_rigid(model.slave, model.obstacle)
-    model.penalty.set_increment(u)
-    state = model.penalty.evaluate()
+    model.rigid_increment = (0.0, 0.0, 0.0)
+    state = model.state(u)
+    gap = model.points.gap
     closed = gap < 0
     assert closed.any() and np.array_equal(state.status != OPEN, closed)
     assert np.allclose(state.pressure[closed], -CHI * gap[closed], rtol=1e-12)
@@ -146,18 +145,18 @@ def test_motion_counts_from_closing():
     model = Rigid("quadrilateral", 1, "plane", friction=100.0)
     u = np.zeros(model.num)
     u[0::2] = 1e-5
+    model.rigid_increment = (0.0, 0.0, 0.0)
     model.state(u)
-    model.penalty.set_increment(u)
     gap = model.points.gap
     closed = gap < 0
     assert closed.any()
     for before, part in ((0.03, gap / (gap - 0.03)), (0.0, 1.0), (-0.01, 1.0), (np.inf, 0.0)):
         model.history.gap = np.full(gap.size, before)
-        found = -model.penalty.evaluate().tangential[:, 0] / (0.7 * CHI * 1e-5)
+        found = -model.state(u).tangential[:, 0] / (0.7 * CHI * 1e-5)
         assert np.allclose(found[closed], np.broadcast_to(part, gap.shape)[closed], rtol=1e-12, atol=1e-15)
     # With a multiplier the trial pressure grows evenly: from 0.2 - chi 0.03 to 0.2 - chi g.
     model.history.multiplier, model.history.gap = np.full(gap.size, 0.2), np.full(gap.size, 0.03)
-    state = model.penalty.evaluate()
+    state = model.state(u)
     part = state.pressure / (state.pressure + CHI * 0.03 - 0.2)
     closed = state.pressure > 0
     assert np.allclose(-state.tangential[closed, 0], 0.7 * CHI * 1e-5 * part[closed], rtol=1e-12)
@@ -174,19 +173,27 @@ def test_offset_is_a_gap():
     assert np.allclose(after[before > 0], np.maximum(before - lost, 0.0)[before > 0], rtol=1e-10, atol=1e-12)
 
 
+class Values:
+    """Arrays of a state: the object itself is of the present one."""
+
+    def __init__(self, state):
+        for name in ("status", "pressure", "tangential", "traction", "slip"):
+            setattr(self, name, getattr(state, name))
+
+
 def test_history():
     """advance copies the state; saved arrays restore it; an open point forgets."""
     model = Rigid("quadrilateral", 1, "plane", friction=0.2)
     u = np.zeros(model.num)
     u[0::2] = 0.01
-    first = model.state(u)
-    model.history.advance(first)
+    first = Values(model.state(u))
+    model.penalty.accept_step()
     model.history.multiplier = first.pressure
     assert np.array_equal(model.history.traction, first.tangential.ravel())
     assert np.array_equal(model.history.slip, first.slip.ravel())
     saved = model.history.traction, model.history.slip, model.history.multiplier
     model.u_n = u.copy()
-    second = model.state(1.1 * u)
+    second = Values(model.state(1.1 * u))
     model.history.traction = model.history.traction * 0
     model.history.traction, model.history.slip, model.history.multiplier = saved
     again = model.state(1.1 * u)
@@ -201,26 +208,22 @@ def test_history():
 def test_refused():
     model = Deformable("quadrilateral", 1, 1, friction=0.2)
     u = np.zeros(model.num)
-    state = model.state(u)
-    from dolfinx_impact import _cpp
-
-    Penalty = _cpp.penalty.Penalty
-    arguments = model.points, model.slave, model.master, model.history
-    for values, text in (((0.0,), "penalty is positive"), ((1.0, 0.0, 0.3), "tangential"), ((1.0, 1.0, 0.3), "increm")):
+    model.state(u)
+    given = model.penalty.parameters
+    for values, text in (((0.0, 0.0, 0.0), "penalty is positive"), ((1.0, 0.0, 0.3), "tangential")):
+        given.normal, given.tangential, given.friction = values
         with pytest.raises(ValueError, match=text):
-            Penalty(*arguments, *values).evaluate()
-    with pytest.raises(ValueError, match="not updated for a rigid"):
-        Penalty(model.points, model.slave, None, model.history, 1.0).evaluate()
-    with pytest.raises(ValueError, match="another slave"):
-        Penalty(model.points, model.master, model.master, model.history, 1.0).evaluate()
-    with pytest.raises(ValueError, match="another master"):
-        Penalty(model.points, model.slave, Deformable("hexahedron", 1, 1).slave, model.history, 1.0).evaluate()
+            model.penalty.evaluate()
     with pytest.raises(ValueError, match="multiplier"):
         model.history.multiplier = np.zeros(3)
-    with pytest.raises(ValueError, match="fewer entries"):
-        model.penalty.add_force(state, np.zeros(3))
-    with pytest.raises(ValueError, match="fewer global"):
-        model.penalty.tangent(state, np.zeros(3, dtype=np.int64))
+    with pytest.raises(ValueError, match="an entry for every owned"):
+        model.penalty.add_residual(PETSc.Vec().createSeq(3))
+    rigid = Rigid("quadrilateral", 1, "plane", 0.3)
+    rigid.state(u)
+    with pytest.raises(ValueError, match="increments of displacement of all nodes"):
+        rigid.penalty.evaluate(np.zeros(3), rigid.rigid_increment)
+    with pytest.raises(ValueError, match="fewer than the surface's nodes"):
+        rigid.penalty.update_gap(np.zeros(3), np.zeros(3), False)
 
 
 @pytest.mark.parametrize("cell, geometry_degree, degree", KINDS)
@@ -229,9 +232,7 @@ def test_the_convex_part_of_the_tangent(cell, geometry_degree, degree, rng):
     model = Deformable(cell, geometry_degree, degree)
     u, direction = smooth_spot(model, rng, 1e-3, {INSIDE})
     state = model.state(u)
-    rows, cols, values = model.penalty.tangent(state, model.nodes, convex=True)
-    K = np.zeros((model.num, model.num))
-    np.add.at(K, (rows, cols), values)
+    K = dense(model, u, convex=True)
     scale = np.abs(K).max()
     assert np.abs(K - K.T).max() < ROUND_OFF * scale
     assert np.linalg.eigvalsh(K).min() > -1e-12 * scale

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "FrictionlessMortar.h"
+#include "../StaticContact.h"
 #include <algorithm>
 #include <basix/quadrature.h>
 #include <stdexcept>
 
 namespace dolfinx_impact::enforcement
 {
+static_assert(MultiplierContact<FrictionlessMortar>);
+
 namespace
 {
 /// Rounding of coordinates, in sizes of the largest distance that a slave facet has from the origin.

@@ -21,7 +21,9 @@ double dot(int gdim, const double* a, const double* b)
   return sum;
 }
 
-void check(const NodalMultipliers& now)
+} // namespace
+
+void check_sizes(const NodalMultipliers& now)
 {
   const std::size_t n = now.size(), vector = n * now.gdim;
   const bool friction = now.friction > 0.0;
@@ -32,18 +34,24 @@ void check(const NodalMultipliers& now)
     throw std::invalid_argument("the arrays of a contact's nodes differ in their numbers");
 }
 
+bool sticks(const NodalMultipliers& now, std::size_t i)
+{
+  return now.active[i] && now.usable[i] && !now.sliding[i] && now.opening[i] == 0.0;
+}
+
+bool grips(const NodalMultipliers& now, std::size_t i)
+{
+  return now.active[i] && now.usable[i] && !now.sliding[i] && now.opening[i] > 0.0;
+}
+
+namespace
+{
 /// A slip or traction less its part along locked directions.
 void unlocked(const NodalMultipliers& now, std::size_t i, const double* values, double* out)
 {
   const int g = now.gdim;
   for (int a = 0; a < g; ++a)
     out[a] = values[i * g + a] - (now.lock.empty() ? 0.0 : dot(g, &now.lock[(i * g + a) * g], &values[i * g]));
-}
-
-/// Does the node stick where it is?
-bool sticks(const NodalMultipliers& now, std::size_t i)
-{
-  return now.active[i] && now.usable[i] && !now.sliding[i] && now.opening[i] == 0.0;
 }
 
 /// Traction that friction would have if it held the node, up to a factor beyond the bound.
@@ -73,7 +81,7 @@ double lean(int gdim, const NodalFrames& frames, std::size_t i, const double* ti
 
 ActiveSet update_active_set(const NodalMultipliers& now, bool first, double tolerance, double largest)
 {
-  check(now);
+  check_sizes(now);
   const int g = now.gdim;
   const std::size_t num = now.size();
   ActiveSet out{{now.active.begin(), now.active.end()},
@@ -115,16 +123,16 @@ ActiveSet update_active_set(const NodalMultipliers& now, bool first, double tole
 
 std::vector<double> friction_tilt(const NodalMultipliers& now)
 {
-  check(now);
+  check_sizes(now);
   const int g = now.gdim;
   std::vector<double> tilt(now.size() * g, 0.0);
   for (std::size_t i = 0; i < now.size() && now.friction > 0.0; ++i)
   {
     double slip[3];
     unlocked(now, i, now.slip.data(), slip);
-    const bool grips = now.active[i] && now.usable[i] && !now.sliding[i] && now.opening[i] > 0.0;
+    const bool closed_now = grips(now, i);
     for (int c = 0; c < g; ++c)
-      tilt[i * g + c] = grips            ? -slip[c] / now.opening[i]
+      tilt[i * g + c] = closed_now       ? -slip[c] / now.opening[i]
                         : now.sliding[i] ? now.friction * now.direction[i * g + c]
                                          : 0.0;
   }
@@ -143,7 +151,7 @@ std::vector<std::int32_t> constrained_nodes(const NodalMultipliers& now)
 Constraints constrain(const NodalMultipliers& now, const NodalGeometry& geometry, std::span<const double> tilt,
                       gap::MasterRows facing)
 {
-  check(now);
+  check_sizes(now);
   const int g = now.gdim;
   Constraints out;
   out.gdim = g;
@@ -190,7 +198,7 @@ void evaluate_multipliers(const NodalMultipliers& now, const NodalGeometry& geom
                           std::span<const double> tilt, std::span<const double> known, std::span<const double> follow,
                           std::span<double> multiplier, std::span<double> traction)
 {
-  check(now);
+  check_sizes(now);
   const int g = now.gdim;
   const bool friction = now.friction > 0.0;
   if (residual.size() != now.size() * g || multiplier.size() != now.size() ||
@@ -227,6 +235,139 @@ void evaluate_multipliers(const NodalMultipliers& now, const NodalGeometry& geom
     for (int a = 0; a < g; ++a)
       traction[i * g + a] = (free[a] - along * frame[a * g + place]) / weight +
                             (follow.empty() ? 0.0 : dot(g, &follow[(i * g + a) * g], law));
+  }
+}
+
+void take_multipliers(const NodalMultipliers& now, const NodalGeometry& geometry, std::span<const double> forces,
+                      std::span<const double> tilt, std::span<const double> known, std::span<double> multiplier,
+                      std::span<double> traction)
+{
+  check_sizes(now);
+  const int g = now.gdim;
+  const std::size_t vector = now.size() * g;
+  if (forces.size() != vector || tilt.size() != vector || multiplier.size() != now.size() || traction.size() != vector)
+    throw std::invalid_argument("a force and a multiplier of every node are needed");
+  for (std::size_t i = 0; i < now.size(); ++i)
+  {
+    multiplier[i] = 0.0;
+    std::fill_n(&traction[i * g], g, 0.0);
+    if (!now.active[i] || !now.usable[i])
+      continue;
+    const std::int32_t place = geometry.frames.place[i];
+    const double *frame = &geometry.frames.frames[i * g * g], weight = geometry.weight[i];
+    double force[3], along = 0.0;
+    for (int a = 0; a < g; ++a)
+    {
+      force[a] = dot(g, &frame[a * g], &forces[i * g]);
+      along += frame[a * g + place] * force[a];
+    }
+    multiplier[i] = along / (weight * lean(g, geometry.frames, i, &tilt[i * g]));
+    for (int a = 0; a < g; ++a)
+      traction[i * g + a] = (force[a] - along * frame[a * g + place]) / weight +
+                            (multiplier[i] * tilt[i * g + a] + (known.empty() ? 0.0 : known[i * g + a]));
+  }
+}
+
+std::vector<double> rotate_friction_traction(const NodalMultipliers& now, std::span<const double> normal)
+{
+  const int g = now.gdim;
+  const std::vector<double> tilt = friction_tilt(now);
+  if (now.traction.size() != tilt.size())
+    throw std::invalid_argument("a friction traction of every node is needed");
+  std::vector<double> out = tangential(g, normal, now.traction);
+  for (std::size_t i = 0; i < now.size(); ++i)
+  {
+    double* t = &out[i * g];
+    const double size = std::sqrt(dot(g, &now.traction[i * g], &now.traction[i * g])), length = std::sqrt(dot(g, t, t));
+    const bool closed_now = now.friction > 0.0 && grips(now, i);
+    for (int c = 0; c < g; ++c)
+      t[c] = closed_now ? now.multiplier[i] * tilt[i * g + c] : length > 0.0 ? t[c] * (size / length) : 0.0;
+  }
+  return out;
+}
+
+Violations violations(const NodalMultipliers& now, std::span<const double> gap)
+{
+  check_sizes(now);
+  if (gap.size() != now.size())
+    throw std::invalid_argument("a gap of every node is needed");
+  Violations out{std::vector<double>(now.size(), 0.0), std::vector<double>(now.size(), 0.0)};
+  for (std::size_t i = 0; i < now.size(); ++i)
+  {
+    if (now.active[i] && now.usable[i])
+      out.gap[i] = std::abs(gap[i]);
+    if (now.friction > 0.0 && sticks(now, i))
+    {
+      double slip[3];
+      unlocked(now, i, now.slip.data(), slip);
+      out.slip[i] = std::sqrt(dot(now.gdim, slip, slip));
+    }
+  }
+  return out;
+}
+
+std::vector<double> tangential(int gdim, std::span<const double> normal, std::span<const double> vectors)
+{
+  if (normal.size() != vectors.size())
+    throw std::invalid_argument("a normal for every vector is needed");
+  std::vector<double> out(vectors.begin(), vectors.end());
+  for (std::size_t i = 0; i < out.size(); i += gdim)
+  {
+    const double along = dot(gdim, &normal[i], &vectors[i]);
+    for (int c = 0; c < gdim; ++c)
+      out[i + c] -= along * normal[i + c];
+  }
+  return out;
+}
+
+void add_jump(const NodalGeometry& geometry, std::span<const double> jump, std::span<double> gap,
+              std::span<double> slip)
+{
+  const std::size_t num = geometry.gap.size(), g = num > 0 ? jump.size() / num : 0;
+  if (gap.size() != num || geometry.normal.size() != jump.size() || geometry.slip.size() != jump.size() ||
+      slip.size() != jump.size())
+    throw std::invalid_argument("a jump, a gap and a slip of every node are needed");
+  const std::vector<double> along = tangential(int(g), geometry.normal, jump);
+  for (std::size_t i = 0; i < num; ++i)
+    gap[i] = geometry.gap[i] + dot(int(g), &geometry.normal[i * g], &jump[i * g]);
+  for (std::size_t k = 0; k < slip.size(); ++k)
+    slip[k] = geometry.slip[k] + along[k];
+}
+
+std::vector<double> normal_tractions(std::span<const std::int8_t> usable, const NodalGeometry& geometry,
+                                     std::span<const double> forces)
+{
+  const std::size_t num = usable.size(), g = num > 0 ? forces.size() / num : 0;
+  if (geometry.frames.place.size() != num || geometry.weight.size() != num || geometry.fixed.size() != forces.size())
+    throw std::invalid_argument("a force of every node is needed");
+  std::vector<double> out(num, 0.0);
+  for (std::size_t i = 0; i < num; ++i)
+  {
+    const std::int32_t place = geometry.frames.place[i];
+    if (place < 0)
+      continue;
+    double along = 0.0;
+    for (std::size_t c = 0; c < g; ++c)
+      along += geometry.fixed[i * g + c] ? 0.0 : geometry.frames.frames[(i * g + c) * g + place] * forces[i * g + c];
+    out[i] = along / ((usable[i] ? geometry.weight[i] : 1.0) * std::max(geometry.frames.length[i], least_lean));
+  }
+  return out;
+}
+
+void add_linearisation_error(const NodalMultipliers& now, const NodalGeometry& geometry, std::span<const double> gap,
+                             std::span<const double> slip, std::span<double> gap_at, std::span<double> slip_at)
+{
+  const std::size_t num = now.size(), g = now.gdim;
+  if (gap.size() != num || slip.size() != num * g || gap_at.size() != num || slip_at.size() != num * g)
+    throw std::invalid_argument("a gap and a slip of every node are needed");
+  const std::vector<double> along = tangential(int(g), geometry.normal, slip);
+  for (std::size_t i = 0; i < num; ++i)
+  {
+    if (!now.usable[i] || !std::isfinite(gap[i]))
+      continue;
+    gap_at[i] += gap[i] - now.gap[i];
+    for (std::size_t c = 0; c < g; ++c)
+      slip_at[i * g + c] += along[i * g + c] - now.slip[i * g + c];
   }
 }
 } // namespace dolfinx_impact::enforcement

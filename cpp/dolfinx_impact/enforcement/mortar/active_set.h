@@ -27,6 +27,13 @@ struct NodalMultipliers
   std::size_t size() const { return active.size(); }
 };
 
+/// @throws std::invalid_argument for arrays of other sizes
+void check_sizes(const NodalMultipliers& now);
+/// Does node i stick where it is?
+bool sticks(const NodalMultipliers& now, std::size_t i);
+/// Has node i closed in this step, and does not slip?
+bool grips(const NodalMultipliers& now, std::size_t i);
+
 struct ActiveSet
 {
   std::vector<std::int8_t> active, sliding;
@@ -75,4 +82,48 @@ Constraints constrain(const NodalMultipliers& now, const NodalGeometry& geometry
 void evaluate_multipliers(const NodalMultipliers& now, const NodalGeometry& geometry, std::span<const double> residual,
                           std::span<const double> tilt, std::span<const double> known, std::span<const double> follow,
                           std::span<double> multiplier, std::span<double> traction);
+
+/// Multipliers and friction tractions from the solution of a saddle point.
+/// @param[in] forces along the directions of the frames, [i*gdim + d] [F]
+/// @param[in] tilt of friction_tilt in the state that the linear problem belongs to
+/// @param[in] known tractions besides, see evaluate_multipliers
+/// @param[out] multiplier, traction by node
+void take_multipliers(const NodalMultipliers& now, const NodalGeometry& geometry, std::span<const double> forces,
+                      std::span<const double> tilt, std::span<const double> known, std::span<double> multiplier,
+                      std::span<double> traction);
+
+/// Friction tractions that follow the surface to its present normals with their size; those of nodes that have closed
+/// in this step follow from the slip. [i*gdim + c] [F/L^2]
+std::vector<double> rotate_friction_traction(const NodalMultipliers& now, std::span<const double> normal);
+
+/// Gaps of active nodes, slips of those that stick; zero elsewhere.
+struct Violations
+{
+  std::vector<double> gap, slip; ///< [L]
+};
+/// @param[in] gap in the state that is judged [L]
+Violations violations(const NodalMultipliers& now, std::span<const double> gap);
+
+/// Parts of vectors along the surface, [i*gdim + c].
+std::vector<double> tangential(int gdim, std::span<const double> normal, std::span<const double> vectors);
+
+/// Gaps and slips of the linearised problem: those of `geometry`, and what a jump adds.
+/// @param[in] jump displacement of slave against master, [i*gdim + c] [L]
+/// @param[out] gap, slip by node [L]
+void add_jump(const NodalGeometry& geometry, std::span<const double> jump, std::span<double> gap,
+              std::span<double> slip);
+
+/// Parts of free nodal forces along the constrained normal directions per area, of all nodes: what multipliers gain by
+/// forces, without friction [F/L^2].
+/// @param[in] usable as in NodalMultipliers
+/// @param[in] forces [i*gdim + c] [F]
+std::vector<double> normal_tractions(std::span<const std::int8_t> usable, const NodalGeometry& geometry,
+                                     std::span<const double> forces);
+
+/// Second-order correction: add what gaps and slips differ from the linearised ones `now`, at usable nodes with a
+/// master.
+/// @param[in] gap, slip as they are [L]
+/// @param[in,out] gap_at, slip_at in the state that the linear problem is linearised about [L]
+void add_linearisation_error(const NodalMultipliers& now, const NodalGeometry& geometry, std::span<const double> gap,
+                             std::span<const double> slip, std::span<double> gap_at, std::span<double> slip_at);
 } // namespace dolfinx_impact::enforcement

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "QuadraturePenalty.h"
 #include "../../operators/petsc_check.h"
+#include "../StaticContact.h"
 #include <dolfinx/la/Vector.h>
 #include <functional>
 #include <stdexcept>
 
 namespace dolfinx_impact::enforcement
 {
+static_assert(RegularisedContact<QuadraturePenalty>);
+
 QuadraturePenalty::QuadraturePenalty(Setup setup, std::unique_ptr<search::PairSearch> search,
                                      std::shared_ptr<const gap::Rigid> rigid)
     : _V(setup.V), _slave(std::move(setup.slave)), _rigid(std::move(rigid)), _search(std::move(search)),

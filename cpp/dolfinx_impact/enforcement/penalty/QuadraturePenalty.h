@@ -33,7 +33,7 @@ public:
   /// Closest points and gaps. Collective.
   /// @param[in] u, start displacements, now and when the step began, owned and ghosts [L]
   /// @param[in] stay points a little beside the facet that they were on stay on it
-  void update_gap(std::span<const double> u, std::span<const double> start, bool stay);
+  void update_gap(std::span<const double> u, std::span<const double> start, bool stay = false);
   /// Pressures, tractions, slips and status, after update_gap. Collective.
   /// @param[in] increment displacements since the step began, owned and ghosts [L]
   /// @param[in] rigid_increment that of a rigid master [L]
@@ -62,6 +62,9 @@ public:
   std::shared_ptr<const dolfinx::common::IndexMap> map() const;
   /// Search of a deformable master, else null.
   search::PairSearch* search() { return _search.get(); }
+  /// Energy of springs whose gradient is minus the contact force, without friction and multipliers; this rank's part
+  /// [F L].
+  double energy() const { return enforcement::energy(pair(), _state); }
   /// How many matrices the tangent has needed so far.
   int num_matrices() const { return _matrix.num_created(); }
 

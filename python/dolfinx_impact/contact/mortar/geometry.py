@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: MIT
 """Nodal gaps, normals and weights of a contact by multipliers, and those against rigid obstacles."""
 
+import abc
 import copy
+from typing import Any
 
 import basix
 import numpy as np
+from petsc4py import PETSc
 
 from ... import _cpp
-from ..matrices import NodalSum
+from ...common.types import BoolArray, FloatArray, IntArray
+from ..nodal_sum import NodalSum
 from ..body_size import body_size
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 
-# Prescribed displacements are the same up to this part of them: fractions of a way are rounded.
-EQUAL = 1e-9
 # Part of a rim node's length that is in contact, by the ratio r of pressures: polynomial, highest power first, and the
 # most it can be, where the next node begins to touch. Measured on Hertz's line contact between elastic bodies, the edge
 # everywhere between the nodes (13 loads; quadrilaterals, and triangles of degree 2); left is 0.04 of a facet at most.
@@ -22,14 +24,29 @@ RIM = {(1, "corner"): (0.72, 1.0, 0.25), (1, "middle"): (1.0,), (2, "corner"): (
 RIM_MOST = {(1, "corner"): 1.25, (1, "middle"): 1.0, (2, "corner"): 1.6, (2, "middle"): 1.2}
 
 
-def quadrature_rule(shape, degree):
-    """Points (flat) and weights of a rule on a reference facet."""
+def quadrature_rule(shape: str, degree: int) -> tuple[FloatArray, FloatArray]:
+    """A rule on a reference facet.
+
+    Args:
+        shape: "interval", "triangle" or "quadrilateral".
+        degree: of polynomials that are integrated exactly.
+
+    Returns:
+        points (flat) [1], weights [1].
+    """
     points, weights = basix.make_quadrature(getattr(basix.CellType, shape), degree)
     return np.ascontiguousarray(points).ravel(), np.ascontiguousarray(weights)
 
 
-class SurfaceGeometry:
+class SurfaceGeometry(abc.ABC):
     """Common part: the slave's nodes on this rank and what belongs to each.
+
+    Args:
+        spec: Lagrange.
+        V: displacement space.
+        axisymmetric: x is the radius.
+        fixed: mask of prescribed dofs, owned and ghosts.
+        basis: "dual", "standard" or "linear".
 
     Attributes:
         basis: Multipliers. nodes: (n) owned nodes of the slave surface that a multiplier may live at.
@@ -38,10 +55,23 @@ class SurfaceGeometry:
         function over the part of the surface that faces a master [L^2]; gaps and slips are means over it.
         gap: (n) [L]. normal: (n, gdim). fixed: (n, gdim) prescribed components. locked: (n, gdim) those along which the
         motion against the master is prescribed to be zero in this increment.
-        tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment.
+        tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment, all dofs [L].
     """
 
-    def __init__(self, spec, V, axisymmetric, fixed, basis):
+    participates: BoolArray
+    weight: FloatArray
+    cover: FloatArray
+    gap: FloatArray
+    normal: FloatArray
+    locked: BoolArray
+    driven: FloatArray
+    start: FloatArray
+    displacement: FloatArray
+    start_displacement: FloatArray
+    offset: FloatArray
+    initial: InitialPenetration
+
+    def __init__(self, spec: Any, V: Any, axisymmetric: bool, fixed: BoolArray, basis: str) -> None:
         self.prescribed, self.driven = fixed, np.zeros(len(fixed))
         self.pair, self.V, self.axisymmetric = spec.pair, V, axisymmetric
         self.basis = getattr(_cpp.gap.Multipliers, basis)
@@ -49,7 +79,7 @@ class SurfaceGeometry:
         self.slave, self.master = self.pair.surfaces(V)
         self.index_map = V.dofmap.index_map
         self.sum = NodalSum(self.index_map, 1)
-        self.start = np.zeros(self.gdim * (self.index_map.size_local + self.index_map.num_ghosts))
+        self.start = np.zeros(self.gdim * self.sum.num_nodes)
         self.start_displacement = np.zeros(3)
         self.displacement = np.zeros(3)
         element = self.slave.displacement
@@ -66,92 +96,160 @@ class SurfaceGeometry:
         self.tolerance = 1e-12 * self.size
         self.offset = np.zeros(len(self.nodes))
 
-    def _set_initial_penetration(self):
+    # --- what the two kinds of masters differ in -------------------------------------------------------------------
+
+    @abc.abstractmethod
+    def update_gap(self, u: FloatArray) -> None:
+        """Gaps, normals and locked components. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+        """
+
+    @abc.abstractmethod
+    def jump(self, moved: FloatArray) -> FloatArray:
+        """Weighted displacements of slave against master, (n, gdim) [L]. Collective.
+
+        Args:
+            moved: increments, owned dofs [L].
+        """
+
+    @abc.abstractmethod
+    def master_rows(self, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Rows of D^-1 M of some of the nodes, D the diagonal.
+
+        Args:
+            rows: index of the nodes.
+
+        Returns:
+            pointers, global nodes (the master's, and slave nodes without a multiplier), values.
+        """
+
+    @abc.abstractmethod
+    def stiffness(self, multiplier: FloatArray, traction: FloatArray, active: BoolArray) -> PETSc.Mat | None:
+        """Derivative of minus the contact force at given multipliers [F/L]; None: it is zero. Collective.
+
+        Args:
+            multiplier: (n) [F/L^2].
+            traction: (n, gdim) [F/L^2].
+            active: mask (n).
+        """
+
+    @abc.abstractmethod
+    def forces(self, traction: FloatArray) -> FloatArray:
+        """Nodal forces on slave and master, owned dofs [F]. Collective.
+
+        Args:
+            traction: (n, gdim) [F/L^2].
+        """
+
+    @abc.abstractmethod
+    def _facing(self, values: FloatArray) -> FloatArray:
+        """Values over the owned nodes of V as the slave's nodes face them, (n)."""
+
+    # --- common ----------------------------------------------------------------------------------------------------
+
+    def _set_initial_penetration(self) -> None:
         """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
         self.update_gap(self.start)
         self.initial = InitialPenetration(self.pair, self.V, self.slave, self.master, self.points, self.gap)
         self.offset = self.initial.offset
 
-    def begin_step(self, u, displacement, target=None):
-        """An increment starts at u; the rigid master is to go to `displacement`, prescribed degrees of freedom to
-        `target` (None: they stay)."""
+    def begin_step(self, u: FloatArray, displacement: Any, target: FloatArray | None = None) -> None:
+        """An increment starts.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+            displacement: of a rigid master at its end, (3); None for deformable masters [L].
+            target: prescribed values at its end, over all dofs; None: they stay [L].
+        """
         self.start = np.array(u)
         self.driven = np.zeros_like(self.start) if target is None else np.where(self.prescribed, target - u, 0.0)
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
-    def save_state(self):
+    def save_state(self) -> dict[str, FloatArray]:
         """Where the increment starts, as a dict of copies."""
         return {name: getattr(self, name).copy() for name in ("start", "start_displacement", "displacement")}
 
-    def restore_state(self, state):
-        """Back to a saved state."""
+    def restore_state(self, state: dict[str, FloatArray]) -> None:
+        """Back to a saved state.
+
+        Args:
+            state: of save_state.
+        """
         for name, value in state.items():
             setattr(self, name, value.copy())
 
-    def _move(self, u):
+    def _move(self, u: FloatArray) -> None:
         u = np.ascontiguousarray(u)
         self.u = u
         self.slave.move(u)
         self.points = (self.rest + u.reshape(-1, self.gdim))[self.nodes]
 
-    def ahead(self):
+    def ahead(self) -> FloatArray:
         """What prescribed components of the slave's nodes have yet to move in this increment, (n, gdim) [L]."""
-        left = (self.driven - np.where(self.prescribed, self.u - self.start, 0.0)).reshape(-1, self.gdim)[self.nodes]
-        return np.where(self.fixed, left, 0.0)
+        return _cpp.multipliers.remaining_motion(
+            self.prescribed, self.driven, self.gdim, self.nodes, self.u, self.start
+        )
 
-    def same(self, a, b):
-        """Are prescribed displacements the same but for round-off?"""
-        return np.abs(a - b) <= EQUAL * np.maximum(np.abs(a), np.abs(b)) + 1e-2 * self.tolerance
+    def evaluate_at(self, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gap and slip at other displacements; this state stays. Collective.
 
-    def evaluate_at(self, u):
-        """Gap and slip at other displacements u (array over owned and ghost dofs); this state stays. Collective."""
+        Args:
+            u: owned and ghost dofs [L].
+
+        Returns:
+            gap (n) [L], slip (n, gdim) [L].
+        """
         there = self._elsewhere()
         there.update_gap(u)
         return there.gap, there.slip()
 
-    def _elsewhere(self):
+    def _elsewhere(self) -> "SurfaceGeometry":
         """A copy that another state may be evaluated with."""
         return copy.copy(self)
 
-    def tangential(self, jump):
-        """Part of relative displacements along the surface, (n, gdim)."""
-        return jump - np.einsum("na,nb,nb->na", self.normal, self.normal, jump)
-
-    def slip(self):
+    def slip(self) -> FloatArray:
         """Tangential displacement of slave against master in this increment, (n, gdim) [L]. Collective."""
         moved = self.jump((self.u - self.start)[: self.gdim * self.index_map.size_local])
-        return self.tangential(moved - (self.displacement - self.start_displacement)[: self.gdim])
+        rigid = (self.displacement - self.start_displacement)[: self.gdim]
+        return _cpp.multipliers.tangential(self.normal, moved - rigid)
 
-    def nearest(self):
+    def nearest(self) -> BoolArray | None:
         """Nodes to be closed where nothing touches but the bodies nearly do, mask (n), or None: they are apart.
         Collective."""
         size = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)[:, None], self.slave.nodes.shape[1], 1)
-        sums, counts = (np.zeros(len(self.sum._vector.array)) for _ in range(2))
+        sums, counts = (np.zeros(self.sum.num_nodes) for _ in range(2))
         np.add.at(sums, self.slave.nodes, size)
         np.add.at(counts, self.slave.nodes, 1.0)
         sums, counts = (self.sum(a).ravel()[self.nodes] for a in (sums, counts))
         gap = nearly_touching(self.comm, self.gap, sums / counts)
         return None if gap is None else self.gap < gap
 
-    def springs(self, rows, blocks):
-        """Matrix of springs between nodes and what they face on the master. Collective.
+    def springs(self, rows: IntArray, blocks: FloatArray) -> PETSc.Mat:
+        """Matrix of springs between nodes and what they face on the master [F/L]. Collective.
 
         Args:
-            rows: of the nodes. blocks: (len(rows), gdim, gdim) stiffness [F/L].
+            rows: index of the nodes.
+            blocks: (len(rows), gdim, gdim) stiffness [F/L].
         """
         return _cpp.multipliers.springs(
             self.index_map, self.gdim, self.nodes[rows], self.master_rows(rows), np.ascontiguousarray(blocks)
         )
 
-    def covered(self, pressure, active):
-        """Part of each node's area that is in contact, (n). Collective.
+    def covered(self, pressure: FloatArray, active: BoolArray) -> FloatArray:
+        """Part of each node's area that is in contact, (n) [1]. Collective.
+
+        Args:
+            pressure: (n) [F/L^2].
+            active: mask (n).
 
         Inside the contact it is 1. At its rim the edge of the contact lies somewhere between the nodes, and the
         pressure tells where: r is the node's pressure over that of its neighbours further inside; RIM says what of the
         area belongs to it. More than 1: the contact reaches into the area of an open node beyond.
         """
-        size = self.index_map.size_local + self.index_map.num_ghosts
+        size = self.sum.num_nodes
         p, touching, known = np.zeros(size), np.zeros(size), np.zeros(size)
         p[self.nodes], touching[self.nodes], known[self.nodes] = pressure, active, 1.0
         p, touching, known = (self.sum.forward(a).ravel() for a in (p, touching, known))
@@ -173,12 +271,12 @@ class SurfaceGeometry:
         part = self._rim_part(ratio)
         return np.where((on_rim > 0) & (total > 0), part, 1.0) * active
 
-    def _rim_part(self, ratio):
+    def _rim_part(self, ratio: FloatArray) -> FloatArray:
         """Part of the area of nodes at the rim that is in contact, from the ratio of their pressures."""
         if self.gdim == 3:
             return np.clip((ratio - 0.07) / 0.51, 0.0, 1.0)
         degree = self.slave.displacement.degree
-        middle = np.zeros(len(self.sum._vector.array))
+        middle = np.zeros(self.sum.num_nodes)
         np.add.at(middle, self.slave.nodes[:, 2:], 1.0)
         middle = self.sum(middle).ravel()[self.nodes] > 0.0
         corners, middles = (
@@ -186,11 +284,12 @@ class SurfaceGeometry:
         )
         return np.where(middle, middles, corners)
 
-    def rigid_body_jumps(self, motions, held):
+    def rigid_body_jumps(self, motions: Any, held: IntArray) -> FloatArray:
         """Displacements against the master of some nodes in all rigid motions, (gdim, held nodes, motions). Collective.
 
         Args:
-            motions: RigidBodyModes. held: index of the nodes.
+            motions: RigidBodyModes.
+            held: index of the nodes.
         """
         rows = np.zeros((self.gdim, len(held), motions.num_modes))
         surfaces = [s for s in (self.slave, self.master) if s is not None]
@@ -201,9 +300,15 @@ class SurfaceGeometry:
             rows[:, :, number] = self.jump(motions.everywhere(number).ravel())[held].T
         return rows
 
-    def diagonal_stiffness(self, K):
-        """Mean diagonal entries of each slave node's block and of the blocks opposite to it (zero: rigid), (n), (n)
-        [F/L]. Collective."""
+    def diagonal_stiffness(self, K: PETSc.Mat) -> tuple[FloatArray, FloatArray]:
+        """Mean diagonal entries of the nodes' blocks. Collective.
+
+        Args:
+            K: tangent of the bodies [F/L].
+
+        Returns:
+            of the slave's nodes, (n), and of the blocks opposite to them (zero: rigid), (n) [F/L].
+        """
         diagonal = K.getDiagonal()
         values = np.abs(diagonal.array.reshape(-1, self.gdim)).mean(axis=1)
         diagonal.destroy()
@@ -211,9 +316,13 @@ class SurfaceGeometry:
 
 
 class RigidGeometry(SurfaceGeometry):
-    """The slave's nodes against an obstacle whose gap is known in closed form."""
+    """The slave's nodes against an obstacle whose gap is known in closed form.
 
-    def __init__(self, spec, V, axisymmetric, fixed):
+    Args:
+        spec, V, axisymmetric, fixed: as in SurfaceGeometry.
+    """
+
+    def __init__(self, spec: Any, V: Any, axisymmetric: bool, fixed: BoolArray) -> None:
         super().__init__(spec, V, axisymmetric, fixed, "dual")
         self.obstacle = self.pair.rigid_master._obstacle(self.gdim)
         self.weight = self.cover = self.share
@@ -221,28 +330,29 @@ class RigidGeometry(SurfaceGeometry):
         check_side(self.pair, V, self.slave, self.obstacle)
         self._set_initial_penetration()
 
-    def update_gap(self, u):
-        """Gaps and normals at u. Collective."""
+    def update_gap(self, u: FloatArray) -> None:
+        """Gaps and normals; see SurfaceGeometry. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()
         self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
         self.gap = self.gap + self.offset
-        moved = self.driven.reshape(-1, self.gdim)[self.nodes]
-        along = (self.displacement - self.start_displacement)[: self.gdim]
-        self.locked = self.fixed & self.same(moved, along)
+        motion = (self.displacement - self.start_displacement).tolist()
+        self.locked = _cpp.multipliers.locked_components(
+            self.prescribed, self.driven, self.gdim, self.nodes, motion, self.tolerance
+        )
 
-    def _facing(self, values):
+    def _facing(self, values: FloatArray) -> FloatArray:
         return np.zeros(len(self.nodes))
 
-    def jump(self, moved):
-        """Displacements of the nodes against an obstacle at rest, (n, gdim), of increments over owned dofs."""
+    def jump(self, moved: FloatArray) -> FloatArray:
+        """Displacements of the nodes against an obstacle at rest; see SurfaceGeometry."""
         return moved.reshape(-1, self.gdim)[self.nodes]
 
-    def master_rows(self, rows):
+    def master_rows(self, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
         """No master nodes."""
         return np.zeros(len(rows) + 1, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty(0)
 
-    def stiffness(self, multiplier, traction, active):
+    def stiffness(self, multiplier: FloatArray, traction: FloatArray, active: BoolArray) -> PETSc.Mat | None:
         """The normal turns where a node slides over a curved obstacle: matrix of - D lambda d n/dx, or None.
         Collective."""
         rows = np.flatnonzero(active & (multiplier != 0.0))
@@ -251,8 +361,8 @@ class RigidGeometry(SurfaceGeometry):
             return None
         return self.springs(rows, blocks)
 
-    def forces(self, traction):
-        """Nodal forces on the slave, array over owned dofs [F]."""
+    def forces(self, traction: FloatArray) -> FloatArray:
+        """Nodal forces on the slave; see SurfaceGeometry."""
         out = np.zeros((self.index_map.size_local, self.gdim))
         out[self.nodes] = self.weight[:, None] * traction
         return out.ravel()

@@ -2,17 +2,20 @@
 """Contact by Lagrange multipliers: dual mortar, primal-dual active set, multipliers condensed; docs/contact.md."""
 
 import copy
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from ... import _cpp
 from ...common.collective import comm_of, guard
-from .friction import Coulomb
-from .geometry import RigidGeometry
+from ...common.types import AnyArray, BoolArray, FloatArray, IntArray
+from .geometry import RigidGeometry, SurfaceGeometry
 from .mortar_geometry import MortarGeometry
 from .prescribed_overlap import prescribed_overlap
-from ..pair import ContactStatus, check_pair, check_quadrature_degree
+from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
+from ..initial_penetration import InitialPenetration
 from ..output import ContactOutput
 
 BASES = ("dual", "standard", "linear")
@@ -32,7 +35,7 @@ class Lagrange:
         TypeError: not a ContactPair. ValueError: another basis, or one that an obstacle does not take.
     """
 
-    def __init__(self, pair, quadrature_degree=None, basis="dual"):
+    def __init__(self, pair: ContactPair, quadrature_degree: int | None = None, basis: str = "dual") -> None:
         with guard(comm_of(pair), "Lagrange", pair=pair, quadrature_degree=quadrature_degree, basis=basis):
             check_pair(pair)
             if basis not in BASES:
@@ -42,131 +45,193 @@ class Lagrange:
             quadrature_degree = check_quadrature_degree(quadrature_degree)
         self.pair, self.quadrature_degree, self.basis = pair, quadrature_degree, basis
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Lagrange({self.pair!r}, basis={self.basis!r})"
 
-    def _bind_explicit(self, problem):
+    def _bind_explicit(self, problem: Any) -> Any:
         raise ValueError("multipliers are for static problems: use Penalty or Kinematic in an ExplicitProblem")
 
-    def _bind(self, problem):
+    def _bind(self, problem: Any) -> "LagrangeContact":
         return LagrangeContact(self, problem)
 
 
-class LagrangeContact(Coulomb, ContactOutput):
-    """Multipliers of one pair in a problem. Points are the slave's nodes that this rank owns; see ContactOutput."""
+class LagrangeContact(ContactOutput):
+    """Multipliers of one pair in a problem. Points are the slave's nodes that this rank owns; see ContactOutput.
 
-    def __init__(self, spec, problem):
+    Args:
+        spec: Lagrange.
+        problem: StaticProblem.
+
+    Attributes:
+        nodes: (n) owned nodes of the slave.
+        active: (n) mask of nodes in contact; sliding: (n) of those that slip.
+        direction: (n, gdim) of the friction traction of slipping nodes, unit vectors [1].
+        multiplier: (n) [F/L^2]. friction_traction: (n, gdim) [F/L^2]; traction_n: that of the last converged state.
+        total_slip: (n, gdim) since a node last stuck [L].
+        opening: (n) gap at the start of the increment where a node is open then, else zero [L]; None before the first.
+        coulomb: tractions that no equilibrium of a node tells: CoulombFriction (C++).
+        nodal_stiffness, facing_stiffness: (n) of the bodies at the slave's nodes and opposite to them [F/L].
+    """
+
+    active: BoolArray
+    sliding: BoolArray
+    direction: FloatArray
+    multiplier: FloatArray
+    friction_traction: FloatArray
+    traction_n: FloatArray
+    nodal_stiffness: FloatArray
+    facing_stiffness: FloatArray
+    # Of the state that is linearised about, and of the present linear solution.
+    _at: tuple[FloatArray, FloatArray]
+    _gap: FloatArray
+    _slip: FloatArray
+    _linear_tilt: FloatArray
+
+    def __init__(self, spec: Lagrange, problem: Any) -> None:
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
         where = spec, problem.space, problem.axisymmetric, problem.fixed
-        self.geometry = RigidGeometry(*where) if self.pair.rigid else MortarGeometry(*where, spec.basis)
+        self.geometry: SurfaceGeometry = (
+            RigidGeometry(*where) if self.pair.rigid else MortarGeometry(*where, basis=spec.basis)
+        )
         self.nodes, self.gdim = self.geometry.nodes, self.geometry.gdim
         n = len(self.nodes)
-        self.fixed = problem.fixed.reshape(-1, self.gdim)[self.nodes]
+        self.fixed = self.geometry.fixed
         self.active = np.zeros(n, dtype=bool)
         self.sliding = np.zeros(n, dtype=bool)
-        self.direction = np.zeros((n, self.gdim))  # of the friction traction of slipping nodes
+        self.direction = np.zeros((n, self.gdim))
         self.multiplier = np.zeros(n)
         self.friction_traction = np.zeros((n, self.gdim))
-        self.traction_n = np.zeros((n, self.gdim))  # friction's, of the last converged state
-        self.imposed = np.zeros((n, self.gdim))  # see Coulomb
+        self.traction_n = np.zeros((n, self.gdim))
         self.total_slip = np.zeros((n, self.gdim))
-        self.opening = None  # gap at the start of the increment where a node is open then, else zero [L]
-        self.nodal_stiffness = np.ones(n)  # of the bodies at the slave's nodes [F/L]
-        self.facing_stiffness = np.zeros(n)  # of the master opposite to them [F/L]
+        self.opening: FloatArray | None = None
+        self.coulomb = _cpp.multipliers.CoulombFriction(self.gdim, n)
+        self._lock, self._no_tilt = np.zeros(0), np.zeros((n, self.gdim))
+        self.nodal_stiffness = np.ones(n)
+        self.facing_stiffness = np.zeros(n)
+        self.last_change = -1
+
+    @property
+    def _friction(self) -> bool:
+        return self.pair.friction > 0.0
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
-    def save_state(self):
+    def save_state(self) -> dict[str, Any]:
         """State that an increment starts from, as a dict of copies."""
         names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip", "opening")
-        names += ("traction_n", "imposed")
-        return {name: copy.copy(getattr(self, name)) for name in names} | {"geometry": self.geometry.save_state()}
+        state = {name: copy.copy(getattr(self, name)) for name in (*names, "traction_n")}
+        return state | {"imposed": self.coulomb.imposed, "geometry": self.geometry.save_state()}
 
-    def restore_state(self, state):
-        """Back to a saved state."""
+    def restore_state(self, state: dict[str, Any]) -> None:
+        """Back to a saved state.
+
+        Args:
+            state: of save_state.
+        """
         for name, value in state.items():
             if name == "geometry":
                 self.geometry.restore_state(value)
+            elif name == "imposed":
+                self.coulomb.imposed = value
             else:
                 setattr(self, name, copy.copy(value))
 
-    def begin_step(self, u, displacement, target=None):
-        """An increment starts at u; a rigid master goes to `displacement` in it, prescribed degrees of freedom to
-        `target` (array over all dofs, prescribed entries count; None: they stay). Collective."""
+    def begin_step(self, u: FloatArray, displacement: Any, target: FloatArray | None = None) -> None:
+        """An increment starts. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+            displacement: of a rigid master at the end of the increment, (3); None for deformable masters [L].
+            target: prescribed values at its end, over all dofs, prescribed entries count; None: they stay [L].
+        """
         if self.opening is None:
             self.geometry.update_gap(u)
             self.opening = self._opened(self.geometry.gap)
         self.geometry.begin_step(u, displacement, target)
 
-    def _opened(self, gap):
+    def _opened(self, gap: FloatArray) -> FloatArray:
         return np.where(~self.active & (gap > self.geometry.tolerance), gap, 0.0)
 
-    def accept_step(self):
-        """The increment has converged: slip adds up, less what a node slides before it closes."""
-        slip = self._slipping(self._slip)
+    def accept_step(self) -> None:
+        """The increment has converged: slip adds up, less what a node slides before it closes. Collective."""
+        slip, opening = self._slip, np.zeros(0) if self.opening is None else self.opening
+        if self._friction:  # along locked directions nothing slips
+            slip = slip - np.einsum("nab,nb->na", self._lock, slip)
         length = np.linalg.norm(slip, axis=1)
-        free = np.where(np.isfinite(self.opening), self.opening, 0.0) * self.pair.friction
-        part = np.where(self.opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
+        free = np.where(np.isfinite(opening), opening, 0.0) * self.pair.friction
+        part = np.where(opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
         self.total_slip += np.where(self.active[:, None], part[:, None] * slip, 0.0)
         self.total_slip[~self.active] = 0.0
         self.opening = self._opened(self._gap)
         self.traction_n = np.where(self.active[:, None], self.friction_traction, 0.0)
         self.update_totals()
 
-    def update_gap(self, u):
-        """Search, gaps and normals at the displacements u (array over owned and ghost dofs). Collective."""
-        self.geometry.update_gap(u)
-        self.frames, self.place, self.free_length = _cpp.multipliers.frames_at(self.geometry.normal, self.fixed)
-        self.usable = self.geometry.participates & (self.place >= 0)
-        self._gap, self._slip = self.geometry.gap, self.geometry.slip()
+    def update_gap(self, u: FloatArray) -> None:
+        """Search, gaps and normals. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+        """
+        g = self.geometry
+        g.update_gap(u)
+        self.frames, self.place, self.free_length = _cpp.multipliers.frames_at(g.normal, self.fixed)
+        self.usable = g.participates & (self.place >= 0)
+        self._gap, self._slip = g.gap, g.slip()
         self._at = self._gap, self._slip
-        self._spring = None  # those of a linear problem
-        if self.pair.friction > 0.0:
-            self._split()
+        if self._friction:
+            self.coulomb.update_directions(self.usable, self._geometry(), g.locked)
+            self._lock = self.coulomb.locked
 
-    def update_linearised_gap(self, increments):
-        """Gaps and slips after displacement increments (array over owned dofs) of a linear solution, linear in them.
-        Collective."""
-        jump = self.geometry.jump(increments)
-        gap, slip = self._at
-        self._gap = gap + np.einsum("na,na->n", self.geometry.normal, jump)
-        self._slip = slip + self.geometry.tangential(jump)
-        if self.pair.friction > 0.0:
-            self._drive_on()
+    def update_linearised_gap(self, increments: FloatArray) -> None:
+        """Gaps and slips after a linear solution, linear in its increments. Collective.
 
-    def linearised_response(self, increments, forces):
-        """What gaps and multipliers gain by displacement increments and the nodal forces they cause (arrays over owned
-        dofs), without friction: (n), (n). Collective."""
+        Args:
+            increments: of displacement, owned dofs [L].
+        """
+        self._gap, self._slip = _cpp.multipliers.add_jump(self._geometry(), self.geometry.jump(increments))
+        if self._friction:
+            self.coulomb.raise_imposed(self._state(), self.pair.friction)
+
+    def linearised_response(self, increments: FloatArray, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What gaps and multipliers gain by increments and the forces they cause, without friction. Collective.
+
+        Args:
+            increments: of displacement, owned dofs [L].
+            forces: nodal, owned dofs [F].
+
+        Returns:
+            gaps (n) [L], multipliers (n) [F/L^2].
+        """
         gap = np.einsum("na,na->n", self.geometry.normal, self.geometry.jump(increments))
-        along, weight = self._along(forces)[1:]
-        return gap, along / (weight * np.maximum(self.free_length, 1e-3))
+        return gap, _cpp.multipliers.normal_tractions(self.usable, self._geometry(), self._at_nodes(forces))
 
-    def correct_linearisation(self, u):
-        """After update_linearised_gap: take in what gaps and slips at the displacements u differ from the linear ones.
+    def correct_linearisation(self, u: FloatArray) -> None:
+        """After update_linearised_gap: take in what gaps and slips differ from the linear ones. Collective.
 
         A second-order correction, as in sequential quadratic programming: normals turn and points slide over the master
-        also in the conditions, which condensed multipliers cannot see in their matrix. Collective.
+        also in the conditions, which condensed multipliers cannot see in their matrix.
+
+        Args:
+            u: displacements that the linear problem leads to, owned and ghost dofs [L].
         """
         gap, slip = self.geometry.evaluate_at(u)
-        known = self.usable & np.isfinite(gap)
-        gap = np.where(known, gap, 0.0) - np.where(known, self._gap, 0.0)
-        slip = np.where(known[:, None], self.geometry.tangential(slip) - self._slip, 0.0)
-        self._at = self._at[0] + gap, self._at[1] + slip
+        self._at = _cpp.multipliers.add_linearisation_error(
+            self._state(), self._geometry(), self.gdim, self.pair.friction, gap, slip
+        )
 
     # --- active set ------------------------------------------------------------------------------------------------
 
-    def _state(self):
+    def _state(self) -> dict[str, AnyArray]:
         """Arrays of the nodes' state, as C++ names them (NodalMultipliers)."""
-        friction = self.pair.friction > 0.0
         return {
             "usable": self.usable, "active": self.active, "sliding": self.sliding, "gap": self._gap,
             "multiplier": self.multiplier, "slip": self._slip, "traction": self.friction_traction,
-            "direction": self.direction, "stiffness": self._stiffness_per_area(),
-            "opening": np.zeros(0) if self.opening is None else self.opening,
-            "lock": self._lock if friction else np.zeros(0),
+            "direction": self.direction,
+            "stiffness": self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0),
+            "opening": np.zeros(0) if self.opening is None else self.opening, "lock": self._lock,
         }  # fmt: skip
 
-    def _geometry(self):
+    def _geometry(self) -> dict[str, AnyArray]:
         """Arrays of the nodes where the linear problem is linearised, as C++ names them (NodalGeometry)."""
         g = self.geometry
         return {
@@ -175,60 +240,78 @@ class LagrangeContact(Coulomb, ContactOutput):
             "length": self.free_length,
         }  # fmt: skip
 
-    def _normal_direction(self):
-        return self.frames[np.arange(len(self.nodes)), :, self.place]
+    def _at_nodes(self, values: FloatArray) -> FloatArray:
+        """Values over owned dofs at the slave's nodes, (n, gdim)."""
+        return values.reshape(-1, self.gdim)[self.nodes]
 
-    def _along(self, residual):
-        """Free nodal forces, their parts along the constrained normal directions, and the nodes' weights."""
-        free = np.where(self.fixed, 0.0, residual.reshape(-1, self.gdim)[self.nodes])
-        weight = np.where(self.usable, self.geometry.weight, 1.0)
-        return free, np.einsum("na,na->n", self._normal_direction(), free), weight
+    def _law(self) -> tuple[int, float]:
+        return self.gdim, self.pair.friction
 
-    def update_multipliers(self, residual):
-        """Multipliers from the nodal residual (owned entries, without contact forces): equilibrium of slave nodes."""
-        tilt, known, follow = np.zeros((len(self.nodes), self.gdim)), np.zeros(0), np.zeros(0)
-        if self.pair.friction > 0.0:
-            tilt = self._tilt() if self._spring is None else self._linear_tilt
-            known, follow = self._explicit(), self._drive + self._lock
-        at_nodes = residual.reshape(-1, self.gdim)[self.nodes]
+    def _tilt(self) -> FloatArray:
+        """Friction traction per pressure, (n, gdim), of nodes that slip or have closed in this increment; else zero."""
+        return _cpp.multipliers.friction_tilt(self._state(), *self._law()) if self._friction else self._no_tilt
+
+    def unit_gap(self, number: int) -> FloatArray:
+        """Displacements that open a gap of one at a node, owned dofs [L].
+
+        Args:
+            number: of the node, of all ranks.
+        """
+        here = np.flatnonzero(self.geometry.numbers == number)
+        known = np.zeros((self.geometry.index_map.size_local, self.gdim))
+        known[self.nodes[here]] = self.frames[here, :, self.place[here]] / self.free_length[here, None]
+        return known.ravel()
+
+    def update_multipliers(self, residual: FloatArray) -> None:
+        """Multipliers from equilibrium of the slave's nodes.
+
+        Args:
+            residual: nodal, owned dofs, without contact forces [F].
+        """
+        tilt, known, follow, state = self._no_tilt, np.zeros(0), np.zeros(0), self._state()
+        if self._friction:
+            tilt = self._linear_tilt if self.coulomb.has_springs else self._tilt()
+            known = self.coulomb.known_tractions(state, self.pair.friction)
+            follow = self.coulomb.prescribed
         found = _cpp.multipliers.evaluate_multipliers(
-            self._state(), self._geometry(), self.gdim, self.pair.friction, at_nodes, tilt, known, follow
+            state, self._geometry(), *self._law(), self._at_nodes(residual), tilt, known, follow
         )
         self.multiplier = found[0]
-        if self.pair.friction > 0.0:
+        if self._friction:
             self.friction_traction = found[1]
 
-    def set_multipliers(self, forces):
-        """Multipliers from a saddle point: forces (n, gdim) along the directions of the frames, zero where nothing is
-        constrained. After `constraints`, `friction_springs`, whose state the solution is of, and
-        `update_linearised_gap`."""
-        on = (self.active & self.usable)[:, None]
-        forces = np.einsum("nad,nd->na", self.frames, forces)
-        weight = np.where(self.usable, self.geometry.weight, 1.0)
-        along = np.einsum("na,na->n", self._normal_direction(), forces)
-        self.multiplier = np.where(on[:, 0], along / (weight * self._lean(self._linear_tilt)), 0.0)
-        tangential = (forces - along[:, None] * self._normal_direction()) / weight[:, None]
-        tangential += self.multiplier[:, None] * self._linear_tilt + self._explicit()
-        self.friction_traction = np.where(on, tangential, 0.0)
+    def set_multipliers(self, forces: FloatArray) -> None:
+        """Multipliers from a saddle point. After `constraints` and `friction_springs`, whose state the solution is of,
+        and `update_linearised_gap`.
 
-    def rotate_friction_traction(self):
+        Args:
+            forces: (n, gdim) along the directions of the frames, zero where nothing is constrained [F].
+        """
+        state, known = self._state(), self.coulomb.known_tractions(self._state(), self.pair.friction)
+        self.multiplier, self.friction_traction = _cpp.multipliers.take_multipliers(
+            state, self._geometry(), *self._law(), forces, self._linear_tilt, known
+        )
+
+    def rotate_friction_traction(self) -> None:
         """Friction tractions known from a saddle point follow the surface and the slip to the present state."""
-        t = self.geometry.tangential(self.friction_traction)
-        size, length = np.linalg.norm(self.friction_traction, axis=1), np.linalg.norm(t, axis=1)
-        t *= np.where(length > 0.0, size / np.maximum(length, 1e-300), 0.0)[:, None]
-        grips = self._grips()
-        t[grips] = (self.multiplier[:, None] * self._tilt())[grips]
-        self.friction_traction = t
+        self.friction_traction = _cpp.multipliers.rotate_friction_traction(
+            self._state(), *self._law(), self.geometry.normal
+        )
 
-    def update_active_set(self, first, last=None):
-        """Change the active set and who sticks; returns how many nodes of all ranks would change. Collective.
+    def update_active_set(self, first: bool, last: int | None = None) -> int:
+        """Change the active set and who sticks. Collective.
 
         Args:
             first: the increment has just begun: no multipliers yet, only gaps count.
             last: change no node but the one with this number, of all nodes of all ranks; see `last_change`.
+
+        Returns:
+            number of nodes of all ranks that would change.
         """
-        active, sliding, direction = self._proposal(first)
-        stuck = self._stuck()
+        tolerance = self.geometry.tolerance
+        largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
+        state = self._state()
+        active, sliding, direction = _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
         changed = (active != self.active) | (sliding != self.sliding)
         number = self.geometry.numbers
         self.last_change = self.comm.allreduce(int(np.max(number[changed], initial=-1)), MPI.MAX)
@@ -236,39 +319,30 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.active = np.where(take, active, self.active)
         self.sliding = np.where(take, sliding, self.sliding)
         self.direction = np.where(take[:, None], direction, self.direction)
-        if self.pair.friction > 0.0 and not first:
-            changed = changed | self._impose(stuck)
+        if self._friction and not first:
+            was_stuck = _cpp.multipliers.sticking(state, *self._law())
+            changed = changed | self.coulomb.update_imposed(
+                self._state(), self.pair.friction, was_stuck, self.traction_n
+            )
         return self.comm.allreduce(int(np.count_nonzero(changed)))
 
-    def _proposal(self, first):
-        """Active and sliding masks and friction's directions that gaps, multipliers and slips ask for."""
-        tolerance = self.geometry.tolerance
-        largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
-        return _cpp.multipliers.update_active_set(
-            self._state(), self.gdim, self.pair.friction, first, tolerance, largest
-        )
-
     @property
-    def num_active(self):
+    def num_active(self) -> int:
         """Active nodes of all ranks. Collective."""
         return self.comm.allreduce(int(np.count_nonzero(self.active)))
 
-    def _violations(self):
+    def _violations(self) -> tuple[FloatArray, FloatArray]:
         """Gaps of active nodes and slips of those that stick, (n), (n) [L]."""
-        gap = np.where(self.active & self.usable, np.abs(self.geometry.gap), 0.0)
-        slip = np.zeros(len(gap))
-        if self.pair.friction > 0.0:
-            slip = np.where(self._stuck(), np.linalg.norm(self._slipping(self._slip), axis=1), 0.0)
-        return gap, slip
+        return _cpp.multipliers.violations(self._state(), *self._law(), self.geometry.gap)
 
-    def violation(self):
+    def violation(self) -> float:
         """Largest gap of an active node, or slip of one that sticks, of all ranks, in sizes of the bodies [1].
         Collective."""
-        largest = float(np.max(self._violations(), initial=0.0))
+        largest = max(float(np.max(values, initial=0.0)) for values in self._violations())
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
 
-    def largest_violation(self):
-        """The node whose gap or slip is largest. Collective."""
+    def largest_violation(self) -> str:
+        """A sentence about the node whose gap or slip is largest. Collective."""
         mine = []
         for what, values in zip(("a gap of an active node", "a slip of a node that sticks"), self._violations()):
             if len(values):
@@ -277,115 +351,145 @@ class LagrangeContact(Coulomb, ContactOutput):
         value, what, number, x = max(sum(self.comm.allgather(mine), []))
         return f"{self.pair.name}: {what}, number {number} at ({', '.join(f'{c:.4g}' for c in x)}), is {value:.3e}"
 
-    def prescribed_overlap(self):
-        """Slave nodes whose displacement along the normal is prescribed and that lie in the master, or an empty text:
-        there is nothing that a multiplier could move. Collective."""
-        return prescribed_overlap(
-            self.pair.name, self.comm, self.geometry, self.geometry.participates & (self.place < 0)
-        )
+    def prescribed_overlap(self) -> str:
+        """A sentence about slave nodes whose displacement along the normal is prescribed and that lie in the master, or
+        an empty text: there is nothing that a multiplier could move. Collective."""
+        prescribed = self.geometry.participates & (self.place < 0)
+        return prescribed_overlap(self.pair.name, self.comm, self.geometry, prescribed)
 
-    def augment(self):
+    def augment(self) -> bool:
         """Multipliers need no further rounds."""
         return False
 
-    def close_nearest(self):
-        """Close the nodes nearest to the master, if they nearly touch; returns whether there are any. Collective."""
+    def close_nearest(self) -> bool:
+        """Close the nodes nearest to the master, if they nearly touch; were there any? Collective."""
         near = self.geometry.nearest()
         if near is None:
             return False
         self.active = self.active | (near & self.usable)
         return True
 
-    def closing_forces(self):
+    def closing_forces(self) -> None:
         """No force besides: constraints close the nearest nodes. See close_nearest."""
 
     # --- linear system ---------------------------------------------------------------------------------------------
 
     @property
-    def displacement(self):
-        """Of a rigid master, as reached [L]."""
+    def displacement(self) -> FloatArray:
+        """Of a rigid master, as reached, (3) [L]."""
         return self.geometry.displacement
 
     has_multipliers = True
     symmetric = True  # what makes it not so is known to the transformation
 
-    def constraints(self):
-        """Constraints of the active nodes for the linear system."""
+    def constraints(self) -> Any:
+        """Constraints of the active nodes for the linear system: Constraints (C++)."""
         rows = np.flatnonzero(self.active & self.usable)
         self._linear_tilt = self._tilt()
         return _cpp.multipliers.constrain(
-            self._state(), self._geometry(), self.gdim, self.pair.friction, self._linear_tilt,
-            self.geometry.master_rows(rows),
-        )  # fmt: skip
+            self._state(), self._geometry(), *self._law(), self._linear_tilt, self.geometry.master_rows(rows)
+        )
 
-    def update_nodal_stiffness(self, K):
-        """Take from the bodies' stiffness what the changes of state need. Collective."""
+    def friction_springs(self) -> tuple[PETSc.Mat, FloatArray] | None:
+        """What Newton's method sees of tractions that change with the slip. Collective.
+
+        Returns:
+            matrix [F/L], and force over owned dofs to take from the right-hand side [F], of springs and of imposed
+            tractions; or None.
+        """
+        if not self._friction:
+            return None
+        rows, blocks, traction = self.coulomb.update_springs(
+            self._state(), self._geometry(), self.pair.friction, self.nodal_stiffness, self.facing_stiffness
+        )
+        if not self.comm.allreduce(len(rows) + int(np.any(self.coulomb.imposed))):
+            return None
+        return self.geometry.springs(rows, blocks), self.geometry.forces(traction)
+
+    def imposed_friction_forces(self) -> FloatArray | None:
+        """Nodal forces on both bodies of tractions imposed along prescribed directions, owned dofs [F]; or None.
+        Collective."""
+        if not self._friction:
+            return None
+        imposed = self.coulomb.imposed
+        return self.geometry.forces(imposed) if self.comm.allreduce(int(np.any(imposed))) else None
+
+    def update_nodal_stiffness(self, K: PETSc.Mat) -> None:
+        """Take from the bodies' stiffness what the changes of state need. Collective.
+
+        Args:
+            K: tangent of the bodies [F/L].
+        """
         self.nodal_stiffness, self.facing_stiffness = self.geometry.diagonal_stiffness(K)
 
-    def tangent(self):
-        """Geometric stiffness of the contact forces: a matrix, or None. Collective."""
+    def tangent(self) -> PETSc.Mat | None:
+        """Geometric stiffness of the contact forces [F/L]; None: it is zero. Collective."""
         return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
 
-    def rigid_body_constraints(self, motions):
-        """Jumps at active nodes under the rigid body modes; see StaticContact. Collective."""
+    def rigid_body_constraints(self, motions: Any) -> list[FloatArray]:
+        """Jumps at active nodes under the rigid body modes; see StaticContact. Collective.
+
+        Args:
+            motions: rigid_body_modes.RigidBodyModes.
+        """
         held = np.flatnonzero(self.active & self.usable)
         rows = self.geometry.rigid_body_jumps(motions, held)
-        return list(rows) if self.pair.friction > 0.0 else [np.einsum("na,anm->nm", self.normal[held], rows)]
+        return list(rows) if self._friction else [np.einsum("na,anm->nm", self.normal[held], rows)]
 
     # --- results ---------------------------------------------------------------------------------------------------
 
     @property
-    def initial(self):
-        """Penetrations in the reference configuration (InitialPenetration)."""
+    def initial(self) -> InitialPenetration:
+        """Penetrations in the reference configuration."""
         return self.geometry.initial
 
     @property
-    def points(self):
+    def points(self) -> FloatArray:
         """Current positions of the slave's nodes, (n, gdim) [L]."""
         return self.geometry.points
 
     @property
-    def gap(self):
+    def gap(self) -> FloatArray:
         """Gap, positive open; infinite where there is no master, (n) [L]."""
         return self.geometry.gap
 
     @property
-    def pressure(self):
+    def pressure(self) -> FloatArray:
         """Contact pressure per reference area, (n) [F/L^2]."""
         return np.maximum(np.where(self.active, self.multiplier, 0.0), 0.0)
 
     @property
-    def normal(self):
+    def normal(self) -> FloatArray:
         """Unit normals out of the master, (n, gdim)."""
         return self.geometry.normal
 
     @property
-    def traction(self):
+    def traction(self) -> FloatArray:
         """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
         return np.where(
             self.active[:, None], self.multiplier[:, None] * self.geometry.normal + self.friction_traction, 0.0
         )
 
     @property
-    def slip(self):
+    def slip(self) -> FloatArray:
         """Tangential displacement of slave against master since it last stuck to it, (n, gdim) [L]."""
         return self.total_slip
 
     @property
-    def status(self):
+    def status(self) -> IntArray:
         """ContactStatus numbers, (n)."""
         slips = self.sliding | (self.pair.friction == 0.0)
         return np.where(~self.active, ContactStatus.open, np.where(slips, ContactStatus.slip, ContactStatus.stick))
 
     @property
-    def weight(self):
+    def weight(self) -> FloatArray:
         """Area that belongs to each point, (n) [L^2]; a length in 2D."""
         return self.geometry.cover
 
-    def covered(self):
+    def covered(self) -> FloatArray:
         """Part of each point's area that is in contact, (n). Collective."""
         return self.geometry.covered(self.pressure, self.active & self.usable)
 
-    def contact_forces(self):
+    def contact_forces(self) -> FloatArray:
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
         return self.geometry.forces(self.traction)

@@ -2,16 +2,23 @@
 """Slave nodes that multipliers cannot push out of the master, because their displacement is prescribed."""
 
 import numpy as np
+from mpi4py import MPI
+
+from ...common.types import BoolArray
+from .geometry import SurfaceGeometry
 
 LEAST = 1e-9  # of the bodies' size: overlaps below it are round-off of prescribed displacements
 
 
-def prescribed_overlap(name, comm, geometry, prescribed):
+def prescribed_overlap(name: str, comm: MPI.Comm, geometry: SurfaceGeometry, prescribed: BoolArray) -> str:
     """A sentence about nodes that are prescribed along the normal and lie in the master, deeper than any point did
     before anything was loaded (that is told when a problem is made); empty without any. Collective.
 
     Args:
-        name: of the pair. geometry: SurfaceGeometry at a converged state. prescribed: mask of its nodes, (n).
+        name: of the pair.
+        comm: communicator of the mesh.
+        geometry: at a converged state.
+        prescribed: mask of its nodes, (n).
     """
     gap = np.where(prescribed & np.isfinite(geometry.gap), geometry.gap, 0.0)
     deepest = int(np.argmin(gap)) if len(gap) else None

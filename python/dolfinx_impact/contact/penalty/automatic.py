@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from ... import _cpp
 from ...common.types import FloatArray
-from ..matrices import NodalSum
+from ..nodal_sum import NodalSum
 
 if TYPE_CHECKING:  # it imports this module
     from .penalty import PenaltyContact

@@ -15,7 +15,7 @@ from ...common.collective import comm_of, guard
 from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .automatic import automatic_penalty, check_penalty
 from .facets import FacetKeeper
-from ..matrices import NodalSum
+from ..nodal_sum import NodalSum
 from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree

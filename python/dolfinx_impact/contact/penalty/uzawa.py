@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from ... import _cpp
 from ...common.types import FloatArray
-from ..matrices import NodalSum
+from ..nodal_sum import NodalSum
 
 
 class Uzawa:
