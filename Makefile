@@ -97,7 +97,7 @@ SANITIZE := build/sanitize
 sanitize-here:
 	cmake -S cpp -B $(SANITIZE) -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=OFF -DIMPACT_SANITIZE=address,undefined \
 	  -DCMAKE_INSTALL_PREFIX=$(CURDIR)/$(SANITIZE)/install
-	cmake --build $(SANITIZE) -- -j2
+	cmake --build $(SANITIZE) --target dolfinx_impact -- -j2
 	cmake --install $(SANITIZE) >/dev/null
 	cmake -S tests/cpp -B $(SANITIZE)/tests -G Ninja -DCMAKE_BUILD_TYPE=Debug \
 	  -DCMAKE_PREFIX_PATH=$(CURDIR)/$(SANITIZE)/install/dolfinx_impact \
@@ -110,6 +110,7 @@ sanitize-here:
 FILES ?= $(shell find cpp/dolfinx_impact cpp/reference -name '*.cpp' | sort)
 tidy-here:
 	@command -v clang-tidy-19 >/dev/null || { echo "tidy: clang-tidy-19 is not installed" >&2; exit 1; }
-	cmake -S cpp -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=OFF >/dev/null
+	cmake -S cpp -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=OFF \
+	  -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null # each file includes what it uses
 	printf '%s\n' $(FILES) | xargs -P2 -n1 clang-tidy-19 -p build/tidy --quiet
 	@echo "tidy: nothing found"

@@ -9,3 +9,19 @@ if(IMPACT_SANITIZE)
   target_compile_options(impact_flags INTERFACE -fsanitize=${IMPACT_SANITIZE} -fno-omit-frame-pointer -g1)
   target_link_options(impact_flags INTERFACE -fsanitize=${IMPACT_SANITIZE})
 endif()
+
+# What was compiled before is not compiled again. Precompiled headers need the two liberties: ccache compares their contents.
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+# impact_precompile(TARGET HEADER...): these headers, of the system and of other libraries only, are read once for the whole
+# target. No source counts on it: each includes what it uses.
+function(impact_precompile target)
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>) # for ccache
+  endif()
+endfunction()

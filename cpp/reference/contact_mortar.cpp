@@ -8,53 +8,64 @@ namespace
 {
 using Square = Eigen::MatrixXd;
 
-// Sums over the segments of one slave and one master facet, from the slave's own shape functions: with the dual basis
-// psi = A phi they are turned into the mortar integrals when the whole facet is known.
+// Integrals over the segments of one slave and one master facet, with derivatives.
 template <typename T>
-struct Sums
+struct SegmentIntegrals
 {
-  const Facet* master = nullptr;
   int n;
   std::vector<T> m, d, mixed;          // int phi_j phi_k, int phi_j, int phi_j phi_l(xi_m)
   std::vector<Vec<T>> distance, moved; // int phi_j (x_s - x_m), the same of the increments
 
-  explicit Sums(int nodes) : n(nodes), m(n * n), d(n), mixed(n * n), distance(n), moved(n) {}
+  explicit SegmentIntegrals(int nodes) : n(nodes), m(n * n), d(n), mixed(n * n), distance(n), moved(n) {}
 };
 
-Square matrix(const std::vector<double>& entries, int n)
+// The same as matrices: their values, or their derivatives by one variable.
+struct Integrals
 {
-  return Eigen::Map<const Matrix>(entries.data(), n, n);
-}
+  Square m, mixed;
+  Vector d;
+  Matrix distance, moved;
 
-template <typename T>
-std::vector<double> numbers(const std::vector<T>& v)
-{
-  std::vector<double> result(v.size());
-  for (std::size_t i = 0; i < v.size(); ++i)
-    result[i] = value(v[i]);
-  return result;
-}
+  // `number` takes the value or one derivative out of a T.
+  template <typename T, typename Number>
+  Integrals(const SegmentIntegrals<T>& s, Number number)
+      : m(s.n, s.n), mixed(s.n, s.n), d(s.n), distance(s.n, 3), moved(s.n, 3)
+  {
+    for (int j = 0; j < s.n; ++j)
+    {
+      d(j) = number(s.d[j]);
+      for (int c = 0; c < 3; ++c)
+      {
+        distance(j, c) = number(s.distance[j][c]);
+        moved(j, c) = number(s.moved[j][c]);
+      }
+      for (int k = 0; k < s.n; ++k)
+      {
+        m(j, k) = number(s.m[s.n * j + k]);
+        mixed(j, k) = number(s.mixed[s.n * j + k]);
+      }
+    }
+  }
+};
 
-template <typename T>
-Matrix rows(const std::vector<Vec<T>>& v)
+// Sums of one slave and one master facet, from the slave's own shape functions: with the dual basis psi = A phi they
+// are turned into the mortar integrals when the whole facet is known. Without template argument: Eigen's code is
+// compiled once.
+struct Sums
 {
-  Matrix result(v.size(), 3);
-  for (std::size_t i = 0; i < v.size(); ++i)
-    for (int c = 0; c < 3; ++c)
-      result(i, c) = value(v[i][c]);
-  return result;
-}
+  const Facet* master;
+  Integrals value;
+  std::vector<Integrals> slope; // by the degrees of freedom of the slave's facet, then of the master's
+};
 
 Vec<double> vec(const Eigen::RowVectorXd& v)
 {
   return {v(0), v(1), v.size() > 2 ? v(2) : 0};
 }
 
-template <int N>
 class Integration
 {
 public:
-  using T = Dual<N>;
   Integration(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u, const ContactHistory& history,
               const Matrix& z, Mortar& out)
       : pair_(pair), rule_(rule), basis_(basis), u_(u), history_(history), z_(z), out_(out), n_(pair.slave.num_nodes()),
@@ -64,7 +75,7 @@ public:
 
   void run()
   {
-    std::vector<std::vector<Sums<T>>> sums;
+    std::vector<std::vector<Sums>> sums;
     for (const Facet& slave : pair_.slave.facets)
       sums.push_back(facet(slave));
     for (std::size_t f = 0; f < sums.size(); ++f)
@@ -80,14 +91,14 @@ public:
 
 private:
   // Sums of a facet, master by master; none if it counts as not covered.
-  std::vector<Sums<T>> facet(const Facet& slave) const
+  std::vector<Sums> facet(const Facet& slave) const
   {
     const auto us = gather(pair_.slave, slave, u_);
     const auto plane = plane_of(pair_.slave, slave, us);
     const auto whole = corners(pair_.slave, slave, us, plane);
     const double size = std::abs(measure(whole));
     double covered = 0;
-    std::vector<Sums<T>> sums;
+    std::vector<Sums> sums;
     for (const Facet& master : pair_.master.facets)
     {
       const auto um = gather(pair_.master, master, u_);
@@ -100,7 +111,8 @@ private:
       if (area <= 1e-13 * size)
         continue;
       covered += area;
-      sums.push_back(sum(slave, us, plane, master, um));
+      sums.push_back(
+          with_variables(pair_.slave, [&](auto number) { return sum<number>(slave, us, plane, master, um); }));
     }
     if (covered < 1e-2 * size)
       sums.clear();
@@ -108,29 +120,27 @@ private:
   }
 
   // Adds up the integrals of the multipliers' functions, which decide where multipliers live.
-  void count(const Facet& slave, const std::vector<Sums<T>>& sums)
+  void count(const Facet& slave, const std::vector<Sums>& sums)
   {
     Vector d = Vector::Zero(n_);
     for (const auto& s : sums)
-    {
-      const auto ds = numbers(s.d);
-      d += Eigen::Map<const Vector>(ds.data(), n_);
-    }
+      d += s.value.d;
     if (basis_ == Basis::linear)
       d = detail::corner_functions(pair_.slave) * d;
     for (int j = 0; j < n_; ++j)
       out_.nodes.at(slave.nodes[j]).cover += d(j);
   }
 
-  Sums<T> sum(const Facet& slave, const std::vector<Vec<double>>& us_value, const Plane<double>& plane_value,
-              const Facet& master, const std::vector<Vec<double>>& um_value) const
+  template <int N>
+  Sums sum(const Facet& slave, const std::vector<Vec<double>>& us_value, const Plane<double>& plane_value,
+           const Facet& master, const std::vector<Vec<double>>& um_value) const
   {
+    using T = Dual<N>;
     const Surface &s = pair_.slave, &m = pair_.master;
     const auto us = seeded<N>(s, slave, u_, 0), um = seeded<N>(m, master, u_, N / 2);
     const auto plane = plane_of(s, slave, us);
     const auto us_n = gather(s, slave, history_.u), um_n = gather(m, master, history_.u);
-    Sums<T> result(n_);
-    result.master = &master;
+    SegmentIntegrals<T> result(n_);
     integrate(overlap(corners(s, slave, us, plane), corners(m, master, um, plane)), rule_,
               [&](const Flat<T>& y, const T& flat_weight)
               {
@@ -156,22 +166,24 @@ private:
                   }
                 }
               });
-    return result;
+    Sums sums{&master, Integrals(result, [](const T& x) { return x.v; }), {}};
+    for (int v = 0; v < N; ++v)
+      sums.slope.emplace_back(result, [v](const T& x) { return x.d(v); });
+    return sums;
   }
 
   // Turns the sums of a facet into integrals with its multiplier basis, and adds them to its nodes.
-  void combine(const Facet& slave, const std::vector<Sums<T>>& sums)
+  void combine(const Facet& slave, const std::vector<Sums>& sums)
   {
     Square m = Square::Zero(n_, n_);
     Vector d = Vector::Zero(n_);
     Matrix distance = Matrix::Zero(n_, 3), moved = distance, z = Matrix::Zero(n_, 3);
     for (const auto& s : sums)
     {
-      m += matrix(numbers(s.m), n_);
-      const auto ds = numbers(s.d);
-      d += Eigen::Map<const Vector>(ds.data(), n_);
-      distance += rows(s.distance);
-      moved += rows(s.moved);
+      m += s.value.m;
+      d += s.value.d;
+      distance += s.value.distance;
+      moved += s.value.moved;
     }
     const Square B = detail::handed_over(slave, out_);
     if (sums.empty() or B.isZero(0))
@@ -199,7 +211,7 @@ private:
     }
     for (const auto& s : sums)
     {
-      const Square mixed = A * matrix(numbers(s.mixed), n_);
+      const Square mixed = A * s.value.mixed;
       for (int l = 0; l < n_; ++l)
       {
         for (int j = 0; j < n_; ++j)
@@ -216,7 +228,7 @@ private:
 
   // Derivatives by the degrees of freedom of one pair. With A m = B diag(d): dA = (B diag(dd) - A dm) m^-1.
   // zb = B^T z, zhat = A^T z.
-  void differentiate(const Facet& slave, const std::vector<Sums<T>>& sums, const Sums<T>& s,
+  void differentiate(const Facet& slave, const std::vector<Sums>& sums, const Sums& s,
                      const Eigen::FullPivLU<Square>& lu, const Square& A, const Square& B, const Matrix& distance,
                      const Matrix& moved, const Matrix& zb, const Matrix& zhat)
   {
@@ -224,26 +236,11 @@ private:
     auto dofs = facet_dofs(pair_.slave, slave);
     for (auto dof : facet_dofs(pair_.master, *s.master))
       dofs.push_back(dof);
-    for (int v = 0; v < N; ++v)
+    for (std::size_t v = 0; v < s.slope.size(); ++v)
     {
-      Square dm(n_, n_), dmixed(n_, n_);
-      Vector dd(n_);
-      Matrix ddistance(n_, 3), dmoved(n_, 3);
-      for (int j = 0; j < n_; ++j)
-      {
-        dd(j) = s.d[j].d(v);
-        for (int c = 0; c < 3; ++c)
-        {
-          ddistance(j, c) = s.distance[j][c].d(v);
-          dmoved(j, c) = s.moved[j][c].d(v);
-        }
-        for (int k = 0; k < n_; ++k)
-        {
-          dm(j, k) = s.m[n_ * j + k].d(v);
-          dmixed(j, k) = s.mixed[n_ * j + k].d(v);
-        }
-      }
-      Matrix dgamma = A * ddistance, dslip = A * dmoved, dzhat = Matrix::Zero(n_, 3);
+      const Square &dm = s.slope[v].m, &dmixed = s.slope[v].mixed;
+      const Vector& dd = s.slope[v].d;
+      Matrix dgamma = A * s.slope[v].distance, dslip = A * s.slope[v].moved, dzhat = Matrix::Zero(n_, 3);
       if (is_dual())
       {
         dgamma += B * dd.asDiagonal() * distance_m - A * dm * distance_m;
@@ -263,7 +260,7 @@ private:
       if (is_dual() and not dzhat.isZero(0))
         for (const auto& other : sums)
         {
-          const Matrix force = matrix(numbers(other.mixed), n_).transpose() * dzhat;
+          const Matrix force = other.value.mixed.transpose() * dzhat;
           for (int l = 0; l < n_; ++l)
             add(other.master->nodes[l], dofs[v], -force.row(l));
         }
@@ -305,7 +302,7 @@ Mortar mortar(const ContactPair& pair, const Rule& rule, Basis basis, const Vect
   else
   {
     detail::normals(pair, u, out);
-    with_variables(pair.slave, [&](auto n) { Integration<n>(pair, rule, basis, u, history, z, out).run(); });
+    Integration(pair, rule, basis, u, history, z, out).run();
   }
   return out;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "contact_projection.h"
+#include "SymmetricEigen.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -97,7 +98,7 @@ bool Projector::converge(std::int64_t facet, const Vec<double>& x, Foot& foot) c
         H(k, m) = h[2 + 2 * k + m];
     }
     // Where the distance is not convex the lowest eigenvalue is raised: the step still leads downwards.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
+    const SymmetricEigen eigen(H);
     const double largest = eigen.eigenvalues().cwiseAbs().maxCoeff();
     const Vector e = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-3 * largest);
     Vector step = -(eigen.eigenvectors() * e.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * r);

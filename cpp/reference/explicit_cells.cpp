@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Model.h"
-#include <Eigen/Eigenvalues>
+#include "SymmetricEigen.h"
 #include <numbers>
 #include <stdexcept>
 
@@ -75,8 +75,7 @@ double Model::cell_frequency(const Rule& rule, const Rule& mass_rule, const std:
     const Vector root = m.cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd A =
         root.asDiagonal() * impact_reference::stiffness(s, cell_points(c), material(c), c) * root.asDiagonal();
-    highest = std::max(
-        highest, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
+    highest = std::max(highest, SymmetricEigen(A, false).eigenvalues().maxCoeff());
   }
   return std::sqrt(highest);
 }

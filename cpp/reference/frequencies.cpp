@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "SymmetricEigen.h"
 #include "solve.h"
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -87,8 +87,8 @@ Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Ve
     X = solver.solve(Dense(m * X));
     orthonormalise(X, m);
     const Dense a = X.transpose() * (k * X);
-    const Eigen::SelfAdjointEigenSolver<Dense> small(0.5 * (a + a.transpose()));
-    if (small.info() != Eigen::Success)
+    const SymmetricEigen small(0.5 * (a + a.transpose()));
+    if (not small.converged())
       throw std::runtime_error("the projected eigenvalue problem could not be solved: check the material data");
     values = small.eigenvalues();
     X = X * small.eigenvectors();

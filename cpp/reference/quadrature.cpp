@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "quadrature.h"
+#include "SymmetricEigen.h"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -95,7 +96,7 @@ std::array<Vector, 2> gauss_jacobi(int m, int alpha)
       T(k, k - 1) = T(k - 1, k) = 2 * k * (k + a) / (c * std::sqrt((c + 1) * (c - 1)));
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(T);
+  const SymmetricEigen solver(T);
   const double total = std::pow(2.0, alpha + 1) / (alpha + 1);
   return {solver.eigenvalues(), total * solver.eigenvectors().row(0).transpose().array().square().matrix()};
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "rigid.h"
+#include "SymmetricEigen.h"
 #include <numeric>
 
 namespace impact_reference
@@ -92,7 +93,7 @@ std::string free_rigid_motions(const Model& model, const std::vector<bool>& fixe
       for (int a = 0; a < d; ++a)
         if (fixed[d * nodes[i] + a])
           gram += modes.row(d * i + a).transpose() * modes.row(d * i + a);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+    const SymmetricEigen solver(gram);
     // Squares of arm / size: 1e-13 still sees a support arm of 3e-7 of the body.
     for (int k = 0; k < gram.rows(); ++k)
       if (solver.eigenvalues()(k) < 1e-13)

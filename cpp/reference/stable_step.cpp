@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "SymmetricEigen.h"
 #include "explicit.h"
-#include <Eigen/Eigenvalues>
 #include <stdexcept>
 
 namespace impact_reference
@@ -35,7 +35,7 @@ double lanczos(Eigen::Index size, F&& apply)
       Eigen::MatrixXd T = alpha.head(k + 1).asDiagonal();
       for (Eigen::Index i = 0; i < k; ++i)
         T(i, i + 1) = T(i + 1, i) = beta(i);
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> small(T);
+      const SymmetricEigen small(T);
       const double top = small.eigenvalues()(k), residual = beta(k) * std::abs(small.eigenvectors()(k, k));
       if (residual < 1e-9 * top or k + 1 == size)
         return top;
@@ -69,7 +69,7 @@ double highest_frequency(const Csr& K, const std::vector<Csr*>& springs, const V
   for (std::int64_t j = 0; j < K.size; ++j)
     A.col(j) = apply(Vector::Unit(K.size, j));
   const Eigen::MatrixXd symmetric = (A + A.transpose()) / 2;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric, Eigen::EigenvaluesOnly);
+  const SymmetricEigen solver(symmetric, false);
   return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
 }
 } // namespace impact_reference

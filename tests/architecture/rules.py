@@ -148,6 +148,11 @@ def reference_violations(root):
             own = (path.parent / name).is_file() or name.startswith("plain/")
             if not own and not (angle and STANDARD_HEADER.match(name)):
                 complaints.append(f"{path.relative_to(root)}: includes {name}")
+    recipe = reference / "CMakeLists.txt"
+    precompiled = re.findall(r"<([\w./]+)>", recipe.read_text()) if recipe.is_file() else []
+    for name in precompiled:
+        if not (STANDARD_HEADER.match(name) or name.startswith(("Eigen/", "nanobind/"))):
+            complaints.append(f"cpp/reference/CMakeLists.txt: precompiles {name}")
     allowed = {"numpy", "impact_reference", "__future__"} | set(sys.stdlib_module_names)
     return complaints + import_violations(root / "python" / "impact_reference", allowed, root)
 

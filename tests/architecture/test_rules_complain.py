@@ -116,6 +116,7 @@ def test_rooms_complain(tree, name, include):
         ("cpp/reference/element.cpp", "#include <petscmat.h>\n"),
         ("cpp/reference/element.cpp", "  #  include <basix/finite-element.h>\n"),
         ("cpp/reference/element.cpp", "#include <nanobind/nanobind.h>\n"),  # in the bindings only
+        ("cpp/reference/CMakeLists.txt", "impact_precompile(solver <vector> <Eigen/Dense> <dolfinx/mesh/Mesh.h>)\n"),
         ("cpp/plain/Mesh.h", "#include <Eigen/Dense>\n"),
         ("python/impact_reference/model.py", "import dolfinx\n"),
         ("python/impact_reference/model.py", "def f():\n    from basix import ufl\n"),

@@ -247,6 +247,7 @@ std::pair<int, enforcement::Passage> ContactForces::passage() const
 std::vector<ContactForces::Obstacle> ContactForces::obstacles() const
 {
   std::vector<Obstacle> out;
+  out.reserve(_contacts.size());
   for (const Contact& c : _contacts)
     out.push_back(c.obstacle);
   return out;

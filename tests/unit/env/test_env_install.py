@@ -2,7 +2,10 @@
 """env/inside: the package is installed when a source, the list or the Python changed, once, and never half."""
 
 import os
+import pty
+import re
 import signal
+import subprocess
 import time
 
 import pytest
@@ -117,3 +120,58 @@ def test_a_running_command_does_not_hold_the_install_lock(project):
     assert time.monotonic() - start < 20 and installs(project) == 2
     os.killpg(long.pid, signal.SIGKILL)
     long.communicate()
+
+
+NINJA = """
+case "$*" in
+  *"import dolfinx"*) [ -e "$FAKE_DOLFINX" ] ;;
+  "-m venv"*) venv=${!#}; mkdir -p "$venv/bin" "$venv/lib"; cp -- "$0" "$venv/bin/python3" ;;
+  *sysconfig*) echo "$(cd -- "$(dirname -- "$0")/.." && pwd)/lib" ;;
+  *"-m pip"*) echo "  [1/8] Building CXX object a/first.cpp.o"; sleep 3
+              echo "  [6/8] Building CXX object b/later.cpp.o"; sleep 3
+              echo "  *** Making wheel..."; sleep 3 ;;
+esac"""
+REPORTS = [
+    r"env/run: build: 12 % \(1 of 8, first\.cpp\.o\), \d+ s",
+    r"env/run: build: 75 % \(6 of 8, later\.cpp\.o\), \d+ s",
+    r"env/run: install: 33 % \(packing\), \d+ s",
+]
+
+
+def test_a_build_reports_its_progress_now_and_then(project):
+    """In a file: whole lines, at most one in the interval, with seconds that grow."""
+    project.stub("python3", NINJA)
+    answer = project.run("echo", "out", IMPACT_PROGRESS_SECONDS=1)
+    assert (answer.returncode, answer.stdout_text) == (0, "out\n")
+    lines = [line for line in answer.stderr_text.splitlines() if " %" in line]
+    for report in REPORTS:
+        assert any(re.fullmatch(report, line) for line in lines), lines
+    assert all(any(re.fullmatch(report, line) for report in REPORTS) for line in lines), lines
+    seconds = [int(line.split()[-2]) for line in lines]
+    assert seconds == sorted(set(seconds)) and "\r" not in answer.stderr_text
+
+
+def test_a_build_rewrites_one_line_of_a_terminal(project):
+    project.stub("python3", NINJA)
+    ours, theirs = pty.openpty()
+    command = [project.checkout / "env" / "run", "true"]
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=theirs, env=project.env)
+    os.close(theirs)
+    text = b""
+    try:
+        while part := os.read(ours, 4096):
+            text += part
+    except OSError:  # the other end is closed: all that had it have ended
+        pass
+    os.close(ours)
+    assert process.wait(timeout=20) == 0
+    first, progress, last = text.decode().split("\r\n")[:3]
+    assert "building and installing" in first and re.search(r"env/run: installed in \d+ s$", last or progress)
+    reports = progress.split("\r\x1b[K")
+    for report in REPORTS:
+        assert any(re.fullmatch(report, part) for part in reports), reports
+
+
+def test_a_short_build_reports_nothing_between(project):
+    answer = project.run("true")
+    assert answer.returncode == 0 and len(answer.stderr_text.splitlines()) == 2, answer.stderr_text

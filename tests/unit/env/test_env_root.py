@@ -2,6 +2,7 @@
 """env/run's root route: built once, under a lock, never half; and what it says when it cannot be built."""
 
 import os
+import re
 import signal
 import time
 
@@ -160,3 +161,37 @@ def test_the_cache_folder_is_where_it_was_asked_for(sandbox, tmp_path):
     assert list((tmp_path / "relative place").glob("root-*/.complete"))
     sandbox.run("true", XDG_CACHE_HOME=None)
     assert list((tmp_path / ".cache" / "dolfinx_impact").glob("root-*/.complete"))
+
+
+COUNTED = """
+mkdir -p "${!#}/var/lib/dpkg" "${!#}/var/cache/apt/archives"
+cd "${!#}"
+echo "I: downloading packages with apt..."
+touch var/cache/apt/archives/{1..393}.deb; sleep 3
+echo "I: installing remaining packages inside the chroot..."
+for i in {1..786}; do echo "Status: install ok $([ $i -le 393 ] && echo installed || echo unpacked)"; done >var/lib/dpkg/status
+sleep 3"""
+
+
+def test_a_root_in_the_making_reports_its_progress(sandbox):
+    """Downloaded, unpacked, set up: a third each. Of 786 packages first half are downloaded; then half are set up."""
+    sandbox.stub("mmdebstrap", COUNTED)
+    answer = sandbox.run("true", IMPACT_PROGRESS_SECONDS=1)
+    assert answer.returncode == 0, answer.stderr_text
+    lines = [line for line in answer.stderr_text.splitlines() if " % " in line]
+    for report in (
+        r"env/run: root: 16 % \(0 of about 786 packages, downloading packages with apt\.\.\.\), \d+ s",
+        r"env/run: root: 83 % \(393 of about 786 packages, installing remaining packages inside the chroot\.\.\.\), \d+ s",
+    ):
+        assert any(re.fullmatch(report, line) for line in lines), lines
+    assert len(lines) <= 8
+
+
+def test_progress_ends_with_env_run(sandbox):
+    """Killed alone, env/run leaves mmdebstrap behind, but nothing that holds the pipes of its caller open."""
+    process = sandbox.start("true", FAKE_MMDEBSTRAP_SECONDS=30, IMPACT_PROGRESS_SECONDS=1)
+    wait_for(sandbox.leftovers)
+    time.sleep(1.5)  # the watcher is at work
+    os.kill(process.pid, signal.SIGKILL)
+    process.communicate(timeout=10)  # TimeoutExpired if something else writes there
+    os.killpg(process.pid, signal.SIGKILL)

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+// ContactForces with contacts that are a few lines each: what it hands to them, and what it makes of their answers.
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <dolfinx_impact/integrators/ContactForces.h>
+#include <limits>
+#include <stdexcept>
+
+using Catch::Approx;
+using namespace dolfinx_impact;
+using namespace dolfinx_impact::integrators;
+
+namespace
+{
+/// Acts on node 2 of a plane space of three nodes.
+class OneNode : public enforcement::NodalContact
+{
+public:
+  void search(std::span<const double> u, std::span<const double> du) override
+  {
+    ++searches;
+    seen_u.assign(u.begin(), u.end());
+    seen_du.assign(du.begin(), du.end());
+  }
+  std::span<const std::int64_t> remote_nodes() const override { return {}; }
+  std::span<const int> remote_owners() const override { return {}; }
+  std::span<const std::int32_t> needs(operators::Halo&) override { return _nodes; }
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override
+  {
+    REQUIRE(halo.num_nodes() == 1);
+    own = numbers[2];
+    seen_mass = mass[own];
+  }
+  void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override
+  {
+    obstacle = displacement;
+    obstacle_increment = increment;
+  }
+  double used(const enforcement::NodalState&) const override { return motion_used; }
+  void forget_search() override { ++forgotten; }
+  void update_gaps(const double* u) override { gap = u[2 * own]; }
+  enforcement::ContactEnergy energy() const override { return energies; }
+  enforcement::Passage passage() const override { return passed; }
+  const double* force() const override { return total.data(); }
+
+  int searches = 0, forgotten = 0;
+  std::int32_t own = -1;
+  double seen_mass = 0.0, motion_used = 0.0, gap = 0.0;
+  std::vector<double> seen_u, seen_du;
+  std::array<double, 3> obstacle{}, obstacle_increment{}, total{};
+  enforcement::ContactEnergy energies;
+  enforcement::Passage passed;
+
+private:
+  std::vector<std::int32_t> _nodes{2};
+};
+
+/// A spring of stiffness 4 that pulls the node's x to zero.
+class Spring : public OneNode, public enforcement::SpringForces
+{
+public:
+  void add_forces(const enforcement::NodalState& state, double* f) override
+  {
+    total[0] = -4.0 * state.u[2 * own];
+    f[2 * own] += total[0];
+    seen_step = state.dt;
+  }
+  double seen_step = 0.0;
+};
+
+/// Lets the node go no further than x = 0.
+class Stop : public OneNode, public enforcement::StepCorrection
+{
+public:
+  void correct(const enforcement::PredictedStep& step, double* u, double* f) override
+  {
+    const double force = -u[2 * own] / (step.h * step.inverse_mass[2 * own]);
+    total[0] = force;
+    f[2 * own] += force;
+    u[2 * own] = 0.0;
+    seen_before = step.du_before[2 * own];
+  }
+  double seen_before = 0.0;
+};
+
+NodalFields three_nodes()
+{
+  NodalFields fields(std::make_shared<const dolfinx::common::IndexMap>(MPI_COMM_SELF, 3), 2);
+  for (std::size_t i = 0; i < fields.u.size(); ++i)
+  {
+    fields.mass[i] = 2.0;
+    fields.inverse[i] = 0.5;
+  }
+  return fields;
+}
+} // namespace
+
+TEST_CASE("contacts act in one of two ways, in a step that is known")
+{
+  ContactForces contacts;
+  CHECK(contacts.empty());
+  CHECK_NOTHROW(contacts.check_step()); // nobody needs it
+  CHECK_FALSE(contacts.search_due());
+  CHECK_THROWS_AS(contacts.add(std::make_shared<OneNode>(), {-1, -1, -1}), std::invalid_argument);
+  CHECK(contacts.empty());
+  contacts.add(std::make_shared<Spring>(), {-1, -1, -1});
+  CHECK(contacts.has_springs());
+  CHECK_FALSE(contacts.has_kinematic());
+  contacts.add(std::make_shared<Stop>(), {-1, -1, -1});
+  CHECK(contacts.has_kinematic());
+  CHECK(contacts.size() == 2);
+  CHECK(contacts.search_due());
+  CHECK_THROWS_AS(contacts.check_step(), std::invalid_argument);
+  for (double dt : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    CHECK_THROWS_AS(contacts.set_step(dt), std::invalid_argument);
+  contacts.set_step(0.1);
+  CHECK_NOTHROW(contacts.check_step());
+  CHECK(contacts.step() == 0.1);
+}
+
+TEST_CASE("a search sees the motion of a step")
+{
+  NodalFields fields = three_nodes();
+  fields.u[4] = 7.0;
+  fields.v[4] = 3.0;
+  ContactForces contacts;
+  const auto spring = std::make_shared<Spring>();
+  contacts.add(spring, {-1, -1, -1});
+  contacts.set_step(0.1);
+  contacts.search(fields, 0.0); // at the start: the step of the stiffness
+  CHECK(spring->seen_u == fields.u);
+  CHECK(spring->seen_du[4] == Approx(0.3).epsilon(1e-15));
+  CHECK(spring->own == 0);
+  CHECK(spring->seen_mass == 2.0);
+  CHECK_FALSE(contacts.search_due());
+  contacts.search(fields, 0.5);
+  CHECK(spring->seen_du[4] == 1.5);
+  CHECK(contacts.num_searches() == 2);
+  SECTION("what asks for another one")
+  {
+    contacts.request_search();
+    CHECK(contacts.search_due());
+    CHECK(contacts.work_of_step(fields, 0.5));
+    CHECK(spring->searches == 3);
+    CHECK_FALSE(contacts.work_of_step(fields, 0.5));
+    contacts.forget_searches();
+    CHECK(spring->forgotten == 1);
+    CHECK(contacts.search_due());
+  }
+  SECTION("candidates that are used up are counted")
+  {
+    EnergySums sums;
+    contacts.predict_searches();
+    contacts.add_energies(sums);
+    CHECK(sums.searches_due == 0.0);
+    for (double used : {1.0, std::numeric_limits<double>::quiet_NaN()})
+    {
+      spring->motion_used = used;
+      contacts.predict_searches();
+      contacts.add_energies(sums);
+      CHECK(sums.searches_due == 1.0);
+    }
+  }
+}
+
+TEST_CASE("springs are part of the residual and do work by the trapezoidal rule")
+{
+  NodalFields fields = three_nodes();
+  const double dt = 0.5;
+  ContactForces contacts;
+  const auto spring = std::make_shared<Spring>();
+  contacts.add(spring, {-1, -1, -1});
+  contacts.set_step(dt);
+  contacts.search(fields, 0.0);
+  // From x = 0 to 1 to 3: work -4 (0 + 1)/2 (1 - 0) - 4 (1 + 3)/2 (3 - 1).
+  double expected = 0.0;
+  for (const auto& [from, to] : {std::pair{0.0, 1.0}, std::pair{1.0, 3.0}})
+  {
+    fields.u[4] = to;
+    fields.v[4] = (to - from) / dt;
+    fields.r.assign(6, 0.0);
+    CHECK_FALSE(contacts.work_of_step(fields, dt));
+    contacts.evaluate(fields);
+    expected -= 4.0 * 0.5 * (from + to) * (to - from);
+    CHECK(fields.r == std::vector<double>{0.0, 0.0, 0.0, 0.0, 4.0 * to, 0.0});
+    CHECK(contacts.spring_work().value() == Approx(expected).epsilon(1e-15));
+    contacts.commit();
+  }
+  CHECK(expected == -18.0);
+  CHECK(spring->seen_step == dt);
+  CHECK(contacts.spring_position() == -36.0);
+  EnergySums sums;
+  spring->energies = {.stored = 18.0, .friction = 1.0, .normal = 2.0};
+  contacts.add_energies(sums);
+  CHECK(sums.work[std::size_t(WorkKind::contact)] == Approx(-18.0).epsilon(1e-15));
+  CHECK(sums.terms_position == 18.0);
+  CHECK(sums.stored == 18.0);
+  CHECK(sums.friction == 1.0);
+  CHECK(sums.normal == 2.0);
+  CHECK(sums.kinematic == 0.0); // springs take nothing that they could give back
+  double force[] = {0.0, 0.0, 5.0};
+  contacts.resultants(2, force);
+  CHECK(force[0] == -12.0);
+  CHECK(force[2] == 5.0); // no third component in the plane
+  contacts.update_gaps();
+  CHECK(spring->gap == 3.0);
+  SECTION("another run goes on from the forces")
+  {
+    ContactForces others;
+    const auto other = std::make_shared<Spring>();
+    others.add(other, {-1, -1, -1});
+    others.set_step(dt);
+    others.restore(contacts.forces(fields), contacts.spring_work(), contacts.spring_position(), 0.25,
+                   contacts.obstacles());
+    CHECK(other->forgotten == 1);
+    CHECK(others.obstacle_work() == 0.25);
+    others.search(fields, dt);
+    fields.u[4] = 4.0;
+    fields.v[4] = 2.0;
+    contacts.work_of_step(fields, dt);
+    others.work_of_step(fields, dt);
+    CHECK(others.spring_work().value() == Approx(-18.0 - 0.5 * 12.0).epsilon(1e-15));
+    CHECK(others.spring_work().value() == contacts.spring_work().value());
+  }
+  SECTION("a new start forgets them")
+  {
+    contacts.reset();
+    CHECK(contacts.spring_work().value() == 0.0);
+    CHECK(contacts.forces(fields).springs == std::vector<double>(6, 0.0));
+    CHECK(contacts.search_due());
+  }
+}
+
+TEST_CASE("rigid masters move by amplitudes, and the contact force works on them")
+{
+  NodalFields fields = three_nodes();
+  fields.u[4] = 2.0;
+  ContactForces contacts;
+  const auto moved = std::make_shared<Spring>(), fixed = std::make_shared<Spring>();
+  contacts.add(moved, {1, 0, 2});
+  contacts.add(fixed, {-1, -1, -1});
+  contacts.set_step(0.5);
+  contacts.search(fields, 0.0);
+  const double start[] = {5.0, 1.0, 0.0}, later[] = {5.0, 1.5, 0.0};
+  contacts.move_obstacles(start, true);
+  CHECK(moved->obstacle == std::array{1.0, 5.0, 0.0});
+  CHECK(moved->obstacle_increment == std::array{0.0, 0.0, 0.0}); // it begins there
+  contacts.evaluate(fields);
+  CHECK(contacts.obstacle_work() == 0.0);
+  contacts.move_obstacles(later, false);
+  CHECK(moved->obstacle_increment == std::array{0.5, 0.0, 0.0});
+  CHECK(fixed->obstacle == std::array{0.0, 0.0, 0.0});
+  contacts.work_of_step(fields, 0.5);
+  contacts.evaluate(fields);
+  // The force of -8 on the slave does not change; half of the work by it before, half by it after.
+  CHECK(contacts.obstacle_work() == -4.0);
+  const auto obstacles = contacts.obstacles();
+  REQUIRE(obstacles.size() == 2);
+  CHECK(obstacles[0].displacement[0] == 1.5);
+  CHECK(obstacles[0].increment[0] == 0.5);
+  CHECK(obstacles[0].increment_before[0] == 0.0);
+  EnergySums sums;
+  contacts.add_energies(sums);
+  CHECK(sums.load_work == -4.0);
+}
+
+TEST_CASE("kinematic contact corrects displacement, velocity and the sums of an update")
+{
+  NodalFields fields = three_nodes();
+  const double dt = 0.5, h = 0.25;
+  ContactForces contacts;
+  const auto stop = std::make_shared<Stop>();
+  contacts.add(stop, {-1, -1, -1});
+  contacts.set_step(dt);
+  fields.v[4] = 2.0;
+  fields.r[4] = 3.0;
+  contacts.search(fields, 0.0);
+  contacts.keep(fields);
+  // The update has moved the node from -1 to 1 at a velocity of 4.
+  fields.u[4] = 1.0;
+  fields.v[4] = 4.0;
+  Loads loads(6);
+  loads.add(std::vector<std::int32_t>{4}, std::vector<double>{10.0}, -1);
+  loads.apply(nullptr);
+  Sums sums;
+  contacts.correct(fields, dt, 0.4, h, 1.0, loads, sums);
+  CHECK(fields.u == std::vector<double>(6, 0.0));
+  CHECK(stop->seen_before == Approx(0.4 * 2.0).epsilon(1e-15));
+  const double force = -1.0 / (h * dt * 0.5), v = 4.0 + h * 0.5 * force, m = 2.0;
+  CHECK(fields.v[4] == Approx(v).epsilon(1e-15));
+  CHECK(v == Approx(4.0 - 1.0 / dt).epsilon(1e-15)); // it moves to 0, not to 1, in the step
+  CHECK(sums.momentum == Approx(m * 2.0 * (v - 4.0)).epsilon(1e-15));
+  CHECK(sums.speed == Approx(m * (v * v - 16.0)).epsilon(1e-15));
+  CHECK(sums.after == Approx(3.0 * (v - 4.0)).epsilon(1e-15));
+  CHECK(sums.load_after == Approx(10.0 * (v - 4.0)).epsilon(1e-15));
+  CHECK(contacts.forces(fields).kinematic[4] == Approx(force).epsilon(1e-15));
+  EnergySums energies;
+  stop->energies = {.normal = 2.0, .later_normal = 0.5, .recoverable = 1.0};
+  contacts.add_energies(energies);
+  CHECK(energies.normal == 2.0);
+  CHECK(energies.kinematic == 2.0);
+  CHECK(energies.taken == -2.5);
+  CHECK(energies.recoverable == 1.0);
+  CHECK(energies.work[std::size_t(WorkKind::contact)] == 0.0); // it is not part of the residual
+}
+
+TEST_CASE("the fastest passage of all contacts is told")
+{
+  ContactForces contacts;
+  const auto first = std::make_shared<Spring>(), second = std::make_shared<Spring>();
+  contacts.add(first, {-1, -1, -1});
+  contacts.add(second, {-1, -1, -1});
+  CHECK(contacts.passage().first == -1);
+  first->passed = {1, 0.5};
+  second->passed = {2, 3.0};
+  CHECK(contacts.passage().first == 1);
+  CHECK(contacts.passage().second.node == 2);
+  EnergySums sums;
+  contacts.add_energies(sums);
+  CHECK(sums.passages == 2.0);
+}
