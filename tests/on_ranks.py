@@ -5,7 +5,12 @@ All checks of a session share one mpirun per number of ranks, rank_group.py: DOL
 once. Each check on each number of ranks is a test of its own.
 """
 
+import itertools
+
 import pytest
+import ufl
+from mpi4py import MPI
+from ufl.utils.counted import Counted
 
 
 def checks_of(names):
@@ -35,3 +40,33 @@ def rank_tests(module, ranks=(2, 3), timeout=300):
         rank_group(ranks, timeout, module=module.__file__, check=f"check_{name}")
 
     return test_one_rank, test_several_ranks
+
+
+def on_rank_0(comm, function):
+    """function() on rank 0 alone, its result on all ranks. Collective.
+
+    UFL numbers coefficients, constants and indices as they are made. A rank that has made more of them than the others
+    may sort the terms of a form otherwise, and the form is then not the same on all ranks: the numbers are levelled.
+    """
+    found = comm.bcast(function() if comm.rank == 0 else None, root=0)
+    classes = _counted_classes()
+    here = {name: next(c._counter) for name, c in classes.items()}
+    everywhere = comm.allgather(here)
+    for name, c in classes.items():
+        c._counter = itertools.count(max(numbers.get(name, 0) for numbers in everywhere))
+    for c in (ufl.Mesh, ufl.MeshView):
+        c._ufl_global_id = comm.allreduce(c._ufl_global_id, MPI.MAX)
+    return found
+
+
+def _counted_classes():
+    """By name, UFL's classes whose objects are numbered."""
+    found, todo = {}, [Counted]
+    while todo:
+        c = todo.pop()
+        todo += c.__subclasses__()
+        if c is not Counted and "_counter" in vars(c):
+            found[f"{c.__module__}.{c.__qualname__}"] = c
+    for c in found.values():
+        c._counter = c._counter or itertools.count()
+    return found
