@@ -174,7 +174,7 @@ std::vector<Vec<double>> NodePairs::moment_forces(const Vec<double>& f, const Ve
   const Vec<double> moment = cross(lever, f); // f and -f leave the opposite
   Vec<double> omega;
   if (gdim() == 2)
-    omega[2] = moment[2] / J(2, 2); // the other two are of no account: two nodes lie on a line
+    omega[2] = moment[2] / J(2, 2); // the other two components vanish: two nodes lie on a line
   else
   {
     const Eigen::Vector3d w = J.partialPivLu().solve(Eigen::Vector3d(moment[0], moment[1], moment[2]));
@@ -194,7 +194,7 @@ void NodePairs::add_moment(Vector& force, const Vec<double>& f, const Vector& u,
       force(gdim() * m.masters[j] + k) += c[j][k];
 }
 
-Vec<double> turned(const Vec<double>& t, const Vec<double>& n)
+Vec<double> rotated(const Vec<double>& t, const Vec<double>& n)
 {
   const Vec<double> flat = t - dot(t, n) * n;
   const double length = norm(flat);

@@ -52,7 +52,7 @@ public:
   Vec<double> facet_normal(const Meeting& m, const Vector& u) const;
   /// Adds f to the slave node and the opposite to the master.
   void add(Vector& force, const Vec<double>& f, std::int64_t node, const Meeting& m) const;
-  /// Forces c_j on the facet's nodes that take back the moment of f and its reaction at the positions of u.
+  /// Forces c_j on the facet's nodes that cancel the moment of f and its reaction at the positions of u.
   std::vector<Vec<double>> moment_forces(const Vec<double>& f, const Vector& u, std::int64_t node,
                                          const Meeting& m) const;
   void add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node, const Meeting& m) const;
@@ -122,8 +122,8 @@ private:
   double farthest_;                            // any node moves [L]
 };
 
-/// Slave nodes close only through the master's surface: who is below it beside its rim, or is found deep below it, is
-/// marked and stays open until it has been above.
+/// Slave nodes close only through the master's surface: a node that is below it beside its rim, or is found deep below
+/// it, is marked and stays open until it has been above.
 class Gate
 {
 public:
@@ -147,8 +147,8 @@ std::map<std::int64_t, double> nodal_areas(const Surface& surface);
 Vec<double> get(const Matrix& rows, std::int64_t row);
 void put(Matrix& rows, std::int64_t row, const Vec<double>& v);
 
-/// A tangential vector turned into the plane orthogonal to n without a change of length.
-Vec<double> turned(const Vec<double>& t, const Vec<double>& n);
+/// A tangential vector rotated into the plane orthogonal to n, of the same length.
+Vec<double> rotated(const Vec<double>& t, const Vec<double>& n);
 
 /// An answer without contact.
 ContactAnswer no_contact(const NodePairs& pairs);
@@ -204,8 +204,8 @@ public:
   bool kinematic() const override { return true; }
   std::vector<std::int64_t> nodes() const override { return pairs_.nodes(); }
   Vec<double> master_moved(int n) const override { return pairs_.master_moved(n); }
-  double taken() const override { return taken_; }
-  double accounts() const override;
+  double absorbed() const override { return absorbed_; }
+  double recoverable() const override;
 
 private:
   // A node on which a force acts in a step.
@@ -218,8 +218,8 @@ private:
     bool cut = false;
     bool leaves = false; // its normal force is known before the sweeps
   };
-  // What a node's forces have taken since it closed, and the impulse of about 20 steps.
-  struct Account
+  // Energy that a node's forces have absorbed since it closed, and the impulse of about 20 steps.
+  struct Absorbed
   {
     double energy = 0, impulse = 0; // [F L], [F T]
   };
@@ -235,7 +235,7 @@ private:
   int sweeps_;
   std::vector<Closed> closed_; // of the last step, with those that left
   std::vector<bool> was_closed_;
-  std::vector<Account> accounts_;
-  double taken_ = 0;
+  std::vector<Absorbed> absorbed_energies_;
+  double absorbed_ = 0;
 };
 } // namespace impact_reference

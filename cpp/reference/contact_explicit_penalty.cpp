@@ -25,10 +25,10 @@ double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const 
 
 void NodalPenalty::before(const ContactStep& step)
 {
-  const double dissipated = answer_.dissipated, taken = answer_.taken;
+  const double dissipated = answer_.dissipated, absorbed = answer_.absorbed;
   answer_ = no_contact(directions_[0].pairs);
   answer_.dissipated = dissipated;
-  answer_.taken = taken;
+  answer_.absorbed = absorbed;
   for (std::size_t k = 0; k < directions_.size(); ++k)
     evaluate(directions_[k], step, k == 0);
 }
@@ -54,7 +54,7 @@ double part_below(double g, double r)
   return std::clamp(-std::min(g, g - r) / std::abs(r), 0.0, 1.0);
 }
 
-// The largest normal force up to k delta that leaves no debt, or the one with the least debt.
+// The largest normal force up to k delta without energy deficit, or the one with the smallest deficit.
 // @param a what the node has beyond this force's own work, stored the part of it that the spring held
 // @param gap, change of the gap, now and in the step that has led here
 double normal_force(double k, double delta, double gap, double change, double a, double stored)
@@ -130,8 +130,8 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
     else if (spring.closed) // below the surface when it is seen first
       stored = k * std::pow(std::max(0.0, change - m.gap), 2) / 2;
     const double a = last.e + stored - last.normal * change / 2;
-    const Vec<double> t_before = get(direction.traction, i), t_turned = turned(t_before, m.normal);
-    const double b = dot(t_before, t_before) / (2 * last.stiffness) - dot(t_turned, across) / 2;
+    const Vec<double> t_before = get(direction.traction, i), t_rotated = rotated(t_before, m.normal);
+    const double b = dot(t_before, t_before) / (2 * last.stiffness) - dot(t_rotated, across) / 2;
 
     Vec<double> t, slip;
     ContactStatus status = ContactStatus::open;
@@ -140,19 +140,19 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       spring.stiffness = k;
       spring.normal = normal_force(k, delta, m.gap, change, a, stored);
       spring.e = a - spring.normal * (change + spring.normal / k) / 2;
-      answer_.taken += spring.e - last.e;
+      answer_.absorbed += spring.e - last.e;
       answer_.stored += spring.normal * spring.normal / (2 * k);
       status = ContactStatus::slip;
       if (friction_ > 0)
       {
         const double bound = friction_ * spring.normal;
-        const Vec<double> along = part_below(m.gap, r) * across, trial = t_turned - k * along;
+        const Vec<double> along = part_below(m.gap, r) * across, trial = t_rotated - k * along;
         t = cut_to(trial, bound);
         bool slips = norm(trial) > bound;
         const double round_off = 1e-12 * (dot(t_before, t_before) / (2 * last.stiffness) + dot(t, t) / k);
         if (last.q + tangential_change(t, k, across, b) < -round_off)
         {
-          // Into the ball of the forces that leave no debt, around centre.
+          // Project into the ball of the forces without energy deficit, around centre.
           slips = true;
           const Vec<double> centre = (-k / 2) * across;
           const double radius = std::sqrt(std::max(0.0, dot(centre, centre) + 2 * k * (last.q + b)));
@@ -160,7 +160,7 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
         }
         slip = get(direction.slip, i);
         if (slips)
-          slip = slip + along + (1 / k) * (t - t_turned);
+          slip = slip + along + (1 / k) * (t - t_rotated);
         else
           status = ContactStatus::stick;
         const double more = tangential_change(t, k, across, b);
@@ -177,8 +177,8 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
     }
     else if (last.closed)
     {
-      // What it owes is kept; what it has beyond is lost to the bodies.
-      answer_.taken += a - last.e;
+      // A deficit is kept; a surplus is dissipated.
+      answer_.absorbed += a - last.e;
       spring.e = std::min(0.0, a);
       answer_.dissipated += b;
       spring.q = std::min(0.0, last.q + b);

@@ -13,16 +13,16 @@ Vec<double> tangential(const Vec<double>& v, const Vec<double>& n)
 
 NodalKinematic::NodalKinematic(NodePairs pairs, double friction, int sweeps)
     : pairs_(std::move(pairs)), gate_(pairs_.nodes().size()), friction_(friction), sweeps_(sweeps),
-      was_closed_(pairs_.nodes().size(), false), accounts_(pairs_.nodes().size())
+      was_closed_(pairs_.nodes().size(), false), absorbed_energies_(pairs_.nodes().size())
 {
   answer_ = no_contact(pairs_);
 }
 
-double NodalKinematic::accounts() const
+double NodalKinematic::recoverable() const
 {
   double sum = 0;
   for (const Closed& c : closed_)
-    sum += std::max(0.0, accounts_[c.row].energy);
+    sum += std::max(0.0, absorbed_energies_[c.row].energy);
   return sum;
 }
 
@@ -50,13 +50,13 @@ std::vector<Vec<double>> NodalKinematic::weights(const Closed& node, const Vecto
   return b;
 }
 
-// The force with which a node leaves: it brings no more than its part of the account, and no more impulse than there
-// has been of late.
+// Force of a node that opens: its work is at most the node's share of the absorbed energy, its impulse at most that of
+// the last steps.
 // @param sums s_j
 double NodalKinematic::release(const Closed& node, const ContactStep& step, const Vector& predicted,
                                const std::map<std::int64_t, double>& sums) const
 {
-  const Account& account = accounts_[node.row];
+  const Absorbed& absorbed = absorbed_energies_[node.row];
   const int d = pairs_.gdim();
   const Vec<double>& n = node.m.normal;
   const auto b = weights(node, step.u);
@@ -70,9 +70,9 @@ double NodalKinematic::release(const Closed& node, const ContactStep& step, cons
   }
   // a p + h w p^2 / 2 = E'; where a < 0 the same root without cancellation.
   const double a = work(node, n, pairs_.moment_forces(n, step.u, node.node, node.m), step, predicted - step.u);
-  const double energy = step.part * account.energy, root = std::sqrt(a * a + 2 * step.h * response * energy);
+  const double energy = step.release_share * absorbed.energy, root = std::sqrt(a * a + 2 * step.h * response * energy);
   const double force = a > 0 ? 2 * energy / (a + root) : (root - a) / (step.h * response);
-  return std::min(account.impulse * step.dt / step.h, force);
+  return std::min(absorbed.impulse * step.dt / step.h, force);
 }
 
 void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
@@ -93,9 +93,9 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
     answer_.gap(i) = m.gap;
     const bool may_close = gate_.lets(i, before, m, was_closed_[i]), closes = may_close and m.gap < 0;
     const bool leaves =
-        was_closed_[i] and accounts_[i].energy > 0 and std::isfinite(m.gap) and m.gap >= 0 and not m.beside;
+        was_closed_[i] and absorbed_energies_[i].energy > 0 and std::isfinite(m.gap) and m.gap >= 0 and not m.beside;
     if (closes and not was_closed_[i])
-      accounts_[i] = {};
+      absorbed_energies_[i] = {};
     was_closed_[i] = closes or leaves;
     if (not was_closed_[i])
       continue;
@@ -201,14 +201,14 @@ void NodalKinematic::corrected(const ContactStep& step, const Vector& next)
   {
     const Vec<double> normal = dot(c.f, c.m.normal) * c.m.normal;
     const double more = -work(c, normal, pairs_.moment_forces(c.f, step.u, c.node, c.m), step, motion);
-    taken_ += more;
-    Account& account = accounts_[c.row];
+    absorbed_ += more;
+    Absorbed& absorbed = absorbed_energies_[c.row];
     if (c.leaves)
-      account = {};
+      absorbed = {};
     else
     {
-      account.energy += more;
-      account.impulse = 0.95 * account.impulse + step.h / step.dt * dot(c.f, c.m.normal);
+      absorbed.energy += more;
+      absorbed.impulse = 0.95 * absorbed.impulse + step.h / step.dt * dot(c.f, c.m.normal);
     }
   }
 }

@@ -353,8 +353,8 @@ ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const 
 {
   const detail::System system(pair, rule, loads);
   Saddle saddle(system, contact_rule, basis, options, start);
-  return detail::march(system, start, options,
-                       [&](const ContactPair& now, ContactState& state, const detail::Target& target,
-                           ContactSolution& solution) { return saddle.step(now, state, target, solution); });
+  return detail::solve_in_steps(system, start, options,
+                                [&](const ContactPair& now, ContactState& state, const detail::Target& target,
+                                    ContactSolution& solution) { return saddle.step(now, state, target, solution); });
 }
 } // namespace impact_reference

@@ -164,8 +164,8 @@ ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const R
 {
   const detail::System system(pair, rule, loads);
   PenaltySolver solver(system, contact_rule, chi, chi_t, options);
-  return detail::march(system, start, options,
-                       [&](const ContactPair& now, ContactState& state, const detail::Target& target,
-                           ContactSolution& solution) { return solver.step(now, state, target, solution); });
+  return detail::solve_in_steps(system, start, options,
+                                [&](const ContactPair& now, ContactState& state, const detail::Target& target,
+                                    ContactSolution& solution) { return solver.step(now, state, target, solution); });
 }
 } // namespace impact_reference

@@ -80,7 +80,7 @@ std::array<double, 6> Projector::derivatives(std::int64_t facet, const Foot& foo
 }
 
 // Newton's method from foot.xi along foot.direction. True if it ends on the facet.
-bool Projector::settle(std::int64_t facet, const Vec<double>& x, Foot& foot) const
+bool Projector::converge(std::int64_t facet, const Vec<double>& x, Foot& foot) const
 {
   const auto distance = [&](const Local& xi)
   { return norm(spot<double>(master_, master_.facets[facet], u_[facet], xi).x - x); };
@@ -134,7 +134,7 @@ Foot Projector::closest_on(std::int64_t facet, const Vec<double>& x) const
   best.distance = std::numeric_limits<double>::infinity();
   const auto consider = [&](Foot foot)
   {
-    if (settle(facet, x, foot) and foot.distance < best.distance)
+    if (converge(facet, x, foot) and foot.distance < best.distance)
       best = foot;
   };
   Foot start;
@@ -170,7 +170,7 @@ Foot Projector::closest_on(std::int64_t facet, const Vec<double>& x) const
         foot.xi = xi;
       }
     }
-    if (settle(facet, x, foot) and better_than_best(foot.distance))
+    if (converge(facet, x, foot) and better_than_best(foot.distance))
       best = foot;
   }
   for (int v = 0; v < master_.num_vertices(); ++v)

@@ -47,7 +47,7 @@ public:
 
 private:
   Foot closest_on(std::int64_t facet, const Vec<double>& x) const;
-  bool settle(std::int64_t facet, const Vec<double>& x, Foot& foot) const;
+  bool converge(std::int64_t facet, const Vec<double>& x, Foot& foot) const;
   Vec<double> normal_at(const Foot& foot) const;
   std::array<double, 6> derivatives(std::int64_t facet, const Foot& foot, const Vec<double>& x) const;
 

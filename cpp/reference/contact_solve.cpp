@@ -81,7 +81,8 @@ std::optional<Vector> solve(const Entries& entries, const Vector& right)
   return x;
 }
 
-ContactSolution march(const System& system, const ContactState& start, const ContactOptions& options, const Step& step)
+ContactSolution solve_in_steps(const System& system, const ContactState& start, const ContactOptions& options,
+                               const Step& step)
 {
   if (options.steps < 1 or options.max_iterations < 1 or not(options.tolerance > 0))
     throw std::invalid_argument("steps and max_iterations must be at least 1 and tolerance positive");
@@ -92,7 +93,7 @@ ContactSolution march(const System& system, const ContactState& start, const Con
   solution.state = start;
   double factor = 0, size = 1.0 / options.steps;
   const double smallest = size / 300;
-  std::string why = "the iteration did not settle";
+  std::string why = "the iteration did not converge";
   while (factor < 1 - 1e-12)
   {
     const double next = factor + size > 1 - 1e-12 ? 1 : factor + size;

@@ -56,14 +56,14 @@ class Run
 public:
   Run(const Model& model, const ExplicitData& data)
       : model_(model), data_(data), num_(model.num_dofs()), mass_(model.lumped_mass(data.mass_rule, data.lumping)),
-        inverse_(mass_.cwiseInverse()), held_(num_, false), energies_(Vector::Zero(num_energies))
+        inverse_(mass_.cwiseInverse()), prescribed_(num_, false), energies_(Vector::Zero(num_energies))
   {
     if (not(mass_.minCoeff() > 0))
       throw std::invalid_argument("a nodal mass is not positive: choose the lumping scheme hrz or auto");
     for (auto dof : data.fixed_dofs)
     {
       inverse_(dof) = 0;
-      held_[dof] = true;
+      prescribed_[dof] = true;
     }
     if (model.linear() and data.beta > 0)
       stiffness_ = model.tangent(data.rule, Vector::Zero(num_));
@@ -88,7 +88,7 @@ public:
       if (not step.next.allFinite())
         throw std::runtime_error("the displacements overflow in step " + std::to_string(n) +
                                  ": the step is longer than the stable one");
-      account(n, u, moved, step, f);
+      update_energies(n, u, moved, step, f);
       if (n % data_.every == 0 or n == count)
         keep(out, row++, time, u, step, f);
       time += dt;
@@ -128,17 +128,17 @@ private:
       next(data_.fixed_dofs[k]) = data_.values(n + 1, Eigen::Index(k));
   }
 
-  // Step n with what kinematic contacts may give back: never more than all of them have taken.
+  // Step n with the share of absorbed energy that kinematic contacts may return: never more than their total.
   ContactStep contact_step(int n, double dt, double h, const Vector& u, const Vector& moved) const
   {
-    double taken = 0, accounts = 0;
+    double absorbed = 0, recoverable = 0;
     for (const auto* contact : data_.contacts)
     {
-      taken += contact->taken();
-      accounts += contact->accounts();
+      absorbed += contact->absorbed();
+      recoverable += contact->recoverable();
     }
-    const double part = accounts > 0 ? std::min(1.0, std::max(0.0, taken) / accounts) : 0;
-    return {n, dt, h, u, moved, inverse_, part};
+    const double share = recoverable > 0 ? std::min(1.0, std::max(0.0, absorbed) / recoverable) : 0;
+    return {n, dt, h, u, moved, inverse_, share};
   }
 
   // Forces of kinematic contact at a prediction, which they move.
@@ -155,7 +155,7 @@ private:
     return sum;
   }
 
-  void tell_contacts(const ContactStep& step, const Vector& next)
+  void update_contacts(const ContactStep& step, const Vector& next)
   {
     for (auto* contact : data_.contacts)
       contact->corrected(step, next);
@@ -176,14 +176,14 @@ private:
     sum += kinematic;
     after += mean * inverse_.cwiseProduct(kinematic);
     for (std::int64_t i = 0; i < num_; ++i)
-      if (held_[i])
+      if (prescribed_[i])
       {
         after(i) = (next(i) - u(i)) / dt;
         f.support(i) = mass_(i) * (after(i) - half(i)) / mean - sum(i);
       }
       else
         next(i) = u(i) + dt * after(i);
-    tell_contacts(step, next);
+    update_contacts(step, next);
     const Vector a = (after - half) / mean;
     return {next, n == 0 ? Vector(2 * data_.v0 - after) : half, after, half + dt_before / 2 * a, a};
   }
@@ -207,7 +207,7 @@ private:
       sum += kinematic;
       a0 += inverse_.cwiseProduct(kinematic);
       for (std::int64_t i = 0; i < num_; ++i)
-        if (held_[i])
+        if (prescribed_[i])
           a0(i) = 2 * (predicted(i) - u(i) - dt * data_.v0(i)) / (dt * dt);
       before = u - dt * data_.v0 + dt * dt / 2 * a0; // (3.70)
     }
@@ -226,18 +226,18 @@ private:
       next = solve();
       prescribe(n, next);
     }
-    tell_contacts(step, next);
+    update_contacts(step, next);
     const Vector v = (next - before) / (2 * dt), a = (next - 2 * u + before) / (dt * dt); // (3.68)
     f.damping = -damping.cwiseProduct(v);
     for (std::int64_t i = 0; i < num_; ++i)
-      if (held_[i])
+      if (prescribed_[i])
         f.support(i) = mass_(i) * a(i) - sum(i) - f.damping(i);
     return {next, (u - before) / dt, (next - u) / dt, v, a};
   }
 
   // Energies at t_n. The work of every force is that of the trapezoidal rule: with equal steps it is exactly what the
   // kinetic energy changes by.
-  void account(int n, const Vector& u, const Vector& moved, const Advance& step, const Forces& f)
+  void update_energies(int n, const Vector& u, const Vector& moved, const Advance& step, const Forces& f)
   {
     const auto work = [&](Vector Forces::* force) { return n == 0 ? 0.0 : ((last_.*force) + f.*force).dot(moved) / 2; };
     Vector& e = energies_;
@@ -260,7 +260,7 @@ private:
 
   void contact_energies(int n, const Vector& moved)
   {
-    double stored = 0, dissipated = 0, taken = 0;
+    double stored = 0, dissipated = 0, absorbed = 0;
     for (std::size_t k = 0; k < data_.contacts.size(); ++k)
     {
       const ExplicitContact& contact = *data_.contacts[k];
@@ -283,12 +283,12 @@ private:
       }
       stored += now.stored - last.stored;
       dissipated += now.dissipated - last.dissipated;
-      taken += now.taken - last.taken;
+      absorbed += now.absorbed - last.absorbed;
       last = now;
     }
     energies_(contact_energy) += stored;
     energies_(friction_energy) += dissipated;
-    energies_(impact_energy) += taken;
+    energies_(impact_energy) += absorbed;
   }
 
   ExplicitHistory room(std::int64_t rows) const
@@ -339,7 +339,7 @@ private:
   const ExplicitData& data_;
   std::int64_t num_;
   Vector mass_, inverse_;
-  std::vector<bool> held_;
+  std::vector<bool> prescribed_;
   Csr stiffness_;
   Vector energies_;
   Forces last_;

@@ -6,7 +6,7 @@
 /// Central differences as docs/explicit/scheme.md states them.
 namespace impact_reference
 {
-/// Step n as contacts see it: it leads from t_n to t_(n+1).
+/// Step n, from t_n to t_(n+1), as passed to contacts.
 struct ContactStep
 {
   int n;
@@ -15,10 +15,11 @@ struct ContactStep
   const Vector& u;       ///< at t_n (num_dofs) [L]
   const Vector& moved;   ///< since t_(n-1), zero at t_0 [L]
   const Vector& inverse; ///< 1 / m, zero where prescribed (num_dofs) [1/M]
-  double part = 0;       ///< s: of their accounts, that nodes which leave kinematic contact are given back [1]
+  /// s: share of the absorbed energy that nodes which open in kinematic contact get back [1].
+  double release_share = 0;
 };
 
-/// What a contact did at t_n.
+/// Forces, energies and state of a contact at t_n.
 struct ContactAnswer
 {
   Vector force, tangential;    ///< on both bodies, and its part from friction (num_dofs) [F]
@@ -29,7 +30,7 @@ struct ContactAnswer
   std::vector<ContactStatus> status;
   double stored = 0;     ///< in penalty springs [F L]
   double dissipated = 0; ///< by slip, since the start, of penalty springs [F L]
-  double taken = 0;      ///< by normal forces of penalty springs and not stored, since the start [F L]
+  double absorbed = 0;   ///< by normal forces of penalty springs and not stored, since the start [F L]
 };
 
 /// A contact in an explicit analysis.
@@ -43,10 +44,10 @@ public:
   virtual void after(const ContactStep&, const Vector& /*predicted*/) {}
   /// The displacements that the forces of all contacts have led to at t_(n+1).
   virtual void corrected(const ContactStep&, const Vector& /*next*/) {}
-  /// What normal forces of kinematic contact have taken from the bodies since the start, the last step included [F L].
-  virtual double taken() const { return 0; }
-  /// Sum of the positive accounts E_i of the nodes that were closed in the last step [F L].
-  virtual double accounts() const { return 0; }
+  /// Energy that normal forces of kinematic contact have absorbed since the start, including the last step [F L].
+  virtual double absorbed() const { return 0; }
+  /// Sum of the positive absorbed energies E_i of the nodes that were closed in the last step [F L].
+  virtual double recoverable() const { return 0; }
   /// True if the forces come from `after`; then energies are the work of forces.
   virtual bool kinematic() const = 0;
   virtual std::vector<std::int64_t> nodes() const = 0; ///< of the slave, increasing

@@ -2,6 +2,7 @@
 """The gates of `make lint` stop a broken file; the helpers of conftest stop a broken run."""
 
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -10,6 +11,7 @@ import pytest
 GOOD = {
     "cpp/a.cpp": "int value = 1;\n",
     "a.py": '"""Documented."""\n\nvalue = 1\n',
+    "typed.py": '"""Documented."""\n\n\ndef twice(x: float) -> float:\n    return 2 * x\n',
 }
 BROKEN = {
     "clang-format": ("cpp/a.cpp", "int  value=1;\n"),
@@ -19,12 +21,18 @@ BROKEN = {
     "flake8, unused import": ("a.py", "import os\n"),
     "flake8, undefined name": ("a.py", "print(undefined)\n"),
     "flake8, long comment": ("a.py", "#" + " xx" * 45 + "\n"),
+    "mypy, no annotation": ("typed.py", "def twice(x):\n    return 2 * x\n"),
+    "mypy, wrong type": ("typed.py", "def twice(x: float) -> str:\n    return 2 * x\n"),
 }
 
 
 def lint(checkout, folder, files):
     for name in ("Makefile", ".clang-format", ".flake8", "pyproject.toml"):
         shutil.copy(checkout / name, folder)
+    settings = folder / "pyproject.toml"  # mypy checks the list of files that is written there
+    text, count = re.subn(r"^files = \[\n.*?^\]", 'files = ["typed.py"]', settings.read_text(), flags=re.M | re.S)
+    assert count == 1
+    settings.write_text(text)
     (folder / "demos").mkdir()
     for name, text in files.items():
         path = folder / name

@@ -42,14 +42,14 @@ class Bar(Impact):
         """Run until shortly before the next impact.
 
         Args:
-            release: whether nodes that leave are given back what was taken from them.
+            release: whether opening nodes get the absorbed energy back.
         """
         problem = self.problem(method)
 
         def take_it_all(p):
             side = p.contact[0]._cpp_object
             history = side.history()
-            history["taken"][:] = 0.0
+            history["absorbed_energy"][:] = 0.0
             side.set_history(history)
 
         until = self.gap + bounces * PERIOD - 0.8 / GRAVITY

@@ -20,7 +20,7 @@ from . import seal
 from .hdf5 import Sketch, reserve, write_at
 from .signature import signature, supports
 
-FORMAT = 6
+FORMAT = 7
 SAME = 1e-9  # of sums over nodes and of their places: another mesh differs by more, another sum of the same by less
 CELLS = ("cells/input", "cells/nodes")
 

@@ -11,11 +11,11 @@ CELLS = pytest.mark.parametrize(
 )
 
 
-def leaving(model, rng, taken=1.0, pulse=1e9, share=1.0):
+def leaving(model, rng, absorbed=1.0, impulse=1e9, share=1.0):
     """A step in which nodes that were closed move away at random speeds.
 
     Args:
-        taken: upper bound of the energies that the nodes lost before. pulse: impulse of their last forces.
+        absorbed: upper bound of the energies that contact has absorbed. impulse: of the last normal forces.
 
     Returns:
         Displacements at the step's begin, increments, forces, energy the nodes may be given back.
@@ -27,8 +27,8 @@ def leaving(model, rng, taken=1.0, pulse=1e9, share=1.0):
     history = model.contact.history()
     closed = model.contact.results()["status"] > 0
     assert np.count_nonzero(closed) >= 3
-    history["taken"] = np.where(closed, rng.uniform(0.0, taken, len(closed)), 0.0)
-    history["pulse"] = np.where(closed, pulse, 0.0)
+    history["absorbed_energy"] = np.where(closed, rng.uniform(0.0, absorbed, len(closed)), 0.0)
+    history["impulse"] = np.where(closed, impulse, 0.0)
     model.contact.set_history(history)
     du = rng.normal(0.0, 2e-3, start.shape)
     du[model.slave_body, -1] += 0.05 if not hasattr(model, "obstacle") else 0.3
@@ -37,12 +37,12 @@ def leaving(model, rng, taken=1.0, pulse=1e9, share=1.0):
         model.halo, u.reshape(-1), model.spread(du).reshape(-1), model.inverse, model.dt**2, model.dt, f.reshape(-1),
         share,
     )  # fmt: skip
-    return start, u[: model.num] - start, f[: model.num], share * history["taken"].sum()
+    return start, u[: model.num] - start, f[: model.num], share * history["absorbed_energy"].sum()
 
 
 @CELLS
 @pytest.mark.parametrize("share", (1.0, 0.3))
-def test_no_more_is_given_back_than_was_taken(cell, degree, share):
+def test_release_returns_at_most_the_absorbed_energy(cell, degree, share):
     """Work of the forces in the step's motion, before (none) and after: no more than the bound, and most of it where
     nodes share few masters."""
     rng = np.random.default_rng(5)
@@ -61,16 +61,16 @@ def test_no_more_is_given_back_than_was_taken(cell, degree, share):
 
 
 def test_the_impulse_bounds_it_too():
-    """A node that has hardly been pressed of late leaves hardly faster, whatever was taken from it long ago."""
+    """The impulse of a release is bounded by that of the last steps, whatever energy was absorbed earlier."""
     model = moved_obstacle("quadrilateral", kinematic=True)
-    pulse = 1e-6
-    _, _, f, _ = leaving(model, np.random.default_rng(1), pulse=pulse)
+    impulse = 1e-6
+    _, _, f, _ = leaving(model, np.random.default_rng(1), impulse=impulse)
     pushed = f[f[:, 1] > 0.0, 1]
-    np.testing.assert_allclose(pushed * model.dt, pulse, rtol=1e-12)
+    np.testing.assert_allclose(pushed * model.dt, impulse, rtol=1e-12)
 
 
 def test_a_rigid_master_gives_all_back():
-    """One node after the other: the kinetic energy of each rises by what was taken from it."""
+    """One node after the other: the kinetic energy of each rises by the energy absorbed from it."""
     model = moved_obstacle("quadrilateral", kinematic=True)
     start, du, f, bound = leaving(model, np.random.default_rng(2))
     assert np.isclose(0.5 * np.sum(f * du), bound, rtol=1e-12)
@@ -81,6 +81,6 @@ def test_it_is_given_back_once():
     start, du, f, _ = leaving(model, np.random.default_rng(3))
     assert np.abs(f).max() > 0.0
     history = model.contact.history()
-    assert not history["taken"].any() and not history["pulse"].any()
+    assert not history["absorbed_energy"].any() and not history["impulse"].any()
     _, f = model.correct(start + 2 * du, du, search=False)
     assert not f.any() and not model.contact.results()["status"].any()

@@ -11,9 +11,10 @@ namespace dolfinx_impact::enforcement
 {
 namespace
 {
-constexpr double held = 1e-9;        ///< moved by less than this of what it moves elsewhere, a node does not move
-constexpr double over_relaxed = 1.5; ///< every second sweep: what alternates from node to node needs more
-constexpr double fading = 0.95;      ///< of the impulse that a release may have, from step to step
+constexpr double negligible = 1e-9; ///< a mass ratio below this means that the node cannot move along the normal
+constexpr double over_relaxation =
+    1.5; ///< factor of every second sweep; it damps forces that alternate from node to node
+constexpr double impulse_decay = 0.95; ///< factor per step on the impulse that bounds a release
 
 const KinematicContactOptions& checked(const KinematicContactOptions& o)
 {
@@ -42,43 +43,44 @@ KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surfac
       _num_masters(master ? master->displacement.num_nodes() : 0)
 {
   const std::size_t n = num_nodes(), vector = n * _gdim;
-  _taken.assign(n, 0.0);
-  _pulse.assign(n, 0.0);
+  _absorbed_energy.assign(n, 0.0);
+  _impulse.assign(n, 0.0);
   _closed_now.resize(n);
   _phi.resize(n * _num_masters);
   for (std::vector<double>* a : {&_motion, &_nodal_force})
     a->assign(vector, 0.0);
-  _corrections.resize(n);
+  _moment_corrections.resize(n);
   _arms.resize(vector * _num_masters);
-  _along.assign(n, 0.0);
-  _across.assign(n, 0.0);
+  _normal_mass.assign(n, 0.0);
+  _isotropic_mass.assign(n, 0.0);
 }
 
-void KinematicContact::set_taken(std::vector<double> taken, std::vector<double> pulse)
+void KinematicContact::set_release_history(std::vector<double> taken, std::vector<double> pulse)
 {
   if (taken.size() != num_nodes() || pulse.size() != num_nodes())
     throw std::invalid_argument("energies and impulses belong to other nodes: this rank has " +
                                 std::to_string(num_nodes()) + " slave nodes, found " + std::to_string(taken.size()));
-  _taken = std::move(taken);
-  _pulse = std::move(pulse);
+  _absorbed_energy = std::move(taken);
+  _impulse = std::move(pulse);
 }
 
-void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                              std::span<const double> mass)
 {
   NodeToSurface::number(halo, numbers, mass);
   const std::size_t num = halo.num_nodes();
-  _touched.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
-  _touched.insert(_touched.end(), _tracker.master().nodes.begin(), _tracker.master().nodes.end());
-  std::sort(_touched.begin(), _touched.end());
-  _touched.erase(std::unique(_touched.begin(), _touched.end()), _touched.end());
+  _contact_nodes.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
+  _contact_nodes.insert(_contact_nodes.end(), _tracker.master().nodes.begin(), _tracker.master().nodes.end());
+  std::sort(_contact_nodes.begin(), _contact_nodes.end());
+  _contact_nodes.erase(std::unique(_contact_nodes.begin(), _contact_nodes.end()), _contact_nodes.end());
   _weight.assign(num, 0.0);
-  for (std::vector<double>* values : {&_sum, &_moved, &_before})
+  for (std::vector<double>* values : {&_contact_force, &_correction, &_previous_increment})
     values->assign(num * _gdim, 0.0);
 }
 
-/// Values at closed node q less those at its master point.
+/// Value at closed node q minus the value interpolated at its projection on the master.
 template <int D>
-void KinematicContact::relative(std::size_t q, const double* values, double* out) const
+void KinematicContact::relative_to_master(std::size_t q, const double* values, double* out) const
 {
   const Closed& closed = _closed_now[q];
   const double* phi = _phi.data() + q * _num_masters;
@@ -92,71 +94,71 @@ void KinematicContact::relative(std::size_t q, const double* values, double* out
             });
 }
 
-/// Closed nodes of the predicted configuration, and those that leave the master after having been closed.
+/// Collect the nodes in contact in the predicted configuration, and the nodes that open in this step.
 template <int D>
 void KinematicContact::predict(const PredictedStep& step, const double* u)
 {
-  const double *du = step.du, *before = step.du_before;
+  const double *du = step.du.data(), *before = step.du_before.data();
   _num_closed = 0;
-  Touch touch;
+  ContactPoint point;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
     if (!_rigid && _tracker.skipped(i))
       continue;
-    const bool may_release = _taken[i] > 0.0; // so it was among the closed nodes of the step before
-    if (!meets(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, false, touch))
+    const bool may_release = _absorbed_energy[i] > 0.0; // positive only for nodes that were closed in the last step
+    if (!find_contact(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, false, point))
     {
-      _taken[i] = _pulse[i] = 0.0;
+      _absorbed_energy[i] = _impulse[i] = 0.0;
       continue;
     }
-    const bool releases = !(touch.at.gap < 0.0);
-    if (releases && touch.at.rim == search::Projection::Rim::beside)
+    const bool releases = !(point.at.gap < 0.0);
+    if (releases && point.at.rim == search::Projection::Rim::beside)
     {
-      open(i, touch.at, u);
-      _taken[i] = _pulse[i] = 0.0;
+      open(i, point.at, u);
+      _absorbed_energy[i] = _impulse[i] = 0.0;
       continue;
     }
     const std::size_t q = _num_closed++;
     Closed& closed = _closed_now[q];
-    closed = {touch.masters, touch.corners, {}, -touch.at.gap, std::uint32_t(i), touch.node, releases};
-    std::copy_n(touch.at.normal, 3, closed.normal);
+    closed = {point.masters, point.corners, {}, -point.at.gap, std::uint32_t(i), point.node, releases};
+    std::copy_n(point.at.normal, 3, closed.normal);
     // Forces act at t_n, along the facet's normal then: the predicted facet is tilted by the lack of these very forces.
-    if (!_rigid && touch.at.on_facet())
-      _tracker.normal_before(touch.at, u, du, closed.normal);
-    for_nodes(_num_masters, [&](int j) { _phi[q * _num_masters + j] = touch.phi[j]; });
+    if (!_rigid && point.at.on_facet())
+      _tracker.normal_before(point.at, u, du, closed.normal);
+    for_nodes(_num_masters, [&](int j) { _phi[q * _num_masters + j] = point.phi[j]; });
     if (!_rigid)
-      _tracker.track(i, touch.at);
-    if (turns())
+      _tracker.track(i, point.at);
+    if (corrects_moments())
     {
       double x[D];
       for (int c = 0; c < D; ++c)
       {
-        const std::size_t k = std::size_t(touch.node) * D + c;
+        const std::size_t k = std::size_t(point.node) * D + c;
         x[c] = _candidates.X()[i * D + c] + (u[k] - du[k]);
       }
       const auto at = [&](int j, int c)
       {
-        const search::MasterNode& master = _tracker.masters()[touch.corners[j]];
+        const search::MasterNode& master = _tracker.masters()[point.corners[j]];
         return master.x[c] - master.du[c];
       };
-      _corrections[q].set<D>(_num_masters, at, touch.phi, x, _arms.data() + q * _num_masters * D);
+      _moment_corrections[q].set<D>(_num_masters, at, point.phi, x, _arms.data() + q * _num_masters * D);
     }
     double* motion = _motion.data() + q * D;
-    relative<D>(q, du, motion);
+    relative_to_master<D>(q, du, motion);
     for (int c = 0; c < D; ++c)
       motion[c] -= _rigid ? _obstacle_increment[c] : 0.0;
   }
   std::fill_n(_nodal_force.data(), _num_closed * D, 0.0);
-  for (std::int32_t node : _touched)
+  for (std::int32_t node : _contact_nodes)
     for (int c = 0; c < D; ++c)
     {
       const std::size_t k = std::size_t(node) * D + c;
-      _before[k] = before[k];
-      _moved[k] = 0.0;
+      _previous_increment[k] = before[k];
+      _correction[k] = 0.0;
     }
 }
 
-/// Forces on the masters of closed node q for a unit force on it along the normal, [j*D + c].
+/// Forces on the master nodes of closed node q that balance a unit normal force on it, [j*D + c].
 template <int D>
 void KinematicContact::reaction(std::size_t q, double* out) const
 {
@@ -164,18 +166,18 @@ void KinematicContact::reaction(std::size_t q, double* out) const
   for (int j = 0; j < _num_masters; ++j)
     for (int c = 0; c < D; ++c)
       out[j * D + c] = -_phi[q * _num_masters + j] * n[c];
-  if (turns())
-    _corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, n,
-                              [&](int j, int c, double value) { out[j * D + c] += value; });
+  if (corrects_moments())
+    _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, n,
+                                     [&](int j, int c, double value) { out[j * D + c] += value; });
 }
 
-/// How much a force of the sweep moves: the sums of the rows of the bodies' response, along the normal and across it.
+/// Effective masses of a sweep: reciprocals of row sums of the response matrix, along the normal and in all directions.
 template <int D>
 void KinematicContact::add_masses(const double* inverse_mass)
 {
   if (!_rigid)
   {
-    // Ghosts have what their owners sent in the last step, also those that nothing here touches.
+    // Ghosts still hold the values that their owners sent in the last step: all entries are reset.
     std::fill(_weight.begin(), _weight.end(), 0.0);
     for (std::size_t q = 0; q < _num_closed; ++q)
     {
@@ -191,8 +193,8 @@ void KinematicContact::add_masses(const double* inverse_mass)
         for (int j = 0; j < _num_masters; ++j)
           _weight[closed.masters[j]] += std::abs(_phi[q * _num_masters + j]);
     }
-    _halo->reverse(_weight.data(), 1);
-    _halo->forward(_weight.data(), 1);
+    _halo->reverse(_weight, 1);
+    _halo->forward(_weight, 1);
   }
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
@@ -214,17 +216,17 @@ void KinematicContact::add_masses(const double* inverse_mass)
       along += n[c] * n[c] * w[c];
       across = std::max(across, w[c]);
     }
-    _along[q] = along > held * across ? 1.0 / along : 0.0;
-    _across[q] = across > 0.0 ? 1.0 / across : 0.0;
+    _normal_mass[q] = along > negligible * across ? 1.0 / along : 0.0;
+    _isotropic_mass[q] = across > 0.0 ? 1.0 / across : 0.0;
   }
 }
 
-/// Normal forces of the nodes that leave the master: each gives back at most the energy taken from it since it closed,
-/// by no more impulse than contact has had in its last steps (docs/explicit/kinematic.md, "Release").
+/// Normal forces of the nodes that open: each force returns at most the energy that contact has absorbed from the node
+/// since it closed, and its impulse is bounded by that of the last steps (docs/explicit/kinematic.md, "Release").
 template <int D>
-void KinematicContact::release(const PredictedStep& step)
+void KinematicContact::solve_release_forces(const PredictedStep& step)
 {
-  const double *du = step.du, *inverse_mass = step.inverse_mass, h = step.h, dt = step.dt;
+  const double *du = step.du.data(), *inverse_mass = step.inverse_mass.data(), h = step.h, dt = step.dt;
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
@@ -232,8 +234,8 @@ void KinematicContact::release(const PredictedStep& step)
       continue;
     const double* n = closed.normal;
     double before[3], pushed[surface::FacetElement::max_nodes * D];
-    relative<D>(q, _before.data(), before);
-    // Work of a unit force with the motion as it is, half of what this force moves per unit of it.
+    relative_to_master<D>(q, _previous_increment.data(), before);
+    // Work of a unit force on the predicted motion, and the displacement (times 2/h) that the unit force adds.
     double way = 0.0, moves = 0.0;
     for (int c = 0; c < D; ++c)
     {
@@ -248,12 +250,12 @@ void KinematicContact::release(const PredictedStep& step)
       for (int c = 0; c < D; ++c)
       {
         const double push = pushed[j * D + c], correction = push + phi * n[c];
-        way += 0.5 * correction * (_before[node * D + c] + du[node * D + c]);
+        way += 0.5 * correction * (_previous_increment[node * D + c] + du[node * D + c]);
         if (size > 0.0)
           moves += push * push / size * _weight[node] * inverse_mass[node * D + c];
       }
     }
-    const double taken = step.release_share * _taken[closed.i], most = _pulse[closed.i] * dt / h;
+    const double taken = step.release_share * _absorbed_energy[closed.i], most = _impulse[closed.i] * dt / h;
     const double force =
         taken > 0.0 ? std::min(most, 2.0 * taken / (way + std::sqrt(way * way + 2.0 * h * moves * taken))) : 0.0;
     for (int c = 0; c < D; ++c)
@@ -261,8 +263,8 @@ void KinematicContact::release(const PredictedStep& step)
   }
 }
 
-/// Forces of the sweep, within what contact can bear.
-/// @param[in] factor of what the masses call for
+/// One sweep: update the forces and project them on the admissible set (no tension, Coulomb's cone).
+/// @param[in] factor over-relaxation of the increments [1]
 template <int D>
 void KinematicContact::solve_forces(double h, double factor)
 {
@@ -271,15 +273,15 @@ void KinematicContact::solve_forces(double h, double factor)
     const Closed& closed = _closed_now[q];
     const double* n = closed.normal;
     double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
-    relative<D>(q, _moved.data(), moved);
-    const double pushed = closed.releases ? 0.0 : factor / h * _along[q] * (closed.overlap - dot(n, moved, D));
+    relative_to_master<D>(q, _correction.data(), moved);
+    const double pushed = closed.releases ? 0.0 : factor / h * _normal_mass[q] * (closed.overlap - dot(n, moved, D));
     if (_options.friction > 0.0)
     {
       for (int c = 0; c < D; ++c)
         moved[c] += _motion[q * D + c];
       const double away = dot(n, moved, D);
       for (int c = 0; c < D; ++c)
-        more[c] = factor / h * _across[q] * (away * n[c] - moved[c]);
+        more[c] = factor / h * _isotropic_mass[q] * (away * n[c] - moved[c]);
     }
     for (int c = 0; c < D; ++c)
       more[c] += pushed * n[c];
@@ -303,42 +305,43 @@ void KinematicContact::solve_forces(double h, double factor)
   }
 }
 
-/// What the forces move.
+/// Nodal sums of the contact forces and the displacements that they cause.
 template <int D>
 void KinematicContact::apply(const double* inverse_mass, double h)
 {
-  for (std::int32_t node : _touched)
-    std::fill_n(_sum.data() + std::size_t(node) * D, D, 0.0);
+  for (std::int32_t node : _contact_nodes)
+    std::fill_n(_contact_force.data() + std::size_t(node) * D, D, 0.0);
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
     const double *f = _nodal_force.data() + q * D, *phi = _phi.data() + q * _num_masters;
     for (int c = 0; c < D; ++c)
-      _sum[std::size_t(closed.node) * D + c] += f[c];
+      _contact_force[std::size_t(closed.node) * D + c] += f[c];
     for_nodes(_num_masters,
               [&](int j)
               {
                 for (int c = 0; c < D; ++c)
-                  _sum[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
+                  _contact_force[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
               });
-    if (turns())
-      _corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f, [&](int j, int c, double value)
-                                { _sum[std::size_t(closed.masters[j]) * D + c] += value; });
+    if (corrects_moments())
+      _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
+                                       [&](int j, int c, double value)
+                                       { _contact_force[std::size_t(closed.masters[j]) * D + c] += value; });
   }
   if (!_rigid)
-    _halo->reverse(_sum.data(), D);
-  for (std::int32_t node : _touched)
+    _halo->reverse(_contact_force, D);
+  for (std::int32_t node : _contact_nodes)
     if (node < _halo->num_owned())
       for (int c = 0; c < D; ++c)
       {
         const std::size_t k = std::size_t(node) * D + c;
-        _moved[k] = h * _sum[k] * inverse_mass[k];
+        _correction[k] = h * _contact_force[k] * inverse_mass[k];
       }
   if (!_rigid)
-    _halo->forward(_moved.data(), D);
+    _halo->forward(_correction, D);
 }
 
-/// Results and work of the step: half with the motion before it, half with that of it.
+/// Results and work of the step. A force works half on the increment before it and half on the increment after it.
 template <int D>
 void KinematicContact::record(double h, double dt)
 {
@@ -352,8 +355,8 @@ void KinematicContact::record(double h, double dt)
     const std::size_t i = closed.i;
     const double *n = closed.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
     double moved[3], before[3], slip[3];
-    relative<D>(q, _moved.data(), moved);
-    relative<D>(q, _before.data(), before);
+    relative_to_master<D>(q, _correction.data(), moved);
+    relative_to_master<D>(q, _previous_increment.data(), before);
     _results.gap[i] = dot(n, moved, D) - closed.overlap;
     std::copy_n(n, D, _results.normal.data() + i * D);
     const double normal = dot(n, f, D);
@@ -370,22 +373,22 @@ void KinematicContact::record(double h, double dt)
       slip[c] = moved[c] - dot(n, moved, D) * n[c];
     const double along = 0.5 * normal * dot(n, before, D), along_later = 0.5 * normal * dot(n, moved, D);
     double work = along, later = along_later;
-    if (turns())
-      _corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
-                                [&](int j, int c, double value)
-                                {
-                                  const std::size_t k = std::size_t(closed.masters[j]) * D + c;
-                                  const double du = _tracker.masters()[closed.corners[j]].du[c];
-                                  work += 0.5 * value * _before[k];
-                                  later += 0.5 * value * (du + _moved[k]);
-                                });
+    if (corrects_moments())
+      _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
+                                       [&](int j, int c, double value)
+                                       {
+                                         const std::size_t k = std::size_t(closed.masters[j]) * D + c;
+                                         const double du = _tracker.masters()[closed.corners[j]].du[c];
+                                         work += 0.5 * value * _previous_increment[k];
+                                         later += 0.5 * value * (du + _correction[k]);
+                                       });
     _energy.normal += work;
     _energy.friction -= 0.5 * dot(f, before, D) - along;
     _energy.later_normal += later;
     _energy.later_friction -= 0.5 * dot(f, moved, D) - along_later;
-    _taken[i] = closed.releases ? 0.0 : _taken[i] - work - later;
-    _energy.recoverable += std::max(0.0, _taken[i]);
-    _pulse[i] = closed.releases ? 0.0 : fading * _pulse[i] + normal * h / dt;
+    _absorbed_energy[i] = closed.releases ? 0.0 : _absorbed_energy[i] - work - later;
+    _energy.recoverable += std::max(0.0, _absorbed_energy[i]);
+    _impulse[i] = closed.releases ? 0.0 : impulse_decay * _impulse[i] + normal * h / dt;
     if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
       for (int c = 0; c < D; ++c)
         _results.slip[i * D + c] += slip[c];
@@ -397,34 +400,34 @@ void KinematicContact::record(double h, double dt)
 }
 
 template <int D>
-void KinematicContact::correct_all(const PredictedStep& step, double* u, double* f)
+void KinematicContact::correct_all(const PredictedStep& step, std::span<double> u, std::span<double> f)
 {
-  predict<D>(step, u);
-  add_masses<D>(step.inverse_mass);
-  release<D>(step);
+  predict<D>(step, u.data());
+  add_masses<D>(step.inverse_mass.data());
+  solve_release_forces<D>(step);
   for (int sweep = 0; sweep < _sweeps; ++sweep)
   {
-    solve_forces<D>(step.h, sweep % 2 ? over_relaxed : 1.0);
-    apply<D>(step.inverse_mass, step.h);
+    solve_forces<D>(step.h, sweep % 2 ? over_relaxation : 1.0);
+    apply<D>(step.inverse_mass.data(), step.h);
   }
-  for (std::int32_t node : _touched)
+  for (std::int32_t node : _contact_nodes)
     if (node < _halo->num_owned())
       for (int c = 0; c < D; ++c)
       {
         const std::size_t k = std::size_t(node) * D + c;
-        u[k] += _moved[k];
-        f[k] += _sum[k];
+        u[k] += _correction[k];
+        f[k] += _contact_force[k];
       }
   _halo->forward(u, D);
   record<D>(step.h, step.dt);
 }
 
-void KinematicContact::correct(const PredictedStep& step, double* u, double* f)
+void KinematicContact::correct(const PredictedStep& step, std::span<double> u, std::span<double> f)
 {
   if (!_rigid)
   {
     _candidates.advance(step.dt);
-    _tracker.advance(u, step.du);
+    _tracker.advance(u.data(), step.du.data());
   }
   _gdim == 2 ? correct_all<2>(step, u, f) : correct_all<3>(step, u, f);
 }

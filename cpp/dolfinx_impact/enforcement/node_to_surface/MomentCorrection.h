@@ -4,7 +4,7 @@
 
 namespace dolfinx_impact::enforcement
 {
-/// Calls each(j) for the nodes of a facet; unrolled for the most common number.
+/// Calls each(j) for the nodes of a facet; unrolled for quadrilaterals.
 template <typename Each>
 inline void for_nodes(int num, Each&& each)
 {

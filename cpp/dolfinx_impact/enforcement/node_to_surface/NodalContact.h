@@ -8,14 +8,14 @@
 
 namespace dolfinx_impact::enforcement
 {
-/// What the explicit integrator shows to contacts: arrays over the nodes of the Halo they were numbered by, entry
+/// State that the explicit integrator passes to contacts: arrays over the nodes of the Halo passed to `number`, entry
 /// node*gdim + c.
 struct NodalState
 {
-  const double* u = nullptr;            ///< displacements [L]
-  const double* du = nullptr;           ///< their increments in the last step [L]
-  const double* inverse_mass = nullptr; ///< zero where prescribed [1/M]
-  double dt = 0.0;                      ///< step that led here [T]
+  std::span<const double> u;            ///< displacements [L]
+  std::span<const double> du;           ///< their increments in the last step [L]
+  std::span<const double> inverse_mass; ///< zero where prescribed [1/M]
+  double dt = 0.0;                      ///< size of the last step [T]
 };
 
 /// Energies of a contact on this rank; see docs/explicit/energies.md.
@@ -23,82 +23,82 @@ struct ContactEnergy
 {
   double stored = 0.0;         ///< in springs, now [F L]
   double friction = 0.0;       ///< dissipated so far [F L]
-  double normal = 0.0;         ///< work of the normal forces so far, of springs without what is stored [F L]
-  double later_friction = 0.0; ///< what the motion after the last forces adds to `friction` [F L]
-  double later_normal = 0.0;   ///< and to `normal` [F L]
-  double recoverable = 0.0;    ///< taken by kinematic contact from nodes that are still closed [F L]
+  double normal = 0.0;         ///< work of the normal forces so far, without energy stored in springs [F L]
+  double later_friction = 0.0; ///< share of `friction` by the motion after the last forces [F L]
+  double later_normal = 0.0;   ///< share of `normal` by that motion [F L]
+  double recoverable = 0.0;    ///< absorbed by kinematic contact at nodes that are still closed [F L]
 };
 
-/// A slave node that went through the master in a step too large to be held back.
+/// A slave node that passed through the master too far in one step to be pushed back.
 struct Passage
 {
   std::int32_t node = -1; ///< number in the space; -1: none
-  double facets = 0.0;    ///< how far it came through the surface in the step, in facets (docs/explicit/penalty.md) [1]
+  double facets = 0.0;    ///< depth of the passage in facet diameters (docs/explicit/penalty.md) [1]
 };
 
-/// What the explicit integrator asks of any contact: candidates, the nodes it acts on, energies. Forces are on slave
-/// and master nodes, equal and opposite. A contact is a SpringForces or a StepCorrection as well: that is how it acts.
+/// Interface of a contact to the explicit integrator: candidates, nodes, energies. Forces on slave and master nodes are
+/// equal and opposite. A contact implements SpringForces or StepCorrection as well, which say how its forces act.
 class NodalContact
 {
 public:
   virtual ~NodalContact() = default;
 
-  /// Find candidates for the present configuration; afterwards remote() may be another list. Collective.
+  /// Find candidate facets in the present configuration; remote_nodes() may change. Collective.
   /// @param[in] u displacements of owned nodes [L]
-  /// @param[in] du what they move in a step: fast bodies are looked for farther away; empty: at rest [L]
+  /// @param[in] du increments of a step, which extend the search distance; empty: at rest [L]
   virtual void search(std::span<const double> u, std::span<const double> du) = 0;
-  /// Nodes of other ranks that the candidates need: global numbers and owners, ascending.
+  /// Nodes of other ranks among the candidates: global numbers, ascending, and their owners.
   virtual std::span<const std::int64_t> remote_nodes() const = 0;
   virtual std::span<const int> remote_owners() const = 0;
-  /// Which nodes the contact reads and acts on, each once, ascending, after a search. Collective.
-  /// @param[in] all a Halo of the space's nodes and those asked for; numbers are those of this one
+  /// Nodes that the contact reads or acts on, each once, ascending; call after a search. Collective.
+  /// @param[in] all Halo of the nodes of the space and remote_nodes(); its numbering is used
   virtual std::span<const std::int32_t> needs(operators::Halo& all) = 0;
-  /// Take other numbers for the nodes that `needs` told, and what belongs to them. Collective.
-  /// @param[in] halo of these nodes, among others. It is kept: it must live until the next call
-  /// @param[in] numbers in `halo`, for each node of the Halo that was given to `needs`
+  /// Renumber the nodes that `needs` returned. Collective.
+  /// @param[in] halo contains these nodes; a reference is kept and must stay valid until the next call
+  /// @param[in] numbers in `halo`, for each node of the Halo passed to `needs`
   /// @param[in] mass of the nodes of `halo`, ghosts valid [M]
-  virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) = 0;
-  /// Where a rigid master is now, and how far it has moved in the last step (no effect on deformable ones) [L].
+  virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) = 0;
+  /// Displacement and last increment of a rigid master; no effect on deformable masters [L].
   virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
-  /// How much of the motion is used up that the candidates allow, looking two steps ahead; at 1 or more search again.
+  /// Part of the motion allowed by the candidates that is used up two steps from now; search again from 1 on [1].
   virtual double used(const NodalState& state) const = 0;
 
-  /// The next searches do not depend on what was before: a run that goes on from a checkpoint makes the same ones.
+  /// Reset the prediction of the search distance, so that runs with and without a restart search alike.
   virtual void forget_search() = 0;
 
   /// Evaluate the gaps of open nodes for the results: steps update them lazily.
   /// @param[in] u displacements of the Halo's nodes [L]
-  virtual void update_gaps(const double* u) = 0;
+  virtual void update_gaps(std::span<const double> u) = 0;
 
   virtual ContactEnergy energy() const = 0;
-  /// The node that went through fastest, of this rank, since the contact was made or forgot its history.
+  /// The node of this rank that passed through farthest, since construction or since the last set_history.
   virtual Passage passage() const = 0;
   /// Sum of the forces on this rank's slave nodes in the last step [F].
-  virtual const double* force() const = 0;
+  virtual const std::array<double, 3>& force() const = 0;
 };
 
-/// A contact that acts by springs: forces in the present configuration, which are part of the residual.
+/// A contact whose forces depend on the present configuration and are part of the residual (penalty).
 class SpringForces
 {
 public:
   virtual ~SpringForces() = default;
   /// Add the forces to f (over the Halo's nodes; the caller sends ghosts on). Called once per step: it updates the
   /// history of friction. No allocation.
-  virtual void add_forces(const NodalState& state, double* f) = 0;
+  virtual void add_forces(const NodalState& state, std::span<double> f) = 0;
 };
 
-/// What a predicted step shows to contacts that correct it: arrays over the nodes of the Halo, entry node*gdim + c.
+/// Predicted step passed to contacts that correct it: arrays over the nodes of the Halo, entry node*gdim + c.
 struct PredictedStep
 {
-  const double* du = nullptr;           ///< increments of the step as predicted [L]
-  const double* du_before = nullptr;    ///< increments of the step before, which work counts half of [L]
-  const double* inverse_mass = nullptr; ///< zero where prescribed [1/M]
+  std::span<const double> du;           ///< increments of the step as predicted [L]
+  std::span<const double> du_before;    ///< increments of the step before; half of the work is done on them [L]
+  std::span<const double> inverse_mass; ///< zero where prescribed [1/M]
   double h = 0.0;                       ///< a force f moves a node by h*f/m in the step [T^2]
   double dt = 0.0;                      ///< step [T]
-  double release_share = 1.0;           ///< part of the recoverable energy that nodes which leave may be given back [1]
+  double release_share = 1.0;           ///< share of the recoverable energy that opening nodes may get back [1]
 };
 
-/// A contact that acts by correcting a predicted configuration: kinematic contact.
+/// A contact that corrects the predicted configuration (kinematic method).
 class StepCorrection
 {
 public:
@@ -107,6 +107,6 @@ public:
   /// @param[in] step as predicted, ghosts valid
   /// @param[in,out] u predicted displacements, ghosts valid; on return corrected, ghosts valid [L]
   /// @param[in,out] f complete on owned nodes: forces are added [F]
-  virtual void correct(const PredictedStep& step, double* u, double* f) = 0;
+  virtual void correct(const PredictedStep& step, std::span<double> u, std::span<double> f) = 0;
 };
 } // namespace dolfinx_impact::enforcement

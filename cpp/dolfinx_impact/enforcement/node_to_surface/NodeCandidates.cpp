@@ -14,7 +14,7 @@ namespace
 {
 using dolfinx::MPI::check_error;
 
-/// Of the longest distances between corners of facets the smallest and the largest.
+/// Smallest and largest facet diameter (distance between corners).
 std::pair<double, double> diameters(const surface::Facets& facets)
 {
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
@@ -27,7 +27,7 @@ std::pair<double, double> diameters(const surface::Facets& facets)
   return {smallest, largest};
 }
 
-/// Points as facets of no length, for boxes around them.
+/// Points as facets of length zero, whose bounding boxes are the points.
 surface::Facets as_facets(int gdim, const std::vector<double>& x)
 {
   surface::Facets out;
@@ -69,10 +69,10 @@ NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::F
   _u.resize(std::size_t(_halo.num_nodes()) * gdim);
   find_nodes(V, axisymmetric);
   if (master)
-    _around = search::send_to_owners(_comm, search::pack(*V.dofmap()->index_map, _slave));
+    _slave_facets = search::send_to_owners(_comm, search::pack(*V.dofmap()->index_map, _slave));
 }
 
-/// Nodes that are ours, with areas; a rank may own a node without having a facet at it.
+/// Set the owned nodes and their areas. A rank may own a node without having a facet at it.
 void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetric)
 {
   const int gdim = _slave.gdim;
@@ -83,9 +83,9 @@ void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetr
     counts[2 * node + 1] = 1.0;
   surface::add_nodal_areas(_slave, axisymmetric, slave);
   surface::add_nodal_areas(_mine.facets, axisymmetric, master);
-  _halo.reverse(counts.data(), 2);
-  _halo.reverse(slave.data(), 1);
-  _halo.reverse(master.data(), 1);
+  _halo.reverse(counts, 2);
+  _halo.reverse(slave, 1);
+  _halo.reverse(master, 1);
   const std::vector<double> x = V.tabulate_dof_coordinates(false);
   for (std::int32_t node = 0; node < _halo.num_owned(); ++node)
   {
@@ -116,14 +116,14 @@ void NodeCandidates::search(std::span<const double> u, std::span<const double> d
     return;
   ++_searches;
   std::copy_n(u.begin(), std::size_t(_halo.num_owned()) * gdim, _u.begin());
-  _halo.forward(_u.data(), gdim);
+  _halo.forward(_u, gdim);
   surface::move(_mine.facets, _u.data());
   std::vector<double> points(_X);
   for (std::size_t i = 0; i < _nodes.size(); ++i)
     for (int c = 0; c < gdim; ++c)
       points[i * gdim + c] += _u[std::size_t(_nodes[i]) * gdim + c];
   mean_motion(du);
-  // Both sides may move by half of this room; fast bodies need some for several steps.
+  // Slave and master may each move by half of this room; fast bodies get room for several steps.
   double mine_of[2] = {_step, deepest}, all_of[2];
   check_error(_comm, MPI_Allreduce(mine_of, all_of, 2, MPI_DOUBLE, MPI_MAX, _comm));
   const double step = all_of[0];
@@ -135,7 +135,7 @@ void NodeCandidates::search(std::span<const double> u, std::span<const double> d
   std::vector<std::int64_t> known(map.ghosts().begin(), map.ghosts().end());
   std::sort(known.begin(), known.end());
   std::vector<std::pair<std::int64_t, int>> far;
-  for (const search::FacetPackets* facets : {&_found, &_around})
+  for (const search::FacetPackets* facets : {&_found, &_slave_facets})
     for (std::size_t i = 0; i < facets->nodes.size(); ++i)
       if (const std::int64_t node = facets->nodes[i]; (node < map.local_range()[0] || node >= map.local_range()[1]) &&
                                                       !std::binary_search(known.begin(), known.end(), node))
@@ -151,8 +151,8 @@ void NodeCandidates::search(std::span<const double> u, std::span<const double> d
   }
 }
 
-/// Where the watched nodes are, and how fast they all moved on average since the last search.
-/// @param[in] du what owned nodes move in a step, or empty
+/// Store positions of the watched nodes and their mean velocity since the last search.
+/// @param[in] du increments of owned nodes in a step, or empty [L]
 void NodeCandidates::mean_motion(std::span<const double> du)
 {
   const int gdim = _slave.gdim;
@@ -220,7 +220,7 @@ surface::Facets number_facets(const search::FacetPackets& facets, const operator
 
 surface::Facets NodeCandidates::around(const operators::Halo& halo) const
 {
-  return number_facets(_around, halo);
+  return number_facets(_slave_facets, halo);
 }
 
 surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
@@ -231,7 +231,7 @@ surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
   std::vector<double> X(std::size_t(halo.num_nodes()) * gdim, 0.0);
   for (std::size_t i = 0; i < _watched.size(); ++i)
     std::copy_n(_watched_X.data() + i * gdim, gdim, X.data() + std::size_t(_watched[i]) * gdim);
-  halo.forward(X.data(), gdim);
+  halo.forward(X, gdim);
   for (std::size_t f = 0; f < out.size(); ++f)
     for (int j = 0; j < n_u; ++j)
       std::copy_n(X.data() + std::size_t(out.nodes_of(f)[j]) * gdim, gdim, out.X.data() + (f * n_x + j) * gdim);
@@ -253,7 +253,7 @@ std::vector<double> NodeCandidates::master_areas(operators::Halo& halo) const
 {
   std::vector<double> out(halo.num_nodes(), 0.0);
   std::copy(_master_areas.begin(), _master_areas.end(), out.begin());
-  halo.forward(out.data(), 1);
+  halo.forward(out, 1);
   return out;
 }
 

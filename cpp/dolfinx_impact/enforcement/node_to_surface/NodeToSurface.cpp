@@ -70,19 +70,19 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
 
 void NodeToSurface::search(std::span<const double> u, std::span<const double> du)
 {
-  _candidates.search(u, du, deepest());
+  _candidates.search(u, du, deepest_penetration());
 }
 
 std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
 {
-  // Owners have all their nodes, also those that only slaves of other ranks push.
+  // An owner keeps all its watched nodes: slaves of other ranks may push them.
   _needed.assign(_candidates.watched().begin(), _candidates.watched().end());
   if (!_rigid)
   {
     _areas = _candidates.master_areas(all);
     _facets = _candidates.numbered(all);
-    _around = _candidates.around(all);
-    for (const surface::Facets* facets : {&_facets, &_around})
+    _slave_facets = _candidates.around(all);
+    for (const surface::Facets* facets : {&_facets, &_slave_facets})
       _needed.insert(_needed.end(), facets->nodes.begin(), facets->nodes.end());
   }
   std::sort(_needed.begin(), _needed.end());
@@ -90,7 +90,7 @@ std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
   return _needed;
 }
 
-void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   _halo = &halo;
   _candidates.number(numbers);
@@ -105,9 +105,9 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
     areas[numbers[node]] = _areas[node];
     node = numbers[node];
   }
-  for (std::int32_t& node : _around.nodes)
+  for (std::int32_t& node : _slave_facets.nodes)
     node = numbers[node];
-  _tracker.reset(std::move(_facets), _candidates.numbers(), std::move(_around), _candidates.distance());
+  _tracker.reset(std::move(_facets), _candidates.numbers(), std::move(_slave_facets), _candidates.distance());
   const auto masters = _tracker.master_nodes();
   for (std::size_t k = 0; k < masters.size(); ++k)
   {
@@ -146,8 +146,7 @@ void NodeToSurface::set_history(const NodalHistory& history)
   _tracker.set_tracked(history.facet, history.xi);
 }
 
-// --- what a node meets
-// ------------------------------------------------------------------------------------------------
+// --- contact detection
 
 search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, const double* du, double back) const
 {
@@ -155,7 +154,7 @@ search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, co
   double x[3];
   for (int c = 0; c < _gdim; ++c)
     x[c] = _candidates.X()[i * _gdim + c] + u[k + c] - (du ? back * (du[k + c] - _obstacle_increment[c]) : 0.0);
-  const gap::RigidPoint p = gap::evaluate(_obstacle, x);
+  const gap::RigidPoint p = gap::evaluate(_obstacle, std::span(x, _gdim));
   search::Projection out;
   out.status = search::ProjectionStatus::converged;
   out.gap = p.gap;
@@ -169,8 +168,8 @@ void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
   if (!_rigid)
     _tracker.release(i, at, u);
   if (_results.status[i] == ContactStatus::open && _closed[i] != 1)
-    return; // it was before: all is zero
-  lose(i);
+    return; // the node was open already: its results are zero
+  drop_stored_energy(i);
   _results.status[i] = ContactStatus::open;
   _results.pressure[i] = 0.0;
   for (std::vector<double>* values : {&_results.traction, &_results.slip, &_tangential})
@@ -179,39 +178,42 @@ void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
     _closed[i] = 0;
 }
 
-bool NodeToSurface::meets(std::size_t i, const double* u, const double* du, double reach, bool keeps, Touch& touch)
+bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
+                                 ContactPoint& point)
 {
-  touch.i = i;
-  touch.node = _candidates.numbers()[i];
-  touch.at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du);
-  Projection& at = touch.at;
-  if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) && passes(touch, u, du))
+  point.i = i;
+  point.node = _candidates.numbers()[i];
+  point.at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du);
+  Projection& at = point.at;
+  if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) &&
+      passes_through(point, u, du))
   {
     open(i, at, u);
     return false;
   }
   std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
-  const bool kept = keeps && _closed[i] == 1 && std::isfinite(at.gap);
-  if (is_marked(touch, u, du) || (!(at.gap < reach) && !kept))
+  const bool kept = keep_closed && _closed[i] == 1 && std::isfinite(at.gap);
+  if (is_marked(point, u, du) || (!(at.gap < reach) && !kept))
   {
     open(i, at, u);
     return false;
   }
-  touch.num = 0;
+  point.num = 0;
   if (_rigid)
     return true;
   const surface::Facets& master = _tracker.master();
-  touch.num = master.displacement.num_nodes();
-  touch.masters = master.nodes_of(at.facet);
-  touch.corners = _tracker.corners(at.facet);
-  shape_values(master.displacement, at.xi, touch.phi);
+  point.num = master.displacement.num_nodes();
+  point.masters = master.nodes_of(at.facet);
+  point.corners = _tracker.corners(at.facet);
+  shape_values(master.displacement, at.xi, point.phi);
   return true;
 }
 
-void NodeToSurface::update_gaps(const double* u)
+void NodeToSurface::update_gaps(std::span<const double> displacements)
 {
   if (_rigid || !_halo)
     return;
+  const double* u = displacements.data();
   const double moved = _tracker.moved(u);
   for (std::size_t i = 0; i < num_nodes(); ++i)
     if (_closed[i] != 1)
@@ -222,15 +224,14 @@ void NodeToSurface::update_gaps(const double* u)
     }
 }
 
-// --- through the surface
-// ----------------------------------------------------------------------------------------------
+// --- passage through the surface
 
-/// Is a node marked: below the surface without having come through it, from beside the rim or found deep inside? A node
-/// without master keeps its mark, as nothing tells on which side it is.
-bool NodeToSurface::is_marked(const Touch& touch, const double* u, const double* du)
+/// A node is marked when it lies below the surface without having passed through it: it came from beside the rim, or it
+/// was first found deep inside. A node without a master keeps its mark, because its side is unknown.
+bool NodeToSurface::is_marked(const ContactPoint& point, const double* u, const double* du)
 {
-  const Projection& at = touch.at;
-  std::int8_t& closed = _closed[touch.i];
+  const Projection& at = point.at;
+  std::int8_t& closed = _closed[point.i];
   if (_rigid || !std::isfinite(at.gap))
     return closed == marked;
   const double diameter = _tracker.diameter(at.facet);
@@ -240,13 +241,13 @@ bool NodeToSurface::is_marked(const Touch& touch, const double* u, const double*
     closed = closed == marked ? 0 : closed;
   else if (closed == 0 && -at.gap > shallow * diameter)
   {
-    const Projection before = _tracker.locate_before(touch.i, u, du);
+    const Projection before = _tracker.locate_before(point.i, u, du);
     const bool met = std::isfinite(before.gap) && before.rim != Projection::Rim::below;
     const double depth = 0.5 * diameter;
     if (!met || (-at.gap > depth && !(before.gap > -depth)))
     {
       closed = marked;
-      _implausible += -at.gap > depth;
+      _num_implausible += -at.gap > depth;
     }
   }
   return closed == marked;
@@ -272,16 +273,16 @@ void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const d
       motion[c] -= phi[j] * du[std::size_t(master.nodes_of(at.facet)[j]) * _gdim + c];
 }
 
-bool NodeToSurface::passes(Touch& touch, const double* u, const double* du)
+bool NodeToSurface::passes_through(ContactPoint& point, const double* u, const double* du)
 {
-  const std::size_t i = touch.i;
+  const std::size_t i = point.i;
   const bool open = _closed[i] == 0;
   const double smallest = _candidates.smallest();
   double motion[3];
   const auto length = [&] { return std::sqrt(std::inner_product(motion, motion + _gdim, motion, 0.0)); };
   if (_rigid)
   {
-    relative_motion(i, touch.at, du, motion);
+    relative_motion(i, point.at, du, motion);
     if (!(length() > 0.5 * smallest))
       return false;
   }
@@ -293,7 +294,7 @@ bool NodeToSurface::passes(Touch& touch, const double* u, const double* du)
   if (!(way > 0.5 * smallest))
     return false;
   const int parts = int(std::min(std::ceil(2.0 * way / smallest), double(most_parts)));
-  Projection first = touch.at;
+  Projection first = point.at;
   double back = 0.0;
   for (int k = 1; k < parts && back == 0.0; ++k)
     if (const Projection at = point_before(i, u, du, 1.0 - double(k) / parts); is_below(at))
@@ -312,8 +313,8 @@ bool NodeToSurface::passes(Touch& touch, const double* u, const double* du)
     return true;
   }
   first.gap += back * along;
-  if (back > 0.0 && first.gap < 0.0 && !(is_below(touch.at) && touch.at.gap < first.gap + 0.5 * diameter))
-    touch.at = first;
+  if (back > 0.0 && first.gap < 0.0 && !(is_below(point.at) && point.at.gap < first.gap + 0.5 * diameter))
+    point.at = first;
   return false;
 }
 } // namespace dolfinx_impact::enforcement

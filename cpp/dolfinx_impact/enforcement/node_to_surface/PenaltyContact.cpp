@@ -89,7 +89,7 @@ std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
   return _all_needed;
 }
 
-void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   NodeToSurface::number(halo, numbers, mass);
   _master_force.assign(_tracker.master_nodes().size(), {});
@@ -143,7 +143,7 @@ void PenaltyContact::set_springs(std::vector<Spring> springs)
   _springs = std::move(springs);
 }
 
-double PenaltyContact::deepest() const
+double PenaltyContact::deepest_penetration() const
 {
   double deepest = 0.0;
   for (std::size_t i = 0; i < num_nodes(); ++i)
@@ -152,8 +152,8 @@ double PenaltyContact::deepest() const
   return deepest;
 }
 
-/// What is stored still, in a node that has not left through the surface, is lost.
-void PenaltyContact::lose(std::size_t i)
+/// The stored energy of a node that opens without leaving through the surface is dissipated.
+void PenaltyContact::drop_stored_energy(std::size_t i)
 {
   _stiffness[i] = 0.0;
   Spring& spring = _springs[i];
@@ -165,17 +165,17 @@ void PenaltyContact::lose(std::size_t i)
 }
 
 /// Reciprocal of the contact stiffness.
-inline double PenaltyContact::compliance(const Touch& touch, double dt) const
+inline double PenaltyContact::compliance(const ContactPoint& point, double dt) const
 {
-  const double per_area = _per_area[touch.i];
+  const double per_area = _per_area[point.i];
   if (_penalty > 0.0)
     return per_area / (_share * _penalty);
-  double own = _inverse_mass[touch.i], masters = 0.0;
-  for_nodes(touch.num,
+  double own = _inverse_mass[point.i], masters = 0.0;
+  for_nodes(point.num,
             [&](int j)
             {
-              const double weight = std::abs(touch.phi[j]);
-              const search::MasterNode& master = _tracker.masters()[touch.corners[j]];
+              const double weight = std::abs(point.phi[j]);
+              const search::MasterNode& master = _tracker.masters()[point.corners[j]];
               own += weight * master.inverse_mass;
               masters += weight * master.area_per_mass;
             });
@@ -200,10 +200,10 @@ double part_below(double g, double r)
 }
 } // namespace
 
-/// A node leaves the surface: half of its last force's work is done on the way.
-/// @param[in] motion of the node against the master in the step [L]
+/// Opens the spring of a node that leaves through the surface. Half of the last force's work is done in this step.
+/// @param[in] motion increment of the node relative to the master [L]
 template <int D>
-void PenaltyContact::leave(std::size_t i, const double* n, double change, const double* motion)
+void PenaltyContact::open_spring(std::size_t i, const double* n, double change, const double* motion)
 {
   Spring& spring = _springs[i];
   double* t = _tangential.data() + i * D;
@@ -219,27 +219,27 @@ void PenaltyContact::leave(std::size_t i, const double* n, double change, const 
     work += turned * motion[c];
     t[c] = 0.0;
   }
-  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keeps its size when the normal turns
+  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keep_closed its size when the normal turns
   _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
 }
 
-/// The force of a node that is near the master.
+/// Adds the contact force of a node near the master.
 template <int D>
-void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
+void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std::span<double> f)
 {
-  const std::size_t i = touch.i;
-  const search::Projection& at = touch.at;
+  const std::size_t i = point.i;
+  const search::Projection& at = point.at;
   const double* n = at.normal;
   constexpr int W = D == 2 ? 2 : 4; // forces fill whole registers
   double motion[D] = {}, r = 0.0, way_squared = 0.0;
   for (int c = 0; c < D; ++c)
-    motion[c] = state.du[std::size_t(touch.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+    motion[c] = state.du[std::size_t(point.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
   const search::MasterNode* masters = _tracker.masters();
-  for_nodes(touch.num,
+  for_nodes(point.num,
             [&](int j)
             {
               for (int c = 0; c < D; ++c)
-                motion[c] -= touch.phi[j] * masters[touch.corners[j]].du[c];
+                motion[c] -= point.phi[j] * masters[point.corners[j]].du[c];
             });
   for (int c = 0; c < D; ++c)
   {
@@ -251,19 +251,19 @@ void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
   Spring& spring = _springs[i];
   const bool begins = _closed[i] != 1;
   double change = begins ? r : at.gap - spring.gap;
-  if (change * change > 4.0 * way_squared) // another facet is the nearest now: nothing has moved so far
+  if (change * change > 4.0 * way_squared) // the nearest facet has changed: no motion of the step explains this change
     change = std::copysign(2.0 * std::sqrt(way_squared), change);
   double* t = _tangential.data() + i * D;
   if (!(overlap > 0.0))
   {
     if (!begins)
-      leave<D>(i, n, change, motion);
-    return open(i, at, state.u);
+      open_spring<D>(i, n, change, motion);
+    return open(i, at, state.u.data());
   }
   if (!_rigid)
     _tracker.track(i, at);
 
-  const double per_k = compliance(touch, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
+  const double per_k = compliance(point, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
   _energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, change, begins);
   const double normal_force = spring.force;
   double force[W] = {}, tangential_squared = 0.0;
@@ -299,29 +299,29 @@ void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
   const double per_area = _per_area[i];
   for (int c = 0; c < D; ++c)
   {
-    f[std::size_t(touch.node) * D + c] += force[c];
+    f[std::size_t(point.node) * D + c] += force[c];
     _force[c] += force[c];
     _results.traction[i * D + c] = force[c] * per_area;
   }
   Sum* sums = _master_force.data();
-  for_nodes(touch.num,
+  for_nodes(point.num,
             [&](int j)
             {
               for (int c = 0; c < W; ++c)
-                sums[touch.corners[j]].force[c] -= touch.phi[j] * force[c];
+                sums[point.corners[j]].force[c] -= point.phi[j] * force[c];
             });
   // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
   const surface::Facets& master = _tracker.master();
-  if (turns() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
-                  master.geometry.degree != master.displacement.degree))
+  if (corrects_moments() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
+                             master.geometry.degree != master.displacement.degree))
   {
     double x[D], r[FacetElement::max_nodes * D];
     for (int c = 0; c < D; ++c)
-      x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(touch.node) * D + c];
+      x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(point.node) * D + c];
     MomentCorrection correction;
-    correction.set<D>(touch.num, [&](int j, int c) { return masters[touch.corners[j]].x[c]; }, touch.phi, x, r);
-    correction.forces<D>(touch.num, r, force,
-                         [&](int j, int c, double value) { sums[touch.corners[j]].force[c] += value; });
+    correction.set<D>(point.num, [&](int j, int c) { return masters[point.corners[j]].x[c]; }, point.phi, x, r);
+    correction.forces<D>(point.num, r, force,
+                         [&](int j, int c, double value) { sums[point.corners[j]].force[c] += value; });
   }
   _closed[i] = 1;
   _stiffness[i] = k;
@@ -332,14 +332,14 @@ void PenaltyContact::add_node(Touch& touch, const NodalState& state, double* f)
 }
 
 template <int D>
-void PenaltyContact::add_all(const NodalState& state, double* f)
+void PenaltyContact::add_all(const NodalState& state, std::span<double> f)
 {
-  Touch touch;
+  ContactPoint point;
   // No gap changes by more than this in a step.
   const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracker.step();
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
-    if ((_rigid || !_tracker.skipped(i)) && meets(i, state.u, state.du, reach, true, touch))
-      add_node<D>(touch, state, f);
+    if ((_rigid || !_tracker.skipped(i)) && find_contact(i, state.u.data(), state.du.data(), reach, true, point))
+      add_node<D>(point, state, f);
   // Zero again for the next step.
   const auto masters = _tracker.master_nodes();
   for (std::size_t k = 0; k < masters.size(); ++k)
@@ -347,14 +347,14 @@ void PenaltyContact::add_all(const NodalState& state, double* f)
       f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
 }
 
-void PenaltyContact::add_forces(const NodalState& state, double* f)
+void PenaltyContact::add_forces(const NodalState& state, std::span<double> f)
 {
   _force.fill(0.0);
   _energy.stored = 0.0;
   if (!_rigid)
   {
     _candidates.advance(state.dt);
-    _tracker.advance(state.u, state.du);
+    _tracker.advance(state.u.data(), state.du.data());
   }
   _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
   if (_other)
@@ -365,8 +365,9 @@ void PenaltyContact::add_forces(const NodalState& state, double* f)
   }
 }
 
-NodalSprings PenaltyContact::springs_at(const double* u)
+NodalSprings PenaltyContact::springs_at(std::span<const double> displacements)
 {
+  const double* u = displacements.data();
   if (!(_penalty > 0.0))
     throw std::invalid_argument("springs without a given penalty depend on the step");
   const surface::FacetElement& element = _tracker.master().displacement;

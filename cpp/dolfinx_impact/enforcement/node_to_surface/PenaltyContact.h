@@ -9,17 +9,17 @@ namespace dolfinx_impact::enforcement
 struct PenaltyContactOptions : NodeToSurfaceOptions
 {
   double penalty = 0.0;  ///< pressure per penetration; 0: stiffness from masses and step [F/L^3]
-  double kappa = 0.5;    ///< what contact may add to the square of the highest frequency, times dt^2 [1]
-  bool balanced = false; ///< in both directions, each with half the stiffness
+  double kappa = 0.5;    ///< bound of dt^2 times the increase of the highest squared frequency by contact [1]
+  bool balanced = false; ///< two-pass contact: both surfaces are slave once, each with half the stiffness
 };
 
-/// Springs of given stiffness of all slave nodes that have a master, closed or not.
+/// Springs of given stiffness at all slave nodes that have a master, in contact or open.
 struct NodalSprings
 {
   int num_masters = 0;
-  std::vector<std::int32_t> nodes;   ///< numbers of the slave nodes, and `num_masters` of the master for each
-  std::vector<std::int32_t> masters; ///< [s*num_masters + j]
-  std::vector<double> phi;           ///< shape functions there, as `masters`
+  std::vector<std::int32_t> nodes;   ///< slave nodes
+  std::vector<std::int32_t> masters; ///< nodes of the master facet of slave s, [s*num_masters + j]
+  std::vector<double> phi;           ///< shape functions at the projection, as `masters` [1]
   std::vector<double> normal;        ///< [s*gdim + c]
   std::vector<double> stiffness;     ///< [F/L]
 };
@@ -37,14 +37,14 @@ public:
   PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
                  const PenaltyContactOptions& options);
 
-  void add_forces(const NodalState& state, double* f) override;
+  void add_forces(const NodalState& state, std::span<double> f) override;
 
-  // With those of the other direction of balanced contact.
+  // These include the other direction of balanced contact.
   void search(std::span<const double> u, std::span<const double> du) override;
   std::span<const std::int64_t> remote_nodes() const override { return _all_remote; }
   std::span<const int> remote_owners() const override { return _all_owners; }
   std::span<const std::int32_t> needs(operators::Halo& all) override;
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override;
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
   double used(const NodalState& state) const override;
   void forget_search() override;
   ContactEnergy energy() const override;
@@ -59,23 +59,23 @@ public:
   const std::vector<Spring>& springs() const { return _springs; }
   /// @throws std::invalid_argument for another number of nodes
   void set_springs(std::vector<Spring> springs);
-  /// The springs in a configuration, after `number`, instead of a step. Not those of the other direction.
+  /// Springs in a given configuration, outside of time stepping; call after `number`. This direction only.
   /// @param[in] u displacements of the Halo's nodes [L]
   /// @throws std::invalid_argument without a given penalty
-  NodalSprings springs_at(const double* u);
+  NodalSprings springs_at(std::span<const double> u);
 
 private:
   PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
                  const gap::Rigid* rigid, const PenaltyContactOptions& options);
-  double deepest() const override;
-  void lose(std::size_t i) override;
-  double compliance(const Touch& touch, double dt) const;
+  double deepest_penetration() const override;
+  void drop_stored_energy(std::size_t i) override;
+  double compliance(const ContactPoint& point, double dt) const;
   template <int D>
-  void leave(std::size_t i, const double* n, double change, const double* motion);
+  void open_spring(std::size_t i, const double* n, double change, const double* motion);
   template <int D>
-  void add_node(Touch& touch, const NodalState& state, double* f);
+  void add_node(ContactPoint& point, const NodalState& state, std::span<double> f);
   template <int D>
-  void add_all(const NodalState& state, double* f);
+  void add_all(const NodalState& state, std::span<double> f);
 
   double _penalty, _kappa;
   double _share = 1.0; ///< of the stiffness: half when balanced
