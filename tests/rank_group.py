@@ -55,7 +55,11 @@ class RankGroup:
                 stream.sendall(line)
             except OSError:
                 pass  # the rank has ended: no reply comes
-        replies = self._replies(timeout)
+        try:
+            replies = self._replies(timeout)
+        except BaseException:  # Ctrl-C, the time limit of a test: replies to come are not those to the next request
+            self.kill()
+            raise
         if any("failure" in reply for reply in replies):
             self.kill(keep_log=True)
             text = [f"rank {rank}: {r['failure']}" for rank, r in enumerate(replies) if "failure" in r]

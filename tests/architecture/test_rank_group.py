@@ -119,6 +119,18 @@ def test_a_check_that_hangs_ends_by_its_own_time_limit(group, module):
     assert perform(group, module, "passes") == {"passes": None} and group.starts == 2
 
 
+def test_after_an_interrupt_no_reply_is_taken_for_another(group, module, monkeypatch):
+    def interrupted(timeout):
+        raise KeyboardInterrupt
+
+    assert perform(group, module, "passes") == {"passes": None}
+    with monkeypatch.context() as patch:
+        patch.setattr(group, "_replies", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            group.call(60, module=module, check="check_fails")
+    assert perform(group, module, "passes") == {"passes": None} and group.starts == 2
+
+
 def test_ranks_that_end_with_another_status_are_noticed(group, tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import atexit, os, sys\natexit.register(lambda: os._exit(4))\nprint(sys.argv[1:])\n")
