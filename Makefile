@@ -66,21 +66,22 @@ lint-here:
 	[ $$status = 0 ] || echo "lint: stopped; 'make format' mends what formatters can" >&2; \
 	exit $$status
 
-# Two halves side by side, on two cores; then, one after the other, the tests that need the machine for themselves. What
-# fails does not keep the others from running.
+# Two halves side by side, on two cores, cut so that both take about as long; then, one after the other, the tests that
+# need the machine for themselves. What fails does not keep the others from running. Each part ends with its slowest
+# tests.
 test-here:
 ifeq ($(strip $(ARGS)),)
 	@status=0; $(MAKE) -k -j2 test-units-here test-others-here || status=1; \
-	$(PYTEST) -m "alone and not slow" --durations=30 || status=1; exit $$status
+	$(PYTEST) -m "alone and not slow" -q --durations=30 || status=1; exit $$status
 else
 	$(PYTEST) -m "not slow" $(ARGS)
 endif
 
 test-units-here:
-	$(PYTEST) -m "not alone and not slow" -q tests/unit
+	$(PYTEST) -m "not alone and not slow" -q --durations=30 tests/unit tests/demos
 
 test-others-here:
-	$(PYTEST) -m "not alone and not slow" -q --ignore=tests/unit
+	$(PYTEST) -m "not alone and not slow" -q --durations=30 --ignore=tests/unit --ignore=tests/demos
 
 slow-here: # status 5: no slow test was found
 	$(PYTEST) -m "slow and not matrix" $(ARGS) || [ $$? -eq 5 ]

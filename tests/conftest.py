@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Shared by all tests: one printed seed, a guarded mpirun, hypothesis without chance, a time limit on every test."""
+"""Shared by all tests: one printed seed, guarded ranks, hypothesis without chance, a time limit on every test."""
 
 import os
 import pathlib
-import signal
-import subprocess
 import sys
 import textwrap
-import time
 import zlib
 
 import numpy as np
 import pytest
+from processes import mpi_environment, run_guarded
+from rank_group import RankFailure, RankGroup
 
 try:
     import hypothesis
@@ -39,11 +38,25 @@ def pytest_report_header(config):
     return f"seed: {_seed(config)} (repeat or change with --seed N or IMPACT_SEED=N)"
 
 
+def _ranks(item):
+    """The number of ranks that a test is for, its parameter `ranks`; None: it does not say."""
+    return item.callspec.params.get("ranks") if hasattr(item, "callspec") else None
+
+
+def _ranks_of_group(item):
+    """Tests on the ranks of a group come last, those on as many ranks together: a group is started once."""
+    return _ranks(item) if "rank_group" in item.fixturenames else 0
+
+
 @pytest.hookimpl(tryfirst=True)  # before -m selects by markers
 def pytest_collection_modifyitems(config, items):
     for item in items:
-        if item.get_closest_marker("mpi") or "mpirun" in item.fixturenames:
+        if "rank_group" in item.fixturenames:
+            item.add_marker(pytest.mark.mpi)
+        several = _ranks(item) != 1  # one rank needs one core only
+        if several and (item.get_closest_marker("mpi") or "mpirun" in item.fixturenames):
             item.add_marker(pytest.mark.alone)
+    items.sort(key=_ranks_of_group)  # the sort is stable: else the order stays
     if config.pluginmanager.hasplugin("timeout"):
         for item in items:
             if item.get_closest_marker("timeout") is None:
@@ -69,53 +82,10 @@ def checkout():
     return pathlib.Path(__file__).resolve().parent.parent
 
 
-def _session_members(leader):
-    """Processes of the session that `leader` opened: the ranks leave mpirun's process group, but not its session."""
-    members = []
-    for entry in pathlib.Path("/proc").glob("[0-9]*"):
-        try:
-            fields = (entry / "stat").read_text().rpartition(")")[2].split()
-        except OSError:
-            continue  # it has ended meanwhile
-        if int(fields[3]) == leader and fields[0] != "Z":
-            members.append(int(entry.name))
-    return members
-
-
-def _kill_session(process, grace=3.0):
-    """End a process started with start_new_session and all its offspring: politely, then for good."""
-    for sig, wait in ((signal.SIGTERM, grace), (signal.SIGKILL, grace)):
-        for pid in _session_members(process.pid):
-            try:
-                os.kill(pid, sig)
-            except ProcessLookupError:
-                pass
-        end = time.monotonic() + wait
-        while _session_members(process.pid) and time.monotonic() < end:
-            process.poll()
-            time.sleep(0.05)
-    process.wait()
-
-
-def run_guarded(command, timeout, log, env=None, cwd=None):
-    """Run a command with its output in the file `log`; returns (exit status or None after a timeout, output)."""
-    with open(log, "wb") as out:
-        process = subprocess.Popen(
-            [str(c) for c in command],
-            stdin=subprocess.DEVNULL,
-            stdout=out,
-            stderr=subprocess.STDOUT,
-            env=env,
-            cwd=cwd,
-            start_new_session=True,
-        )
-        try:
-            status = process.wait(timeout)
-        except subprocess.TimeoutExpired:
-            status = None
-        finally:
-            _kill_session(process)
-    return status, pathlib.Path(log).read_text(errors="replace")
+def _is_script(script_or_code):
+    """A path, or one line that ends in .py; anything else is code."""
+    text = str(script_or_code)
+    return isinstance(script_or_code, os.PathLike) or ("\n" not in text and text.endswith(".py"))
 
 
 @pytest.fixture
@@ -133,23 +103,62 @@ def mpirun(tmp_path):
         __tracebackhide__ = True
         count += 1
         text = str(script_or_code)
-        is_script = isinstance(script_or_code, os.PathLike) or ("\n" not in text and text.endswith(".py"))
-        what = [text] if is_script else ["-c", textwrap.dedent(text)]
+        what = [text] if _is_script(script_or_code) else ["-c", textwrap.dedent(text)]
         command = ["mpirun", "-n", n, sys.executable, "-m", "mpi4py", *what, *args]
-        surroundings = {
-            "OMPI_ALLOW_RUN_AS_ROOT": "1",
-            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-            "OMPI_MCA_rmaps_base_oversubscribe": "1",
-            "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-            "OMP_NUM_THREADS": "1",
-            **os.environ,
-            **(env or {}),
-        }
+        surroundings = mpi_environment(**(env or {}))
         found, output = run_guarded(command, timeout, tmp_path / f"mpirun-{count}.log", surroundings, cwd)
         if found is None:
             pytest.fail(f"{n} ranks did not finish within {timeout} s and were killed; their output:\n{output}")
         if status is not None and found != status:
             pytest.fail(f"{n} ranks ended with status {found}, expected {status}; their output:\n{output}")
         return output
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def rank_group():
+    """rank_group(size, timeout, **request) -> what each rank printed; the request is that of rank_process.py.
+
+    The ranks are started for the first request and stay; a request to another number of ranks ends them. Fails the
+    test with what the ranks raised, on a lack of replies after `timeout` seconds, and where ranks that are ended do
+    not do so with status 0.
+    """
+    group = RankGroup(1)
+
+    def end():
+        status = group.close()
+        if status != 0:
+            pytest.fail(f"after all their tests {group.size} ranks ended with status {status}", pytrace=False)
+
+    def run(size, timeout, **request):
+        nonlocal group
+        __tracebackhide__ = True
+        if size != group.size:
+            end()
+            group = RankGroup(size)
+        try:
+            return group.call(timeout, **request)
+        except RankFailure as failure:
+            pytest.fail(str(failure), pytrace=False)
+
+    yield run
+    end()
+
+
+@pytest.fixture
+def script_on_ranks(rank_group, tmp_path):
+    """script_on_ranks(n, script_or_code, *args, timeout=120) -> output of all ranks.
+
+    As `mpirun`, on ranks that other tests use as well: for scripts that leave the process as it was.
+    """
+
+    def run(n, script_or_code, *args, timeout=120):
+        __tracebackhide__ = True
+        script = pathlib.Path(str(script_or_code))
+        if not _is_script(script_or_code):
+            script = tmp_path / "script_on_ranks.py"
+            script.write_text(textwrap.dedent(script_or_code))
+        return "".join(rank_group(n, timeout, script=str(script), arguments=[str(a) for a in args]))
 
     return run

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
 """The same checks in the test's own process and on several ranks: a module's functions check_*.
 
-As a script, on_ranks.py MODULE.py runs them on the ranks of COMM_WORLD and prints "passed: NAME" on rank 0 after each.
+All checks of a session share one mpirun per number of ranks, rank_group.py: DOLFINx is imported and forms are compiled
+once. Each check on each number of ranks is a test of its own.
 """
 
-import pathlib
-import runpy
-import sys
+import itertools
 
 import pytest
+import ufl
 from mpi4py import MPI
+from ufl.utils.counted import Counted
 
 
 def checks_of(names):
@@ -22,32 +23,50 @@ def rank_tests(module, ranks=(2, 3), timeout=300):
     """Tests of a module of checks: `test_one_rank, test_several_ranks = rank_tests(module)`.
 
     Args:
-        module: with functions check_* without arguments. ranks: numbers of ranks. timeout: of a run on several [s].
+        module: with functions check_* without arguments.
+        ranks: numbers of ranks.
+        timeout: limit of each check on several ranks [s].
     """
     checks = checks_of(vars(module))
+    assert checks, f"{module.__name__} has no function check_*"
 
     @pytest.mark.parametrize("name", checks)
     def test_one_rank(name):
         checks[name]()
 
-    @pytest.mark.mpi
+    @pytest.mark.parametrize("name", checks)
     @pytest.mark.parametrize("ranks", ranks)
-    def test_several_ranks(mpirun, ranks):
-        output = mpirun(ranks, pathlib.Path(__file__), module.__file__, timeout=timeout)
-        assert [line[8:] for line in output.splitlines() if line.startswith("passed: ")] == list(checks)
+    def test_several_ranks(rank_group, ranks, name):
+        rank_group(ranks, timeout, module=module.__file__, check=f"check_{name}")
 
     return test_one_rank, test_several_ranks
 
 
-def main(path):
-    """Run the checks of a module on the ranks."""
-    sys.path.insert(0, str(pathlib.Path(path).parent))
-    for name, check in checks_of(runpy.run_path(path)).items():
-        check()
-        MPI.COMM_WORLD.barrier()
-        if MPI.COMM_WORLD.rank == 0:
-            print(f"passed: {name}", flush=True)
+def on_rank_0(comm, function):
+    """function() on rank 0 alone, its result on all ranks. Collective.
+
+    UFL numbers coefficients, constants and indices as they are made. A rank that has made more of them than the others
+    may sort the terms of a form otherwise, and the form is then not the same on all ranks: the numbers are levelled.
+    """
+    found = comm.bcast(function() if comm.rank == 0 else None, root=0)
+    classes = _counted_classes()
+    here = {name: next(c._counter) for name, c in classes.items()}
+    everywhere = comm.allgather(here)
+    for name, c in classes.items():
+        c._counter = itertools.count(max(numbers.get(name, 0) for numbers in everywhere))
+    for c in (ufl.Mesh, ufl.MeshView):
+        c._ufl_global_id = comm.allreduce(c._ufl_global_id, MPI.MAX)
+    return found
 
 
-if __name__ == "__main__":
-    main(sys.argv[1])
+def _counted_classes():
+    """By name, UFL's classes whose objects are numbered."""
+    found, todo = {}, [Counted]
+    while todo:
+        c = todo.pop()
+        todo += c.__subclasses__()
+        if c is not Counted and "_counter" in vars(c):
+            found[f"{c.__module__}.{c.__qualname__}"] = c
+    for c in found.values():
+        c._counter = c._counter or itertools.count()
+    return found

@@ -25,7 +25,8 @@ public:
   std::span<const std::int64_t> remote_nodes() const override { return {}; }
   std::span<const int> remote_owners() const override { return {}; }
   std::span<const std::int32_t> needs(operators::Halo&) override { return _nodes; }
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers,
+              std::span<const double> mass) override
   {
     REQUIRE(halo.num_nodes() == 1);
     own = numbers[2];
@@ -38,10 +39,10 @@ public:
   }
   double used(const enforcement::NodalState&) const override { return motion_used; }
   void forget_search() override { ++forgotten; }
-  void update_gaps(const double* u) override { gap = u[2 * own]; }
+  void update_gaps(std::span<const double> u) override { gap = u[2 * own]; }
   enforcement::ContactEnergy energy() const override { return energies; }
   enforcement::Passage passage() const override { return passed; }
-  const double* force() const override { return total.data(); }
+  const std::array<double, 3>& force() const override { return total; }
 
   int searches = 0, forgotten = 0;
   std::int32_t own = -1;
@@ -59,7 +60,7 @@ private:
 class Spring : public OneNode, public enforcement::SpringForces
 {
 public:
-  void add_forces(const enforcement::NodalState& state, double* f) override
+  void add_forces(const enforcement::NodalState& state, std::span<double> f) override
   {
     total[0] = -4.0 * state.u[2 * own];
     f[2 * own] += total[0];
@@ -72,7 +73,7 @@ public:
 class Stop : public OneNode, public enforcement::StepCorrection
 {
 public:
-  void correct(const enforcement::PredictedStep& step, double* u, double* f) override
+  void correct(const enforcement::PredictedStep& step, std::span<double> u, std::span<double> f) override
   {
     const double force = -u[2 * own] / (step.h * step.inverse_mass[2 * own]);
     total[0] = force;

@@ -1,28 +1,19 @@
 # SPDX-License-Identifier: MIT
 """The C++ library: found by CMake as a user finds it; the demo and a test program built, and run on 1 to 3 ranks."""
 
-import os
 import pathlib
 import re
 import shutil
 import subprocess
 
 import pytest
+from processes import mpi_environment
 
 import dolfinx_impact
 
-pytestmark = pytest.mark.alone
-
 
 def run(command, **environment):
-    surroundings = {
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-        **os.environ,
-        **environment,
-    }
+    surroundings = mpi_environment(**environment)
     done = subprocess.run([str(c) for c in command], env=surroundings, capture_output=True, text=True, timeout=200)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
     return done.stdout
@@ -58,6 +49,7 @@ def checks(tmp_path_factory):
     return build(pathlib.Path(__file__).parent, tmp_path_factory.mktemp("tests_cpp"))
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_demo_runs(program, ranks):
     output = run(["mpirun", "-n", ranks, program]) if ranks > 1 else run([program])
@@ -81,6 +73,7 @@ CHECKS = {
 }
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 @pytest.mark.parametrize("name", CHECKS)
 def test_contact_demos_meet_closed_forms(demos, name, ranks):
@@ -108,6 +101,7 @@ def test_widths_agree(program):
         assert f"cells per kernel call: {width}" in run([program], IMPACT_SIMD_WIDTH=width)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_library(checks, ranks):
     """Tangent, energy and force against each other, boundary conditions, errors."""

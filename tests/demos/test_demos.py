@@ -14,8 +14,6 @@ from outputs import numbers, words
 
 from dolfinx_impact import cli
 
-pytestmark = pytest.mark.alone
-
 ALL = sorted(cli.demos())
 FILES = {
     "wheel_on_rail": (

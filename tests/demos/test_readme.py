@@ -11,13 +11,12 @@ def readme(checkout):
     return (checkout / "README.md").read_text()
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", (1, 2))
-def test_the_script_runs(ranks, readme, mpirun, tmp_path):
+def test_the_script_runs(ranks, readme, script_on_ranks, tmp_path):
     (source,) = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)
     script = tmp_path / "first.py"
     script.write_text(source)
-    output = mpirun(ranks, script)
+    output = script_on_ranks(ranks, script)
     assert re.search(r"peak pressure \d+ MPa, Hertz \d+ MPa", output)
 
 

@@ -36,9 +36,8 @@ def test_default_folder(tmp_path, monkeypatch):
     assert RunFolder(name="x").path == tmp_path / "named"
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", (1, 2))
-def test_a_folder_that_cannot_be_made_is_an_error_on_all_ranks(ranks, mpirun, tmp_path):
+def test_a_folder_that_cannot_be_made_is_an_error_on_all_ranks(ranks, script_on_ranks, tmp_path):
     (tmp_path / "file").write_text("in the way")
     code = """
     import sys
@@ -51,13 +50,12 @@ def test_a_folder_that_cannot_be_made_is_an_error_on_all_ranks(ranks, mpirun, tm
         if said:
             print(len(said), len(set(said)), said[0])
     """
-    output = mpirun(ranks, code, tmp_path / "file" / "below")
+    output = script_on_ranks(ranks, code, tmp_path / "file" / "below")
     assert f"{ranks} 1 results cannot be written to" in output and "Not a directory" in output and "--output" in output
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", (1, 2, 3))
-def test_fields_and_gathering(ranks, mpirun, tmp_path):
+def test_fields_and_gathering(ranks, script_on_ranks, tmp_path):
     """A gathered field is the field, whatever the number of ranks; files are written in both formats."""
     code = """
     import sys
@@ -83,7 +81,7 @@ def test_fields_and_gathering(ranks, mpirun, tmp_path):
     run.fields("out", [u, s], xdmf=True)
     run.print("once")
     """
-    output = mpirun(ranks, code, tmp_path)
+    output = script_on_ranks(ranks, code, tmp_path)
     assert output.count("once") == 1
     assert {"out.bp", "out_1.bp", "out.xdmf", "out.h5"} <= {p.name for p in tmp_path.iterdir()}
 

@@ -79,7 +79,6 @@ def test_every_demo_is_a_notebook(notebooks):
         assert cells[0].cell_type == "markdown" and {cell.cell_type for cell in cells} == {"markdown", "code"}
 
 
-@pytest.mark.alone
 @pytest.mark.parametrize("name", DEMOS)
 def test_a_notebook_runs(name, notebooks, checkout, tmp_path):
     """On one rank: its code cells, in order, in one namespace, as a kernel runs them."""
@@ -89,7 +88,6 @@ def test_a_notebook_runs(name, notebooks, checkout, tmp_path):
     assert_as_in_the_pages(name, f"{done.stdout}results in results/{name}\n", tmp_path / f"{name}.png", checkout)
 
 
-@pytest.mark.alone
 @pytest.mark.mpi
 @pytest.mark.parametrize("name, ranks", [("bar_on_wall", 1), *((name, 2) for name in DEMOS)])
 def test_a_demo_runs(name, ranks, impact, checkout, tmp_path):

@@ -230,7 +230,7 @@ def spin_of(model, run):
     return np.cross(x, p).sum(1), p.sum(1), np.abs(p).sum(2).sum(1).max()
 
 
-@pytest.mark.parametrize("cell", ["quadrilateral", "tetrahedron"])
+@pytest.mark.parametrize("cell", ["quadrilateral", pytest.param("tetrahedron", marks=pytest.mark.slow)])
 def test_drift_falls_with_step_and_penetration(cell):
     """Springs of a given penalty: what closing and opening between two steps takes is of second order in the step, 16
     times less with a fourth of it, and is not drift, of which there is less. With friction, slip counts the turning of

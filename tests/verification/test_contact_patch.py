@@ -7,23 +7,25 @@ where its quadrature, on slave facets, is exact; across the kinks of a deformabl
 """
 
 import functools
-import pathlib
 
 import numpy as np
+import patch_checks
 import pytest
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
+from on_ranks import rank_tests
 from partial_facet_integrals import LoadedFacet
 from pressed_blocks import E, PressedBlocks, free_sides, hooke
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
 
+test_one_rank, test_several_ranks = rank_tests(patch_checks)
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 STRAIN = -0.01
 # What the benchmark asks for. Round-off leaves 1e-13: 1e-16 times the condition number of these meshes.
-EXACT = 1e-10
+EXACT = patch_checks.EXACT
 every_cell = pytest.mark.parametrize("cell", CELLS)
 every_degree = pytest.mark.parametrize("degree", [1, 2])
 
@@ -175,35 +177,3 @@ def test_penalty_between_blocks_errs_by_its_quadrature(cell, degree):
         errors.append(blocks.stress_error(stress))
     print(f"penalty, {cell}, degree {degree}: stress error {errors[0]:.1e}, rule of degree 20 {errors[1]:.1e}")
     assert errors[0] < 0.05 and errors[1] < 0.5 * errors[0]  # measured 0.007 to 0.041, a quarter of that or less
-
-
-# --- ranks ----------------------------------------------------------------------------------------------------------
-
-RANKS = """
-import functools, sys
-sys.path.insert(0, sys.argv[1])
-import numpy as np
-from mpi4py import MPI
-import dolfinx_impact as di
-from pressed_blocks import PressedBlocks, free_sides, hooke
-chi = 1e7
-for cell, dim, degree in (("quadrilateral", 2, 2), ("tetrahedron", 3, 1)):
-    strains = free_sides(dim, 0.3, -0.01)
-    stress = hooke(strains, 0.3)
-    penalty = {"method": functools.partial(di.Penalty, penalty=chi), "rigid": True, "sink": -stress[-1] / chi}
-    augmented = functools.partial(di.Penalty, penalty=chi, augmented=True, tolerance=1e-13)
-    for more in ({"method": di.Lagrange}, penalty, {"method": augmented, "rigid": True}):
-        blocks = PressedBlocks(cell, degree, strains, 0.3, comm=MPI.COMM_WORLD, **more)
-        errors = (blocks.displacement_error(), blocks.stress_error(stress), blocks.pressure_error(-stress[-1]))
-        force = abs(blocks.contact.force[-1] / stress[-1]) - 1
-        if MPI.COMM_WORLD.rank == 0:
-            print("error", max(*errors, abs(force)))
-"""
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [1, 2, 3])
-def test_on_ranks(ranks, mpirun):
-    output = mpirun(ranks, RANKS, pathlib.Path(__file__).parent)
-    errors = [float(line.split()[1]) for line in output.splitlines() if line.startswith("error")]
-    assert len(errors) == 6 and max(errors) < EXACT  # some ranks have no slave facets

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
+from on_ranks import on_rank_0
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
@@ -116,12 +117,13 @@ def facts(comm, problem):
 def run_alone(**case):
     """Facts of a run on rank 0 alone, and some of its numbers: largest motion, area in contact at the looks,
     part of the energy that went into friction. Collective."""
-    found = None
-    if COMM.rank == 0:
+
+    def run():
         alone, closed, _ = thrown(MPI.COMM_SELF, **case)
         lost = alone.contact[0].dissipated / alone.energy_history[0, 1]
-        found = facts(MPI.COMM_SELF, alone), (np.abs(alone.u.x.array).max(), closed, lost)
-    return COMM.bcast(found, root=0)
+        return facts(MPI.COMM_SELF, alone), (np.abs(alone.u.x.array).max(), closed, lost)
+
+    return on_rank_0(COMM, run)
 
 
 def assert_same(here, there):

@@ -19,14 +19,15 @@ import partitioned_bodies  # noqa: E402
 COMM = MPI.COMM_WORLD
 # The same equations, summed and solved in another order: round-off times the condition of a few hundred unknowns.
 SAME = 1e-10
-SIZES = dict(radius=10.0, a=1.0, h=0.3, width=6.0, height=6.0, coarse=3.0)
+SIZES = dict(radius=10.0, a=1.0, width=6.0, height=6.0, coarse=3.0)
+FACETS = {2: 0.3, 3: 0.4}  # edges of the contact zone, by dimension
 RECIPES = {2: ("cylinder_on_half_plane", "triangle"), 3: ("sphere_on_half_space", "tetrahedron")}
 
 
 def pressed(comm, dim, method, partitioner=None):
     """A round body pressed on a block by a displacement: contact points with pressure, gap, traction; force, area."""
     recipe, cell = RECIPES[dim]
-    m = meshes.make(recipe, comm, cell=cell, partitioner=partitioner, **SIZES)
+    m = meshes.make(recipe, comm, cell=cell, h=FACETS[dim], partitioner=partitioner, **SIZES)
     V = fem.functionspace(m.mesh, ("Lagrange", 1, (dim,)))
     down = fem.Constant(m.mesh, -0.3)
     sides = [("bottom", axis, 0.0) for axis in range(dim)] + [("symmetry_x", 0, 0.0), ("top", dim - 1, down)]

@@ -1,20 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Facing is judged in the present configuration: nothing depends on when candidates are searched."""
 
-import pathlib
-
 import facing_checks
 import numpy as np
 import pytest
 from mpi4py import MPI
+from on_ranks import rank_tests
 
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", (1, 2, 3))
-def test_forces_do_not_depend_on_searches(mpirun, ranks):
-    """Bodies tumble; candidates searched in every step, where all is evaluated anew, or when they are due."""
-    output = mpirun(ranks, pathlib.Path(facing_checks.__file__), timeout=300)
-    assert "all passed" in output
+test_one_rank, test_several_ranks = rank_tests(facing_checks, ranks=(2, 3), timeout=300)
 
 
 @pytest.mark.parametrize("options", ({"friction": 0.3}, {"kinematic": True, "friction": 0.3}))

@@ -43,31 +43,19 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
-def run(folder, mode, ranks):
-    """Result by place of a run that writes a checkpoint, or goes on from it."""
-    script, out = folder / "script.py", folder / f"{mode}{ranks}.npy"
-    script.write_text(SCRIPT)
-    environment = {**os.environ, "PYTHONPATH": str(HERE)}
-    command = [
-        "mpirun",
-        "--oversubscribe",
-        "-n",
-        str(ranks),
-        sys.executable,
-        str(script),
-        mode,
-        str(folder / "checkpoint.h5"),
-        str(out),
-    ]
-    subprocess.run(command, env=environment, check=True, timeout=300)
-    return np.load(out)[:, 2:]
-
-
-def test_a_run_goes_on_on_other_ranks(tmp_path):
+@pytest.mark.mpi
+def test_a_run_goes_on_on_other_ranks(mpirun, tmp_path):
     """To 1e-10 of the largest entry, 267 steps later."""
-    whole = run(tmp_path, "write", 2)
+
+    def run(mode, ranks):
+        """Result by place of a run that writes a checkpoint, or goes on from it."""
+        out = tmp_path / f"{mode}{ranks}.npy"
+        mpirun(ranks, SCRIPT, mode, tmp_path / "checkpoint.h5", out, timeout=300, env={"PYTHONPATH": str(HERE)})
+        return np.load(out)[:, 2:]
+
+    whole = run("write", 2)
     for ranks in (1, 3):
-        again = run(tmp_path, "read", ranks)
+        again = run("read", ranks)
         for columns in np.split(np.arange(6), 3):
             scale = np.abs(whole[:, columns]).max()
             np.testing.assert_allclose(again[:, columns], whole[:, columns], rtol=0, atol=1e-10 * scale)

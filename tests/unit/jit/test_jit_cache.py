@@ -4,6 +4,7 @@ fit."""
 
 import os
 import re
+import shutil
 import stat
 import subprocess
 import sys
@@ -30,6 +31,22 @@ def small_form(factor=1.0):
     domain = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
     v = ufl.TestFunction(fem.functionspace(domain, ("Lagrange", 1)))
     return factor * v * ufl.dx
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """Path of the library of small_form() in a cache of its own: compiled once, not to be changed."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("IMPACT_JIT_CACHE", str(tmp_path_factory.mktemp("compiled") / "cache"))
+        patch.setattr(jit, "_LOADED", {})
+        return jit.Path(jit.compile_form(small_form()).source)
+
+
+@pytest.fixture
+def library(compiled, cache):
+    """Path of the library of small_form() in the test's cache, a copy."""
+    shutil.copytree(compiled.parent, cache)  # with the modes of folder and files
+    return cache / compiled.name
 
 
 # Compiles small_form in a process of its own and prints the library's path.
@@ -75,10 +92,9 @@ def test_forms_of_the_table_need_no_cache(cache):
 
 
 @pytest.mark.parametrize("damage", ["truncated", "overwritten", "empty", "missing", "no list", "list spoilt"])
-def test_spoilt_library_is_compiled_again(cache, damage):
-    path = jit.Path(jit.compile_form(small_form()).source)
-    whole = path.read_bytes()
-    # Never in place: this process has the file mapped.
+def test_spoilt_library_is_compiled_again(cache, library, damage):
+    path, whole = library, library.read_bytes()
+    assert jit._cached(path, path.with_suffix(".txt"))
     if damage in ("truncated", "overwritten", "empty"):
         copy = path.with_suffix(".copy")
         spoilt = whole[: len(whole) // 2] if damage == "truncated" else b"x" * len(whole) if damage != "empty" else b""
@@ -151,10 +167,10 @@ def _open_to(mode):
     ids=["world", "group", "foreign"],
 )
 @pytest.mark.parametrize("what", ["folder", "library", "list"])
-def test_what_others_may_have_written_is_not_loaded(cache, spoil, words, what):
+def test_what_others_may_have_written_is_not_loaded(cache, library, spoil, words, what):
     if spoil is _foreign and os.geteuid() != 0:
         pytest.skip("only root can give files away")
-    path = jit.Path(jit.compile_form(small_form()).source)
+    path = library
     spoil({"folder": cache, "library": path, "list": path.with_suffix(".txt")}[what])
     text = run(cache, "1.0", "refused")
     assert "IMPACT_JIT_CACHE" in text and str(cache) in text

@@ -6,7 +6,10 @@ Both sides are compiled here with little optimisation: what is compared is the c
 
 import ctypes
 import multiprocessing
+import re
+import shutil
 import subprocess
+import zlib
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -48,12 +51,28 @@ ACCESS_EXPRESSION = (
 )
 
 
-def _compile(compiler, flags, source, text):
+def _processor():
+    """What -march=native depends on, as a compiler flag: ccache takes the flag itself for the same everywhere."""
+    found = re.search(r"^(flags|Features)\s*:.*$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    return f"-DPROCESSOR={zlib.crc32(found.group().encode() if found else b'')}"
+
+
+def _compile(compiler, flags, include, source, text):
+    """A library of a source, by ccache where there is one: seen from its own folder, no name tells which run it is."""
     source.write_text(text)
-    library = source.with_suffix(".so")
-    command = [compiler, *flags, "-fPIC", "-shared", "-w", str(source), "-o", str(library), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-2000:]
+    folder, headers = source.parent, f"include_{compiler}"
+    try:
+        (folder / headers).symlink_to(include)
+    except FileExistsError:  # another form's
+        assert (folder / headers).resolve() == include.resolve()
+    launcher = ["ccache"] if shutil.which("ccache") else []
+    library, unit = source.with_suffix(".so"), source.with_suffix(".o")
+    for command in (
+        [*launcher, compiler, *flags, _processor(), f"-I{headers}", "-fPIC", "-w", "-c", source.name, "-o", unit.name],
+        [compiler, "-shared", unit.name, "-o", library.name, "-lmvec", "-lm"],
+    ):
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[-2000:]
     return library
 
 
@@ -65,16 +84,16 @@ def write_ffcx(ufl_object, stem):
     key = id(ufl_object[0]) if is_expression else id(ufl_object)
     _, text = ffcx.compiler.compile_ufl_objects([ufl_object], dict(OPTIONS), {key: name}, "oracle")
     text += (ACCESS_EXPRESSION if is_expression else ACCESS).format(name=name)
-    include = f"-I{Path(ffcx.codegeneration.__file__).parent}"
-    return _compile("gcc", ["-O1", "-ffp-contract=off", include], stem.with_suffix(".c"), text)
+    include = Path(ffcx.codegeneration.__file__).parent
+    return _compile("gcc", ["-O1", "-ffp-contract=off"], include, stem.with_suffix(".c"), text)
 
 
 def write_ours(integrals, stem):
     """Our C++ kernels as a library, all widths of this machine; returns (path, names of the descriptors)."""
     text, names = emit.source(integrals, "impact_" + stem.name)
-    include = f"-I{Path(dolfinx_impact.__file__).parent / 'include'}"
-    flags = ["-std=c++20", "-O1", "-march=native", "-ffp-contract=fast", "-fno-math-errno", include]
-    return _compile("g++", [*flags, "-lmvec"], stem.with_suffix(".cpp"), text), names
+    include = Path(dolfinx_impact.__file__).parent / "include"
+    flags = ["-std=c++20", "-O1", "-march=native", "-ffp-contract=fast", "-fno-math-errno"]
+    return _compile("g++", flags, include, stem.with_suffix(".cpp"), text), names
 
 
 def _job(arguments):

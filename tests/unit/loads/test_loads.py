@@ -238,11 +238,10 @@ def test_tags_of_cells_are_refused():
         di.Traction(tags, 5, (0, 0, 1)).form(u, ufl.TestFunction(u.function_space), material(u))
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3])
-def test_tags_on_one_rank_only(mpirun, ranks):
+def test_tags_on_one_rank_only(script_on_ranks, ranks):
     """A tag that one rank alone has is no error anywhere; one that nobody has is the same error everywhere."""
-    output = mpirun(
+    output = script_on_ranks(
         ranks,
         """
         import numpy as np

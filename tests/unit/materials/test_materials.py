@@ -118,11 +118,10 @@ def test_map_takes_the_fastest_wave():
     assert both.wave_speed == hard.wave_speed == pytest.approx(2 * soft.wave_speed, rel=1e-14)
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3])
-def test_same_error_on_all_ranks(mpirun, ranks):
+def test_same_error_on_all_ranks(script_on_ranks, ranks):
     """The faulty cell is on one rank only."""
-    output = mpirun(
+    output = script_on_ranks(
         ranks,
         """
         import numpy as np

@@ -178,11 +178,11 @@ def test_mixed_spaces():
     operator_checks.equal(di.InternalForce(form).apply().array, operator_checks.assembled(form))
 
 
-@pytest.mark.mpi
-def test_same_error_on_two_ranks(mpirun):
+@pytest.mark.parametrize("ranks", [2])
+def test_same_error_on_two_ranks(script_on_ranks, ranks):
     """Errors met before and after the ranks compile together; the run goes on after each."""
-    output = mpirun(
-        2,
+    output = script_on_ranks(
+        ranks,
         """
         import ufl
         from dolfinx import fem, mesh

@@ -125,12 +125,11 @@ def test_density_is_asked_for():
         di.lumped_mass(space("triangle", 1), di.LinearElastic(1.0, 0.3, hypothesis="plane_strain"))
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3])
-def test_several_ranks(mpirun, ranks):
+def test_several_ranks(script_on_ranks, ranks):
     """Same totals on several ranks; a body across the axis is the same error on all, though few have the faulty
     cells."""
-    output = mpirun(
+    output = script_on_ranks(
         ranks,
         """
         import numpy as np
