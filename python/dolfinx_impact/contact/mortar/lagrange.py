@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from ... import _cpp
 from ...common.collective import comm_of, guard
+from ...common.types import FloatArray
 from .friction import Coulomb
 from .geometry import RigidGeometry
 from .mortar_geometry import MortarGeometry
@@ -65,7 +66,7 @@ class LagrangeContact(Coulomb, ContactOutput):
         self.active = np.zeros(n, dtype=bool)
         self.sliding = np.zeros(n, dtype=bool)
         self.direction = np.zeros((n, self.gdim))  # of the friction traction of slipping nodes
-        self.multiplier = np.zeros(n)
+        self.multiplier: FloatArray = np.zeros(n)
         self.friction_traction = np.zeros((n, self.gdim))
         self.traction_n = np.zeros((n, self.gdim))  # friction's, of the last converged state
         self.imposed = np.zeros((n, self.gdim))  # see Coulomb
