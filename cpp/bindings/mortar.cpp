@@ -83,7 +83,7 @@ void dolfinx_impact::bindings::mortar(nb::module_& m)
             std::vector<double> gap(num), normal(num * gdim), hessian(num * gdim * gdim);
             for (std::size_t i = 0; i < num; ++i)
             {
-              const RigidPoint p = dolfinx_impact::gap::evaluate(self, x.data() + i * gdim);
+              const RigidPoint p = dolfinx_impact::gap::evaluate(self, std::span(x.data() + i * gdim, gdim));
               gap[i] = p.gap;
               for (std::size_t a = 0; a < gdim; ++a)
               {

@@ -18,12 +18,12 @@ using namespace dolfinx_impact::bindings;
 
 /// Arrays over the nodes of the Halo, checked.
 template <typename T>
-auto* over(const Halo& halo, const T& values, int bs, const char* name)
+auto over(const Halo& halo, const T& values, int bs, const char* name)
 {
   if (values.size() != std::size_t(halo.num_nodes()) * bs)
     throw std::invalid_argument(std::string(name) + ": " + std::to_string(halo.num_nodes() * bs) +
                                 " values are needed, not " + std::to_string(values.size()));
-  return values.data();
+  return std::span(values.data(), values.size());
 }
 
 NodalState state(const Halo& halo, int gdim, const Values& u, const Values& du, const Values& inverse_mass, double dt)
@@ -267,7 +267,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
       .def_prop_ro("search_distance", [](const NodeToSurface& self) { return self.candidates().distance(); })
       .def_prop_ro(
           "force", [](const NodeToSurface& self)
-          { return take(std::vector<double>(self.force(), self.force() + self.candidates().gdim())); },
+          { return take(std::vector<double>(self.force().begin(), self.force().begin() + self.candidates().gdim())); },
           nb::rv_policy::move)
       .def("results", &results)
       .def("energy", [](const NodeToSurface& self) { return energies(self.energy()); })
@@ -308,7 +308,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           {
             const int gdim = self.candidates().gdim();
             const NodalState now = state(halo, gdim, u, du, inverse_mass, dt);
-            double* forces = over(halo, f, gdim, "f");
+            const std::span<double> forces = over(halo, f, gdim, "f");
             for (int i = 0; i < times; ++i)
               self.add_forces(now, forces);
           },
@@ -338,7 +338,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
             const int gdim = self.candidates().gdim();
             const std::vector<double> rest(u.size(), 0.0);
             self.correct(
-                {over(halo, du, gdim, "du"), rest.data(), over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share},
+                {over(halo, du, gdim, "du"), rest, over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share},
                 over(halo, u, gdim, "u"), over(halo, f, gdim, "f"));
           },
           nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),

@@ -24,13 +24,13 @@ Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& 
 }
 
 /// The array of a Halo with bs values per node, checked.
-double* nodal(const Halo& halo, const Vector& values, int bs)
+std::span<double> nodal(const Halo& halo, const Vector& values, int bs)
 {
   if (bs < 1 || bs > Halo::max_bs || values.size() != std::size_t(halo.num_nodes()) * bs)
     throw std::invalid_argument("a Halo of " + std::to_string(halo.num_nodes()) + " nodes takes 1 to " +
                                 std::to_string(Halo::max_bs) + " values for each, found " +
                                 std::to_string(values.size()) + " values with bs = " + std::to_string(bs));
-  return values.data();
+  return {values.data(), values.size()};
 }
 
 void bind_halo(nb::module_& m)

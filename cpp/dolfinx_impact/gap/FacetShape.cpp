@@ -202,7 +202,7 @@ FacetShape::Foot FacetShape::foot(const Facet& facet, const double* x) const
   return out;
 }
 
-RigidPoint FacetShape::closest(const double* given) const
+RigidPoint FacetShape::closest(std::span<const double> given) const
 {
   double x[3] = {given[0], given[1], _gdim == 3 ? given[2] : 0.0};
   Foot best{};

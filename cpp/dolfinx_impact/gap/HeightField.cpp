@@ -88,7 +88,7 @@ HeightField::Height HeightField::height(const double* a) const
   return out;
 }
 
-RigidPoint HeightField::closest(const double* x) const
+RigidPoint HeightField::closest(std::span<const double> x) const
 {
   const int tdim = _gdim - 1;
   double at[2] = {}, z = 0.0;

@@ -28,7 +28,7 @@ public:
               const Grid& grid, std::vector<double> coefficients);
 
   int gdim() const override { return _gdim; }
-  RigidPoint closest(const double* x) const override;
+  RigidPoint closest(std::span<const double> x) const override;
 
 private:
   /// Height with its first and second derivatives: h, h_1, h_2, h_11, h_12, h_22.

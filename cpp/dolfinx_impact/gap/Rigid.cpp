@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "Rigid.h"
+#include <cassert>
 #include <cmath>
 
 namespace dolfinx_impact::gap
 {
-RigidPoint evaluate(const Rigid& rigid, const double* x)
+RigidPoint evaluate(const Rigid& rigid, std::span<const double> x)
 {
+  assert(x.size() >= std::size_t(rigid.gdim));
   if (rigid.kind == Rigid::Kind::surface)
   {
     double moved[3];
     for (int c = 0; c < rigid.gdim; ++c)
       moved[c] = x[c] - rigid.displacement[c];
-    return rigid.shape->closest(moved);
+    return rigid.shape->closest(std::span(moved, rigid.gdim));
   }
   RigidPoint out{};
   double d[3] = {0.0, 0.0, 0.0}, along = 0.0;

@@ -26,6 +26,8 @@ struct Rigid
   std::shared_ptr<const Shape> shape;       ///< of a surface
 };
 
-/// @param[in] x gdim coordinates. In the plane a cylinder is a circle; its axis points out of the plane.
-RigidPoint evaluate(const Rigid& rigid, const double* x);
+/// Signed distance to an obstacle. In the plane a cylinder is a circle; its axis points out of the plane.
+/// @param[in] x position, (gdim) [L]
+/// @pre x.size() is at least rigid.gdim
+RigidPoint evaluate(const Rigid& rigid, std::span<const double> x);
 } // namespace dolfinx_impact::gap

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <span>
 
 /// Fifth stage: gaps between slave and master, and their integrals.
 namespace dolfinx_impact::gap
@@ -18,7 +19,9 @@ class Shape
 public:
   virtual ~Shape() = default;
   virtual int gdim() const = 0;
-  /// Signed distance from the surface's closest point to x, gdim coordinates. No allocation.
-  virtual RigidPoint closest(const double* x) const = 0;
+  /// Signed distance to the closest point of the surface. No allocation.
+  /// @param[in] x position, (gdim) [L]
+  /// @pre x.size() is at least gdim()
+  virtual RigidPoint closest(std::span<const double> x) const = 0;
 };
 } // namespace dolfinx_impact::gap

@@ -45,7 +45,7 @@ void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<
   _prescribed.add(dofs, values, amplitude);
   for (std::int32_t dof : dofs)
     _fields.inverse.at(dof) = 0.0;
-  _fields.halo->forward(_fields.inverse.data(), _fields.bs);
+  _fields.halo->forward(_fields.inverse, _fields.bs);
 }
 
 void CentralDifference::add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
@@ -59,8 +59,8 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
     throw std::invalid_argument("start takes the owned entries of displacement and velocity");
   std::copy(u.begin(), u.end(), _fields.u.begin());
   std::copy(v.begin(), v.end(), _fields.v.begin());
-  _fields.halo->forward(_fields.u.data(), _fields.bs);
-  _fields.halo->forward(_fields.v.data(), _fields.bs);
+  _fields.halo->forward(_fields.u, _fields.bs);
+  _fields.halo->forward(_fields.v, _fields.bs);
   _fields.exchanging = false;
   std::fill(_fields.r.begin(), _fields.r.end(), 0.0);
   for (ForceTerm& term : _terms)
@@ -118,7 +118,7 @@ bool CentralDifference::evaluate()
 /// Ghosts' contributions go to the owners.
 void CentralDifference::complete_residual()
 {
-  _fields.halo->reverse(_fields.r.data(), _fields.bs);
+  _fields.halo->reverse(_fields.r, _fields.bs);
   std::fill(_fields.r.begin() + _fields.owned, _fields.r.end(), 0.0);
 }
 

@@ -66,7 +66,7 @@ void ContactForces::search(NodalFields& fields, double last_step)
   }
   _nodes.number(fields, std::move(nodes), _kinematic);
   for (Contact& c : _contacts)
-    c.contact->number(*_nodes.halo(), _nodes.numbers(), _nodes.mass().data());
+    c.contact->number(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
   _search_due = false;
 }
 
@@ -98,7 +98,7 @@ double ContactForces::half_work(const Contact& contact, const std::array<double,
 
 enforcement::NodalState ContactForces::state() const
 {
-  return {_nodes.u.data(), _nodes.du.data(), _nodes.inverse.data(), _step};
+  return {_nodes.u, _nodes.du, _nodes.inverse, _step};
 }
 
 void ContactForces::check_step() const
@@ -130,7 +130,7 @@ void ContactForces::evaluate(NodalFields& fields)
   for (Contact& c : _contacts)
     if (c.springs)
     {
-      c.springs->add_forces(state(), _nodes.springs.data());
+      c.springs->add_forces(state(), _nodes.springs);
       _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
     }
   const ContactNodes::Products products = _nodes.add_springs(fields);
@@ -170,8 +170,7 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
   for (Contact& c : _contacts)
     if (c.correction)
     {
-      c.correction->correct({n.du.data(), n.du_before.data(), n.inverse.data(), h * dt, dt, release_share}, n.u.data(),
-                            n.kinematic.data());
+      c.correction->correct({n.du, n.du_before, n.inverse, h * dt, dt, release_share}, n.u, n.kinematic);
       _obstacle_work += half_work(c, c.obstacle.increment_before, fields.bs);
     }
   const int bs = fields.bs;
@@ -225,7 +224,7 @@ void ContactForces::resultants(int bs, double* out) const
 {
   for (const Contact& c : _contacts)
   {
-    std::copy_n(c.contact->force(), bs, out);
+    std::copy_n(c.contact->force().begin(), bs, out);
     out += 3;
   }
 }
@@ -233,7 +232,7 @@ void ContactForces::resultants(int bs, double* out) const
 void ContactForces::update_gaps()
 {
   for (Contact& c : _contacts)
-    c.contact->update_gaps(_nodes.u.data());
+    c.contact->update_gaps(_nodes.u);
 }
 
 std::pair<int, enforcement::Passage> ContactForces::passage() const

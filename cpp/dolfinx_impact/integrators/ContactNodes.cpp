@@ -19,7 +19,7 @@ void ContactNodes::number(NodalFields& fields, std::vector<std::int32_t> nodes, 
     std::vector<double> corrected(all.num_nodes(), 0.0);
     for (std::int32_t node : nodes)
       corrected[node] = 1.0;
-    all.forward(corrected.data(), 1);
+    all.forward(corrected, 1);
     for (std::int32_t node = owned; node < all.num_nodes(); ++node)
       if (corrected[node] > 0.0)
         nodes.push_back(node);
@@ -43,7 +43,7 @@ void ContactNodes::number(NodalFields& fields, std::vector<std::int32_t> nodes, 
     _mass[k] = fields.mass[std::size_t(_nodes[k]) * bs];
     global[_nodes[k]] = double(first + std::int64_t(k));
   }
-  all.forward(global.data(), 1);
+  all.forward(global, 1);
   std::vector<std::int64_t> ghosts;
   std::vector<int> owners;
   for (std::size_t k = own; k < _nodes.size(); ++k)
@@ -81,7 +81,7 @@ ContactNodes::Forces ContactNodes::forces(const NodalFields& fields)
   if (!_halo)
     return out;
   std::vector<double> sums = springs;
-  _halo->reverse(sums.data(), fields.bs);
+  _halo->reverse(sums, fields.bs);
   for (std::size_t k = 0; k < _nodes.size(); ++k)
     if (const std::size_t i = std::size_t(_nodes[k]) * fields.bs; i < fields.owned)
     {

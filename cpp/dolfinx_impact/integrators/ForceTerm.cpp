@@ -85,7 +85,7 @@ void ForceTerm::work_of_step(const NodalFields& fields, double dt)
 std::vector<double> ForceTerm::saved_force(NodalFields& fields)
 {
   // Owners take all of it, here as in the run that continues.
-  fields.halo->reverse(_force.data(), fields.bs);
+  fields.halo->reverse(_force, fields.bs);
   std::fill(_force.begin() + fields.owned, _force.end(), 0.0);
   return {_force.begin(), _force.begin() + fields.owned};
 }

@@ -23,7 +23,7 @@ void NodalFields::add_ghosts(const std::vector<std::pair<std::int64_t, int>>& ot
   }
   resize(std::make_shared<const dolfinx::common::IndexMap>(space.comm(), space.size_local(), nodes, owners));
   for (std::vector<double>* values : {&u, &v, &mass, &inverse})
-    halo->forward(values->data(), bs);
+    halo->forward(*values, bs);
 }
 
 void NodalFields::resize(std::shared_ptr<const dolfinx::common::IndexMap> map)
@@ -39,7 +39,7 @@ void NodalFields::resize(std::shared_ptr<const dolfinx::common::IndexMap> map)
 
 void NodalFields::begin_exchange()
 {
-  halo->forward_begin(u.data(), bs);
+  halo->forward_begin(u, bs);
   exchanging = true;
 }
 
@@ -48,7 +48,7 @@ void NodalFields::end_exchange(double dt)
   if (!exchanging)
     return;
   std::copy(u.begin() + owned, u.end(), _old_ghosts.begin());
-  halo->forward_end(u.data(), bs);
+  halo->forward_end(u, bs);
   update_ghost_velocities(dt);
   exchanging = false;
 }

@@ -112,32 +112,34 @@ void Halo::wait(int direction, int bs)
     check(_comm.comm(), MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
 }
 
-void Halo::forward_begin(const double* values, int bs)
+void Halo::forward_begin(std::span<const double> values, int bs)
 {
   if (bs < 1 || bs > max_bs)
     throw std::invalid_argument("a Halo exchanges 1 to 4 values per node, not " + std::to_string(bs));
+  assert(values.size() >= std::size_t(num_nodes()) * bs);
   for (std::size_t i = 0; i < _owned.size(); ++i)
-    std::copy_n(values + std::size_t(_owned[i]) * bs, bs, _owned_buffer.data() + i * bs);
+    std::copy_n(values.data() + std::size_t(_owned[i]) * bs, bs, _owned_buffer.data() + i * bs);
   start(0, bs);
 }
 
-void Halo::forward_end(double* values, int bs)
+void Halo::forward_end(std::span<double> values, int bs)
 {
   wait(0, bs);
   for (std::size_t i = 0; i < _ghosts.size(); ++i)
-    std::copy_n(_ghost_buffer.data() + i * bs, bs, values + std::size_t(_ghosts[i]) * bs);
+    std::copy_n(_ghost_buffer.data() + i * bs, bs, values.data() + std::size_t(_ghosts[i]) * bs);
 }
 
-void Halo::reverse_begin(const double* values, int bs)
+void Halo::reverse_begin(std::span<const double> values, int bs)
 {
   if (bs < 1 || bs > max_bs)
     throw std::invalid_argument("a Halo exchanges 1 to 4 values per node, not " + std::to_string(bs));
+  assert(values.size() >= std::size_t(num_nodes()) * bs);
   for (std::size_t i = 0; i < _ghosts.size(); ++i)
-    std::copy_n(values + std::size_t(_ghosts[i]) * bs, bs, _ghost_buffer.data() + i * bs);
+    std::copy_n(values.data() + std::size_t(_ghosts[i]) * bs, bs, _ghost_buffer.data() + i * bs);
   start(1, bs);
 }
 
-void Halo::reverse_end(double* values, int bs)
+void Halo::reverse_end(std::span<double> values, int bs)
 {
   wait(1, bs);
   for (std::size_t i = 0; i < _owned.size(); ++i)

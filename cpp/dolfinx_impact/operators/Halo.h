@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include <array>
+#include <cassert>
 #include <cstdint>
 #include <dolfinx/common/IndexMap.h>
 #include <dolfinx/common/MPI.h>
 #include <memory>
 #include <mpi.h>
+#include <span>
 #include <vector>
 
 namespace dolfinx_impact::operators
@@ -29,20 +31,23 @@ public:
   /// Owned nodes and ghosts.
   std::int32_t num_nodes() const { return _map->size_local() + _map->num_ghosts(); }
 
-  /// Owned values to the ranks that have them as ghosts. Collective; between begin and end owned values may be read.
+  /// Send owned values to the ranks that have them as ghosts. Collective; between begin and end owned values may be
+  /// read.
+  /// @param[in] values [node*bs + c] over num_nodes() nodes
   /// @param[in] bs values per node, 1 to max_bs
-  void forward_begin(const double* values, int bs);
-  void forward_end(double* values, int bs);
-  void forward(double* values, int bs)
+  /// @throws std::invalid_argument for another bs
+  void forward_begin(std::span<const double> values, int bs);
+  void forward_end(std::span<double> values, int bs);
+  void forward(std::span<double> values, int bs)
   {
     forward_begin(values, bs);
     forward_end(values, bs);
   }
-  /// Ghost values added to those of their owners; ghosts keep theirs. Collective; between begin and end owned values
-  /// may be written.
-  void reverse_begin(const double* values, int bs);
-  void reverse_end(double* values, int bs);
-  void reverse(double* values, int bs)
+  /// Add ghost values to those of their owners; ghosts keep theirs. Collective; between begin and end owned values may
+  /// be written. Arguments and errors as of forward_begin.
+  void reverse_begin(std::span<const double> values, int bs);
+  void reverse_end(std::span<double> values, int bs);
+  void reverse(std::span<double> values, int bs)
   {
     reverse_begin(values, bs);
     reverse_end(values, bs);
@@ -66,7 +71,7 @@ private:
   void wait(int direction, int bs);
 
   std::shared_ptr<const dolfinx::common::IndexMap> _map;
-  dolfinx::MPI::Comm _comm;                  ///< of its own: nobody else's messages get in between
+  dolfinx::MPI::Comm _comm;                  ///< a duplicate, so that other messages cannot interfere
   std::vector<std::int32_t> _owned, _ghosts; ///< nodes in the order of the messages, neighbour after neighbour
   std::vector<double> _owned_buffer, _ghost_buffer;
   /// [direction][bs]: 0 forward, 1 reverse

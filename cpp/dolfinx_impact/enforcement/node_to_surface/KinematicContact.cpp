@@ -64,7 +64,8 @@ void KinematicContact::set_release_history(std::vector<double> taken, std::vecto
   _impulse = std::move(pulse);
 }
 
-void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                              std::span<const double> mass)
 {
   NodeToSurface::number(halo, numbers, mass);
   const std::size_t num = halo.num_nodes();
@@ -97,7 +98,7 @@ void KinematicContact::relative_to_master(std::size_t q, const double* values, d
 template <int D>
 void KinematicContact::predict(const PredictedStep& step, const double* u)
 {
-  const double *du = step.du, *before = step.du_before;
+  const double *du = step.du.data(), *before = step.du_before.data();
   _num_closed = 0;
   ContactPoint point;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
@@ -192,8 +193,8 @@ void KinematicContact::add_masses(const double* inverse_mass)
         for (int j = 0; j < _num_masters; ++j)
           _weight[closed.masters[j]] += std::abs(_phi[q * _num_masters + j]);
     }
-    _halo->reverse(_weight.data(), 1);
-    _halo->forward(_weight.data(), 1);
+    _halo->reverse(_weight, 1);
+    _halo->forward(_weight, 1);
   }
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
@@ -225,7 +226,7 @@ void KinematicContact::add_masses(const double* inverse_mass)
 template <int D>
 void KinematicContact::solve_release_forces(const PredictedStep& step)
 {
-  const double *du = step.du, *inverse_mass = step.inverse_mass, h = step.h, dt = step.dt;
+  const double *du = step.du.data(), *inverse_mass = step.inverse_mass.data(), h = step.h, dt = step.dt;
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
@@ -328,7 +329,7 @@ void KinematicContact::apply(const double* inverse_mass, double h)
                                        { _contact_force[std::size_t(closed.masters[j]) * D + c] += value; });
   }
   if (!_rigid)
-    _halo->reverse(_contact_force.data(), D);
+    _halo->reverse(_contact_force, D);
   for (std::int32_t node : _contact_nodes)
     if (node < _halo->num_owned())
       for (int c = 0; c < D; ++c)
@@ -337,7 +338,7 @@ void KinematicContact::apply(const double* inverse_mass, double h)
         _correction[k] = h * _contact_force[k] * inverse_mass[k];
       }
   if (!_rigid)
-    _halo->forward(_correction.data(), D);
+    _halo->forward(_correction, D);
 }
 
 /// Results and work of the step. A force works half on the increment before it and half on the increment after it.
@@ -399,15 +400,15 @@ void KinematicContact::record(double h, double dt)
 }
 
 template <int D>
-void KinematicContact::correct_all(const PredictedStep& step, double* u, double* f)
+void KinematicContact::correct_all(const PredictedStep& step, std::span<double> u, std::span<double> f)
 {
-  predict<D>(step, u);
-  add_masses<D>(step.inverse_mass);
+  predict<D>(step, u.data());
+  add_masses<D>(step.inverse_mass.data());
   solve_release_forces<D>(step);
   for (int sweep = 0; sweep < _sweeps; ++sweep)
   {
     solve_forces<D>(step.h, sweep % 2 ? over_relaxation : 1.0);
-    apply<D>(step.inverse_mass, step.h);
+    apply<D>(step.inverse_mass.data(), step.h);
   }
   for (std::int32_t node : _contact_nodes)
     if (node < _halo->num_owned())
@@ -421,12 +422,12 @@ void KinematicContact::correct_all(const PredictedStep& step, double* u, double*
   record<D>(step.h, step.dt);
 }
 
-void KinematicContact::correct(const PredictedStep& step, double* u, double* f)
+void KinematicContact::correct(const PredictedStep& step, std::span<double> u, std::span<double> f)
 {
   if (!_rigid)
   {
     _candidates.advance(step.dt);
-    _tracker.advance(u, step.du);
+    _tracker.advance(u.data(), step.du.data());
   }
   _gdim == 2 ? correct_all<2>(step, u, f) : correct_all<3>(step, u, f);
 }

@@ -23,8 +23,8 @@ public:
   KinematicContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
                    const KinematicContactOptions& options);
 
-  void correct(const PredictedStep& step, double* u, double* f) override;
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override;
+  void correct(const PredictedStep& step, std::span<double> u, std::span<double> f) override;
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
 
   /// Energy that contact has absorbed since the node closed, by owned slave node [F L].
   const std::vector<double>& absorbed_energy() const { return _absorbed_energy; }
@@ -63,7 +63,7 @@ private:
   template <int D>
   void record(double h, double dt);
   template <int D>
-  void correct_all(const PredictedStep& step, double* u, double* f);
+  void correct_all(const PredictedStep& step, std::span<double> u, std::span<double> f);
 
   int _sweeps;
   int _num_masters; ///< nodes of a master facet; 0 if the master is rigid

@@ -12,9 +12,9 @@ namespace dolfinx_impact::enforcement
 /// node*gdim + c.
 struct NodalState
 {
-  const double* u = nullptr;            ///< displacements [L]
-  const double* du = nullptr;           ///< their increments in the last step [L]
-  const double* inverse_mass = nullptr; ///< zero where prescribed [1/M]
+  std::span<const double> u;            ///< displacements [L]
+  std::span<const double> du;           ///< their increments in the last step [L]
+  std::span<const double> inverse_mass; ///< zero where prescribed [1/M]
   double dt = 0.0;                      ///< size of the last step [T]
 };
 
@@ -57,7 +57,7 @@ public:
   /// @param[in] halo contains these nodes; a reference is kept and must stay valid until the next call
   /// @param[in] numbers in `halo`, for each node of the Halo passed to `needs`
   /// @param[in] mass of the nodes of `halo`, ghosts valid [M]
-  virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) = 0;
+  virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) = 0;
   /// Displacement and last increment of a rigid master; no effect on deformable masters [L].
   virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
   /// Part of the motion allowed by the candidates that is used up two steps from now; search again from 1 on [1].
@@ -68,13 +68,13 @@ public:
 
   /// Evaluate the gaps of open nodes for the results: steps update them lazily.
   /// @param[in] u displacements of the Halo's nodes [L]
-  virtual void update_gaps(const double* u) = 0;
+  virtual void update_gaps(std::span<const double> u) = 0;
 
   virtual ContactEnergy energy() const = 0;
   /// The node of this rank that passed through farthest, since construction or since the last set_history.
   virtual Passage passage() const = 0;
   /// Sum of the forces on this rank's slave nodes in the last step [F].
-  virtual const double* force() const = 0;
+  virtual const std::array<double, 3>& force() const = 0;
 };
 
 /// A contact whose forces depend on the present configuration and are part of the residual (penalty).
@@ -84,15 +84,15 @@ public:
   virtual ~SpringForces() = default;
   /// Add the forces to f (over the Halo's nodes; the caller sends ghosts on). Called once per step: it updates the
   /// history of friction. No allocation.
-  virtual void add_forces(const NodalState& state, double* f) = 0;
+  virtual void add_forces(const NodalState& state, std::span<double> f) = 0;
 };
 
 /// Predicted step passed to contacts that correct it: arrays over the nodes of the Halo, entry node*gdim + c.
 struct PredictedStep
 {
-  const double* du = nullptr;           ///< increments of the step as predicted [L]
-  const double* du_before = nullptr;    ///< increments of the step before; half of the work is done on them [L]
-  const double* inverse_mass = nullptr; ///< zero where prescribed [1/M]
+  std::span<const double> du;           ///< increments of the step as predicted [L]
+  std::span<const double> du_before;    ///< increments of the step before; half of the work is done on them [L]
+  std::span<const double> inverse_mass; ///< zero where prescribed [1/M]
   double h = 0.0;                       ///< a force f moves a node by h*f/m in the step [T^2]
   double dt = 0.0;                      ///< step [T]
   double release_share = 1.0;           ///< share of the recoverable energy that opening nodes may get back [1]
@@ -107,6 +107,6 @@ public:
   /// @param[in] step as predicted, ghosts valid
   /// @param[in,out] u predicted displacements, ghosts valid; on return corrected, ghosts valid [L]
   /// @param[in,out] f complete on owned nodes: forces are added [F]
-  virtual void correct(const PredictedStep& step, double* u, double* f) = 0;
+  virtual void correct(const PredictedStep& step, std::span<double> u, std::span<double> f) = 0;
 };
 } // namespace dolfinx_impact::enforcement

@@ -83,9 +83,9 @@ void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetr
     counts[2 * node + 1] = 1.0;
   surface::add_nodal_areas(_slave, axisymmetric, slave);
   surface::add_nodal_areas(_mine.facets, axisymmetric, master);
-  _halo.reverse(counts.data(), 2);
-  _halo.reverse(slave.data(), 1);
-  _halo.reverse(master.data(), 1);
+  _halo.reverse(counts, 2);
+  _halo.reverse(slave, 1);
+  _halo.reverse(master, 1);
   const std::vector<double> x = V.tabulate_dof_coordinates(false);
   for (std::int32_t node = 0; node < _halo.num_owned(); ++node)
   {
@@ -116,7 +116,7 @@ void NodeCandidates::search(std::span<const double> u, std::span<const double> d
     return;
   ++_searches;
   std::copy_n(u.begin(), std::size_t(_halo.num_owned()) * gdim, _u.begin());
-  _halo.forward(_u.data(), gdim);
+  _halo.forward(_u, gdim);
   surface::move(_mine.facets, _u.data());
   std::vector<double> points(_X);
   for (std::size_t i = 0; i < _nodes.size(); ++i)
@@ -231,7 +231,7 @@ surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
   std::vector<double> X(std::size_t(halo.num_nodes()) * gdim, 0.0);
   for (std::size_t i = 0; i < _watched.size(); ++i)
     std::copy_n(_watched_X.data() + i * gdim, gdim, X.data() + std::size_t(_watched[i]) * gdim);
-  halo.forward(X.data(), gdim);
+  halo.forward(X, gdim);
   for (std::size_t f = 0; f < out.size(); ++f)
     for (int j = 0; j < n_u; ++j)
       std::copy_n(X.data() + std::size_t(out.nodes_of(f)[j]) * gdim, gdim, out.X.data() + (f * n_x + j) * gdim);
@@ -253,7 +253,7 @@ std::vector<double> NodeCandidates::master_areas(operators::Halo& halo) const
 {
   std::vector<double> out(halo.num_nodes(), 0.0);
   std::copy(_master_areas.begin(), _master_areas.end(), out.begin());
-  halo.forward(out.data(), 1);
+  halo.forward(out, 1);
   return out;
 }
 

@@ -90,7 +90,7 @@ std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
   return _needed;
 }
 
-void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   _halo = &halo;
   _candidates.number(numbers);
@@ -154,7 +154,7 @@ search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, co
   double x[3];
   for (int c = 0; c < _gdim; ++c)
     x[c] = _candidates.X()[i * _gdim + c] + u[k + c] - (du ? back * (du[k + c] - _obstacle_increment[c]) : 0.0);
-  const gap::RigidPoint p = gap::evaluate(_obstacle, x);
+  const gap::RigidPoint p = gap::evaluate(_obstacle, std::span(x, _gdim));
   search::Projection out;
   out.status = search::ProjectionStatus::converged;
   out.gap = p.gap;
@@ -209,10 +209,11 @@ bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* d
   return true;
 }
 
-void NodeToSurface::update_gaps(const double* u)
+void NodeToSurface::update_gaps(std::span<const double> displacements)
 {
   if (_rigid || !_halo)
     return;
+  const double* u = displacements.data();
   const double moved = _tracker.moved(u);
   for (std::size_t i = 0; i < num_nodes(); ++i)
     if (_closed[i] != 1)

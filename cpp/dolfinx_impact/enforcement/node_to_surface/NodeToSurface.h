@@ -51,13 +51,13 @@ public:
   std::span<const std::int64_t> remote_nodes() const override { return _candidates.remote_nodes(); }
   std::span<const int> remote_owners() const override { return _candidates.remote_owners(); }
   std::span<const std::int32_t> needs(operators::Halo& all) override;
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override;
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
   double used(const NodalState& state) const override { return _candidates.used(state); }
   void forget_search() override { _candidates.forget(); }
-  void update_gaps(const double* u) override;
+  void update_gaps(std::span<const double> u) override;
   ContactEnergy energy() const override { return _energy; }
   Passage passage() const override { return _passage; }
-  const double* force() const override { return _force.data(); }
+  const std::array<double, 3>& force() const override { return _force; }
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
   const NodeCandidates& candidates() const { return _candidates; }

@@ -89,7 +89,7 @@ std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
   return _all_needed;
 }
 
-void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass)
+void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   NodeToSurface::number(halo, numbers, mass);
   _master_force.assign(_tracker.master_nodes().size(), {});
@@ -225,7 +225,7 @@ void PenaltyContact::open_spring(std::size_t i, const double* n, double change, 
 
 /// Adds the contact force of a node near the master.
 template <int D>
-void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, double* f)
+void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std::span<double> f)
 {
   const std::size_t i = point.i;
   const search::Projection& at = point.at;
@@ -258,7 +258,7 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, doub
   {
     if (!begins)
       open_spring<D>(i, n, change, motion);
-    return open(i, at, state.u);
+    return open(i, at, state.u.data());
   }
   if (!_rigid)
     _tracker.track(i, at);
@@ -332,13 +332,13 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, doub
 }
 
 template <int D>
-void PenaltyContact::add_all(const NodalState& state, double* f)
+void PenaltyContact::add_all(const NodalState& state, std::span<double> f)
 {
   ContactPoint point;
   // No gap changes by more than this in a step.
   const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracker.step();
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
-    if ((_rigid || !_tracker.skipped(i)) && find_contact(i, state.u, state.du, reach, true, point))
+    if ((_rigid || !_tracker.skipped(i)) && find_contact(i, state.u.data(), state.du.data(), reach, true, point))
       add_node<D>(point, state, f);
   // Zero again for the next step.
   const auto masters = _tracker.master_nodes();
@@ -347,14 +347,14 @@ void PenaltyContact::add_all(const NodalState& state, double* f)
       f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
 }
 
-void PenaltyContact::add_forces(const NodalState& state, double* f)
+void PenaltyContact::add_forces(const NodalState& state, std::span<double> f)
 {
   _force.fill(0.0);
   _energy.stored = 0.0;
   if (!_rigid)
   {
     _candidates.advance(state.dt);
-    _tracker.advance(state.u, state.du);
+    _tracker.advance(state.u.data(), state.du.data());
   }
   _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
   if (_other)
@@ -365,8 +365,9 @@ void PenaltyContact::add_forces(const NodalState& state, double* f)
   }
 }
 
-NodalSprings PenaltyContact::springs_at(const double* u)
+NodalSprings PenaltyContact::springs_at(std::span<const double> displacements)
 {
+  const double* u = displacements.data();
   if (!(_penalty > 0.0))
     throw std::invalid_argument("springs without a given penalty depend on the step");
   const surface::FacetElement& element = _tracker.master().displacement;

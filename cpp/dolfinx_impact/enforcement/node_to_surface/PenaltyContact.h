@@ -37,14 +37,14 @@ public:
   PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
                  const PenaltyContactOptions& options);
 
-  void add_forces(const NodalState& state, double* f) override;
+  void add_forces(const NodalState& state, std::span<double> f) override;
 
   // These include the other direction of balanced contact.
   void search(std::span<const double> u, std::span<const double> du) override;
   std::span<const std::int64_t> remote_nodes() const override { return _all_remote; }
   std::span<const int> remote_owners() const override { return _all_owners; }
   std::span<const std::int32_t> needs(operators::Halo& all) override;
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, const double* mass) override;
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
   double used(const NodalState& state) const override;
   void forget_search() override;
   ContactEnergy energy() const override;
@@ -62,7 +62,7 @@ public:
   /// Springs in a given configuration, outside of time stepping; call after `number`. This direction only.
   /// @param[in] u displacements of the Halo's nodes [L]
   /// @throws std::invalid_argument without a given penalty
-  NodalSprings springs_at(const double* u);
+  NodalSprings springs_at(std::span<const double> u);
 
 private:
   PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
@@ -73,9 +73,9 @@ private:
   template <int D>
   void open_spring(std::size_t i, const double* n, double change, const double* motion);
   template <int D>
-  void add_node(ContactPoint& point, const NodalState& state, double* f);
+  void add_node(ContactPoint& point, const NodalState& state, std::span<double> f);
   template <int D>
-  void add_all(const NodalState& state, double* f);
+  void add_all(const NodalState& state, std::span<double> f);
 
   double _penalty, _kappa;
   double _share = 1.0; ///< of the stiffness: half when balanced
