@@ -172,7 +172,11 @@ class Recorder:
         self.folder._write("history.h5", lambda: hdf5.create(self.folder.file("history.h5"), fill))
 
     def steps_left(self) -> int:
-        """Number of steps until the next frame or sample."""
+        """Distance to the next output.
+
+        Returns:
+            Number of steps until the next frame or sample [1].
+        """
         step = self.problem.step
         waits = [self.every - step % self.every]
         if self._nodes:

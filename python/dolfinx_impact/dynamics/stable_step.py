@@ -91,7 +91,11 @@ class CellMatrices:
         self._inputs = operators.Inputs(self._compiled.constants, self._compiled.coefficients, without)
 
     def changed(self) -> bool:
-        """Whether constants or coefficients have changed on this rank since `store_inputs`."""
+        """Compare constants and coefficients with those of `store_inputs`.
+
+        Returns:
+            Whether any has changed on this rank.
+        """
         return self._inputs.changed()
 
     def store_inputs(self) -> None:
@@ -208,8 +212,11 @@ class Frequencies:
         return self._damping is not None
 
     def changed(self) -> bool:
-        """Whether values that the frequencies depend on, other than the motion, have changed on this rank since
-        `store_inputs`."""
+        """Compare the values that the frequencies depend on, other than the motion, with those of `store_inputs`.
+
+        Returns:
+            Whether any has changed on this rank.
+        """
         return self.stiffness.changed() or (self._damping is not None and self._damping.changed())
 
     def store_inputs(self) -> None:

@@ -1,26 +1,50 @@
 # SPDX-License-Identifier: MIT
-"""Active sets that go to and fro: how their changes end, and what is told of iterations that do not converge."""
+"""Updates of an active set that may cycle, and the message of an increment that does not converge."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-NOBODY = -2  # number of no node
-VIOLATION = 1e-11  # of the conditions of contact that may be left, in sizes of the bodies
-PATIENCE = 3  # changes of many nodes at once that may fail to bring the active set nearer to its end
+from ..contact.protocol import MultiplierContact
+
+if TYPE_CHECKING:
+    from .load_steps import Increment
+    from .newton import Newton
+
+NOBODY = -2  # a number that no node has
+VIOLATION = 1e-11  # largest violation of the contact conditions in a converged state, in sizes of the bodies
+PATIENCE = 3  # updates of all nodes in succession that may fail to reduce the number of wrong nodes
 
 
 class ActiveSetIteration:
-    """Keeps the changes of an active set from going round for ever.
+    """Updates active sets without cycling.
 
-    All nodes change at once while that brings the number of wrong ones down; if it fails to several times running, one
-    node changes at a time, that with the largest number, until there are fewer wrong ones than ever before: finite for
-    P-matrices. Judice and Pires (1994), Murty (1974).
+    All wrong nodes change at once while that reduces their number. If it fails to do so several times in succession,
+    one node changes at a time, the wrong one with the largest number, until there are fewer wrong nodes than ever
+    before. This ends after finitely many changes for P-matrices. Judice and Pires (1994), Murty (1974).
+
+    Attributes:
+        count: number of updates so far [1].
+        best: smallest number of wrong nodes so far [1].
+        patience: updates of all nodes that may still fail before single nodes change [1].
     """
 
-    def __init__(self):
-        self.count, self.best, self.patience = 0, np.inf, PATIENCE
+    def __init__(self) -> None:
+        self.count, self.patience = 0, PATIENCE
+        self.best: float = np.inf
 
-    def change(self, contacts):
-        """Let the contacts change states; returns how many nodes were wrong, on all ranks. Collective."""
+    def change(self, contacts: Sequence[MultiplierContact]) -> int:
+        """Update the active sets of contacts. Collective.
+
+        Args:
+            contacts: contacts with multipliers.
+
+        Returns:
+            Number of nodes that were wrong, of all ranks [1].
+        """
         single = self.patience == 0
         found = sum([c.update_active_set(False, NOBODY if single else None) for c in contacts])
         self.count += 1
@@ -34,12 +58,21 @@ class ActiveSetIteration:
         return found
 
 
-def did_not_converge(result, newton, moved, small, pending, violation):
-    """The Increment with what did not converge, and what to do. Collective.
+def did_not_converge(
+    result: Increment, newton: Newton, moved: bool, small: bool, pending: int, violation: float
+) -> Increment:
+    """Write into an increment why it did not converge, and what to do. Collective.
 
     Args:
-        moved: prescribed values are reached. small: so is the tolerance of the residual. pending: points whose contact
-        state changes. violation: of the conditions, as contacts give it, in sizes of the bodies.
+        result: iterations of the increment.
+        newton: Newton's method that ran it.
+        moved: whether prescribed values are reached.
+        small: whether the residual is within its tolerance.
+        pending: number of points whose contact status changes [1].
+        violation: largest violation of the contact conditions, in sizes of the bodies [1].
+
+    Returns:
+        `result`.
     """
     contacts, norms = newton.problem.contact, result.residual_norms
     period = result.cycle()
@@ -59,7 +92,7 @@ def did_not_converge(result, newton, moved, small, pending, violation):
         f"{', '.join(f'{n:.3e}' for n in norms)}"
     )
     if small and moved and not pending:
-        # Everything rests, but a condition is not fulfilled: no load is small enough for that.
+        # Equilibrium and active set have converged, but a condition is violated: smaller increments do not help.
         return result.failed(text, hopeless=True)
     coarse = [text for text in [c.coarse_slave() for c in contacts] if text]
     advice = f"{'; '.join(coarse)}. {result.advice}" if coarse else None

@@ -1,46 +1,67 @@
 # SPDX-License-Identifier: MIT
-"""Active sets settled on a small dense problem: responses of the bodies to unit changes at single nodes.
+"""Updates of an active set on a small dense problem, from responses of the bodies to unit changes at single nodes.
 
-With the factors of one active set at hand, the solution for another one is that of the first and, superposed, a normal
-force at every node that has closed and a gap at every node that has opened. Their responses are columns of one linear
-solution with many right-hand sides; which nodes close and open is then found without any more of these.
+If the factors for one active set are known, the solution for another set is the sum of the solution for the first set,
+the responses to normal forces at the nodes that have closed, and the responses to gaps at the nodes that have opened.
+All responses are columns of one linear solution with several right-hand sides. The active set is then updated without
+further linear solutions.
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-LARGEST = 50_000_000  # entries of all columns together
-MAX_CHANGES = 60
+from ..common.types import BoolArray, FloatArray, IntArray
+from .linear_solver import LinearSystem
+
+if TYPE_CHECKING:
+    from ..contact.mortar.lagrange import LagrangeContact
+
+LARGEST = 50_000_000  # largest number of entries of all columns
+MAX_CHANGES = 60  # updates of the active set
 
 
 class LinearisedActiveSet:
-    """Responses of a frictionless contact about a solution with the system's own active set. Collective.
+    """Responses of a frictionless contact, linearised about the solution of a linear system. Collective.
 
     Args:
-        contact: LagrangeContact after `predict` and `measure` of the solution. system: the solution's LinearSystem.
-        factors: PETSc factor matrix of that. product: function (increments) -> forces, arrays over owned dofs.
+        contact: contact with linearised gap and multipliers of the solution.
+        system: linear system of the solution.
+        factors: factor matrix of the system.
+        product: function that returns the forces [F] of displacement increments [L], over owned degrees of freedom.
     """
 
-    def __init__(self, contact, system, factors, product):
+    def __init__(
+        self,
+        contact: LagrangeContact,
+        system: LinearSystem,
+        factors: PETSc.Mat,
+        product: Callable[[FloatArray], FloatArray],
+    ) -> None:
         self.contact, self.system, self.factors, self.product = contact, system, factors, product
         self.comm = contact.comm
         self.base = contact.active.copy()
         self.gap, self.multiplier = contact._gap.copy(), contact.multiplier.copy()
-        self.columns = []  # numbers of the nodes
-        self.increments = np.empty((contact.gdim * contact.geometry.index_map.size_local, 0))
-        self.gaps = np.empty((len(contact.nodes), 0))
-        self.multipliers = np.empty((len(contact.nodes), 0))
+        self.columns: list[int] = []  # global numbers of the nodes
+        self.increments: FloatArray = np.empty((contact.gdim * contact.geometry.index_map.size_local, 0))
+        self.gaps: FloatArray = np.empty((len(contact.nodes), 0))
+        self.multipliers: FloatArray = np.empty((len(contact.nodes), 0))
 
-    def update(self):
-        """Change the contact's active set until no node is wrong.
+    def update(self) -> tuple[FloatArray, int] | None:
+        """Update the contact's active set until no node is wrong. Collective.
 
         Returns:
-            increments of displacement to add to the solution's (array over owned dofs), number of changes; or None
-            where there is no end or there are too many columns: the contact is as before then.
+            Displacement increments that are added to the solution, over owned degrees of freedom [L], and number of
+            changes [1]. None if the updates do not end or there are too many columns; the contact is then unchanged.
         """
         contact = self.contact
-        z, changes = np.zeros(0), 0
+        z: FloatArray = np.zeros(0)
+        changes = 0
         for _ in range(MAX_CHANGES):
             found = contact.update_active_set(False)
             if found == 0:
@@ -60,25 +81,33 @@ class LinearisedActiveSet:
             except np.linalg.LinAlgError:  # a set that does not hold the bodies: the same on all ranks
                 break
             contact._gap = self.gap + self.gaps @ z
-            pressed = np.where(self.base, self.multiplier + self.multipliers @ z, self._at(z))
+            pressed: FloatArray = np.where(self.base, self.multiplier + self.multipliers @ z, self._at(z))
             contact.multiplier = np.where(contact.active, pressed, 0.0)
         contact.active = self.base.copy()
         contact._gap, contact.multiplier = self.gap, self.multiplier
         return None
 
-    def _at(self, z):
-        """Values of the columns at this rank's nodes."""
+    def _at(self, z: FloatArray) -> FloatArray:
+        """Values `z` of the columns at this rank's nodes, zero at nodes without a column."""
         order = np.argsort(self.columns)
         numbers = self.contact.geometry.numbers
         place = np.searchsorted(np.asarray(self.columns)[order], numbers)
         place = order[np.minimum(place, len(order) - 1)]
         return np.where(np.asarray(self.columns)[place] == numbers, z[place], 0.0)
 
-    def _solve(self, wanted):
-        """Forces of closed and gaps of opened nodes, one value per column, zero for nodes that are as in the base."""
+    def _solve(self, wanted: IntArray) -> FloatArray:
+        """Solve for the forces of closed and gaps of opened nodes. Collective.
+
+        Args:
+            wanted: global numbers of the nodes whose state differs from that of the system.
+
+        Returns:
+            One value per column, zero for the other nodes.
+        """
         numbers = self.contact.geometry.numbers
         rows = [self.columns.index(n) for n in wanted]
-        A, b = np.zeros((len(wanted), len(wanted))), np.zeros(len(wanted))
+        A: FloatArray = np.zeros((len(wanted), len(wanted)))
+        b: FloatArray = np.zeros(len(wanted))
         mine = np.flatnonzero(np.isin(numbers, wanted))
         at = np.searchsorted(wanted, numbers[mine])
         opened = self.base[mine]
@@ -89,8 +118,8 @@ class LinearisedActiveSet:
         z[rows] = np.linalg.solve(A, b)
         return z
 
-    def _add(self, new):
-        """Columns of more nodes."""
+    def _add(self, new: IntArray) -> None:
+        """Add the columns of nodes, given by their global numbers. Collective."""
         contact, system = self.contact, self.system
         geometry, transformation = contact.geometry, system.transformation
         known = transformation.known.copy()

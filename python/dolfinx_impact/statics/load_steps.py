@@ -1,50 +1,98 @@
 # SPDX-License-Identifier: MIT
 """Load steps with cut-back, as in seed figure 3.5: increment, changes of contact, equilibrium iterations."""
 
+from __future__ import annotations
+
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from mpi4py import MPI
+
+from ..common.types import FloatArray
+
+if TYPE_CHECKING:
+    from .problem import StaticProblem
+    from .snes import Solver
 
 LOG = logging.getLogger("dolfinx_impact")
-SAME = 1e-3  # of a residual, of a state that has come again
+SAME = 1e-3  # relative difference of the residuals of states that count as equal
 
 
 @dataclass
 class Increment:
-    """Iterations of one attempt at an increment."""
+    """Iterations of one attempt at an increment.
+
+    Attributes:
+        fault: why the increment did not converge; an empty text if it did.
+        hopeless: whether a smaller increment would not help.
+        advice: what a user can do.
+        residual_norms: norm of the free residual by iteration [F].
+        active_set_sizes: number of active contact points by iteration [1].
+        changes: number of points whose status changed by iteration [1].
+        iterations: number of linearised problems, each with its active set updated to convergence [1].
+        unsettled: number of those whose active set did not converge [1].
+    """
 
     fault: str = "not finished"
-    hopeless: bool = False  # a smaller increment would not help
+    hopeless: bool = False
     advice: str = "Apply the load in smaller parts, or pass more iterations"
-    residual_norms: list = field(default_factory=list)
-    active_set_sizes: list = field(default_factory=list)
-    changes: list = field(default_factory=list)
-    iterations: int = 0  # linear problems, each with its contact settled
-    unsettled: int = 0  # those whose contact was not settled in the end
+    residual_norms: list[float] = field(default_factory=list)
+    active_set_sizes: list[int] = field(default_factory=list)
+    changes: list[int] = field(default_factory=list)
+    iterations: int = 0
+    unsettled: int = 0
 
-    def add(self, norm, size, changes):
+    def add(self, norm: float, size: int, changes: int) -> None:
+        """Add an iteration.
+
+        Args:
+            norm: norm of the free residual [F].
+            size: number of active contact points [1].
+            changes: number of points whose status changed [1].
+        """
         self.residual_norms.append(norm)
         self.active_set_sizes.append(size)
         self.changes.append(changes)
 
-    def converged(self):
+    def converged(self) -> Increment:
+        """Mark the increment as converged.
+
+        Returns:
+            The increment.
+        """
         self.fault = ""
         return self
 
-    def failed(self, fault, hopeless=False, advice=None):
+    def failed(self, fault: str, hopeless: bool = False, advice: str | None = None) -> Increment:
+        """Mark the increment as failed.
+
+        Args:
+            fault: why it failed.
+            hopeless: whether a smaller increment would not help.
+            advice: what a user can do; None: the advice stays as it is.
+
+        Returns:
+            The increment.
+        """
         self.fault, self.hopeless = fault, hopeless
         if advice is not None:
             self.advice = advice
         return self
 
-    def cycle(self):
-        """After how many iterations the same state has come again, the last three times; 0: it has not."""
+    def cycle(self) -> int:
+        """Period of a cycle in the last iterations.
+
+        Returns:
+            Number of iterations after which the same states came again, in the last three periods; 0: no cycle [1].
+        """
         for period in (2, 3):
-            norms, sizes = self.residual_norms[-3 * period :], self.active_set_sizes[-3 * period :]
-            if len(norms) < 3 * period:
+            if len(self.residual_norms) < 3 * period:
                 continue
-            norms, sizes = np.reshape(norms, (3, period)), np.reshape(sizes, (3, period))
+            norms = np.reshape(self.residual_norms[-3 * period :], (3, period))
+            sizes = np.reshape(self.active_set_sizes[-3 * period :], (3, period))
             same = np.abs(norms - norms[-1]) <= SAME * norms[-1]
             if np.all(same) and np.all(sizes == sizes[-1]) and np.ptp(norms[-1]) > SAME * norms[-1].max():
                 return period
@@ -53,40 +101,49 @@ class Increment:
 
 @dataclass
 class Report:
-    """What a solve did; lists have one entry per converged increment.
+    """Course of a solve; lists have one entry per converged increment.
 
     Attributes:
-        converged: of all steps. iterations: Newton iterations (linearised problems, each with its contact settled).
-        residual_norms: lists of the norms of the free residual by iteration [F].
-        active_set_sizes: lists of the number of contact points that touch, by iteration.
-        contact_changes: lists of the number of points whose state changed, by iteration.
-        fractions: of the whole way, reached at the end of each increment.
-        cut_backs: increments that were halved. rejected_iterations: what each of them had taken until then.
-        unsettled: by increment, iterations whose contact states went to and fro on the linear problem until the changes
-        were stopped; the iterations after them have settled it.
-        seconds: this rank's, dict of "bodies" (residual, stiffness), "contact" (search, integrals, assembly, states),
-        "linear" (condensation, preconditioner, solution).
+        converged: whether all steps have converged.
+        iterations: number of Newton iterations by increment: linearised problems, each with its active set updated to
+            convergence [1].
+        residual_norms: norms of the free residual by increment and iteration [F].
+        active_set_sizes: number of active contact points by increment and iteration [1].
+        contact_changes: number of points whose status changed by increment and iteration [1].
+        fractions: fraction of the load step reached at the end of each increment [1].
+        cut_backs: number of increments that were halved [1].
+        rejected_iterations: number of iterations of each increment that was halved [1].
+        unsettled: number of iterations by increment in which the active set of the linearised problem did not converge;
+            it has converged in later iterations [1].
+        seconds: time spent on this rank in "bodies" (residual, stiffness), "contact" (search, integrals, assembly,
+            active set) and "linear" (condensation, preconditioner, solution) [s].
     """
 
     converged: bool = True
-    iterations: list = field(default_factory=list)
-    residual_norms: list = field(default_factory=list)
-    active_set_sizes: list = field(default_factory=list)
-    contact_changes: list = field(default_factory=list)
-    fractions: list = field(default_factory=list)
+    iterations: list[int] = field(default_factory=list)
+    residual_norms: list[list[float]] = field(default_factory=list)
+    active_set_sizes: list[list[int]] = field(default_factory=list)
+    contact_changes: list[list[int]] = field(default_factory=list)
+    fractions: list[float] = field(default_factory=list)
     cut_backs: int = 0
-    rejected_iterations: list = field(default_factory=list)
-    unsettled: list = field(default_factory=list)
-    seconds: dict = field(default_factory=dict)
+    rejected_iterations: list[int] = field(default_factory=list)
+    unsettled: list[int] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
 
-    def __str__(self):
+    def __str__(self) -> str:
         end = "converged" if self.converged else "did not converge"
         steps = f"{len(self.fractions)} increments, {sum(self.iterations)} iterations"
         return (
             f"Report: {end}, {steps}, cut back {self.cut_backs} times" if self.cut_backs else f"Report: {end}, {steps}"
         )
 
-    def add(self, increment, fraction):
+    def add(self, increment: Increment, fraction: float) -> None:
+        """Add a converged increment.
+
+        Args:
+            increment: its iterations.
+            fraction: fraction of the load step reached at its end [1].
+        """
         self.iterations.append(increment.iterations)
         self.residual_norms.append(increment.residual_norms)
         self.active_set_sizes.append(increment.active_set_sizes)
@@ -94,8 +151,12 @@ class Report:
         self.unsettled.append(increment.unsettled)
         self.fractions.append(fraction)
 
-    def table(self):
-        """The steps as text: fraction reached, iterations, changes of contact, points in contact, last residual."""
+    def table(self) -> str:
+        """The increments as a text table.
+
+        Returns:
+            Lines with the fraction reached, iterations, changes of contact, points in contact and last residual.
+        """
         lines = ["increment  fraction  iterations  changes  in contact  residual"]
         rows = zip(self.fractions, self.iterations, self.contact_changes, self.active_set_sizes, self.residual_norms)
         for i, (fraction, iterations, changes, sizes, norms) in enumerate(rows, 1):
@@ -109,27 +170,45 @@ class Report:
         return "\n".join([*lines, ", ".join(f"{part} {s:.2f} s" for part, s in self.seconds.items())])
 
 
-class _Log:
-    """Lines on rank 0, to the log and, if asked for, to the screen."""
+class StepLog:
+    """Writes lines on rank 0 to the log, and to the terminal if wanted.
 
-    def __init__(self, comm, verbose):
+    Args:
+        comm: communicator of the problem.
+        verbose: whether lines are printed on the terminal.
+    """
+
+    def __init__(self, comm: MPI.Comm, verbose: bool) -> None:
         self.rank, self.verbose = comm.rank, verbose
 
-    def __call__(self, text):
+    def __call__(self, text: str) -> None:
         if self.rank == 0:
             LOG.info(text)
             if self.verbose:
                 print(text, flush=True)
 
-    def iteration(self, i, norm, scale, size, changes):
+    def iteration(self, i: int, norm: float, scale: float, size: int, changes: int) -> None:
+        """Write the line of an iteration.
+
+        Args:
+            i: number of the iteration [1].
+            norm: norm of the free residual [F].
+            scale: force that the norm is relative to [F].
+            size: number of active contact points [1].
+            changes: number of points whose status changed [1].
+        """
         relative = f"{norm / scale:.2e}" if scale > 0 else "0"
         self(f"  iteration {i:2d}: residual {norm:.3e} (relative {relative}), {size} in contact, {changes} changed")
 
 
-class _Path:
-    """From the state that was reached to the present values of loads, boundary values and obstacles."""
+class LoadPath:
+    """Loads, prescribed displacements and obstacles between the last solve and their present values.
 
-    def __init__(self, problem):
+    Args:
+        problem: StaticProblem.
+    """
+
+    def __init__(self, problem: StaticProblem) -> None:
         self.problem = problem
         self.start = problem.u.x.array.copy()
         target = problem.u.copy()
@@ -137,7 +216,7 @@ class _Path:
             bc.set(target.x.array)
         target.x.scatter_forward()
         self.target = target.x.array.copy()
-        # A load of the user's own may have nothing to ramp: it acts in full from the first increment.
+        # A load of a user's own class without `ramps` acts in full from the first increment.
         ramped = [load for load in problem.loads if hasattr(load, "ramps")]
         self.loads = [(c, reached) for load in ramped for c, reached in load.ramps()]
         self.load_ends = [np.array(c.value) for c, _ in self.loads]
@@ -145,33 +224,65 @@ class _Path:
         self.obstacle_starts = [c.displacement.copy() for c in self.obstacles]
         self.obstacle_ends = [c.pair.rigid_master.displacement for c in self.obstacles]
 
-    def values(self, fraction):
-        """Prescribed displacements at a fraction (an array over all dofs, prescribed entries count)."""
+    def values(self, fraction: float) -> FloatArray:
+        """Prescribed displacements at a fraction of the step.
+
+        Args:
+            fraction: fraction of the step [1].
+
+        Returns:
+            Displacements over all degrees of freedom, of which only prescribed entries are used [L].
+        """
         return self.target if fraction == 1.0 else self.start + fraction * (self.target - self.start)
 
-    def apply(self, fraction):
-        """Set loads; returns the displacements of the obstacles."""
+    def apply(self, fraction: float) -> list[FloatArray]:
+        """Set the loads to a fraction of the step.
+
+        Args:
+            fraction: fraction of the step [1].
+
+        Returns:
+            Displacement of each obstacle, (3) [L].
+        """
         for (constant, reached), end in zip(self.loads, self.load_ends):
             constant.value = reached + fraction * (end - reached)
         return [a + fraction * (b - a) for a, b in zip(self.obstacle_starts, self.obstacle_ends)]
 
-    def finish(self, fraction):
-        """What was reached is where the next solve starts; the users' values come back."""
+    def finish(self, fraction: float) -> None:
+        """Store the loads at a fraction as the start of the next solve, and set them to the user's values again.
+
+        Args:
+            fraction: fraction of the step that was reached [1].
+        """
         for (constant, reached), end in zip(self.loads, self.load_ends):
             reached[...] = reached + fraction * (end - reached)
             constant.value = end
 
 
-def _back(problem, good, states):
-    """Displacements and contacts as they were when the increment began."""
+def _back(problem: StaticProblem, good: FloatArray, states: Sequence[dict[str, Any]]) -> None:
+    """Restore displacements and contacts to the start of the increment."""
     problem.u.x.array[:] = good
     for contact, state in zip(problem.contact, states):
         contact.restore_state(state)
 
 
-def run_steps(problem, solver, steps, cut_backs, verbose):
-    """The loop of StaticProblem.solve."""
-    report, log, path = Report(), _Log(problem.space.mesh.comm, verbose), _Path(problem)
+def run_steps(problem: StaticProblem, solver: Solver, steps: int, cut_backs: int, verbose: bool) -> Report:
+    """Solve all increments of a load step. Collective.
+
+    Args:
+        problem: StaticProblem.
+        solver: solver of an increment.
+        steps: number of equal increments [1].
+        cut_backs: largest number of times that the increment is halved [1].
+        verbose: whether iterations are printed on the terminal.
+
+    Returns:
+        Report.
+
+    Raises:
+        RuntimeError: an increment did not converge; the problem is in its last converged state.
+    """
+    report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose), LoadPath(problem)
     width, done, halved = 1.0 / steps, 0.0, 0
     good = problem.u.x.array.copy()
     while done < 1.0 - 1e-12:
@@ -189,7 +300,7 @@ def run_steps(problem, solver, steps, cut_backs, verbose):
             contact.begin_step(problem.u.x.array, next(displacements) if contact.pair.rigid else None, target)
         try:
             increment = solver.run(target, log)
-        except BaseException:  # Ctrl-C, a user's function: what counts is the last converged state
+        except BaseException:  # Ctrl-C, a user's function: return to the last converged state
             _back(problem, good, states)
             path.finish(done)
             raise

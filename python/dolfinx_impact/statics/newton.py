@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""Newton's method on equilibrium and contact together; seed (3.61)-(3.66), figure 3.5.
+"""Newton's method for equilibrium and contact; seed (3.61)-(3.66), figure 3.5.
 
-Every iteration linearises the bodies and the geometry of contact about the present displacements, and settles the
-active set on that linear problem: a primal-dual active set method with the stiffness frozen, so that its linear systems
-differ in few rows and share a preconditioner.
+Every iteration linearises the bodies and the geometry of contact about the present displacements, and updates the
+active set on the linearised problem to convergence. This is a primal-dual active set method with constant stiffness, so
+that its linear systems differ in few rows and share a preconditioner.
 """
+
+from __future__ import annotations
 
 import contextlib
 import itertools
 import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from ..assembly import rigid_body_modes
 from .. import _cpp
@@ -19,38 +24,55 @@ from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
 from .active_set_iteration import VIOLATION, ActiveSetIteration, did_not_converge
-from .load_steps import Increment
+from .load_steps import Increment, StepLog
+from ..common.types import FloatArray
+from ..contact.protocol import MultiplierContact
 
-LOOSE_DIGITS = 1e-3  # of linear solutions while the active set moves
-MAX_CHANGES = 60  # changes of the active set in one linear problem
+if TYPE_CHECKING:
+    from ..contact.mortar.lagrange import LagrangeContact
+    from ..contact.penalty.penalty import PenaltyContact
+    from .problem import StaticProblem
+
+LOOSE_DIGITS = 1e-3  # relative tolerance of linear solutions while the active set changes
+MAX_CHANGES = 60  # updates of the active set in one linearised problem
 PLAIN = 6  # iterations without a line search
-PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # of a Newton step that a line search tries
-SEARCHES, STEEP = 8, 0.5  # evaluations of a line search; slope in its end, of that in its start
+PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # fractions of a Newton step that a line search tries
+SEARCHES, STEEP = 8, 0.5  # evaluations of a line search; slope at its end relative to that at its start
 
 
 class Newton:
     """Solves one increment of a StaticProblem.
 
     Args:
-        problem: StaticProblem. rtol, atol, max_iterations: as in StaticProblem.solve. tell: called with the number of
-            every iteration and the norm of its residual.
+        problem: StaticProblem.
+        rtol: relative tolerance of the residual, as in StaticProblem.solve [1].
+        atol: absolute tolerance of the residual, as in StaticProblem.solve [F].
+        max_iterations: largest number of iterations [1].
+        tell: function that is called with the number of every iteration and the norm of its residual, or None.
 
     Attributes:
-        seconds: spent on this rank so far, dict of "bodies" (residual, stiffness), "contact" (search, integrals,
-        assembly, states) and "linear" (condensation, preconditioner, solution).
+        seconds: time spent on this rank so far in "bodies" (residual, stiffness), "contact" (search, integrals,
+            assembly, active set) and "linear" (condensation, preconditioner, solution) [s].
     """
 
-    def __init__(self, problem, rtol, atol, max_iterations, tell=None):
+    def __init__(
+        self,
+        problem: StaticProblem,
+        rtol: float,
+        atol: float,
+        max_iterations: int,
+        tell: Callable[[int, float], None] | None = None,
+    ) -> None:
         self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
         self._tell = tell or (lambda iteration, norm: None)
         self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
-        self.multipliers = [c for c in problem.contact if c.has_multipliers]
+        self.multipliers = [cast(MultiplierContact, c) for c in problem.contact if c.has_multipliers]
         self.saddle = problem._saddle
-        # By penalty: closing, slipping and changing facets are kinks that nothing settles beforehand.
+        # Contact by penalty has kinks where points close, slip or change facets; there is no active set for them.
         self.rough = bool(problem.contact) and not self.multipliers
         self.conservative = self.rough and all(c.pair.friction == 0.0 for c in problem.contact)
-        # How much further than asked for linear solutions go: with factors at hand digits are cheap.
+        # Linear solutions are more accurate than asked for by this factor; with factors, accuracy is cheap.
         self.margin = 1e-3 if problem._solver.direct else 0.3
         self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
         if self.saddle:
@@ -58,15 +80,19 @@ class Newton:
             self._rows = _cpp.multipliers.SaddlePoint(self.comm, self.num_owned, gdim, sizes)
             self._forces = np.zeros(gdim * sum(sizes))
 
-    def run(self, target, log):
-        """From the present u to prescribed values `target` (array over all dofs, prescribed entries count). Collective.
+    def run(self, target: FloatArray, log: StepLog) -> Increment:
+        """Solve from the present u to prescribed values. Collective.
+
+        Args:
+            target: displacements over all degrees of freedom, of which only prescribed entries are used [L].
+            log: log of the iterations.
 
         Returns:
             Increment; its `fault` says why it did not converge.
         """
         p, result = self.problem, Increment()
         scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
-        self._K = None
+        self._K: PETSc.Mat | None = None
         for iteration in itertools.count():
             with self._clock("bodies"):
                 b = p._assemble_residual()
@@ -116,7 +142,7 @@ class Newton:
                     return result.failed(loose, hopeless=True)
             inner = max(inner, self._tangent_force(K))
             noise = self._round_off(K)
-            # What is still asked for, but no more than Newton's quadratic convergence may bring from here.
+            # The accuracy that is still needed, but no more than the quadratic convergence of the next step.
             digits = 1e-10 if not p.contact and p._linear else LOOSE_DIGITS
             if moved and norm > 0:
                 enough = self.margin * max(self.atol, self.rtol * max(scale, inner)) / norm
@@ -126,10 +152,10 @@ class Newton:
             fault, settling, left = self._solve(K, residual, jump, digits, log)
             result.iterations += 1
             result.unsettled += left > 0
-            p.u.x.array[p.fixed] = target[p.fixed]  # to the last digit
+            p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
             if fault:
                 return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
-            if period and moved:  # the same states again: half a step leads out of the circle
+            if period and moved:  # half a step leaves the cycle
                 p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
             elif self.rough and moved and iteration - round_start >= PLAIN:
                 if self.conservative:
@@ -139,15 +165,17 @@ class Newton:
         return did_not_converge(result, self, moved, small, pending, violation)
 
     @contextlib.contextmanager
-    def _clock(self, part):
+    def _clock(self, part: str) -> Iterator[None]:
+        """Add the time of a `with` block to a part of `seconds`."""
         start = time.perf_counter()
         yield
         self.seconds[part] += time.perf_counter() - start
 
-    def _backtrack(self, start, norm):
-        """Go back towards `start`, by halves, until the residual is less than the norm there, at most four times.
+    def _backtrack(self, start: FloatArray, norm: float) -> None:
+        """Halve the step from `start`, at most four times, until the norm of the residual is less than `norm`, which it
+        is at the start. Collective.
 
-        Points that change between stick and slip can lead Newton's method round in circles.
+        Newton's method can cycle where points change between stick and slip.
         """
         p, step = self.problem, self.problem.u.x.array - start
         norms = {}
@@ -158,28 +186,36 @@ class Newton:
                 return
         p.u.x.array[:] = start + min(PARTS, key=lambda part: norms[part]) * step
 
-    def _descend(self, K, start, residual, digits, log):
-        """A line search along the step from `start`, with the residual there, of a problem without friction: then the
-        residual is the slope of an energy, which may fall while the norm of the residual rises.
+    def _descend(self, K: PETSc.Mat, start: FloatArray, residual: FloatArray, digits: float, log: StepLog) -> None:
+        """Line search along the step from `start` for a problem without friction. Collective.
 
-        Where Newton's step does not go down, as between points that press dents in the master, one with the tangent's
-        positive definite part does.
+        Without friction the residual is the gradient of an energy, which may decrease while the norm of the residual
+        increases. If Newton's step is no descent direction, a step with the positive semi-definite part of the contact
+        tangent is taken instead.
+
+        Args:
+            K: stiffness of the bodies [F/L].
+            start: displacements at the start of the step [L].
+            residual: residual at the start [F].
+            digits: relative tolerance of a linear solution [1].
+            log: log of the iterations.
         """
         p, free = self.problem, np.ones(self.num_owned, dtype=bool)
         free[self.fixed] = False
 
-        def slope(forces):
+        def slope(forces: FloatArray) -> float:
             return self.comm.allreduce(float(forces[free] @ (end - start)[: self.num_owned][free]))
 
         end = p.u.x.array.copy()
         steep = slope(residual)
         if steep >= 0.0:
             p.u.x.array[:] = start
-            for contact in p.contact:
+            penalties = cast("list[PenaltyContact]", p.contact)  # only these have no multipliers
+            for contact in penalties:
                 contact.update_gap(start)
                 contact.convex = True
             fault, *_ = self._solve(K, residual, np.zeros(len(self.fixed)), digits, log)
-            for contact in p.contact:
+            for contact in penalties:
                 contact.convex = False
             if fault:
                 p.u.x.array[:] = start
@@ -196,8 +232,8 @@ class Newton:
             low, high = (part, high) if here < 0.0 else (low, part)
             part = 0.5 * (low + high)
 
-    def _residual(self):
-        """Free residual at u, of a problem without multipliers. Collective."""
+    def _residual(self) -> FloatArray:
+        """Free residual at u of a problem without multipliers, over owned degrees of freedom [F]. Collective."""
         b = self.problem._assemble_residual()
         with self._clock("contact"):
             for contact in self.problem.contact:
@@ -207,38 +243,46 @@ class Newton:
         residual[self.fixed] = 0.0
         return residual
 
-    def _residual_norm(self):
+    def _residual_norm(self) -> float:
+        """Norm of `_residual`, infinite where it is not a number [F]. Collective."""
         norm = self._norm(self._residual())
         return norm if np.isfinite(norm) else np.inf
 
-    # --- what an iteration looks at --------------------------------------------------------------------------------
+    # --- checks of an iteration ------------------------------------------------------------------------------------
 
-    def _norm(self, values):
+    def _norm(self, values: FloatArray) -> float:
         return float(np.sqrt(self.comm.allreduce(float(values @ values))))
 
-    def _update_active_sets(self, residual, first):
-        """Measure multipliers and change states; returns the number of changes, and of those that multipliers wait
-        for. Collective."""
+    def _update_active_sets(self, residual: FloatArray, first: bool) -> tuple[int, int]:
+        """Update multipliers and active sets. Collective.
+
+        Returns:
+            Number of points that changed, and number of those that must not change in a converged state.
+        """
         changes, pending = 0, 0
         for contact in self.problem.contact:
             if not first and not self.saddle:
                 contact.update_multipliers(residual)
             changed = contact.update_active_set(first)
             changes += changed
-            # A penalty's residual is that of the new state already; at |t| = friction p round-off decides on it.
+            # The residual of penalty contact is already that of the new status; where the friction limit is reached
+            # exactly, round-off decides on the status.
             pending += changed if contact.has_multipliers else 0
         return changes, pending
 
-    def _free_norm(self, residual):
-        """Norm of what is left of a residual in the equations that are not those of multipliers or supports."""
+    def _free_norm(self, residual: FloatArray) -> float:
+        """Norm of a residual without the equations of multipliers and supports [F]. Collective."""
         transformation = self._transformation()
         free = transformation.residual(residual) if transformation else residual.copy()
         free[self.fixed] = 0.0
         return self._norm(free)
 
-    def _unconstrained_modes(self, K):
-        """What is wrong with the supports, or an empty string: bodies that supports and contact leave free.
-        Collective."""
+    def _unconstrained_modes(self, K: PETSc.Mat) -> str:
+        """Message about bodies that neither supports nor contacts constrain, or an empty text. Collective.
+
+        Args:
+            K: tangent of the bodies [F/L].
+        """
         p = self.problem
         springs = K if p.material is None else None  # a residual of the user's own may have springs
         loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric, springs)
@@ -249,22 +293,22 @@ class Newton:
         hint = f" ({'; '.join(apart)}: let them touch first, or hold or move the body)" if apart else ""
         return f"not held against rigid motion: {'; '.join(loose)}{hint}"
 
-    def _stiffness(self):
-        """Tangent of the bodies at u; that of a linear law once per increment."""
+    def _stiffness(self) -> PETSc.Mat:
+        """Tangent of the bodies at u [F/L]; that of a linear law is assembled once per increment. Collective."""
         if self._K is None or not self.problem._linear:
             with self._clock("bodies"):
                 self._K = self.problem._tangent.assemble()
         return self._K
 
-    def _tangent_force(self, K):
-        """Norm of tangent times u, free entries [F]: how large the forces are that cancel where loads balance each
-        other."""
+    def _tangent_force(self, K: PETSc.Mat) -> float:
+        """Norm of the free entries of tangent times u [F]: the size of internal forces that balance each other.
+        Collective."""
         forces = self._product([K], self.problem.u.x.array[: self.num_owned])
         forces[self.fixed] = 0.0
         return self._norm(forces)
 
-    def _round_off(self, K):
-        """Norm of the round-off in the residual [F]: forces of a stiff body that moves as a whole cancel to that."""
+    def _round_off(self, K: PETSc.Mat) -> float:
+        """Norm of the round-off in the residual of a stiff body with a rigid displacement [F]. Collective."""
         diagonal = K.getDiagonal()
         forces = diagonal.array * self.problem.u.x.array[: self.num_owned]
         diagonal.destroy()
@@ -272,7 +316,8 @@ class Newton:
 
     # --- the linear problem ----------------------------------------------------------------------------------------
 
-    def _transformation(self):
+    def _transformation(self) -> _cpp.multipliers.Condensation | None:
+        """Condensation of the multipliers; None if there are none, or if they stay in the system."""
         if not self.multipliers or self.saddle:
             return None
         space = self.problem.space
@@ -280,9 +325,21 @@ class Newton:
         parts = [c.constraints() for c in self.multipliers]
         return _cpp.multipliers.Condensation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
 
-    def _solve(self, K, residual, jump, rtol, log):
-        """Solve the linearised problem, settle contact on it, update u; returns what went wrong, or None, the number of
-        changes, and how many nodes were left to change. Collective."""
+    def _solve(
+        self, K: PETSc.Mat, residual: FloatArray, jump: FloatArray, rtol: float, log: StepLog
+    ) -> tuple[str | None, int, int]:
+        """Solve the linearised problem with updates of its active set, and update u. Collective.
+
+        Args:
+            K: stiffness of the bodies [F/L].
+            residual: residual without contact forces of multipliers, over owned degrees of freedom [F].
+            jump: increments of the prescribed displacements, over `fixed` [L].
+            rtol: relative tolerance of the linear solution [1].
+            log: log of the iterations.
+
+        Returns:
+            What went wrong, or None; number of changes of the active set; number of nodes that were still wrong.
+        """
         p, changes = self.problem, 0
         if self.saddle:
             residual = residual + sum(c.contact_forces() for c in self.multipliers)
@@ -315,7 +372,7 @@ class Newton:
                     if not self.saddle:
                         contact.update_multipliers(residual + forces)
                 if self.saddle:
-                    self._take(mean)
+                    self._set_multipliers(mean)
                 found = settle.change(self.multipliers)
             if found == 0:
                 if corrected and digits <= rtol:
@@ -326,7 +383,7 @@ class Newton:
                         self._correct(moved)
                     corrected = True
             elif settle.count == MAX_CHANGES:
-                log(f"    contact not settled after {settle.count} changes: {found} nodes to and fro")
+                log(f"    active set not converged after {settle.count} updates: {found} nodes still change")
                 left = found
                 break
             changes += found
@@ -334,8 +391,12 @@ class Newton:
         p.u.x.scatter_forward()
         return fault, changes, left
 
-    def _correct(self, moved):
-        """Let contacts look at the state that the linear problem leads to. Collective."""
+    def _correct(self, moved: FloatArray) -> None:
+        """Apply the second-order correction of contacts at the solution of the linearised problem. Collective.
+
+        Args:
+            moved: displacement increments over owned degrees of freedom [L].
+        """
         u = self.problem.u.x
         here = u.array.copy()
         u.array[: self.num_owned] += moved
@@ -344,12 +405,32 @@ class Newton:
             contact.correct_linearisation(u.array)
         u.array[:] = here
 
-    def _one_solution(self, K, penalties, geometric, symmetric, residual, guess, mean, rtol):
-        """Displacement increments for the present active set, from a guess.
+    def _one_solution(
+        self,
+        K: PETSc.Mat,
+        penalties: Sequence[PETSc.Mat],
+        geometric: Sequence[PETSc.Mat],
+        symmetric: bool,
+        residual: FloatArray,
+        guess: FloatArray,
+        mean: float,
+        rtol: float,
+    ) -> tuple[str | None, FloatArray, FloatArray, int]:
+        """Solve the linear system of the present active set. Collective.
+
+        Args:
+            K: stiffness of the bodies [F/L].
+            penalties: tangents of penalty contacts [F/L].
+            geometric: tangents of multiplier contacts at given multipliers [F/L].
+            symmetric: whether all contact tangents are symmetric.
+            residual: residual over owned degrees of freedom [F].
+            guess: displacement increments that the solver starts from, over owned degrees of freedom [L].
+            mean: mean diagonal entry of the stiffness [F/L].
+            rtol: relative tolerance [1].
 
         Returns:
-            what went wrong, or None; increments; what the bodies' and contacts' stiffness make of them [F]; how many
-            changes of the active set are in them already.
+            What went wrong, or None; displacement increments [L]; their product with the stiffness of bodies and
+            contacts [F]; number of changes of the active set that they contain.
         """
         with self._clock("contact"):
             transformation = self._transformation()
@@ -360,11 +441,12 @@ class Newton:
             pinned |= transformation.pinned
         for _, force in springs:
             residual = residual + force
-        extra = penalties + [matrix for matrix, _ in springs]
+        extra = [*penalties] + [matrix for matrix, _ in springs]
         if self.problem.exact_tangent:
             extra += geometric
         elif geometric:  # from the guess: small, but not symmetric
             residual = residual + self._product(geometric, guess)
+        system: LinearSystem | SaddlePoint
         if self.saddle:
             self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
             system = SaddlePoint(K, extra, self._rows)
@@ -378,21 +460,42 @@ class Newton:
         with self._clock("linear"):
             fault = self.problem._solver.solve(system, b, x, rtol)
         moved = system.displacements(x)
-        if self.saddle:
+        if isinstance(system, SaddlePoint):
             self._forces = system.forces(x)
         matrices = [K, *penalties, *geometric]
         forces, changes = self._product(matrices, moved), 0
         factors = self.problem._solver.factors(system)
-        if not fault and factors is not None and len(self.multipliers) == 1 and not self.saddle:
+        several = self.saddle or len(self.multipliers) != 1
+        if not fault and factors is not None and not several and isinstance(system, LinearSystem):
             moved, forces, changes = self._update_by_responses(system, factors, residual, moved, forces, matrices)
         system.free()
         for thing in (x, b, *(matrix for matrix, _ in springs)):
             thing.destroy()
         return fault, moved, forces, changes
 
-    def _update_by_responses(self, system, factors, residual, moved, forces, matrices):
-        """Settle a contact without friction by the responses of the bodies, new factors being at hand."""
-        contact = self.multipliers[0]
+    def _update_by_responses(
+        self,
+        system: LinearSystem,
+        factors: PETSc.Mat,
+        residual: FloatArray,
+        moved: FloatArray,
+        forces: FloatArray,
+        matrices: Sequence[PETSc.Mat],
+    ) -> tuple[FloatArray, FloatArray, int]:
+        """Update the active set of a contact without friction by LinearisedActiveSet. Collective.
+
+        Args:
+            system: linear system that was solved.
+            factors: its factor matrix.
+            residual: residual over owned degrees of freedom [F].
+            moved: displacement increments of the solution [L].
+            forces: their product with `matrices` [F].
+            matrices: stiffness of bodies and contacts [F/L].
+
+        Returns:
+            Displacement increments [L], forces [F] and number of changes.
+        """
+        contact = cast("LagrangeContact", self.multipliers[0])  # the only one with a dual basis
         if contact.pair.friction > 0.0:
             return moved, forces, 0
         with self._clock("linear"):
@@ -404,7 +507,7 @@ class Newton:
         moved = moved + found[0]
         return moved, self._product(matrices, moved), found[1]
 
-    def _product(self, matrices, values):
+    def _product(self, matrices: Sequence[PETSc.Mat], values: FloatArray) -> FloatArray:
         """Sum of the products of matrices with values over owned dofs. Collective."""
         x, y = matrices[0].createVecRight(), matrices[0].createVecLeft()
         x.array[:] = values
@@ -416,8 +519,8 @@ class Newton:
         y.destroy()
         return product
 
-    def _take(self, unit):
-        """Give every contact its part of the saddle point's multipliers."""
+    def _set_multipliers(self, unit: float) -> None:
+        """Set the multipliers of all contacts from the solution of the saddle point, whose unit of force is `unit`."""
         start = 0
         for contact in self.multipliers:
             end = start + contact.gdim * len(contact.nodes)

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Composes material, loads, boundary values and contact into a static problem; seed (3.61)-(3.66), figure 3.5."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import dolfinx.fem.petsc as petsc
 import numpy as np
 import ufl
@@ -15,7 +20,15 @@ from .linear_solver import LinearSolver
 from ..io.mesh_check import check_cells
 from .snes import Solver
 from .load_steps import Report, run_steps
+from ..common.types import FloatArray
 from ..common.unique import Unique, claim
+from ..contact.protocol import StaticContact
+from ..loads import Load
+from ..materials import MaterialMap, _Material
+
+if TYPE_CHECKING:
+    from ..contact.mortar.lagrange import Lagrange
+    from ..contact.penalty.penalty import Penalty
 
 __all__ = ["Report", "StaticProblem"]
 
@@ -24,41 +37,46 @@ class StaticProblem(Unique):
     """Equilibrium of bodies, in contact or not: internal virtual work and that of contact equal external virtual work.
 
     Args:
-        u: displacement function; its value is the start and becomes the solution [L].
+        u: displacement function. Its value is the initial guess, and becomes the solution [L].
         material: material or MaterialMap; or give `residual`.
-        residual: a UFL residual of your own in u (rank 1), instead of a material.
-        bcs: list of DirichletBC. loads: list of loads (dolfinx_impact.Traction, ...).
-        contact: list of contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
-        options: dict of PETSc options for KSP and SNES, without prefix; default: LU by MUMPS, for large problems
+        residual: UFL residual of your own in u (rank 1): internal minus external forces.
+        bcs: boundary conditions.
+        loads: loads (dolfinx_impact.Traction, ...).
+        contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
+        options: PETSc options for KSP and SNES by name, without prefix. Default: LU by MUMPS, for large problems
             conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
             `solve`.
-        prefix: of PETSc options on the command line; they go before those given here.
-        axisymmetric: of a residual of your own, for contact: x is the radius, integrals carry 2 pi r.
+        prefix: prefix of PETSc options on the command line, which take precedence over `options`.
+        axisymmetric: for a residual of your own with contact: whether x is the radius and the integrals contain 2 pi r.
 
     Attributes:
-        contact: the contacts with their results (points, gap, pressure, force, ...), in the order given.
+        u: displacement [L].
+        contact: contacts with their results (points, gap, pressure, force, ...), in the order given.
+        fixed: mask of prescribed degrees of freedom, owned and ghosts.
+        exact_tangent: whether the part of the contact tangent that is not symmetric is in the matrix.
 
     Raises:
-        TypeError: arguments of another kind. ValueError: neither or both of material and residual; mesh, space, loads,
-        supports or contacts that do not fit; arguments that differ between ranks. On all ranks.
+        TypeError: an argument is of the wrong type; on all ranks.
+        ValueError: neither or both of material and residual are given; mesh, space, loads, supports or contacts do not
+            fit; an argument differs between ranks. On all ranks.
 
     Warns:
-        UserWarning: an ExplicitProblem that is alive has the same u. After the first solve: options that nobody read.
+        UserWarning: an ExplicitProblem with the same u exists; or, after the first solve, options were not used.
     """
 
     def __init__(
         self,
-        u,
-        material=None,
-        residual=None,
-        bcs=(),
-        loads=(),
-        contact=(),
-        options=None,
-        prefix="impact_static_",
-        axisymmetric=False,
-    ):
+        u: fem.Function,
+        material: _Material | MaterialMap | None = None,
+        residual: ufl.Form | None = None,
+        bcs: Sequence[fem.DirichletBC] = (),
+        loads: Sequence[Load] = (),
+        contact: Sequence[Lagrange | Penalty] = (),
+        options: dict[str, Any] | None = None,
+        prefix: str = "impact_static_",
+        axisymmetric: bool = False,
+    ) -> None:
         with guard(comm_of(u, residual, bcs, material, loads, contact), "StaticProblem") as ranks:
             if residual is not None and loads:
                 raise ValueError("write the loads into your own residual: they need the hypothesis of a material")
@@ -72,6 +90,7 @@ class StaticProblem(Unique):
         claim(u, self)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         if residual is None:
+            assert material is not None  # checked above
             axisymmetric = material.hypothesis_on(V.mesh) == "axisymmetric"
             residual = operators.internal_force_form(u, v, material)
             tangent = operators.tangent_form(u, du, v, material)
@@ -93,23 +112,23 @@ class StaticProblem(Unique):
         self._tangent = operators.Tangent(tangent)
         self._tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._b = petsc.create_vector(self._residual)
-        # Multipliers with other bases than the dual one cannot be condensed: then all stay in the system.
+        # Only multipliers with the dual basis can be condensed. With another basis, all stay in the system.
         self._saddle = any(getattr(c, "basis", "dual") != "dual" for c in contact)
         self._solver = LinearSolver(V, options, prefix, indefinite=self._saddle)
-        # Forces of multipliers between deformable bodies have a tangent that is not symmetric: conjugate gradients do
-        # not converge with it. They get it on the right-hand side, from the last guess: it is small, pressure over
-        # stiffness.
+        # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
+        # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
+        # order of pressure over stiffness.
         self.exact_tangent = self._solver.direct
         self._num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
-        self.fixed = np.zeros(len(u.x.array), dtype=bool)  # prescribed degrees of freedom, owned and ghosts
+        self.fixed = np.zeros(len(u.x.array), dtype=bool)
         for d in dofs:
             self.fixed[d] = True
-        self.contact = [c._bind(self) for c in contact]
-        # A tangent without u is that of a linear law: the same in all iterations of an increment.
+        self.contact: list[StaticContact] = [c._bind(self) for c in contact]
+        # A tangent that does not contain u is constant.
         self._linear = not any(c is u for c in tangent.coefficients())
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.bcs)} boundary conditions, {len(self.loads)} loads, {len(self.contact)} contacts"
@@ -117,8 +136,8 @@ class StaticProblem(Unique):
 
     # --- residuals -------------------------------------------------------------------------------------------------
 
-    def _assemble_residual(self):
-        """Internal minus external forces, without contact: PETSc vector, owned entries complete."""
+    def _assemble_residual(self) -> PETSc.Vec:
+        """Assemble internal minus external forces, without contact; owned entries are complete [F]. Collective."""
         self.u.x.scatter_forward()
         with self._b.localForm() as local:
             local.set(0.0)
@@ -126,11 +145,11 @@ class StaticProblem(Unique):
         self._b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         return self._b
 
-    def reactions(self):
-        """Residual with all entries: support forces at constrained degrees of freedom, round-off elsewhere [F].
+    def reactions(self) -> fem.Function:
+        """Residual of equilibrium: support forces at prescribed degrees of freedom, round-off elsewhere. Collective.
 
         Returns:
-            fem.Function on the displacement space.
+            Function on the displacement space [F].
         """
         b = self._assemble_residual()
         for contact in self.contact:
@@ -140,40 +159,53 @@ class StaticProblem(Unique):
         r.x.scatter_forward()
         return r
 
-    def _norm(self, values):
+    def _norm(self, values: FloatArray) -> float:
         return float(np.sqrt(self.space.mesh.comm.allreduce(float(values @ values))))
 
     # --- load steps ------------------------------------------------------------------------------------------------
 
-    def solve(self, steps=1, rtol=1e-10, atol=0.0, max_iterations=25, cut_backs=None, verbose=False):
-        """Bring loads, boundary values and rigid obstacles from where they were to their present values.
+    def solve(
+        self,
+        steps: int = 1,
+        rtol: float = 1e-10,
+        atol: float = 0.0,
+        max_iterations: int = 25,
+        cut_backs: int | None = None,
+        verbose: bool = False,
+    ) -> Report:
+        """Solve for the present values of loads, boundary conditions and rigid obstacles, in steps from the values of
+        the last solve. Collective.
+
+        After an exception u, contacts, loads and obstacles are those of the last converged increment, from which the
+        next solve continues.
 
         Args:
-            steps: equal parts. rtol: of the free residual against the largest force seen, at the supports and from the
-                tangent times u [1]. atol: of the free residual [F]. max_iterations: per step.
-            cut_backs: how often the increment may be halved where it does not converge; None: 8 with contact or several
-                steps, else 0.
-            verbose: print every iteration on rank 0; always written to the log "dolfinx_impact" at level INFO.
+            steps: number of equal steps [1].
+            rtol: tolerance of the free residual, relative to the largest force so far: that at the supports, or that of
+                the tangent times u [1].
+            atol: tolerance of the free residual [F].
+            max_iterations: largest number of iterations per step [1].
+            cut_backs: largest number of times that the increment is halved if it does not converge; None: 8 with
+                contact or several steps, otherwise 0 [1].
+            verbose: print every iteration on rank 0. It is always written to the log "dolfinx_impact" at level INFO.
 
         Returns:
             Report.
 
         Raises:
-            TypeError, ValueError: steps or max_iterations is not a positive integer, cut_backs not one from zero, a
-            tolerance is not a number from 0 to 1; arguments, loads or supports that differ between ranks; multipliers
-            with another SNES than the package's own.
-            RuntimeError: no convergence, a residual that is not a number, or a singular matrix.
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: steps or max_iterations is not a positive integer, cut_backs is negative, or a tolerance is not
+                a number from 0 to 1; arguments, loads or supports differ between ranks; multipliers with another SNES
+                than the package's own. On all ranks.
+            RuntimeError: no convergence, a residual that is not finite, or a singular matrix; on all ranks.
             KeyboardInterrupt: Ctrl-C, on all ranks between two iterations.
-
-        After an exception u, contacts, loads and obstacles are those of the last converged increment, from which the
-        next solve goes on.
         """
         with guard(self.space.mesh.comm, "StaticProblem.solve", cut_backs=cut_backs) as ranks:
             steps = arguments.integer("steps", steps, 1)
             max_iterations = arguments.integer("max_iterations", max_iterations, 1)
             if cut_backs is None:
                 cut_backs = 8 if self.contact or steps > 1 else 0
-            cut_backs = arguments.integer("cut_backs", cut_backs, 0)
+            most = arguments.integer("cut_backs", cut_backs, 0)
             rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
             if not np.all(np.isfinite(self.u.x.array)):
                 raise ValueError("u has values that are not finite numbers: give it a start, u.x.array[:] = 0")
@@ -183,15 +215,15 @@ class StaticProblem(Unique):
         with Interrupts(self.space.mesh.comm) as interrupts:
             solver = Solver(self, rtol, atol, max_iterations, interrupts)
             try:
-                report = run_steps(self, solver, steps, cut_backs, verbose)
+                report = run_steps(self, solver, steps, most, verbose)
             finally:
                 solver.free()
             interrupts.check()
         self._solver.warn_of_unused()
         return report
 
-    def _targets(self):
-        """What a solve goes to, as far as it is numbers: to be the same on all ranks."""
+    def _targets(self) -> dict[str, list[Any]]:
+        """Numbers of loads, boundary conditions and obstacles, which must be the same on all ranks."""
         return {
             "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],
             "bcs": [arguments.value_of(bc) for bc in self.bcs],

@@ -1,36 +1,53 @@
 # SPDX-License-Identifier: MIT
 """PETSc's SNES for a StaticProblem: tolerances, monitors and other nonlinear methods by options with its prefix.
 
-The package's own method (newton.py), which settles active sets, is SNES's type "python". Where contact is by penalty,
-or there is none, equations are smooth enough for any other type: -snes_type newtontr, ngmres, ...
+The package's own method (newton.py), which updates active sets, is SNES's type "python". Without contact and with
+penalty contact the equations are smooth enough for other types: -snes_type newtontr, ngmres, ...
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
 
 from ..common.collective import attempt
+from ..common.interrupts import Interrupts
+from ..common.types import FloatArray
 from .newton import LOOSE_DIGITS, Newton
-from .load_steps import Increment
+from .load_steps import Increment, StepLog
+
+if TYPE_CHECKING:
+    from .problem import StaticProblem
 
 OWN = "python"  # SNES's type of methods that are not PETSc's
+
+T = TypeVar("T")
 
 
 class Solver:
     """Solves the increments of a StaticProblem by the SNES that its options choose.
 
     Args:
-        problem: StaticProblem; options are read with the prefix of its linear solver. rtol, atol, max_iterations: as in
-            StaticProblem.solve, where -snes_rtol, -snes_atol and -snes_max_it do not say otherwise.
-        interrupts: Interrupts, checked in every iteration.
+        problem: StaticProblem; options are read with the prefix of its linear solver.
+        rtol: relative tolerance, as in StaticProblem.solve; -snes_rtol takes precedence [1].
+        atol: absolute tolerance, as in StaticProblem.solve; -snes_atol takes precedence [F].
+        max_iterations: largest number of iterations; -snes_max_it takes precedence [1].
+        interrupts: interrupts, checked in every iteration.
 
     Attributes:
-        seconds: as in Newton.
+        snes: PETSc's solver.
+        seconds: time spent on this rank by part, as in Newton [s].
 
     Raises:
-        ValueError: multipliers and another method than the package's own.
+        ValueError: PETSc rejects the options, or a problem with multipliers has another method than the package's own.
     """
 
-    def __init__(self, problem, rtol, atol, max_iterations, interrupts):
+    def __init__(
+        self, problem: StaticProblem, rtol: float, atol: float, max_iterations: int, interrupts: Interrupts
+    ) -> None:
         self.problem, self._interrupts, space = problem, interrupts, problem.space
         self.snes = PETSc.SNES().create(space.mesh.comm)
         self.snes.setOptionsPrefix(problem._solver.ksp.getOptionsPrefix())
@@ -42,7 +59,8 @@ class Solver:
             vector.setSizes((problem._num_owned, None))
             vector.setUp()
         self.snes.setFunction(self._function, self._F)
-        self._J = None
+        self._J: PETSc.Mat | None = None
+        self._changes = 0  # of contact status since the last increment was reported
         try:
             self.snes.setFromOptions()
         except PETSc.Error as error:
@@ -52,7 +70,7 @@ class Solver:
         rtol, self._atol, self._stol, max_iterations = self.snes.getTolerances()
         self._rtol, self._max_it = rtol, max_iterations
         self._newton = Newton(problem, rtol, self._atol, max_iterations, self._tell)
-        self.seconds = self._newton.seconds
+        self.seconds: dict[str, float] = self._newton.seconds
         kind = self.snes.getType()
         if kind != OWN and self._newton.multipliers:
             self.free()
@@ -61,18 +79,27 @@ class Solver:
                 "or take Penalty"
             )
 
-    def free(self):
-        """Give back PETSc's memory. Collective."""
+    def free(self) -> None:
+        """Destroy PETSc's objects. Collective."""
         for thing in (self.snes, self._F, self._x, *([self._J] if self._J else [])):
             thing.destroy()
 
-    def run(self, target, log):
-        """From the present u to prescribed values `target`, as Newton.run. Collective."""
+    def run(self, target: FloatArray, log: StepLog) -> Increment:
+        """Solve from the present u to prescribed values. Collective.
+
+        Args:
+            target: displacements over all degrees of freedom, of which only prescribed entries are used [L].
+            log: log of the iterations.
+
+        Returns:
+            Increment; its `fault` says why it did not converge.
+        """
         if self.snes.getType() != OWN:
             return self._run_other(target, log)
         self._target, self._log = target, log
-        self._take()
-        self._result = self._fault = None
+        self._copy_from_u()
+        self._result = Increment()
+        self._fault: BaseException | None = None
         self.snes.solve(None, self._x)
         if self._fault is not None:
             raise self._fault
@@ -80,10 +107,16 @@ class Solver:
 
     # --- the package's own method: PETSc calls this ------------------------------------------------------------------
 
-    def solve(self, snes, _, x):
-        """SNES's type "python" calls it."""
+    def solve(self, snes: PETSc.SNES, _: PETSc.Vec | None, x: PETSc.Vec) -> None:
+        """Solve for SNES's type "python", which calls this method. Collective.
+
+        Args:
+            snes: PETSc's solver.
+            _: right-hand side, not used.
+            x: displacements over owned degrees of freedom; overwritten [L].
+        """
         reasons = PETSc.SNES.ConvergedReason
-        # PETSc makes errors of its own of exceptions that pass through it.
+        # PETSc replaces exceptions that pass through it, so that they are kept here.
         self._result, self._fault = attempt(self._newton.run, self._target, self._log)
         if self._fault is not None:
             snes.setConvergedReason(reasons.DIVERGED_FUNCTION_DOMAIN)
@@ -92,22 +125,23 @@ class Solver:
         snes.setIterationNumber(self._result.iterations)
         snes.setConvergedReason(reasons.DIVERGED_MAX_IT if self._result.fault else reasons.CONVERGED_FNORM_RELATIVE)
 
-    def _tell(self, iteration, norm):
+    def _tell(self, iteration: int, norm: float) -> None:
         self.snes.monitor(iteration, norm)
         self._interrupts.check()
 
     # --- PETSc's methods ----------------------------------------------------------------------------------------------
 
-    def _take(self):
+    def _copy_from_u(self) -> None:
         self._x.array[:] = self.problem.u.x.array[: self.problem._num_owned]
 
-    def _set(self, x):
+    def _copy_to_u(self, x: PETSc.Vec) -> None:
         u = self.problem.u.x
         u.array[: self.problem._num_owned] = x.array_r
         u.scatter_forward()
 
-    def _residual(self):
-        """Internal minus external and contact forces at u, and the number of changes of contact."""
+    def _residual(self) -> tuple[FloatArray, int]:
+        """Internal minus external and contact forces at u, over owned degrees of freedom [F], and number of changes of
+        contact status. Collective."""
         p, changes = self.problem, 0
         b = p._assemble_residual()
         with self._newton._clock("contact"):
@@ -117,8 +151,8 @@ class Solver:
                 changes += contact.update_active_set(False)
         return b.array.copy(), changes
 
-    def _solve_by_petsc(self):
-        """As snes.solve, but exceptions of what PETSc calls are raised as they are."""
+    def _solve_by_petsc(self) -> None:
+        """Call snes.solve, and raise exceptions of functions that PETSc calls unchanged. Collective."""
         self._fault = None
         try:
             self.snes.solve(None, self._x)
@@ -127,31 +161,31 @@ class Solver:
                 raise self._fault from None
             raise
 
-    def _kept(self, work, *args):
-        """Work that PETSc calls; an exception is kept for _solve_by_petsc."""
+    def _kept(self, work: Callable[..., T], *args: Any) -> T:
+        """Call a function on behalf of PETSc, and keep its exception for `_solve_by_petsc`."""
         try:
             return work(*args)
         except BaseException as error:
             self._fault = error
             raise
 
-    def _function(self, snes, x, F):
+    def _function(self, snes: PETSc.SNES, x: PETSc.Vec, F: PETSc.Vec) -> None:
         self._kept(self._evaluate, x, F)
 
-    def _evaluate(self, x, F):
+    def _evaluate(self, x: PETSc.Vec, F: PETSc.Vec) -> None:
         self._interrupts.check()
-        self._set(x)
+        self._copy_to_u(x)
         residual, changes = self._residual()
         residual[self._newton.fixed] = 0.0  # prescribed values are there already
         F.array[:] = residual
         self._changes += changes
 
-    def _jacobian(self, snes, x, J, P):
+    def _jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         self._kept(self._linearise, snes, x, J)
 
-    def _linearise(self, snes, x, J):
-        """Tangent at x, where PETSc has evaluated the function last, or not."""
-        self._set(x)
+    def _linearise(self, snes: PETSc.SNES, x: PETSc.Vec, J: PETSc.Mat) -> None:
+        """Assemble the tangent at x, which need not be where PETSc has evaluated the function last. Collective."""
+        self._copy_to_u(x)
         self._residual()
         K = self.problem._tangent.assemble()
         diagonal = K.getDiagonal()
@@ -162,13 +196,16 @@ class Solver:
         rows = J.getOwnershipRange()[0] + self._newton.fixed.astype(np.int32)
         J.zeroRowsColumns(rows, diagonal.sum() / diagonal.getSize() or 1.0)
         diagonal.destroy()
-        if self.problem.contact:  # PETSc does not always notice that the pattern is another one
+        if self.problem.contact:  # PETSc does not always notice that the sparsity pattern has changed
             snes.getKSP().getPC().reset()
         if self.problem._solver.near_nullspace is not None:
             J.setNearNullSpace(self.problem._solver.near_nullspace)
 
-    def _run_other(self, target, log):
-        """An increment by a method of PETSc's: one linear step to the prescribed values, then its iterations."""
+    def _run_other(self, target: FloatArray, log: StepLog) -> Increment:
+        """Solve an increment by a method of PETSc's: a linear step to the prescribed values, then its iterations.
+
+        Arguments and result are those of `run`. Collective.
+        """
         p, newton, result = self.problem, self._newton, Increment()
         residual, self._changes = self._residual()
         K = p._tangent.assemble()
@@ -185,14 +222,14 @@ class Solver:
             return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
         p.u.x.array[p.fixed] = target[p.fixed]
         while True:
-            residual, _ = self._residual()  # supports carry what the tangent has told
+            residual, _ = self._residual()  # with the support forces of the linear step
             scale = max(scale, newton._norm(residual), newton._tangent_force(K))
             tolerance = max(self._atol, newton._round_off(K), self._rtol * scale)
             self.snes.setTolerances(rtol=0.0, atol=tolerance, stol=self._stol, max_it=self._max_it)
             self.snes.setConvergenceHistory(length=1000, reset=True)
-            self._take()
+            self._copy_from_u()
             self._solve_by_petsc()
-            self._set(self._x)
+            self._copy_to_u(self._x)
             self._residual()
             norms = self.snes.getConvergenceHistory()[0]
             size = sum(c.num_active for c in p.contact)
