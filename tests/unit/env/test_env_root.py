@@ -169,7 +169,9 @@ cd "${!#}"
 echo "I: downloading packages with apt..."
 touch var/cache/apt/archives/{1..393}.deb; sleep 3
 echo "I: installing remaining packages inside the chroot..."
-for i in {1..786}; do echo "Status: install ok $([ $i -le 393 ] && echo installed || echo unpacked)"; done >var/lib/dpkg/status
+for i in {1..786}; do
+  if [ $i -le 393 ]; then echo "Status: install ok installed"; else echo "Status: install ok unpacked"; fi
+done >var/lib/dpkg/status
 sleep 3"""
 
 
@@ -181,7 +183,7 @@ def test_a_root_in_the_making_reports_its_progress(sandbox):
     lines = [line for line in answer.stderr_text.splitlines() if " % " in line]
     for report in (
         r"env/run: root: 16 % \(0 of about 786 packages, downloading packages with apt\.\.\.\), \d+ s",
-        r"env/run: root: 83 % \(393 of about 786 packages, installing remaining packages inside the chroot\.\.\.\), \d+ s",
+        r"env/run: root: 83 % \(393 of about 786 packages, installing remaining packages inside the chroot.*\), \d+ s",
     ):
         assert any(re.fullmatch(report, line) for line in lines), lines
     assert len(lines) <= 8
