@@ -6,7 +6,7 @@ operators, lumped mass), contact, statics, dynamics, io. `dolfinx_impact.forms` 
 closed-form solutions, and `verify` compares the package with the hand-written solver.
 """
 
-from . import _cpp, forms, theory, verify  # type: ignore[attr-defined]  # _cpp is compiled
+from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
 from .contact import (
     ContactPair,

@@ -14,7 +14,7 @@ from dolfinx.fem import DirichletBC
 from mpi4py import MPI
 
 from .. import materials, meshes
-from ..contact.mortar.lagrange import Lagrange
+from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from ..contact.pair import ContactPair
 from ..statics import newton
 from ..statics.problem import StaticProblem
@@ -78,6 +78,7 @@ def tied_seconds(model: PressedBodies) -> float:
         RuntimeError: the linear solver failed.
     """
     problem, contact = model.problem, model.problem.contact[0]
+    assert isinstance(contact, LagrangeContact)
     solver = newton.Newton(problem, RTOL, 0.0, 1)
     contact.begin_step(problem.u.x.array, None)
     target = problem.u.x.array.copy()

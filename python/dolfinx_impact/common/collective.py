@@ -160,7 +160,7 @@ def agree(comm: MPI.Comm, error: BaseException | None, call: str = "") -> None:
         raise error
 
 
-def attempt(work: Callable[..., _Result], *args: Any) -> tuple[_Result | None, BaseException | None]:
+def attempt(work: Callable[..., Any], *args: Any) -> tuple[Any, BaseException | None]:
     """Call a function and catch what it raises, for `agree`.
 
     Args:

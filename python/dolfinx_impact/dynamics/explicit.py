@@ -266,6 +266,7 @@ class ExplicitProblem(Unique):
             )
             self._term(form, kinds.damping)
         if any(self._viscosity):
+            assert self.material is not None  # checked with the factors
             mesh = self.space.mesh
             linear, quadratic = (fem.Constant(mesh, default_scalar_type(f)) for f in self._viscosity)
             form = operators.sum_materials(

@@ -79,6 +79,16 @@ class TimeStepper:
         recorders: Recorders that write during the run.
     """
 
+    time: float
+    step: int
+    next_time: float
+    safe_step: float
+    nominal_step: float
+    functions: FunctionsOfTime
+    inputs: Inputs
+    state: CurrentState
+    history: RunHistory
+
     def __init__(
         self,
         problem: ExplicitProblem,

@@ -16,7 +16,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..common.types import BoolArray, FloatArray, IntArray
+from ..common.types import FloatArray, IntArray
 from .linear_solver import LinearSystem
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ class LinearisedActiveSet:
         for k, number in enumerate(new):
             here = geometry.numbers == number
             if opened[k]:
-                transformation.known[:] = contact.unit_gap(number)
+                transformation.known[:] = contact.unit_gap(int(number))
                 system.load(np.zeros(rows), x, b)
                 columns[:, k] = b.array_r
             else:

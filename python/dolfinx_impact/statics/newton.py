@@ -25,7 +25,7 @@ from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
 from .active_set_iteration import VIOLATION, ActiveSetIteration, did_not_converge
 from .load_steps import Increment, StepLog
-from ..common.types import FloatArray
+from ..common.types import FloatArray, IntArray
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
@@ -66,15 +66,17 @@ class Newton:
         self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
         self._tell = tell or (lambda iteration, norm: None)
         self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
-        self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
-        self.multipliers = [cast(MultiplierContact, c) for c in problem.contact if c.has_multipliers]
+        self.fixed: IntArray = np.flatnonzero(problem.fixed[: self.num_owned])
+        self.multipliers: list[MultiplierContact] = [
+            cast(MultiplierContact, c) for c in problem.contact if c.has_multipliers
+        ]
         self.saddle = problem._saddle
         # Contact by penalty has kinks where points close, slip or change facets; there is no active set for them.
         self.rough = bool(problem.contact) and not self.multipliers
         self.conservative = self.rough and all(c.pair.friction == 0.0 for c in problem.contact)
         # Linear solutions are more accurate than asked for by this factor; with factors, accuracy is cheap.
         self.margin = 1e-3 if problem._solver.direct else 0.3
-        self.seconds = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
+        self.seconds: dict[str, float] = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
         if self.saddle:
             sizes, gdim = [len(c.nodes) for c in self.multipliers], problem.space.mesh.geometry.dim
             self._rows = _cpp.multipliers.SaddlePoint(self.comm, self.num_owned, gdim, sizes)
@@ -107,8 +109,8 @@ class Newton:
                         contact.add_residual(b)
                 residual = b.array.copy()
                 if self.saddle and iteration > 0:
-                    for contact in self.multipliers:
-                        contact.rotate_friction_traction()
+                    for multiplier in self.multipliers:
+                        multiplier.rotate_friction_traction()
                 changes, pending = self._update_active_sets(residual, iteration == 0)
                 if self.saddle:
                     residual -= sum(c.contact_forces() for c in self.multipliers)
@@ -203,10 +205,11 @@ class Newton:
         p, free = self.problem, np.ones(self.num_owned, dtype=bool)
         free[self.fixed] = False
 
+        end: FloatArray = p.u.x.array.copy()
+
         def slope(forces: FloatArray) -> float:
             return self.comm.allreduce(float(forces[free] @ (end - start)[: self.num_owned][free]))
 
-        end = p.u.x.array.copy()
         steep = slope(residual)
         if steep >= 0.0:
             p.u.x.array[:] = start
@@ -356,7 +359,7 @@ class Newton:
         diagonal = K.getDiagonal()
         mean = self.comm.allreduce(float(np.abs(diagonal.array).sum())) / diagonal.getSize() or 1.0
         diagonal.destroy()
-        moved = np.zeros(self.num_owned)
+        moved: FloatArray = np.zeros(self.num_owned)
         moved[self.fixed] = jump
         digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), ActiveSetIteration(), False, 0
         while True:
@@ -367,10 +370,10 @@ class Newton:
             if fault or not self.multipliers:
                 break
             with self._clock("contact"):
-                for contact in self.multipliers:
-                    contact.update_linearised_gap(moved)
+                for multiplier in self.multipliers:
+                    multiplier.update_linearised_gap(moved)
                     if not self.saddle:
-                        contact.update_multipliers(residual + forces)
+                        multiplier.update_multipliers(residual + forces)
                 if self.saddle:
                     self._set_multipliers(mean)
                 found = settle.change(self.multipliers)

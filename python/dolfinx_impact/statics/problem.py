@@ -20,15 +20,14 @@ from .linear_solver import LinearSolver
 from ..io.mesh_check import check_cells
 from .snes import Solver
 from .load_steps import Report, run_steps
-from ..common.types import FloatArray
+from ..common.types import BoolArray, FloatArray
 from ..common.unique import Unique, claim
-from ..contact.protocol import StaticContact
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 
 if TYPE_CHECKING:
-    from ..contact.mortar.lagrange import Lagrange
-    from ..contact.penalty.penalty import Penalty
+    from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+    from ..contact.penalty.penalty import Penalty, PenaltyContact
 
 __all__ = ["Report", "StaticProblem"]
 
@@ -114,17 +113,17 @@ class StaticProblem(Unique):
         self._b = petsc.create_vector(self._residual)
         # Only multipliers with the dual basis can be condensed. With another basis, all stay in the system.
         self._saddle = any(getattr(c, "basis", "dual") != "dual" for c in contact)
-        self._solver = LinearSolver(V, options, prefix, indefinite=self._saddle)
+        self._solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self._saddle)
         # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
         # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
         # order of pressure over stiffness.
         self.exact_tangent = self._solver.direct
-        self._num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
+        self._num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
-        self.fixed = np.zeros(len(u.x.array), dtype=bool)
+        self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for d in dofs:
             self.fixed[d] = True
-        self.contact: list[StaticContact] = [c._bind(self) for c in contact]
+        self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
         # A tangent that does not contain u is constant.
         self._linear = not any(c is u for c in tangent.coefficients())
 

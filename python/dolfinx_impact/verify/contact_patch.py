@@ -2,7 +2,7 @@
 """Level contact at a given state: both sides evaluate the same displacements, penalties and multipliers."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import impact_reference
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.sparse import coo_matrix
 from .. import _cpp, contact
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..contact.mortar.mortar_geometry import MortarGeometry
+from ..materials import _Material
 from ..statics.problem import StaticProblem
 from . import bodies
 from .contact_bodies import MASTER, SLAVE, TwoBodies, rule
@@ -98,7 +99,7 @@ def bind(body: TwoBodies, method: contact.Penalty | contact.Lagrange, bcs: Seque
     Returns:
         The problem's contact.
     """
-    return StaticProblem(body.u, body.material, bcs=bcs, contact=[method]).contact[0]
+    return StaticProblem(body.u, cast(_Material, body.material), bcs=bcs, contact=[method]).contact[0]
 
 
 def begin_step(body: TwoBodies, ours: Any, start: FloatArray, displacement: FloatArray) -> None:

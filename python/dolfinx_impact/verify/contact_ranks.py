@@ -41,7 +41,7 @@ def values(comm: MPI.Intracomm, gather: Callable[[FunctionSpace, FloatArray], li
             out[f"{key}_u"] = gather(V, pressed)
             out[f"{key}_friction_u"] = gather(V, problem.u.x.array)
             out[f"{key}_force"] = gather(V, enforced.contact_forces())
-            out[f"{key}_total"] = [enforced.force.tolist()]
+            out[f"{key}_total"] = [np.asarray(enforced.force).tolist()]
     return out
 
 

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias, Union
+from typing import Any, cast, TypeAlias, Union
 
 import impact_reference
 import numpy as np
@@ -13,6 +13,7 @@ from impact_reference.contact import ContactSolution
 
 from .. import contact
 from ..common.types import BoolArray, FloatArray, IntArray
+from ..materials import _Material
 from ..statics.problem import StaticProblem
 from . import bodies, operator
 from .contact_bodies import BOTTOM, SLAVE, TOP, ObstaclePair, TwoBodies, rule, two_bodies
@@ -262,7 +263,7 @@ def solve_stages(
     body = case.body
     theirs: ContactSolution | None = None
     body.u.x.array[:] = 0.0
-    problem = StaticProblem(body.u, body.material, bcs=supports.bcs, contact=[method(body.pair())])
+    problem = StaticProblem(body.u, cast(_Material, body.material), bcs=supports.bcs, contact=[method(body.pair())])
     if on_start is not None:
         on_start(problem.contact[0])
     for i, top in enumerate(case.tops):

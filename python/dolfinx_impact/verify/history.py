@@ -19,6 +19,7 @@ from impact_reference.array_types import TimeValues
 from .. import contact, materials
 from ..amplitude import PrescribedMotion
 from ..common.types import BoolArray, FloatArray, IntArray
+from ..materials import _Material
 from ..dynamics.explicit import ExplicitProblem
 from ..dynamics.run_history import ENERGIES
 from ..loads import BodyForce
@@ -487,7 +488,7 @@ def ours(case: Run, steps: int) -> tuple[ExplicitProblem, float, tuple[FloatArra
             body.rigid[0].motion = None if motion is None else lambda t: np.pad(motion(t), (0, 3 - body.gdim))
         contacts = [kind(body.pair(everywhere=False), **case.options)]
     problem = ExplicitProblem(
-        u, body.material, velocity=v, bcs=bcs, loads=loads, contact=contacts, scheme=case.scheme,
+        u, cast(_Material, body.material), velocity=v, bcs=bcs, loads=loads, contact=contacts, scheme=case.scheme,
         damping=materials.Rayleigh(*case.damping), bulk_viscosity=case.viscosity,
     )  # fmt: skip
     dt = case.step_fraction * problem.stable_step()
@@ -551,14 +552,14 @@ def compare(report: Report, case: Run, steps: int = STEPS) -> None:
     body = case.body
     problem, dt, (u, v) = ours(case, steps)
     other = theirs(case, dt, steps)
-    pairs = {"displacement": (u, other.u[:, body.order])}
+    pairs: dict[str, tuple[FloatArray, FloatArray]] = {"displacement": (u, other.u[:, body.order])}
     if case.contact != "kinematic":  # its forces, and with them this velocity, are known one step later
         pairs["velocity"] = (v, other.v[:, body.order])
     energies = dict(zip(ENERGIES, problem.energy_history[:, 1:].T))
     for name, values in energies.items():
         their_values = other.energies[name][:steps]
         if np.any(their_values) or np.any(values):
-            pairs[f"{name} energy"] = (values, their_values)
+            pairs[f"{name} energy"] = (np.asarray(values), their_values)
     if case.contact:
         total = other.contacts[0].total[:steps]
         pairs["contact force"] = (problem.force_history[0], total)

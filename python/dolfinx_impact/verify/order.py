@@ -16,6 +16,7 @@ from dolfinx.mesh import exterior_facet_indices
 from .. import materials
 from ..common.types import FloatArray, IntArray
 from ..forms import loads, quadrature
+from ..loads import Load
 from ..statics.problem import StaticProblem
 from . import bodies
 from .report import Report
@@ -154,7 +155,8 @@ def _ours(body: bodies.Body, steel: materials.LinearElastic) -> FloatArray:
     target.interpolate(lambda x: np.array(exact(x, dim)))
     u = fem.Function(V, name="u")
     bcs = [fem.dirichletbc(target, _boundary(body))]
-    StaticProblem(u, steel, bcs=bcs, loads=[_Source(_source(body, steel), 2 * body.degree + 2)]).solve()
+    source = _Source(_source(body, steel), 2 * body.degree + 2)
+    StaticProblem(u, steel, bcs=bcs, loads=[cast(Load, source)]).solve()
     x = ufl.SpatialCoordinate(body.mesh)
     e = u - ufl.as_vector(exact(x, dim, ufl.sin, ufl.cos))
     dx = ufl.Measure("dx", domain=body.mesh, metadata=quadrature.metadata(2 * body.degree + 3))

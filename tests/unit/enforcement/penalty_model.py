@@ -54,7 +54,9 @@ class Deformable:
         **parameters,
     ):
         dim = 2 if cell in ("triangle", "quadrilateral") else 3
-        self.V, slave, master = partitioned_bodies.two_bodies(comm, dim, cell, geometry_degree, degree, seed, **parameters)
+        self.V, slave, master = partitioned_bodies.two_bodies(
+            comm, dim, cell, geometry_degree, degree, seed, **parameters
+        )
         self._set(dim, friction, self.V, slave, master, *rule(cell, quadrature), False, reach)
 
     def _set(self, dim, friction, V, *arguments):

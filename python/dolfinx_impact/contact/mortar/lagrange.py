@@ -73,6 +73,8 @@ class LagrangeContact(ContactOutput):
         nodal_stiffness, facing_stiffness: (n) of the bodies at the slave's nodes and opposite to them [F/L].
     """
 
+    nodes: IntArray
+    gdim: int
     active: BoolArray
     sliding: BoolArray
     direction: FloatArray
@@ -268,6 +270,7 @@ class LagrangeContact(ContactOutput):
         Args:
             residual: nodal, owned dofs, without contact forces [F].
         """
+        tilt: FloatArray
         tilt, known, follow, state = self._no_tilt, np.zeros(0), np.zeros(0), self._state()
         if self._friction:
             tilt = self._linear_tilt if self.coulomb.has_springs else self._tilt()
