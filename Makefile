@@ -77,11 +77,12 @@ else
 	$(PYTEST) -m "not slow" $(ARGS)
 endif
 
+FIRST_HALF := tests/unit tests/demos tests/cpp tests/docs
 test-units-here:
-	$(PYTEST) -m "not alone and not slow" -q --durations=30 tests/unit tests/demos
+	$(PYTEST) -m "not alone and not slow" -q --durations=30 $(FIRST_HALF)
 
 test-others-here:
-	$(PYTEST) -m "not alone and not slow" -q --durations=30 --ignore=tests/unit --ignore=tests/demos
+	$(PYTEST) -m "not alone and not slow" -q --durations=30 $(FIRST_HALF:%=--ignore=%)
 
 slow-here: # status 5: no slow test was found
 	$(PYTEST) -m "slow and not matrix" $(ARGS) || [ $$? -eq 5 ]

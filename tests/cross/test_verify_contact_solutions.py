@@ -73,12 +73,12 @@ def test_another_penalty(monkeypatch):
 
 
 def test_nodes_that_stick_where_they_should_slip(monkeypatch):
-    """Half of the law of friction: what would slip is held."""
-    right = LagrangeContact._proposal
+    """Half of the law of friction: nodes that should slip stick."""
+    right = LagrangeContact._proposed_active_set
 
-    def wrong(self, first):
-        active, sliding, direction = right(self, first)
+    def wrong(self, state, first):
+        active, sliding, direction = right(self, state, first)
         return active, np.zeros_like(sliding), direction
 
-    monkeypatch.setattr(LagrangeContact, "_proposal", wrong)
+    monkeypatch.setattr(LagrangeContact, "_proposed_active_set", wrong)
     failed(solutions(0.3), ["friction_lagrange"], ["friction_penalty"])

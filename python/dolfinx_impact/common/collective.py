@@ -212,7 +212,11 @@ def describe(value: Any) -> str:
     if isinstance(value, dict):
         return f"{{{', '.join(f'{describe(k)}: {describe(v)}' for k, v in value.items())}}}"
     if callable(getattr(value, "signature", None)) and hasattr(value, "integrals"):
-        return f"form {value.signature()[:16]}"
+        # UFL sorts operands by printed numbers of objects ("10" before "9"), and ranks may have made other numbers of
+        # objects before: form_signature renumbers them.
+        from ..forms.compiler.frontend import form_signature
+
+        return f"form {form_signature(value)[:16]}"
     if isinstance(value, type):
         return f"class {value.__name__}"
     if type(value).__module__.split(".")[0] == __name__.split(".")[0]:

@@ -12,6 +12,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
+from dolfinx_impact.common.collective import describe
 from dolfinx_impact.forms import registry
 
 COMM = MPI.COMM_SELF
@@ -176,6 +177,25 @@ def test_mixed_spaces():
     (a, b), (v, q) = ufl.split(w), ufl.TestFunctions(W)
     form = (ufl.inner(ufl.grad(a), ufl.grad(v)) + a * b * q) * ufl.dx
     operator_checks.equal(di.InternalForce(form).apply().array, operator_checks.assembled(form))
+
+
+def test_ranks_with_other_numbers_of_objects_have_the_same_form():
+    """UFL sorts by printed numbers, "10" before "9"; a rank that has made more objects must not seem to differ."""
+    square = mesh.create_unit_square(COMM, 1, 1)
+
+    def form(number_of_first):
+        """The same form, its first constant with a number that ends so."""
+        while (first := fem.Constant(square, 1.0)).count() % 10 != number_of_first:
+            pass
+        second = fem.Constant(square, 2.0)
+        v = ufl.TestFunction(fem.functionspace(square, ("Lagrange", 1)))
+        return (first * second + first**2 * second) * v * ufl.dx
+
+    while fem.Constant(square, 0.0).count() % 100 != 95:  # so that 99 and 100 are the first form's
+        pass
+    crossing, inside = form(9), form(3)
+    assert crossing.signature() != inside.signature()
+    assert describe(crossing) == describe(inside)
 
 
 @pytest.mark.parametrize("ranks", [2])

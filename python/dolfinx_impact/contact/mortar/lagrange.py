@@ -311,10 +311,8 @@ class LagrangeContact(ContactOutput):
         Returns:
             number of nodes of all ranks that would change.
         """
-        tolerance = self.geometry.tolerance
-        largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
         state = self._state()
-        active, sliding, direction = _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
+        active, sliding, direction = self._proposed_active_set(state, first)
         changed = (active != self.active) | (sliding != self.sliding)
         number = self.geometry.numbers
         self.last_change = self.comm.allreduce(int(np.max(number[changed], initial=-1)), MPI.MAX)
@@ -328,6 +326,17 @@ class LagrangeContact(ContactOutput):
                 self._state(), self.pair.friction, was_stuck, self.traction_n
             )
         return self.comm.allreduce(int(np.count_nonzero(changed)))
+
+    def _proposed_active_set(self, state: Any, first: bool) -> tuple[BoolArray, BoolArray, FloatArray]:
+        """Masks of active and of sliding nodes and directions of friction that follow from the state. Collective.
+
+        Args:
+            state: state of the nodes (C++).
+            first: as in update_active_set.
+        """
+        tolerance = self.geometry.tolerance
+        largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
+        return _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
 
     @property
     def num_active(self) -> int:
