@@ -23,7 +23,7 @@ def demos() -> dict[str, tuple[Path, str]]:
     Returns:
         File and title by name; the title is the first heading of the file.
     """
-    from . import demos as package
+    from . import demos as package  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 
     folder, found = Path(package.__file__).parent, {}
     for path in sorted(folder.glob("*.py")) + sorted(folder.glob("applications/*.py")):

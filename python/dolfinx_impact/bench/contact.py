@@ -13,7 +13,7 @@ from dolfinx import fem
 from dolfinx.fem import DirichletBC
 from mpi4py import MPI
 
-from .. import materials, meshes
+from .. import materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from ..contact.pair import ContactPair
 from ..statics import newton

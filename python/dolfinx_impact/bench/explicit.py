@@ -25,7 +25,7 @@ from dolfinx import fem
 from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 
-from .. import materials, meshes
+from .. import materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..common.types import FloatArray
 from ..contact import ContactPair, Kinematic, Penalty
 from ..dynamics.explicit import ExplicitProblem

@@ -9,7 +9,7 @@ from dolfinx import fem
 from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
-from .. import contact, meshes
+from .. import contact, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..common.types import FloatArray
 from ..dynamics.explicit import ExplicitProblem
 from ..loads import Traction

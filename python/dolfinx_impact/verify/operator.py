@@ -39,7 +39,7 @@ def meshes() -> list[NamedMesh]:
     Returns:
         Name, mesh on this rank, hypothesis and degrees of the displacement of each.
     """
-    from .. import meshes as recipes
+    from .. import meshes as recipes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 
     out: list[NamedMesh] = [
         ("block of distorted hexahedra", bodies.block("hexahedron", 4), "3d", (1, 2)),

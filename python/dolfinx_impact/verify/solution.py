@@ -64,7 +64,7 @@ def wheel(report: Report, pressure: float = 5e8, half_width: float = 4.5e-3) -> 
         pressure: pressure [Pa].
         half_width: half of the width of the patch [m].
     """
-    from .. import meshes as recipes
+    from .. import meshes as recipes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 
     made = recipes.make("wheel_on_rail_2d", comm=MPI.COMM_SELF, gap=1e-4)
     domain, tags = made.mesh, made.tags
