@@ -101,11 +101,11 @@ class _Load:
 
     def _what(self) -> str:
         """What acts, as `repr` shows it."""
-        if self._varies():
+        if self.varies():
             return "vector=expression"
         return f"vector={np.asarray(self.vector).tolist()}"
 
-    def _varies(self) -> bool:
+    def varies(self) -> bool:
         return isinstance(self.vector, ufl.core.expr.Expr)
 
     def ramps(self) -> list[tuple[Constant, FloatArray]]:
@@ -134,7 +134,7 @@ class BodyForce(_Load):
         hypothesis = material.hypothesis_on(mesh)
         degree = quadrature.mass_degree(
             mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis
-        ) + (VARYING if self._varies() else 0)
+        ) + (VARYING if self.varies() else 0)
         dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
         return sum(
             loads.body_force(
@@ -187,7 +187,7 @@ class Traction(_FacetLoad):
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         """External virtual work."""
         mesh = u.function_space.mesh
-        t, ds = self._vector("traction", mesh), self._measure(u, material, extra=VARYING if self._varies() else 0)
+        t, ds = self._vector("traction", mesh), self._measure(u, material, extra=VARYING if self.varies() else 0)
         return loads.traction(t, v, material.hypothesis_on(mesh), ds)
 
 
@@ -235,7 +235,7 @@ class DeadLoad:
         self._force = operators.InternalForce(form)
         self._inputs = operators.Inputs(self._force.compiled.constants, self._force.coefficients.values())
         num_owned = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
-        if load._varies():  # it may be zero now where it is not later
+        if load.varies():  # it may be zero now where it is not later
             self.dofs = load._dofs(V)
         else:
             value = np.copy(load.constant.value)

@@ -23,7 +23,7 @@ struct Rigid
   std::array<double, 3> direction{0, 0, 1}; ///< unit normal of the plane, out of it; unit axis of the cylinder
   double radius = 0.0;                      ///< [L]; negative: the body is inside, as in a bore
   std::array<double, 3> displacement{};     ///< added to `point`, or of the shape [L]
-  std::shared_ptr<const Shape> shape;       ///< of a surface
+  std::shared_ptr<const Shape> shape{};     ///< of a surface
 };
 
 /// Signed distance to an obstacle. In the plane a cylinder is a circle; its axis points out of the plane.

@@ -174,7 +174,7 @@ def _cell_integral(
     """Cells of one material, the integral of a form over them for the C++ side, and its coefficients. Collective."""
     compiled = compile_form(form)
     cells = np.ascontiguousarray(
-        operators._entities(operators._domain(form), "cell", -1 if tag is None else tag, cell_tags)
+        operators.entities_of(operators.domain_of(form), "cell", -1 if tag is None else tag, cell_tags)
     )
     (kernel,) = compiled.kernels
     functions = {c["name"]: compiled.coefficients[c["position"]] for c in kernel.coefficients}

@@ -22,7 +22,7 @@ from ..materials import Material, _Material
 from .jit import Compiled, compile_expression, compile_form
 
 
-def _domain(form: Any) -> cpp.mesh.Mesh_float64:
+def domain_of(form: Any) -> cpp.mesh.Mesh_float64:
     """C++ mesh of a form."""
     if not isinstance(form, ufl.Form):
         raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
@@ -41,7 +41,7 @@ def _cargo(domain: ufl.Mesh | None) -> cpp.mesh.Mesh_float64:
     return mesh
 
 
-def _entities(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int, data: MeshTags | None) -> IntArray:
+def entities_of(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int, data: MeshTags | None) -> IntArray:
     """Entities of one integral on this rank: owned cells, or (cell, local facet) pairs of exterior facets."""
     tdim = mesh.topology.dim
     if integral_type == "cell":
@@ -93,7 +93,7 @@ class _Operator:
     def __init__(self, form: ufl.Form, rank: int, width: int, part: str | None = None) -> None:
         name = type(self).__name__
         with guard(comm_of(form), name, form=form, width=width, part=part):
-            self.mesh = _domain(form)
+            self.mesh = domain_of(form)
             found = len(form.arguments())
             if found != rank:
                 raise ValueError(f"{name} takes a form of rank {rank}, this one has {found} arguments")
@@ -116,7 +116,7 @@ class _Operator:
                 given = [d for d in data.get(kernel.integral_type, []) if d is not None]
                 if any(d is not given[0] for d in given):
                     raise ValueError(f"the {kernel.integral_type} integrals of one form must share one subdomain_data")
-                entities = _entities(self.mesh, kernel.integral_type, subdomain, given[0] if given else None)
+                entities = entities_of(self.mesh, kernel.integral_type, subdomain, given[0] if given else None)
                 if part and self.test is not None:
                     entities = _choose(self.test, entities, kernel.integral_type, part)
                 integrals.append(
@@ -148,9 +148,9 @@ class _Operator:
         """Update the ghosts of coefficients, and the constants. Collective."""
         for f in self.coefficients.values():
             f.x.scatter_forward()
-        self._update_constants()
+        self.update_constants()
 
-    def _update_constants(self) -> None:
+    def update_constants(self) -> None:
         """Copy the present values of the constants to the C++ side."""
         for i, kernel in enumerate(self._kernels):
             if kernel.constants:
@@ -304,7 +304,7 @@ class SplitForce:
         """Read constants, and coefficients that the integrator does not set. Collective."""
         self._inputs.store()
         for part in self._parts:
-            part._update_constants()
+            part.update_constants()
 
     def forces(self) -> _cpp.integrators.FormForces:
         """Make the object of the C++ side.
@@ -445,7 +445,7 @@ def strain_energy_form(u: Function, material: Material) -> ufl.Form:
     Returns:
         Form of rank 0 [F L].
     """
-    return _sum(u, material, lambda law, dx: elasticity.internal_energy(u, law, dx))
+    return sum_laws(u, material, lambda law, dx: elasticity.internal_energy(u, law, dx))
 
 
 def internal_force_form(u: Function, v: ufl.Argument, material: Material) -> ufl.Form:
@@ -459,7 +459,7 @@ def internal_force_form(u: Function, v: ufl.Argument, material: Material) -> ufl
     Returns:
         Form of rank 1.
     """
-    return _sum(u, material, lambda law, dx: elasticity.internal_force(u, v, law, dx))
+    return sum_laws(u, material, lambda law, dx: elasticity.internal_force(u, v, law, dx))
 
 
 def tangent_form(u: Function, du: ufl.Argument, v: ufl.Argument, material: Material) -> ufl.Form:
@@ -474,7 +474,7 @@ def tangent_form(u: Function, du: ufl.Argument, v: ufl.Argument, material: Mater
     Returns:
         Form of rank 2.
     """
-    return _sum(u, material, lambda law, dx: elasticity.tangent(u, du, v, law, dx))
+    return sum_laws(u, material, lambda law, dx: elasticity.tangent(u, du, v, law, dx))
 
 
 def sum_materials(u: Function, material: Material, term: Callable[[_Material, ufl.Measure], ufl.Form]) -> ufl.Form:
@@ -500,7 +500,7 @@ def sum_materials(u: Function, material: Material, term: Callable[[_Material, uf
     return sum(term(m, dx if tag is None else dx(tag)) for tag, m in material.parts())
 
 
-def _sum(u: Function, material: Material, term: Callable[[Law, ufl.Measure], ufl.Form]) -> ufl.Form:
+def sum_laws(u: Function, material: Material, term: Callable[[Law, ufl.Measure], ufl.Form]) -> ufl.Form:
     """Sum of UFL forms over the laws of the materials of a body."""
     mesh = u.function_space.mesh
     return sum_materials(u, material, lambda m, dx: term(m.law(mesh), dx))

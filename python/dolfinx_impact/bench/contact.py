@@ -85,14 +85,14 @@ def tied_seconds(model: PressedBodies) -> float:
     for bc in problem.bcs:
         bc.set(target)
     start = time.perf_counter()
-    residual = problem._assemble_residual().array.copy()
+    residual = problem.assemble_residual().array.copy()
     contact.update_gap(problem.u.x.array)
     contact.active[:] = contact.usable
     contact.opening = np.zeros(len(contact.nodes))
-    K = problem._tangent.assemble()
+    K = problem.tangent.assemble()
     diagonal = K.getDiagonal()
     mean = float(np.abs(diagonal.array).mean())
-    fault, *_ = solver._one_solution(K, [], [], True, residual, target[: solver.num_owned], mean, RTOL)
+    fault, *_ = solver.one_solution(K, [], [], True, residual, target[: solver.num_owned], mean, RTOL)
     seconds = time.perf_counter() - start
     if fault:
         raise RuntimeError(f"the tied problem: {fault}")

@@ -143,7 +143,7 @@ def check_side(pair: ContactPair, V: FunctionSpace, slave: _cpp.surface.Facets, 
     # The mean is +1 for opposite normals, -1 for equal ones. Values between come from edges and from both sides of thin
     # bodies; they are accepted.
     if agreement < -0.5 * number and lowest <= facet:
-        hint = pair.rigid_master._orientation_hint()
+        hint = pair.rigid_master.orientation_hint()
         raise ValueError(f"{pair.name}: the slave's normals point away from the obstacle where it is nearest: {hint}")
 
 

@@ -55,7 +55,7 @@ class StaticContactProblem(ContactProblem, Protocol):
     """
 
     fixed: BoolArray
-    _tangent: Tangent
+    tangent: Tangent
 
 
 class ExplicitContactProblem(ContactProblem, Protocol):

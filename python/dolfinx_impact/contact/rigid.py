@@ -56,6 +56,13 @@ class _Rigid:
         """Arguments as `repr` shows them."""
         return f"center={self._point.tolist()}, radius={self._radius}"
 
+    def description(self) -> str:
+        """Shape, position and whether it moves, by which a checkpoint recognises the obstacle."""
+        numbers: list[Any] = [np.asarray(v).tolist() for v in (self._point, self._direction, self._radius)]
+        numbers += [self._checksum] if self._checksum else []
+        motion = "with" if self.motion is not None else "without"
+        return f"rigid {self._kind} {numbers!r} at {self.displacement.tolist()!r} {motion} motion"
+
     def same_on_all_ranks(self) -> list[Any]:
         """Values that collective.describe compares between ranks.
 
@@ -73,7 +80,7 @@ class _Rigid:
     def displacement(self, value: ArrayLike) -> None:
         self._displacement = _vector("displacement", value)
 
-    def _orientation_hint(self) -> str:
+    def orientation_hint(self) -> str:
         """What a user can change if the slave is on the wrong side of the obstacle."""
         place = "inside" if self._radius > 0.0 else "around"
         return (
@@ -81,7 +88,7 @@ class _Rigid:
             "(positive: the obstacle is solid, negative: a hole that holds the body), or correct the slave's tag"
         )
 
-    def _obstacle(self, gdim: int) -> _cpp.gap.Rigid:
+    def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         """The obstacle on the C++ side, on meshes of a dimension."""
         if gdim == 2:
             if self._kind == "plane" and self._direction[2] != 0.0:
@@ -109,7 +116,7 @@ class RigidPlane(_Rigid):
     def _made_of(self) -> str:
         return f"point={self._point.tolist()}, normal={self._direction.tolist()}"
 
-    def _orientation_hint(self) -> str:
+    def orientation_hint(self) -> str:
         return f"turn the plane's normal {self._direction.tolist()} round, it must point out of the obstacle"
 
 

@@ -193,10 +193,10 @@ class RigidSurface(_Rigid):
         _, first, facets = np.unique(numbers, return_index=True, return_inverse=True)
         return cls.from_facets(points.reshape(-1, gdim)[first], facets.reshape(numbers.shape))
 
-    def _orientation_hint(self) -> str:
+    def orientation_hint(self) -> str:
         return self._hint
 
-    def _obstacle(self, gdim: int) -> _cpp.gap.Rigid:
+    def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         if gdim != self._gdim:
             raise ValueError(f"the rigid surface has {self._gdim} dimensions, the mesh {gdim}")
         return _cpp.gap.Rigid(self._shape)

@@ -76,6 +76,14 @@ class ExplicitProblem(Unique):
         contact: contacts with results.
         mass: lumped mass per degree of freedom [M].
         added_mass: mass that mass scaling has added, of all ranks [M].
+        bulk_viscosity: factors (linear, quadratic) in force [1].
+        residual_form: residual of your own, or None.
+        given_density: density given with it, or None [M/L^3].
+        dead_loads: loads that do not follow the body, as nodal forces.
+        supports: prescribed owned degrees of freedom, their values [L] and the column of their function of time
+            (-1: constant), for every support.
+        prescribed: mask of prescribed degrees of freedom, owned and ghosts.
+        num_owned: number of degrees of freedom that this rank owns [1].
 
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
@@ -124,7 +132,7 @@ class ExplicitProblem(Unique):
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.damping, self.scheme = damping or Rayleigh(), scheme
         self.lumping, self.mass_scaling = lumping, mass_scaling
-        self.loads, self._residual_form, self._given_density = list(loads), residual, density
+        self.loads, self.residual_form, self.given_density = list(loads), residual, density
         check_cells(mesh)
         claim(u, self, explicit=True)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
@@ -161,7 +169,7 @@ class ExplicitProblem(Unique):
             self._frequencies.check_signs()
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
-        self._viscosity = self._check_viscosity(bulk_viscosity)
+        self.bulk_viscosity = self._check_viscosity(bulk_viscosity)
         self._internal = operators.SplitForce(internal, u)
         self._cpp_object = _cpp.integrators.CentralDifference(
             V._cpp_object, self._internal.forces(), linear, self.mass.array, self.damping.alpha,
@@ -184,7 +192,7 @@ class ExplicitProblem(Unique):
             motion = c.motion
             columns = [-1] * 3 if motion is None else self._functions.add(motion)
             self._cpp_object.add_contact(c._cpp_object, columns)
-        inputs = Inputs(self.comm, self._cpp_object, self._terms, self._loads, self._frequencies)
+        inputs = Inputs(self.comm, self._cpp_object, self._terms, self.dead_loads, self._frequencies)
         self._history = RunHistory(len(self.contact), mesh.geometry.dim)
         self._state = CurrentState(
             self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history
@@ -261,14 +269,14 @@ class ExplicitProblem(Unique):
             if self.material is None:
                 raise ValueError("stiffness-proportional damping needs a material: write it into your own residual")
             beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
-            form = operators._sum(
+            form = operators.sum_laws(
                 self.u, self.material, lambda law, dx: beta * elasticity.tangent(self.u, self.velocity, v, law, dx)
             )
             self._term(form, kinds.damping)
-        if any(self._viscosity):
+        if any(self.bulk_viscosity):
             assert self.material is not None  # checked with the factors
             mesh = self.space.mesh
-            linear, quadratic = (fem.Constant(mesh, default_scalar_type(f)) for f in self._viscosity)
+            linear, quadratic = (fem.Constant(mesh, default_scalar_type(f)) for f in self.bulk_viscosity)
             form = operators.sum_materials(
                 self.u, self.material,
                 lambda m, dx: viscosity.bulk(
@@ -284,7 +292,7 @@ class ExplicitProblem(Unique):
         self._cpp_object.add_term(term.forces(), kind)
 
     def _set_loads(self, loads: Sequence[Load], v: ufl.Argument) -> None:
-        self._loads: list[DeadLoad] = []
+        self.dead_loads: list[DeadLoad] = []
         for load in loads:
             form = load.form(self.u, v, self.material)
             amplitude = Amplitude(getattr(load, "amplitude", None), f"amplitude of {type(load).__name__}")
@@ -295,11 +303,11 @@ class ExplicitProblem(Unique):
                 continue
             dead = DeadLoad(load, form, self.space)
             self._cpp_object.add_load(dead.dofs, dead.values(), self._functions.add(amplitude)[0])
-            self._loads.append(dead)
+            self.dead_loads.append(dead)
 
     def _set_motion(self, bcs: Sequence[fem.DirichletBC | PrescribedMotion]) -> None:
         taken = np.zeros(len(self.u.x.array), dtype=bool)
-        self._supports: list[tuple[IntArray, FloatArray, int]] = []
+        self.supports: list[tuple[IntArray, FloatArray, int]] = []
         for given in bcs:
             amplitude = given.amplitude if isinstance(given, PrescribedMotion) else None
             bc = given.bc if isinstance(given, PrescribedMotion) else given
@@ -318,7 +326,7 @@ class ExplicitProblem(Unique):
                     "an amplitude that begins where u is"
                 )
             self._cpp_object.prescribe(dofs.astype(np.int32), values[dofs], column)
-            self._supports.append((dofs, values[dofs], column))
+            self.supports.append((dofs, values[dofs], column))
         self.prescribed = taken
 
     # --- running ---------------------------------------------------------------------------------------------------
@@ -529,7 +537,7 @@ class ExplicitProblem(Unique):
                 return found
         if method != "eigenvalue":
             omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
-        return damped(omega, self.damping.alpha, self.damping.beta, self._viscosity[0], self.scheme)
+        return damped(omega, self.damping.alpha, self.damping.beta, self.bulk_viscosity[0], self.scheme)
 
     def _cell_times(self) -> FloatArray:
         """Time that a dilatational wave takes through each owned cell, (num_cells) [T]."""
@@ -537,6 +545,6 @@ class ExplicitProblem(Unique):
         mesh = self.space.mesh
         times = cell_sizes(mesh) / self.space.element.basix_element.degree
         for tag, m in self.material.parts():
-            cells = operators._entities(mesh, "cell", -1 if tag is None else tag, self.material.cell_tags)
+            cells = operators.entities_of(mesh, "cell", -1 if tag is None else tag, self.material.cell_tags)
             times[cells] /= m.wave_speed
         return times

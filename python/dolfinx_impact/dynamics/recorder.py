@@ -169,7 +169,7 @@ class Recorder:
                     d = file.create_dataset(f"points/{name}", shape, maxshape=(None, *shape[1:]), dtype=float, **grow)
                     d.attrs["units"] = UNITS[name]
 
-        self.folder._write("history.h5", lambda: hdf5.create(self.folder.file("history.h5"), fill))
+        self.folder.write("history.h5", lambda: hdf5.create(self.folder.file("history.h5"), fill))
 
     def steps_left(self) -> int:
         """Distance to the next output.
@@ -246,7 +246,7 @@ class Recorder:
                 for k, name in enumerate(("displacement", "velocity")):
                     _append(file[f"points/{name}"], values[:, :, k])
 
-        self.folder._write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
+        self.folder.write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
         self._rows, self._waiting, self._samples, self._flushed = [], 0, [], time.monotonic()
 
     def close(self) -> None:

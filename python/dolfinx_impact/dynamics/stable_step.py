@@ -110,7 +110,7 @@ class CellMatrices:
             functions = {c["name"]: self._compiled.coefficients[c["position"]] for c in kernel.coefficients}
             constants, kind = operators._constants(self._compiled, kernel), kernel.integral_type
             for subdomain in kernel.subdomains:
-                entities = operators._entities(self.space.mesh._cpp_object, kind, subdomain, self._tags.get(kind))
+                entities = operators.entities_of(self.space.mesh._cpp_object, kind, subdomain, self._tags.get(kind))
                 yield kernel, functions, np.ascontiguousarray(entities), constants
 
     def spectra(self, masses: FloatArray) -> FloatArray:

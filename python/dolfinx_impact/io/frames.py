@@ -52,7 +52,7 @@ class Frames:
         sizes = self.comm.allreduce(24 * local * len(functions) + END // 8, MPI.SUM)
         self._frame, self._mesh = sizes, self.comm.allreduce(cells + 64 * local, MPI.SUM)
         self._before = 0
-        folder._write(name, lambda: shutil.rmtree(self.path, ignore_errors=True))
+        folder.write(name, lambda: shutil.rmtree(self.path, ignore_errors=True))
         self._hold(END)
         self._writer, error = attempt(io.VTXWriter, self.comm, self.path, functions, "BP4", io.VTXMeshPolicy.reuse)
         agree(self.comm, error and self._error(error), "fields")
@@ -79,7 +79,7 @@ class Frames:
                     self._spare.unlink(missing_ok=True)
                 raise
 
-        self.folder._write(self.path.name, work)
+        self.folder.write(self.path.name, work)
 
     def _sizes(self) -> list[int]:
         """Sizes of the files of the series [bytes]."""
@@ -98,7 +98,7 @@ class Frames:
                 raise OSError(27, f"File too large: the process may write {limit} bytes into one", str(self.path))
             return need
 
-        self._hold(END, self.folder._write(self.path.name, needed))
+        self._hold(END, self.folder.write(self.path.name, needed))
 
     def write(self, now: float) -> None:
         """Add a frame with the present values. Collective.

@@ -12,11 +12,11 @@ import re
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
-from typing import Any, TypeVar
+from typing import Any
 
 from mpi4py import MPI
 
@@ -26,11 +26,11 @@ from dolfinx.mesh import Mesh, MeshTags
 
 from ..common.collective import guard
 from ..common.types import FilePath, IntArray
+from .gather import together
 from .mesh_check import SHOWN, MeshReport, check_mesh, label
 
 __all__ = ["MeshInput", "MeshReport", "check_mesh", "read_mesh"]
 
-T = TypeVar("T")
 
 # gmsh element type -> cell and degree, of those that DOLFINx reads and this package has kernels for
 _GMSH = {
@@ -131,22 +131,6 @@ def read_mesh(
     return result
 
 
-def _together(comm: MPI.Intracomm, work: Callable[[], T]) -> T:
-    """Run work() on rank 0; return its result on all ranks, or raise its error on all ranks."""
-    outcome: tuple[Exception | None, T | None] = (None, None)
-    if comm.rank == 0:
-        try:
-            outcome = (None, work())
-        except (ValueError, OSError, RuntimeError) as e:
-            outcome = (e, None)
-        except Exception as e:  # whatever it is, the other ranks must get it
-            outcome = (RuntimeError(f"{type(e).__name__}: {e}"), None)
-    error, result = comm.bcast(outcome, root=0)
-    if error is not None:
-        raise error
-    return result
-
-
 def _exists(path: Path) -> None:
     """Raise FileNotFoundError or ValueError unless there is a file that is not empty."""
     if not path.exists():
@@ -167,7 +151,7 @@ def _read_msh(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshIn
     Returns:
         Mesh and tags, number of facets in the file by tag, and gmsh's numbers of the cells (on rank 0 only).
     """
-    _together(comm, lambda: _check_msh_text(path))
+    together(comm, lambda: _check_msh_text(path))
     try:
         import gmsh
     except ImportError as error:
@@ -193,7 +177,7 @@ def _read_msh(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshIn
         return found
 
     try:
-        dimension, cell_names, facet_names, facets, notes = _together(comm, load)
+        dimension, cell_names, facet_names, facets, notes = together(comm, load)
         for note in notes if comm.rank == 0 else ():
             warnings.warn(f"{path}: {note}", stacklevel=4)
         mesh, cell_tags, facet_tags = io.gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=dimension)
@@ -366,7 +350,7 @@ def _read_xdmf(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshI
     Returns:
         As `_read_msh`, without numbers of facets and cells.
     """
-    mesh_name, dimension, tag_grids = _together(comm, lambda: _check_xdmf_text(path))
+    mesh_name, dimension, tag_grids = together(comm, lambda: _check_xdmf_text(path))
     problem = None
     tags: dict[int, MeshTags] = {}
     try:

@@ -134,7 +134,7 @@ class RunFolder:
                 "folder that can be written (demos: --output DIR or the variable IMPACT_OUTPUT)"
             ) from error
 
-    def _write(self, what: FilePath, work: Callable[[], T]) -> T:
+    def write(self, what: FilePath, work: Callable[[], T]) -> T:
         """Run work() on rank 0 and return its result; a failure to write is the same RuntimeError on all ranks.
 
         `what` is the name of the file, for messages. Collective.
@@ -192,7 +192,7 @@ class RunFolder:
             except (ImportError, NoScreen) as error:
                 self.print(f"a picture is left out: {error}")
 
-        self._write(self.path, work)
+        self.write(self.path, work)
 
     def write_parameters(self, parameters: Mapping[str, Any]) -> Path:
         """Write parameters.json with parameters, versions, number of ranks and time of writing. Collective.
@@ -218,7 +218,7 @@ class RunFolder:
             text = json.dumps({**record, "versions": versions()}, indent=2, default=_plain)
             hdf5.write_whole(path, text + "\n")
 
-        self._write(path, work)
+        self.write(path, work)
         return path
 
     def fields(self, name: str, functions: Sequence[fem.Function], time: float = 0.0, xdmf: bool = False) -> list[Path]:
@@ -288,7 +288,7 @@ class RunFolder:
 
             hdf5.create(paths[1], fill)
 
-        self._write(paths[0], work)
+        self.write(paths[0], work)
         return paths
 
 

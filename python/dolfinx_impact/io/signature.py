@@ -93,11 +93,11 @@ class Problem(Protocol):
     lumping: str
     mass_scaling: float | None
     loads: list[Load]
-    _loads: list[DeadLoad]
-    _supports: list[tuple[IntArray, FloatArray, int]]
-    _viscosity: tuple[float, float]
-    _residual_form: ufl.Form | None
-    _given_density: float | ufl.core.expr.Expr | None
+    dead_loads: list[DeadLoad]
+    supports: list[tuple[IntArray, FloatArray, int]]
+    bulk_viscosity: tuple[float, float]
+    residual_form: ufl.Form | None
+    given_density: float | ufl.core.expr.Expr | None
 
     @property
     def contact(self) -> Sequence[Contact]:
@@ -125,7 +125,7 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
         "num_nodes": int(V.dofmap.index_map.size_global),
         "material": _material(problem),
         "damping": f"alpha {problem.damping.alpha!r}, beta {problem.damping.beta!r}",
-        "bulk viscosity": repr(problem._viscosity),
+        "bulk viscosity": repr(problem.bulk_viscosity),
         "lumping": repr(problem.lumping),
         "mass scaling": repr(problem.mass_scaling),
         "scheme": problem.scheme,
@@ -133,7 +133,7 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
         "contact": "; ".join(_contact(c, mesh) for c in problem.contact),
         "sums of masses": comm.allreduce(np.concatenate([[mass.sum()], mass @ x, mass @ x**2]), MPI.SUM),
     }
-    for k, load in enumerate(problem._loads):
+    for k, load in enumerate(problem.dead_loads):
         # Present forces: the value of the load may have changed since the last step.
         forces = np.zeros(n * bs)
         forces[load.dofs] = load.forces()
@@ -157,7 +157,7 @@ def supports(problem: Problem) -> tuple[IntArray, FloatArray]:
     bs = problem.space.dofmap.index_map_bs
     rows = np.zeros((problem.num_owned, 3))
     rows[:, 2] = -1
-    for dofs, values, column in problem._supports:
+    for dofs, values, column in problem.supports:
         rows[dofs] = np.column_stack([np.ones(len(dofs)), values, np.full(len(dofs), column)])
     rows = rows.reshape(-1, bs, 3)
     nodes = np.flatnonzero(rows[:, :, 0].any(axis=1))
@@ -236,12 +236,12 @@ def _material(problem: Problem) -> str:
             for tag, m in problem.material.parts()
         ]
         return ", ".join(parts)
-    assert problem._residual_form is not None
-    constants = [np.asarray(c.value).tolist() for c in problem._residual_form.constants()]
-    density = problem._given_density
+    assert problem.residual_form is not None
+    constants = [np.asarray(c.value).tolist() for c in problem.residual_form.constants()]
+    density = problem.given_density
     if isinstance(density, ufl.core.expr.Expr):
         density = (density * ufl.dx(domain=problem.space.mesh)).signature()[:32]
-    return f"a residual of one's own, {problem._residual_form.signature()[:32]}, {constants!r}, density {density!r}"
+    return f"a residual of one's own, {problem.residual_form.signature()[:32]}, {constants!r}, density {density!r}"
 
 
 def _load(load: Load, mesh: Mesh) -> str:
@@ -263,10 +263,7 @@ def _contact(contact: Contact, mesh: Mesh) -> str:
     pair = contact.pair
     master = pair.master
     if pair.rigid:
-        numbers = [np.asarray(v).tolist() for v in (master._point, master._direction, master._radius)]
-        numbers += [master._checksum] if master._checksum else []
-        motion = "with" if master.motion is not None else "without"
-        master = f"rigid {master._kind} {numbers!r} at {master.displacement.tolist()!r} {motion} motion"
+        master = master.description()
     else:
         master = f"master {master}, {_facets(mesh, pair.facet_tags, master)}"
     slave = f"slave {pair.slave}, {_facets(mesh, pair.facet_tags, pair.slave)}"

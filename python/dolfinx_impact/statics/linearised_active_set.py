@@ -46,7 +46,7 @@ class LinearisedActiveSet:
         self.contact, self.system, self.factors, self.product = contact, system, factors, product
         self.comm = contact.comm
         self.base = contact.active.copy()
-        self.gap, self.multiplier = contact._gap.copy(), contact.multiplier.copy()
+        self.gap, self.multiplier = contact.linearised_gap.copy(), contact.multiplier.copy()
         self.columns: list[int] = []  # global numbers of the nodes
         self.increments: FloatArray = np.empty((contact.gdim * contact.geometry.index_map.size_local, 0))
         self.gaps: FloatArray = np.empty((len(contact.nodes), 0))
@@ -80,11 +80,11 @@ class LinearisedActiveSet:
                 z = self._solve(wanted)
             except np.linalg.LinAlgError:  # a set that does not hold the bodies: the same on all ranks
                 break
-            contact._gap = self.gap + self.gaps @ z
+            contact.linearised_gap = self.gap + self.gaps @ z
             pressed: FloatArray = np.where(self.base, self.multiplier + self.multipliers @ z, self._at(z))
             contact.multiplier = np.where(contact.active, pressed, 0.0)
         contact.active = self.base.copy()
-        contact._gap, contact.multiplier = self.gap, self.multiplier
+        contact.linearised_gap, contact.multiplier = self.gap, self.multiplier
         return None
 
     def _at(self, z: FloatArray) -> FloatArray:

@@ -65,17 +65,17 @@ class Newton:
     ) -> None:
         self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
         self._tell = tell or (lambda iteration, norm: None)
-        self.comm, self.num_owned = problem.space.mesh.comm, problem._num_owned
+        self.comm, self.num_owned = problem.space.mesh.comm, problem.num_owned
         self.fixed: IntArray = np.flatnonzero(problem.fixed[: self.num_owned])
         self.multipliers: list[MultiplierContact] = [
             cast(MultiplierContact, c) for c in problem.contact if c.has_multipliers
         ]
-        self.saddle = problem._saddle
+        self.saddle = problem.keeps_multipliers
         # Contact by penalty has kinks where points close, slip or change facets; there is no active set for them.
         self.rough = bool(problem.contact) and not self.multipliers
         self.conservative = self.rough and all(c.pair.friction == 0.0 for c in problem.contact)
         # Linear solutions are more accurate than asked for by this factor; with factors, accuracy is cheap.
-        self.margin = 1e-3 if problem._solver.direct else 0.3
+        self.margin = 1e-3 if problem.linear_solver.direct else 0.3
         self.seconds: dict[str, float] = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
         if self.saddle:
             sizes, gdim = [len(c.nodes) for c in self.multipliers], problem.space.mesh.geometry.dim
@@ -97,7 +97,7 @@ class Newton:
         self._K: PETSc.Mat | None = None
         for iteration in itertools.count():
             with self._clock("bodies"):
-                b = p._assemble_residual()
+                b = p.assemble_residual()
             if not np.isfinite(b.norm()):
                 result.residual_norms.append(float("nan"))
                 return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
@@ -115,7 +115,7 @@ class Newton:
                 if self.saddle:
                     residual -= sum(c.contact_forces() for c in self.multipliers)
                 imposed = [] if self.saddle else [c.imposed_friction_forces() for c in self.multipliers]
-                scale = max(scale, self._norm(residual))
+                scale = max(scale, self.norm(residual))
                 norm = self._free_norm(residual - sum(f for f in imposed if f is not None))
             jump = target[self.fixed] - p.u.x.array[self.fixed]
             moved = self.comm.allreduce(int(np.any(jump))) == 0
@@ -139,13 +139,13 @@ class Newton:
             period = result.cycle() if iteration - round_start > PLAIN else 0
             K = self._stiffness()
             if iteration == 0 and p.contact:
-                loose = self._unconstrained_modes(K)
+                loose = self.unconstrained_modes(K)
                 if loose:
                     return result.failed(loose, hopeless=True)
-            inner = max(inner, self._tangent_force(K))
+            inner = max(inner, self.tangent_force(K))
             noise = self._round_off(K)
             # The accuracy that is still needed, but no more than the quadratic convergence of the next step.
-            digits = 1e-10 if not p.contact and p._linear else LOOSE_DIGITS
+            digits = 1e-10 if not p.contact and p.linear else LOOSE_DIGITS
             if moved and norm > 0:
                 enough = self.margin * max(self.atol, self.rtol * max(scale, inner)) / norm
                 likely = 0.1 * (norm / before) ** 2 if before else 1e-4
@@ -237,7 +237,7 @@ class Newton:
 
     def _residual(self) -> FloatArray:
         """Free residual at u of a problem without multipliers, over owned degrees of freedom [F]. Collective."""
-        b = self.problem._assemble_residual()
+        b = self.problem.assemble_residual()
         with self._clock("contact"):
             for contact in self.problem.contact:
                 contact.update_gap(self.problem.u.x.array)
@@ -248,12 +248,12 @@ class Newton:
 
     def _residual_norm(self) -> float:
         """Norm of `_residual`, infinite where it is not a number [F]. Collective."""
-        norm = self._norm(self._residual())
+        norm = self.norm(self._residual())
         return norm if np.isfinite(norm) else np.inf
 
     # --- checks of an iteration ------------------------------------------------------------------------------------
 
-    def _norm(self, values: FloatArray) -> float:
+    def norm(self, values: FloatArray) -> float:
         return float(np.sqrt(self.comm.allreduce(float(values @ values))))
 
     def _update_active_sets(self, residual: FloatArray, first: bool) -> tuple[int, int]:
@@ -278,9 +278,9 @@ class Newton:
         transformation = self._transformation()
         free = transformation.residual(residual) if transformation else residual.copy()
         free[self.fixed] = 0.0
-        return self._norm(free)
+        return self.norm(free)
 
-    def _unconstrained_modes(self, K: PETSc.Mat) -> str:
+    def unconstrained_modes(self, K: PETSc.Mat) -> str:
         """Message about bodies that neither supports nor contacts constrain, or an empty text. Collective.
 
         Args:
@@ -298,24 +298,24 @@ class Newton:
 
     def _stiffness(self) -> PETSc.Mat:
         """Tangent of the bodies at u [F/L]; that of a linear law is assembled once per increment. Collective."""
-        if self._K is None or not self.problem._linear:
+        if self._K is None or not self.problem.linear:
             with self._clock("bodies"):
-                self._K = self.problem._tangent.assemble()
+                self._K = self.problem.tangent.assemble()
         return self._K
 
-    def _tangent_force(self, K: PETSc.Mat) -> float:
+    def tangent_force(self, K: PETSc.Mat) -> float:
         """Norm of the free entries of tangent times u [F]: the size of internal forces that balance each other.
         Collective."""
         forces = self._product([K], self.problem.u.x.array[: self.num_owned])
         forces[self.fixed] = 0.0
-        return self._norm(forces)
+        return self.norm(forces)
 
     def _round_off(self, K: PETSc.Mat) -> float:
         """Norm of the round-off in the residual of a stiff body with a rigid displacement [F]. Collective."""
         diagonal = K.getDiagonal()
         forces = diagonal.array * self.problem.u.x.array[: self.num_owned]
         diagonal.destroy()
-        return 4 * np.finfo(float).eps * self._norm(forces)
+        return 4 * np.finfo(float).eps * self.norm(forces)
 
     # --- the linear problem ----------------------------------------------------------------------------------------
 
@@ -363,7 +363,7 @@ class Newton:
         moved[self.fixed] = jump
         digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), ActiveSetIteration(), False, 0
         while True:
-            fault, moved, forces, found = self._one_solution(
+            fault, moved, forces, found = self.one_solution(
                 K, penalties, geometric, symmetric, residual, moved, mean, digits
             )
             changes += found
@@ -408,7 +408,7 @@ class Newton:
             contact.correct_linearisation(u.array)
         u.array[:] = here
 
-    def _one_solution(
+    def one_solution(
         self,
         K: PETSc.Mat,
         penalties: Sequence[PETSc.Mat],
@@ -461,13 +461,13 @@ class Newton:
         x.array[:] = start
         system.load(residual, x, b)
         with self._clock("linear"):
-            fault = self.problem._solver.solve(system, b, x, rtol)
+            fault = self.problem.linear_solver.solve(system, b, x, rtol)
         moved = system.displacements(x)
         if isinstance(system, SaddlePoint):
             self._forces = system.forces(x)
         matrices = [K, *penalties, *geometric]
         forces, changes = self._product(matrices, moved), 0
-        factors = self.problem._solver.factors(system)
+        factors = self.problem.linear_solver.factors(system)
         several = self.saddle or len(self.multipliers) != 1
         if not fault and factors is not None and not several and isinstance(system, LinearSystem):
             moved, forces, changes = self._update_by_responses(system, factors, residual, moved, forces, matrices)

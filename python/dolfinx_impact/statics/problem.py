@@ -54,6 +54,11 @@ class StaticProblem(Unique):
         contact: contacts with their results (points, gap, pressure, force, ...), in the order given.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
         exact_tangent: whether the part of the contact tangent that is not symmetric is in the matrix.
+        tangent: derivative of the bodies' residual, assembled at the present u [F/L].
+        linear: whether that tangent is constant.
+        linear_solver: solver of the linear systems.
+        keeps_multipliers: whether multipliers stay in the linear systems; otherwise they are condensed.
+        num_owned: number of degrees of freedom that this rank owns [1].
 
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
@@ -108,24 +113,24 @@ class StaticProblem(Unique):
                 )
         self.residual, self.axisymmetric = residual, axisymmetric
         self._residual = fem.form(residual)
-        self._tangent = operators.Tangent(tangent)
-        self._tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        self.tangent = operators.Tangent(tangent)
+        self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._b = petsc.create_vector(self._residual)
         # Only multipliers with the dual basis can be condensed. With another basis, all stay in the system.
-        self._saddle = any(getattr(c, "basis", "dual") != "dual" for c in contact)
-        self._solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self._saddle)
+        self.keeps_multipliers = any(getattr(c, "basis", "dual") != "dual" for c in contact)
+        self.linear_solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
         # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
         # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
         # order of pressure over stiffness.
-        self.exact_tangent = self._solver.direct
-        self._num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
+        self.exact_tangent = self.linear_solver.direct
+        self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for d in dofs:
             self.fixed[d] = True
         self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
         # A tangent that does not contain u is constant.
-        self._linear = not any(c is u for c in tangent.coefficients())
+        self.linear = not any(c is u for c in tangent.coefficients())
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
@@ -135,7 +140,7 @@ class StaticProblem(Unique):
 
     # --- residuals -------------------------------------------------------------------------------------------------
 
-    def _assemble_residual(self) -> PETSc.Vec:
+    def assemble_residual(self) -> PETSc.Vec:
         """Assemble internal minus external forces, without contact; owned entries are complete [F]. Collective."""
         self.u.x.scatter_forward()
         with self._b.localForm() as local:
@@ -150,11 +155,11 @@ class StaticProblem(Unique):
         Returns:
             Function on the displacement space [F].
         """
-        b = self._assemble_residual()
+        b = self.assemble_residual()
         for contact in self.contact:
             contact.add_residual(b)
         r = fem.Function(self.space, name="reaction")
-        r.x.array[: self._num_owned] = b.array_r
+        r.x.array[: self.num_owned] = b.array_r
         r.x.scatter_forward()
         return r
 
@@ -218,7 +223,7 @@ class StaticProblem(Unique):
             finally:
                 solver.free()
             interrupts.check()
-        self._solver.warn_of_unused()
+        self.linear_solver.warn_of_unused()
         return report
 
     def _targets(self) -> dict[str, list[Any]]:

@@ -50,13 +50,13 @@ class Solver:
     ) -> None:
         self.problem, self._interrupts, space = problem, interrupts, problem.space
         self.snes = PETSc.SNES().create(space.mesh.comm)
-        self.snes.setOptionsPrefix(problem._solver.ksp.getOptionsPrefix())
+        self.snes.setOptionsPrefix(problem.linear_solver.ksp.getOptionsPrefix())
         self.snes.setType(OWN)
         self.snes.setPythonContext(self)
         self.snes.setTolerances(rtol=rtol, atol=atol, stol=0.0, max_it=max_iterations)
         self._F, self._x = (PETSc.Vec().create(space.mesh.comm) for _ in range(2))
         for vector in (self._F, self._x):
-            vector.setSizes((problem._num_owned, None))
+            vector.setSizes((problem.num_owned, None))
             vector.setUp()
         self.snes.setFunction(self._function, self._F)
         self._J: PETSc.Mat | None = None
@@ -121,7 +121,7 @@ class Solver:
         if self._fault is not None:
             snes.setConvergedReason(reasons.DIVERGED_FUNCTION_DOMAIN)
             return
-        x.array[:] = self.problem.u.x.array[: self.problem._num_owned]
+        x.array[:] = self.problem.u.x.array[: self.problem.num_owned]
         snes.setIterationNumber(self._result.iterations)
         snes.setConvergedReason(reasons.DIVERGED_MAX_IT if self._result.fault else reasons.CONVERGED_FNORM_RELATIVE)
 
@@ -132,18 +132,18 @@ class Solver:
     # --- PETSc's methods ----------------------------------------------------------------------------------------------
 
     def _copy_from_u(self) -> None:
-        self._x.array[:] = self.problem.u.x.array[: self.problem._num_owned]
+        self._x.array[:] = self.problem.u.x.array[: self.problem.num_owned]
 
     def _copy_to_u(self, x: PETSc.Vec) -> None:
         u = self.problem.u.x
-        u.array[: self.problem._num_owned] = x.array_r
+        u.array[: self.problem.num_owned] = x.array_r
         u.scatter_forward()
 
     def _residual(self) -> tuple[FloatArray, int]:
         """Internal minus external and contact forces at u, over owned degrees of freedom [F], and number of changes of
         contact status. Collective."""
         p, changes = self.problem, 0
-        b = p._assemble_residual()
+        b = p.assemble_residual()
         with self._newton._clock("contact"):
             for contact in p.contact:
                 contact.update_gap(p.u.x.array)
@@ -187,7 +187,7 @@ class Solver:
         """Assemble the tangent at x, which need not be where PETSc has evaluated the function last. Collective."""
         self._copy_to_u(x)
         self._residual()
-        K = self.problem._tangent.assemble()
+        K = self.problem.tangent.assemble()
         diagonal = K.getDiagonal()
         J.zeroEntries()
         J.axpy(1.0, K, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
@@ -198,8 +198,8 @@ class Solver:
         diagonal.destroy()
         if self.problem.contact:  # PETSc does not always notice that the sparsity pattern has changed
             snes.getKSP().getPC().reset()
-        if self.problem._solver.near_nullspace is not None:
-            J.setNearNullSpace(self.problem._solver.near_nullspace)
+        if self.problem.linear_solver.near_nullspace is not None:
+            J.setNearNullSpace(self.problem.linear_solver.near_nullspace)
 
     def _run_other(self, target: FloatArray, log: StepLog) -> Increment:
         """Solve an increment by a method of PETSc's: a linear step to the prescribed values, then its iterations.
@@ -208,22 +208,22 @@ class Solver:
         """
         p, newton, result = self.problem, self._newton, Increment()
         residual, self._changes = self._residual()
-        K = p._tangent.assemble()
-        loose = newton._unconstrained_modes(K) if p.contact else ""
+        K = p.tangent.assemble()
+        loose = newton.unconstrained_modes(K) if p.contact else ""
         if loose:
             return result.failed(loose, hopeless=True)
         if self._J is None:
             self._J = K.copy()
             self._J.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
             self.snes.setJacobian(self._jacobian, self._J)
-        scale = max(newton._norm(residual), newton._tangent_force(K))
+        scale = max(newton.norm(residual), newton.tangent_force(K))
         fault, *_ = newton._solve(K, residual, target[newton.fixed] - p.u.x.array[newton.fixed], LOOSE_DIGITS, log)
         if fault:
             return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
         p.u.x.array[p.fixed] = target[p.fixed]
         while True:
             residual, _ = self._residual()  # with the support forces of the linear step
-            scale = max(scale, newton._norm(residual), newton._tangent_force(K))
+            scale = max(scale, newton.norm(residual), newton.tangent_force(K))
             tolerance = max(self._atol, newton._round_off(K), self._rtol * scale)
             self.snes.setTolerances(rtol=0.0, atol=tolerance, stol=self._stol, max_it=self._max_it)
             self.snes.setConvergenceHistory(length=1000, reset=True)

@@ -75,7 +75,7 @@ def _their_rule(
     return basix.make_quadrature(shape, cast(int, degree))  # known for the forms of the catalogue, which say "points"
 
 
-def _pack(
+def pack(
     kernel: Any, compiled: Compiled, names: Names, values: Mapping[str, Any], fields: Mapping[str, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Arrays w and c of a kernel from values by the names of the form; a cached kernel may have other names."""
@@ -182,7 +182,7 @@ def difference(
     ]
     worst, where = 0.0, ""
     for kernel in kernels.kernels:
-        w, c = zip(*(_pack(kernel, kernels, form_names, values, f) for f in fields))
+        w, c = zip(*(pack(kernel, kernels, form_names, values, f) for f in fields))
         their_rule = _their_rule(theirs, used, cell, kernel.integral_type)
         facets: Sequence[int | None] = [None]
         if kernel.integral_type == "exterior_facet":

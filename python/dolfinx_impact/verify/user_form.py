@@ -296,7 +296,7 @@ def _assembled(
     out = np.zeros((size, size) if kernel.rank == 2 else size)
     for c in range(len(dofmap)):
         dofs = (bs * body.V.dofmap.cell_dofs(c)[:, None] + np.arange(bs)).ravel()
-        w, constants = element._pack(kernel, compiled, names, values, {"u": u[dofs]})
+        w, constants = element.pack(kernel, compiled, names, values, {"u": u[dofs]})
         A = np.zeros(kernel.shape[0] * kernel.shape[1])
         kernel.tabulate(A, w, constants, x[dofmap[c]].ravel())
         if kernel.rank == 2:

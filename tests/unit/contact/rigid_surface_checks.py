@@ -97,6 +97,6 @@ def check_a_mesh_on_several_ranks():
     domain.topology.create_connectivity(2, 3)
     facets = np.sort(mesh.locate_entities_boundary(domain, 2, lambda x: np.isclose(x[2], 1.0)))
     tags = mesh.meshtags(domain, 2, facets, np.full(len(facets), 7, dtype=np.int32))
-    obstacle = di.RigidSurface.from_mesh(domain, tags, 7)._obstacle(3)
+    obstacle = di.RigidSurface.from_mesh(domain, tags, 7).obstacle(3)
     x = np.random.default_rng(3).uniform(0.0, 1.0, (20, 3)) + [0.0, 0.0, 0.5]
     np.testing.assert_allclose(obstacle.evaluate(x.ravel())[0], x[:, 2] - 1.0, atol=1e-14)

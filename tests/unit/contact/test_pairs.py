@@ -79,7 +79,7 @@ def test_obstacles_that_make_no_sense():
         di.RigidCylinder((0, np.nan), 1.0)
     plane = di.RigidPlane((0, 0, 0), (0, 1, 1))
     with pytest.raises(ValueError, match="third component"):
-        plane._obstacle(2)
+        plane.obstacle(2)
     with pytest.raises(ValueError, match="two or three components"):
         plane.displacement = (1.0,)
 

@@ -40,7 +40,7 @@ def test_heights_are_signed_distances(gdim, rng):
         height, bounds = lambda x, y: 0.2 * np.sin(2 * x) * np.cos(1.5 * y), ((-1.0, 1.0), (-1.5, 1.0))
         surface, normal = dense(height, bounds, 801), (0.0, 0.0, 1.0)
     made = di.RigidSurface.from_function(height, bounds, np.zeros(gdim), normal)
-    obstacle = made._obstacle(gdim)
+    obstacle = made.obstacle(gdim)
     for _ in range(20):
         x = np.append(rng.uniform(-0.6, 0.6, size=gdim - 1), rng.uniform(-0.5, 0.6))
         gap, normal = derivatives_are_right(obstacle, x)
@@ -71,7 +71,7 @@ def test_a_sphere_by_heights_is_the_sphere(gdim, rng):
 
     bounds = (-0.8, 0.8) if gdim == 2 else ((-0.8, 0.8), (-0.8, 0.8))
     made = di.RigidSurface.from_function(height, bounds, centre + radius * down, down, tolerance=1e-10)
-    here = made._obstacle(gdim)
+    here = made.obstacle(gdim)
     ball = _cpp.gap.Rigid("sphere", gdim, np.pad(centre, (0, 3 - gdim)).tolist(), [0.0, 0.0, 1.0], radius)
     for obstacle in (here, ball):
         obstacle.displacement = [0.05, -0.02, 0.0 if gdim == 2 else 0.03]
@@ -87,8 +87,8 @@ def test_an_oblique_plane_by_heights_is_the_plane(rng):
     for gdim in (2, 3):
         normal, point = rng.uniform(-1, 1, size=gdim), rng.uniform(-1, 1, size=gdim)
         bounds = [(-1.0, 1.0)] * (gdim - 1)
-        made = di.RigidSurface.from_function(lambda *x: 0.0, bounds, point, normal)._obstacle(gdim)
-        plane = di.RigidPlane(point, normal)._obstacle(gdim)
+        made = di.RigidSurface.from_function(lambda *x: 0.0, bounds, point, normal).obstacle(gdim)
+        plane = di.RigidPlane(point, normal).obstacle(gdim)
         x = rng.uniform(-3, 3, size=(10, gdim)).ravel()
         for a, b in zip(made.evaluate(x), plane.evaluate(x)):
             np.testing.assert_allclose(a, b, rtol=0, atol=1e-14)
@@ -106,7 +106,7 @@ def octahedron():
 
 def test_a_closed_surface_of_triangles(rng):
     """Inside and outside of an octahedron, |x| + |y| + |z| = 1; faces, edges and vertices are met from outside."""
-    obstacle = di.RigidSurface.from_facets(*octahedron())._obstacle(3)
+    obstacle = di.RigidSurface.from_facets(*octahedron()).obstacle(3)
     curved = set()
     for _ in range(200):
         x = rng.uniform(-1.2, 1.2, size=3)
@@ -129,7 +129,7 @@ def test_a_polyline_and_its_rim():
     """An angle with the obstacle on its left: concave at the corner; beyond its ends, by more than a twentieth of
     a segment of length two, is outside."""
     points, facets = [[2.0, 0.0], [0.0, 0.0], [0.0, 2.0]], [[0, 1], [1, 2]]  # the obstacle is x < 0 or y < 0
-    obstacle = di.RigidSurface.from_facets(points, facets)._obstacle(2)
+    obstacle = di.RigidSurface.from_facets(points, facets).obstacle(2)
     for x, expected in (
         ((1.0, 0.3), 0.3), ((0.2, 1.0), 0.2), ((1.0, -0.4), -0.4), ((-0.3, 1.0), -0.3), ((-3.0, -4.0), -5.0),
         ((5.0, -4.0), 5.0), ((2.0, -0.1), -0.1), ((2.09, -0.1), -0.1), ((2.2, -0.1), np.hypot(0.2, 0.1)),
@@ -150,7 +150,7 @@ def test_facets_of_a_mesh_are_those_of_its_boundary(rng):
         domain.topology.create_connectivity(gdim - 1, gdim)
         facets = mesh.exterior_facet_indices(domain.topology)
         tags = mesh.meshtags(domain, gdim - 1, facets, np.full(len(facets), 4, dtype=np.int32))
-        obstacle = di.RigidSurface.from_mesh(domain, tags, 4)._obstacle(gdim)
+        obstacle = di.RigidSurface.from_mesh(domain, tags, 4).obstacle(gdim)
         x = rng.uniform(-0.5, 1.5, size=(50, gdim))
         out = np.abs(x - 0.5) - 0.5
         expected = np.where(out.max(axis=1) < 0, out.max(axis=1), np.linalg.norm(np.maximum(out, 0.0), axis=1))
@@ -182,7 +182,7 @@ def test_what_is_no_surface_is_refused():
         (ValueError, "share the edge", lambda: di.RigidSurface.from_facets(points, [[0, 1, 2], [1, 0, 3], [0, 1, 5]])),
         (ValueError, "on their left", lambda: di.RigidSurface.from_facets(points[:3, :2], [[0, 1], [0, 2]])),
         (TypeError, "from_function", lambda: di.RigidSurface(None, 2, "")),
-        (ValueError, "has 3 dimensions", lambda: di.RigidSurface.from_facets(points, facets)._obstacle(2)),
+        (ValueError, "has 3 dimensions", lambda: di.RigidSurface.from_facets(points, facets).obstacle(2)),
     ):  # fmt: skip
         with np.errstate(invalid="ignore"), pytest.raises(error, match=text):
             call()

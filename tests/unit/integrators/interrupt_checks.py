@@ -277,7 +277,7 @@ def check_statics_by_a_method_of_petsc():
     problem = di.StaticProblem(
         u, soft, bcs=bcs, loads=[di.BodyForce((30.0, -50.0), per_mass=False)], options={"snes_type": "newtonls"}
     )
-    assemble, count = problem._assemble_residual, []
+    assemble, count = problem.assemble_residual, []
 
     def interrupted():
         count.append(1)
@@ -285,7 +285,7 @@ def check_statics_by_a_method_of_petsc():
             press()
         return assemble()
 
-    problem._assemble_residual = interrupted
+    problem.assemble_residual = interrupted
     with pytest.raises(KeyboardInterrupt):
         problem.solve()
     assert not np.any(u.x.array)

@@ -11,18 +11,18 @@ namespace dolfinx_impact::enforcement
 struct NodalMultipliers
 {
   int gdim = 3;
-  double friction = 0.0;                ///< coefficient [1]
-  std::span<const std::int8_t> usable;  ///< nodes that carry a multiplier and may be moved along the normal
-  std::span<const std::int8_t> active;  ///< in contact
-  std::span<const double> gap;          ///< [L]
-  std::span<const double> multiplier;   ///< [F/L^2]
-  std::span<const std::int8_t> sliding; ///< active and slipping
-  std::span<const double> slip;         ///< in this step [L]
-  std::span<const double> traction;     ///< of friction [F/L^2]
-  std::span<const double> direction;    ///< of the friction traction of sliding nodes, unit vectors
-  std::span<const double> opening;      ///< gap at the start of the step where a node was open, else 0 [L]
-  std::span<const double> stiffness;    ///< of the bodies per area [F/L^3]
-  std::span<const double> lock;         ///< projector on directions without slip, [(i*gdim + a)*gdim + b]; empty: none
+  double friction = 0.0;                     ///< coefficient [1]
+  std::span<const std::int8_t> usable = {};  ///< nodes that carry a multiplier and may be moved along the normal
+  std::span<const std::int8_t> active = {};  ///< in contact
+  std::span<const double> gap = {};          ///< [L]
+  std::span<const double> multiplier = {};   ///< [F/L^2]
+  std::span<const std::int8_t> sliding = {}; ///< active and slipping
+  std::span<const double> slip = {};         ///< in this step [L]
+  std::span<const double> traction = {};     ///< of friction [F/L^2]
+  std::span<const double> direction = {};    ///< of the friction traction of sliding nodes, unit vectors
+  std::span<const double> opening = {};      ///< gap at the start of the step where a node was open, else 0 [L]
+  std::span<const double> stiffness = {};    ///< of the bodies per area [F/L^3]
+  std::span<const double> lock = {}; ///< projector on directions without slip, [(i*gdim + a)*gdim + b]; empty: none
 
   std::size_t size() const { return active.size(); }
 };

@@ -109,7 +109,7 @@ class NodalResult(ContactOutput):
                 "pushes small overlaps out"
             )
         slave, master = pair.surfaces(V)
-        self.obstacle = pair.rigid_master._obstacle(self.gdim) if pair.rigid else None
+        self.obstacle = pair.rigid_master.obstacle(self.gdim) if pair.rigid else None
         if self.obstacle is not None:
             self.obstacle.displacement = pair.rigid_master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)

@@ -324,7 +324,7 @@ class RigidGeometry(SurfaceGeometry):
 
     def __init__(self, spec: Any, V: Any, axisymmetric: bool, fixed: BoolArray) -> None:
         super().__init__(spec, V, axisymmetric, fixed, "dual")
-        self.obstacle = self.pair.rigid_master._obstacle(self.gdim)
+        self.obstacle = self.pair.rigid_master.obstacle(self.gdim)
         self.weight = self.cover = self.share
         self.participates = np.ones(len(self.nodes), dtype=bool)
         check_side(self.pair, V, self.slave, self.obstacle)

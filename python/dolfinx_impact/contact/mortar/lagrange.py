@@ -164,7 +164,7 @@ class LagrangeContact(ContactOutput):
         part = np.where(opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
         self.total_slip += np.where(self.active[:, None], part[:, None] * slip, 0.0)
         self.total_slip[~self.active] = 0.0
-        self.opening = self._opened(self._gap)
+        self.opening = self._opened(self.linearised_gap)
         self.traction_n = np.where(self.active[:, None], self.friction_traction, 0.0)
         self.update_totals()
 
@@ -178,8 +178,8 @@ class LagrangeContact(ContactOutput):
         g.update_gap(u)
         self.frames, self.place, self.free_length = _cpp.multipliers.frames_at(g.normal, self.fixed)
         self.usable = g.participates & (self.place >= 0)
-        self._gap, self._slip = g.gap, g.slip()
-        self._at = self._gap, self._slip
+        self.linearised_gap, self._slip = g.gap, g.slip()
+        self._at = self.linearised_gap, self._slip
         if self._friction:
             self.coulomb.update_directions(self.usable, self._geometry(), g.locked)
             self._lock = self.coulomb.locked
@@ -190,7 +190,7 @@ class LagrangeContact(ContactOutput):
         Args:
             increments: of displacement, owned dofs [L].
         """
-        self._gap, self._slip = _cpp.multipliers.add_jump(self._geometry(), self.geometry.jump(increments))
+        self.linearised_gap, self._slip = _cpp.multipliers.add_jump(self._geometry(), self.geometry.jump(increments))
         if self._friction:
             self.coulomb.raise_imposed(self._state(), self.pair.friction)
 
@@ -226,7 +226,7 @@ class LagrangeContact(ContactOutput):
     def _state(self) -> dict[str, AnyArray]:
         """Arrays of the nodes' state, as C++ names them (NodalMultipliers)."""
         return {
-            "usable": self.usable, "active": self.active, "sliding": self.sliding, "gap": self._gap,
+            "usable": self.usable, "active": self.active, "sliding": self.sliding, "gap": self.linearised_gap,
             "multiplier": self.multiplier, "slip": self._slip, "traction": self.friction_traction,
             "direction": self.direction,
             "stiffness": self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0),

@@ -52,7 +52,7 @@ def automatic_penalty(contact: "PenaltyContact", factor: float, verbose: bool = 
     """
     index_map, gdim = contact.V.dofmap.index_map, contact.gdim
     total = NodalSum(index_map, 1)
-    diagonal = contact.problem._tangent.assemble().getDiagonal()
+    diagonal = contact.problem.tangent.assemble().getDiagonal()
     stiffness = np.zeros(index_map.size_local + index_map.num_ghosts)
     stiffness[: index_map.size_local] = np.abs(diagonal.array.reshape(-1, gdim)).mean(axis=1)
     diagonal.destroy()

@@ -139,7 +139,7 @@ class PenaltyContact(ContactOutput):
         degree = spec.quadrature_degree or 2 * element.degree + 2
         rule = basix.make_quadrature(getattr(basix.CellType, element.shape), degree)
         self._rule = [np.ascontiguousarray(a) for a in rule]
-        self.obstacle = self.pair.rigid_master._obstacle(self.gdim) if self.pair.rigid else None
+        self.obstacle = self.pair.rigid_master.obstacle(self.gdim) if self.pair.rigid else None
         distance = () if self.pair.rigid else (self.pair.search_distance or 0.0,)
         self._cpp = _cpp.penalty.QuadraturePenalty(
             V._cpp_object, self.slave, self.obstacle or self.master, *self._rule, problem.axisymmetric, *distance
