@@ -1,0 +1,317 @@
+# SPDX-License-Identifier: MIT
+"""J2 plasticity in UFL: von Mises' yield condition, associated flow, isotropic and kinematic hardening.
+
+Small strain (Simo & Hughes 1998, chapter 3): strain splits into an elastic and a plastic part,
+
+    sigma = kappa tr(eps) I + 2 mu dev(eps - eps_p),    f = q(dev sigma - beta) - Y(alpha) <= 0,   q(s) = sqrt(3/2 s:s).
+
+Finite strain (Simo & Hughes 1998, box 9.1): the deformation gradient splits into an elastic and a plastic factor; the
+elastic left Cauchy-Green tensor follows from F and the inverse of the plastic right Cauchy-Green tensor, which is kept
+in the reference configuration, so that the law is exact under rotations of any size.
+
+Both are integrated by the backward Euler method with a radial return: the flow direction is that of the trial stress,
+and what is left is one scalar equation for the increment of the equivalent plastic strain. It is solved in closed form
+for linear hardening, and by Newton's method at each quadrature point otherwise (forms/point_law.py).
+
+Tensors of the history are kept as vectors: of a symmetric deviatoric tensor (xx, yy, xy, yz, xz) in space and (xx, yy,
+xy) in the plane, of another symmetric tensor (xx, yy, zz, xy, yz, xz) and (xx, yy, zz, xy). The history is zero in the
+virgin state.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import ufl
+
+from .inelastic import Update
+from .materials import lame
+
+PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
+PLASTIC_TENSOR = "plastic_strain_tensor"  # deviatoric tensor; in finite strain the inverse of C_p minus I [1]
+BACK_STRESS = "back_stress"  # deviatoric tensor [F/L^2]
+ROUND_OFF = 1e-14  # of the trial stress against the yield stress: keeps the direction of a zero stress finite
+
+
+def pack_deviator(t: Any, gdim: int) -> list[Any]:
+    """Independent components of a symmetric deviatoric 3 x 3 tensor."""
+    return [t[0, 0], t[1, 1], t[0, 1], t[1, 2], t[0, 2]] if gdim == 3 else [t[0, 0], t[1, 1], t[0, 1]]
+
+
+def unpack_deviator(v: Any, gdim: int) -> Any:
+    """The 3 x 3 tensor of `pack_deviator`."""
+    yz, xz = (v[3], v[4]) if gdim == 3 else (0, 0)
+    return ufl.as_tensor([[v[0], v[2], xz], [v[2], v[1], yz], [xz, yz, -v[0] - v[1]]])
+
+
+def pack_symmetric(t: Any, gdim: int) -> list[Any]:
+    """Independent components of a symmetric 3 x 3 tensor."""
+    normal = [t[0, 0], t[1, 1], t[2, 2], t[0, 1]]
+    return normal + [t[1, 2], t[0, 2]] if gdim == 3 else normal
+
+
+def unpack_symmetric(v: Any, gdim: int) -> Any:
+    """The 3 x 3 tensor of `pack_symmetric`."""
+    yz, xz = (v[4], v[5]) if gdim == 3 else (0, 0)
+    return ufl.as_tensor([[v[0], v[3], xz], [v[3], v[1], yz], [xz, yz, v[2]]])
+
+
+def equivalent(s: Any, floor: Any) -> Any:
+    """Von Mises' equivalent of a deviatoric stress, sqrt(3/2 s:s); not below `floor` [F/L^2], so that it divides."""
+    return ufl.sqrt(1.5 * ufl.inner(s, s) + floor**2)
+
+
+def unimodular_mean(d: Any) -> Any:
+    """The number x for which det(d + x I) = 1, for a small deviatoric 3 x 3 tensor d: plastic flow keeps the volume.
+
+    x^3 - (d:d / 2) x + det d = 1 by Newton's method from x = 1, whose error is squared in every step: d is an elastic
+    shear strain, below 0.1, which makes the first error less than 1e-3 and the fourth less than 1e-16.
+    """
+    half, third, x = ufl.inner(d, d) / 2, ufl.det(d), 1
+    for _ in range(4):
+        x = x - (x**3 - half * x + third - 1) / (3 * x**2 - half)
+    return x
+
+
+# --- hardening ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LinearHardening:
+    """Yield stress Y(alpha) = Y0 + H alpha.
+
+    Attributes:
+        yield_stress: Y0 [F/L^2].
+        modulus: H [F/L^2].
+    """
+
+    yield_stress: Any
+    modulus: Any
+
+    linear = True
+
+    def stress(self, alpha: Any) -> Any:
+        """Yield stress at the equivalent plastic strain alpha [1]."""
+        return self.yield_stress + self.modulus * alpha
+
+    def slope(self, alpha: Any) -> Any:
+        """Derivative of `stress`."""
+        return self.modulus
+
+
+@dataclass(frozen=True)
+class VoceHardening:
+    """Yield stress Y(alpha) = Y0 + H alpha + (Y_s - Y0) (1 - exp(-rate alpha)).
+
+    Attributes:
+        yield_stress: Y0 [F/L^2].
+        saturation: Y_s [F/L^2].
+        rate: rate [1].
+        modulus: H [F/L^2].
+    """
+
+    yield_stress: Any
+    saturation: Any
+    rate: Any
+    modulus: Any
+
+    linear = False
+
+    def stress(self, alpha: Any) -> Any:
+        """Yield stress at the equivalent plastic strain alpha [1]."""
+        rise = (self.saturation - self.yield_stress) * (1 - ufl.exp(-self.rate * alpha))
+        return self.yield_stress + self.modulus * alpha + rise
+
+    def slope(self, alpha: Any) -> Any:
+        """Derivative of `stress`."""
+        return self.modulus + self.rate * (self.saturation - self.yield_stress) * ufl.exp(-self.rate * alpha)
+
+
+@dataclass(frozen=True)
+class TableHardening:
+    """Yield stress interpolated linearly between given points, constant beyond the last one.
+
+    Attributes:
+        strains: equivalent plastic strains, the first is 0, ascending [1].
+        stresses: yield stresses at them [F/L^2].
+    """
+
+    strains: Any
+    stresses: Any
+
+    linear = False
+
+    @property
+    def yield_stress(self) -> Any:
+        """Yield stress of the virgin state [F/L^2]."""
+        return self.stresses[0]
+
+    def _segments(self) -> list[tuple[Any, Any]]:
+        """Start and slope of every segment."""
+        n = self.strains.ufl_shape[0]
+        return [
+            (self.strains[i], (self.stresses[i + 1] - self.stresses[i]) / (self.strains[i + 1] - self.strains[i]))
+            for i in range(n - 1)
+        ]
+
+    def stress(self, alpha: Any) -> Any:
+        """Yield stress at the equivalent plastic strain alpha [1]."""
+        # A sum of ramps, each as long as its segment: without nested conditions, and continuous to round-off.
+        value = self.stresses[0]
+        for i, (start, slope) in enumerate(self._segments()):
+            value += slope * ufl.min_value(ufl.max_value(alpha - start, 0), self.strains[i + 1] - start)
+        return value
+
+    def slope(self, alpha: Any) -> Any:
+        """Derivative of `stress`; at a corner that of the segment to the right."""
+        value = 0
+        for i, (start, slope) in enumerate(self._segments()):
+            inside = ufl.And(ufl.ge(alpha, start), ufl.lt(alpha, self.strains[i + 1]))
+            value += ufl.conditional(inside, slope, 0)
+        return value
+
+
+@dataclass(frozen=True)
+class KinematicHardening:
+    """Armstrong-Frederick's back stress: d beta = 2/3 C d eps_p - gamma beta d alpha; gamma = 0 is Prager's linear law.
+
+    Attributes:
+        modulus: C [F/L^2].
+        recovery: gamma [1]; None: the linear law.
+    """
+
+    modulus: Any
+    recovery: Any = None
+
+    @property
+    def linear(self) -> bool:
+        return self.recovery is None
+
+    def fading(self, multiplier: Any) -> Any:
+        """Factor by which backward Euler's rule shortens the back stress in a step with this increment of alpha."""
+        return 1 if self.recovery is None else 1 / (1 + self.recovery * multiplier)
+
+
+# --- the law -----------------------------------------------------------------------------------------------------------
+
+
+class J2:
+    """J2 plasticity (forms/inelastic.py: PointResponse).
+
+    The unknown is the increment of the equivalent plastic strain; in plane stress a vector of it and the strain across
+    the plane. Linear hardening has none, except in plane stress.
+
+    Args:
+        E: Young's modulus [F/L^2].
+        nu: Poisson's ratio [1].
+        gdim: dimension of the space, 2 or 3.
+        isotropic: LinearHardening, VoceHardening or TableHardening.
+        kinematic: KinematicHardening, or None.
+        finite_strain: whether the strain is the deformation gradient.
+        plane_stress: whether the stress across the plane is zero.
+
+    Raises:
+        ValueError: finite strain in plane stress or with kinematic hardening.
+    """
+
+    def __init__(
+        self,
+        E: Any,
+        nu: Any,
+        gdim: int,
+        isotropic: Any,
+        kinematic: KinematicHardening | None = None,
+        finite_strain: bool = False,
+        plane_stress: bool = False,
+    ) -> None:
+        if finite_strain and plane_stress:
+            raise ValueError("J2 plasticity of finite strain has no plane stress: use small strain, or a 3D mesh")
+        if finite_strain and kinematic is not None:
+            raise ValueError("J2 plasticity of finite strain has isotropic hardening only: use small strain")
+        self.isotropic, self.kinematic, self.gdim = isotropic, kinematic, gdim
+        self.finite_strain, self.plane_stress = finite_strain, plane_stress
+        self.nu = nu
+        lmbda, self.mu = lame(E, nu)
+        self.kappa = lmbda + 2 * self.mu / 3
+        deviator, symmetric = ((5,), (6,)) if gdim == 3 else ((3,), (4,))
+        self.history: dict[str, tuple[int, ...]] = {
+            PLASTIC_STRAIN: (),
+            PLASTIC_TENSOR: symmetric if finite_strain else deviator,
+        }
+        if kinematic is not None:
+            self.history[BACK_STRESS] = deviator
+        closed = isotropic.linear and (kinematic is None or kinematic.linear)
+        self.unknown: tuple[int, ...] | None = (2,) if plane_stress else None if closed else ()
+
+    def respond(self, strain: Any, history: dict[str, Any], unknown: Any = None) -> Update:
+        """Stress and new history; see PointResponse."""
+        return (self._finite if self.finite_strain else self._small)(strain, history, unknown)
+
+    def _small(self, eps: Any, history: dict[str, Any], unknown: Any) -> Update:
+        iso, kin, mu = self.isotropic, self.kinematic, self.mu
+        multiplier = unknown[0] if self.plane_stress else unknown
+        given = ufl.tr(eps)
+        if self.plane_stress:
+            eps = eps + unknown[1] * ufl.as_tensor([[0, 0, 0], [0, 0, 0], [0, 0, 1]])
+        alpha = history[PLASTIC_STRAIN]
+        plastic = unpack_deviator(history[PLASTIC_TENSOR], self.gdim)
+        trial = 2 * mu * (ufl.dev(eps) - plastic)
+        floor = ROUND_OFF * iso.yield_stress
+        back = None if kin is None else unpack_deviator(history[BACK_STRESS], self.gdim)
+        C = 0 if kin is None else kin.modulus
+        first = trial if back is None else trial - back  # relative stress of an elastic step
+        excess = equivalent(first, floor) - iso.stress(alpha)
+        yields = ufl.gt(excess, 0)
+        start = ufl.conditional(yields, excess / (3 * mu + C + iso.slope(alpha)), 0)
+        residual: Any = None
+        if multiplier is None:
+            multiplier, fading, relative = start, 1, first
+        else:
+            fading = 1 if kin is None else kin.fading(multiplier)
+            relative = first if back is None else trial - fading * back
+            flow = (3 * mu + C * fading) * multiplier + iso.stress(alpha + multiplier)
+            residual = ufl.conditional(yields, (equivalent(relative, floor) - flow) / (3 * mu), multiplier)
+        step = 1.5 * multiplier / equivalent(relative, floor) * relative  # increment of the plastic strain
+        s, p = trial - 2 * mu * step, self.kappa * ufl.tr(eps)
+        stress = s + p * ufl.Identity(3)
+        outputs: dict[str, Any] = {
+            PLASTIC_STRAIN: alpha + multiplier,
+            PLASTIC_TENSOR: ufl.as_vector(pack_deviator(plastic + step, self.gdim)),
+        }
+        if back is not None:
+            outputs[BACK_STRESS] = ufl.as_vector(pack_deviator(fading * (back + 2 / 3 * C * step), self.gdim))
+        stored = p**2 / (2 * self.kappa) + ufl.inner(s, s) / (4 * mu)
+        if self.plane_stress:
+            across = stress[2, 2] / (self.kappa + 4 / 3 * mu)
+            residual = ufl.as_vector([residual, across])
+            start = ufl.as_vector([0, -self.nu / (1 - self.nu) * given])
+        scale = iso.yield_stress / (3 * mu)
+        return Update(stress, outputs, stored, residual, None if residual is None else start, scale)
+
+    def _finite(self, F: Any, history: dict[str, Any], unknown: Any) -> Update:
+        iso, mu = self.isotropic, self.mu
+        J, alpha = ufl.det(F), history[PLASTIC_STRAIN]
+        inverse = ufl.Identity(3) + unpack_symmetric(history[PLASTIC_TENSOR], self.gdim)
+        elastic = J ** (-2 / 3) * F * inverse * F.T  # trial left Cauchy-Green tensor, without its volume change
+        trial, stiff = mu * ufl.dev(elastic), mu * ufl.tr(elastic)
+        q = equivalent(trial, ROUND_OFF * iso.yield_stress)
+        excess = q - iso.stress(alpha)
+        yields = ufl.gt(excess, 0)
+        start = ufl.conditional(yields, excess / (stiff + iso.slope(alpha)), 0)
+        residual: Any = None
+        multiplier = start
+        if unknown is not None:
+            multiplier = unknown
+            flow = stiff * multiplier + iso.stress(alpha + multiplier)
+            residual = ufl.conditional(yields, (q - flow) / (3 * mu), multiplier)
+        s = (1 - stiff * multiplier / q) * trial
+        tau = self.kappa / 2 * (J**2 - 1) * ufl.Identity(3) + s
+        turned, deviator = ufl.inv(F), s / mu
+        mean = unimodular_mean(deviator)
+        new = J ** (2 / 3) * turned * (deviator + mean * ufl.Identity(3)) * turned.T - ufl.Identity(3)
+        outputs = {
+            PLASTIC_STRAIN: alpha + multiplier,
+            PLASTIC_TENSOR: ufl.as_vector(pack_symmetric(new, self.gdim)),
+        }
+        stored = self.kappa / 2 * ((J**2 - 1) / 2 - ufl.ln(J)) + mu / 2 * (3 * mean - 3)
+        scale = iso.yield_stress / (3 * mu)
+        return Update(tau * turned.T, outputs, stored, residual, start if residual is not None else None, scale)

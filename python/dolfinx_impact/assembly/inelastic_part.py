@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""Cells of one inelastic material: internal force with its point law, tangent with the history as functions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem import Function
+from dolfinx.mesh import Mesh
+
+from ..common.types import FloatArray, IntArray
+from ..forms import inelastic
+from ..forms.materials import weight
+from ..forms.point_law import PointLaw
+from ..inelastic import InelasticMaterial
+
+UNKNOWN = "local_unknown"  # output of the kernels: solution of the local equations
+STORED = "stored"  # sum of the kernels: elastic energy
+
+
+def quadrature_element(mesh: Mesh, shape: tuple[int, ...], degree: int) -> Any:
+    """Element with values at the points of the rule that forms of a quadrature degree have.
+
+    Args:
+        mesh: mesh.
+        shape: shape of a value, () or (n,).
+        degree: quadrature degree [1].
+    """
+    return basix.ufl.quadrature_element(mesh.basix_cell(), value_shape=shape, degree=degree, scheme="default")
+
+
+class InelasticPart:
+    """Cells of one inelastic material.
+
+    The kernels know history and unknowns as symbols, whose values they keep themselves (operators/PointHistory.h).
+
+    Args:
+        u: displacement function [L].
+        material: material of the cells.
+        dx: UFL measure of the cells, with the quadrature degree.
+        degree: that quadrature degree [1].
+        tag: tag of the cells; None: all cells.
+
+    Attributes:
+        kinematics: strains that the law sees.
+        response: the law.
+        history: symbols of the history by name.
+        unknown: symbol of the local unknowns, or None.
+    """
+
+    def __init__(self, u: Function, material: InelasticMaterial, dx: ufl.Measure, degree: int, tag: int | None) -> None:
+        V = u.function_space
+        self.u, self.material, self.dx, self.degree, self.tag, self.mesh = u, material, dx, degree, tag, V.mesh
+        self.kinematics = material.kinematics(V.mesh, V.element.basix_element.degree)
+        self.response = material.response(V.mesh)
+        domain = V.mesh.ufl_domain()
+
+        def symbol(shape: tuple[int, ...]) -> ufl.Coefficient:
+            return ufl.Coefficient(ufl.FunctionSpace(domain, quadrature_element(V.mesh, shape, degree)))
+
+        self.history = {name: symbol(shape) for name, shape in self.response.history.items()}
+        self.unknown = None if self.response.unknown is None else symbol(self.response.unknown)
+
+    def force(self, v: ufl.Argument) -> tuple[ufl.Form, PointLaw]:
+        """Internal virtual work and the point law of its kernel.
+
+        Args:
+            v: test function.
+        """
+        update = self.response.respond(self.kinematics.strain(self.u), dict(self.history), self.unknown)
+        form = inelastic.internal_force(self.u, v, self.kinematics, update.stress, self.dx)
+        outputs = {name: ufl.as_ufl(update.outputs[name]) for name in self.history}
+        if self.unknown is not None:
+            outputs[UNKNOWN] = self.unknown
+        r = weight(self.mesh, self.kinematics.hypothesis)
+        law = PointLaw(
+            outputs=outputs,
+            history=self.history,
+            unknown=self.unknown,
+            residual=update.residual,
+            start=update.start,
+            scale=update.scale,
+            sums={STORED: update.stored * r},
+        )
+        return form, law
+
+    def elastic_tangent(self, du: ufl.Argument, v: ufl.Argument) -> ufl.Form:
+        """Stiffness of the elastic part in the deformed shape, an upper bound of the inelastic one.
+
+        Args:
+            du: trial function.
+            v: test function.
+        """
+        elastic = self.material.elastic_law(self.mesh)
+        return inelastic.elastic_tangent(self.u, du, v, elastic.lmbda, elastic.mu, self.kinematics, self.dx)
+
+
+class HistoryFunctions:
+    """History and local unknowns of an inelastic part as DOLFINx functions, for FFCx's kernels and for output.
+
+    Args:
+        part: inelastic part.
+
+    Attributes:
+        history: functions by name.
+        unknown: function of the local unknowns, or None.
+        cells: cells of the part, owned.
+    """
+
+    def __init__(self, part: InelasticPart) -> None:
+        self.mesh, self.degree = part.mesh, part.degree
+        self.history = {name: self._function(name, shape) for name, shape in part.response.history.items()}
+        shape = part.response.unknown
+        self.unknown = None if shape is None else self._function(UNKNOWN, shape)
+
+    def _function(self, name: str, shape: tuple[int, ...]) -> Function:
+        return Function(fem.functionspace(self.mesh, quadrature_element(self.mesh, shape, self.degree)), name=name)
+
+
+def set_values(f: Function, cells: IntArray, values: FloatArray) -> None:
+    """Set a function on a quadrature element.
+
+    Args:
+        f: the function.
+        cells: owned cells, (n).
+        values: values at their points, (n, num_points, num_components).
+    """
+    dofmap = f.function_space.dofmap
+    f.x.array.reshape(-1, dofmap.bs)[dofmap.list[cells]] = np.asarray(values).reshape(len(cells), -1, dofmap.bs)

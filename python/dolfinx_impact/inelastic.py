@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""Materials with internal variables: what a law of one's own must say, and what problems ask of it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any
+
+from dolfinx.mesh import Mesh
+
+from .forms import inelastic
+from .forms import materials as laws
+from .materials import _Material
+
+
+class InelasticMaterial(_Material):
+    """Material with internal variables at the quadrature points; base class of J2Plasticity and of laws of your own.
+
+    A law of your own derives from it and writes `response`. See docs/plasticity.md and demos/own_plasticity.py.
+
+    Args:
+        E: Young's modulus of the elastic part, positive [F/L^2].
+        nu: Poisson's ratio of the elastic part, between -1 and 0.5, both excluded [1].
+        density: None where no mass is asked for [M/L^3].
+        hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric".
+
+    Attributes:
+        finite_strain: whether the law sees the deformation gradient instead of the small strain.
+        average: whether the law sees the mean dilatation of each cell (B-bar, F-bar): True, False, or "auto", which is
+            on linear quadrilaterals and hexahedra, which lock without.
+
+    Raises:
+        TypeError: a value that is not a number.
+        ValueError: a value outside its range; the message says which and what to do.
+    """
+
+    finite_strain: bool = False
+    average: bool | str = "auto"
+
+    @abstractmethod
+    def response(self, mesh: Mesh) -> inelastic.PointResponse:
+        """The law in UFL (forms/inelastic.py), with parameters as constants of the mesh.
+
+        Args:
+            mesh: mesh.
+        """
+
+    def law(self, mesh: Mesh) -> laws.Law:
+        """Elastic laws only: there is no stress without the history.
+
+        Raises:
+            TypeError: always.
+        """
+        raise TypeError(
+            f"{type(self).__name__} has internal variables: its stress needs their history. Give the material to a "
+            "problem, and read `problem.history` and `problem.stress`"
+        )
+
+    def elastic_law(self, mesh: Mesh) -> laws.Law:
+        """The elastic part, of small strain; for bounds of the stable step and for bulk viscosity.
+
+        Args:
+            mesh: mesh.
+        """
+        return laws.LinearElastic(
+            self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu), self.hypothesis_on(mesh)
+        )
+
+    def kinematics(self, mesh: Mesh, degree: int) -> inelastic.Kinematics:
+        """Strains that the law sees on a mesh.
+
+        Args:
+            mesh: mesh.
+            degree: degree of the displacement space [1].
+        """
+        linear = degree == 1 and mesh.topology.cell_name() in ("quadrilateral", "hexahedron")
+        average = linear if self.average == "auto" else bool(self.average)
+        return inelastic.Kinematics(self.hypothesis_on(mesh), self.finite_strain, average)
+
+    def constant(self, mesh: Mesh, name: str, value: float) -> Any:
+        """A number as a UFL constant of a mesh; it is made once, so that it may be changed and kernels are kept.
+
+        Args:
+            mesh: mesh.
+            name: name of the constant.
+            value: its value.
+        """
+        return self._constant(mesh, name, value)
