@@ -56,6 +56,7 @@ void each_work(Saved& s, const auto& f)
   f("loads", s.energies.load_work);
   f("supports", s.energies.support_work);
   f("mass_damping", s.energies.damped);
+  f("elastic", s.energies.elastic);
   f("obstacles", s.obstacle_work);
   const auto term = [&f](const std::string& name, Saved::Term& t)
   {

@@ -88,6 +88,14 @@ class _Material:
         E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
         return self.law_class(E, nu, self.hypothesis_on(mesh))
 
+    def elastic_law(self, mesh: Mesh) -> laws.Law:
+        """The law, or of materials with internal variables its elastic part.
+
+        Args:
+            mesh: mesh.
+        """
+        return self.law(mesh)
+
     def mass_density(self, mesh: Mesh) -> Constant:
         """Density as a constant of the mesh, for a mass.
 

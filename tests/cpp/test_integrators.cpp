@@ -103,14 +103,18 @@ TEST_CASE("energies are sums of works")
   sums.normal = -7.0;
   sums.load_work = 100.0;
   sums.support_work = 10.0;
-  CHECK(sums.energies(true).internal == 5.0);
-  const Energies e = sums.energies(false);
+  CHECK(sums.energies(InternalEnergy::quadratic).internal == 5.0);
+  const Energies e = sums.energies(InternalEnergy::work);
   CHECK(e.internal == 20.0 - (-0.5 + 2.0 + 4.0 - 0.25));
   CHECK(e.damping == 2.125);
   CHECK(e.viscosity == 4.0);
   CHECK(e.impact == 7.0);
   CHECK(e.external == 110.25);
+  CHECK(e.plastic == 0.0);
   CHECK(e.values().back() == e.external);
+  sums.elastic = 6.0;
+  CHECK(sums.energies(InternalEnergy::elastic).internal == 6.0);
+  CHECK(sums.energies(InternalEnergy::elastic).plastic == e.internal - 6.0);
   CHECK(EnergySums::of(sums.values()).normal == -7.0);
 }
 

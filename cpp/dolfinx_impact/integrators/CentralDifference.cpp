@@ -11,7 +11,11 @@ namespace dolfinx_impact::integrators
 CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
-      _scheme(scheme), _loads(_fields.owned), _energies(V->dofmap()->index_map->comm(), linear, scheme, alpha)
+      _scheme(scheme), _loads(_fields.owned), _energies(V->dofmap()->index_map->comm(),
+                _internal.has_history() ? InternalEnergy::elastic
+                : linear                ? InternalEnergy::quadratic
+                                        : InternalEnergy::work,
+                scheme, alpha)
 {
   if (mass.size() != _fields.own)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
@@ -106,6 +110,7 @@ bool CentralDifference::evaluate()
   if (_contact.work_of_step(_fields, _last_step))
     fields_changed();
   _internal.outer->assemble({_fields.r.data(), _fields.own});
+  _energies.set_elastic(_internal.elastic_energy());
   for (ForceTerm& term : _terms)
     term.evaluate(_fields, _last_step);
   _contact.evaluate(_fields);

@@ -26,7 +26,8 @@ class CentralDifference
 public:
   /// @param[in] V displacement space
   /// @param[in] internal internal force
-  /// @param[in] linear the internal energy is u . F/2; else it is the work of the internal force
+  /// @param[in] linear the internal energy is u . F/2; else it is the work of the internal force. Materials with
+  ///   internal variables have elastic and plastic energies instead.
   /// @param[in] mass per degree of freedom, owned and ghosts [M]
   /// @param[in] alpha factor of mass-proportional damping [1/T]
   /// @throws std::invalid_argument for a mass of another size, an operator that is null, a name that none of its

@@ -22,7 +22,7 @@ void EnergyBalance::reset()
 {
   for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
     *work = {};
-  _reference = _release_share = 0.0;
+  _reference = _release_share = _elastic = 0.0;
   _gain = {};
   _totals = {};
 }
@@ -40,6 +40,7 @@ EnergySums EnergyBalance::local(const Sums& sums, const Steps& steps, std::span<
   e.speed = 0.5 * sums.speed;
   e.position = 0.5 * sums.position;
   e.residual_work = _residual_work.value();
+  e.elastic = _elastic;
   e.load_work = _load_work.value();
   e.support_work = _support_value;
   e.damped = _damped.value();
@@ -94,7 +95,7 @@ bool EnergyBalance::end_sum()
   std::copy_n(_summed.begin(), values.size(), values.begin());
   _totals = EnergySums::of(values);
   _release_share = _totals.recoverable > 0.0 ? std::clamp(_totals.taken / _totals.recoverable, 0.0, 1.0) : 0.0;
-  const Energies now = _totals.energies(_linear);
+  const Energies now = _totals.energies(_internal);
   _history.write(_step, now, std::span(_summed).subspan(EnergySums::size));
   _history = {};
   // The first step tells what there is at the start; springs that start pressed give theirs back.
@@ -114,13 +115,20 @@ Energies EnergyBalance::energies(const Sums& sums, double support_power, const S
   const auto mine = local(sums, steps, terms, contact).values();
   std::array<double, EnergySums::size> all;
   MPI_Allreduce(mine.data(), all.data(), int(all.size()), MPI_DOUBLE, MPI_SUM, _comm);
-  return EnergySums::of(all).energies(_linear);
+  return EnergySums::of(all).energies(_internal);
 }
 
 EnergyBalance::Saved EnergyBalance::save() const
 {
-  return {_residual_work.done, _load_work.done, _support_work.done, _damped.done,
-          _reference,          _gain.lowest,    _gain.largest,      _release_share};
+  return {.residual_work = _residual_work.done,
+          .load_work = _load_work.done,
+          .support_work = _support_work.done,
+          .damped = _damped.done,
+          .elastic = _elastic,
+          .reference = _reference,
+          .lowest = _gain.lowest,
+          .largest = _gain.largest,
+          .release_share = _release_share};
 }
 
 void EnergyBalance::restore(const Saved& saved)
@@ -129,6 +137,7 @@ void EnergyBalance::restore(const Saved& saved)
   _load_work = {saved.load_work, 0.0};
   _support_work = {saved.support_work, 0.0};
   _damped = {saved.damped, 0.0};
+  _elastic = saved.elastic;
   _reference = saved.reference;
   _gain.lowest = saved.lowest;
   _gain.largest = saved.largest;

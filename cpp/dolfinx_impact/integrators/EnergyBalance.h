@@ -32,10 +32,10 @@ class EnergyBalance
 {
 public:
   /// @param[in] comm communicator of the run
-  /// @param[in] linear the internal energy is u . F/2; else it is the work of the internal force
+  /// @param[in] internal what the internal energy is computed from
   /// @param[in] alpha factor of mass-proportional damping [1/T]
-  EnergyBalance(MPI_Comm comm, bool linear, Scheme scheme, double alpha)
-      : _comm(comm), _linear(linear), _scheme(scheme), _alpha(alpha)
+  EnergyBalance(MPI_Comm comm, InternalEnergy internal, Scheme scheme, double alpha)
+      : _comm(comm), _internal(internal), _scheme(scheme), _alpha(alpha)
   {
   }
   ~EnergyBalance();
@@ -44,6 +44,8 @@ public:
 
   /// Works count from zero.
   void reset();
+  /// Elastic energy of this rank's cells at the present time level [F L]; for InternalEnergy::elastic.
+  void set_elastic(double energy) { _elastic = energy; }
 
   /// A step has been made: what this rank contributes at the time level before it, and the works of the step.
   /// @param[in] sums of the update
@@ -77,10 +79,10 @@ public:
   /// @param[in] limit of EnergyGain::now, beyond which a run counts as unstable [1]
   void set_gain_limit(double limit) { _gain_limit = limit; }
 
-  /// What a run that goes on needs. The first four add up over ranks, the others are the same on all [F L].
+  /// What a run that goes on needs. The first five add up over ranks, the others are the same on all [F L].
   struct Saved
   {
-    double residual_work = 0.0, load_work = 0.0, support_work = 0.0, damped = 0.0;
+    double residual_work = 0.0, load_work = 0.0, support_work = 0.0, damped = 0.0, elastic = 0.0;
     double reference = 0.0, lowest = 0.0, largest = 0.0;
     double release_share = 0.0; ///< [1]
   };
@@ -92,10 +94,11 @@ private:
                    const ContactForces& contact);
 
   MPI_Comm _comm;
-  bool _linear;
+  InternalEnergy _internal;
   Scheme _scheme;
   double _alpha;
   Work _residual_work, _load_work, _support_work, _damped;
+  double _elastic = 0.0;
   double _support_value = 0.0; ///< work of the supports up to the time level
   EnergySums _local, _totals;
   std::vector<double> _buffer, _summed; ///< EnergySums, then the contacts' forces

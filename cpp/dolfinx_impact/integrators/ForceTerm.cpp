@@ -28,6 +28,16 @@ void FormForces::check() const
                                   "': give the name in the kernels, or an empty one if they have none");
 }
 
+bool FormForces::has_history() const
+{
+  return inner && outer && (inner->has_history() || outer->has_history());
+}
+
+double FormForces::elastic_energy() const
+{
+  return has_history() ? inner->sum("elastic") + outer->sum("elastic") : 0.0;
+}
+
 void FormForces::read(const NodalFields& fields) const
 {
   for (InternalForce* operation : {inner.get(), outer.get()})

@@ -20,6 +20,11 @@ struct FormForces
 
   /// @throws std::invalid_argument for an operator that is null, a name that no kernel has
   void check() const;
+  /// Have the materials internal variables?
+  bool has_history() const;
+  /// Elastic energy of this rank's cells in the last evaluation, of materials with internal variables and of those
+  /// beside them [F L].
+  double elastic_energy() const;
   /// Let the kernels read the fields' displacements and velocities.
   void read(const NodalFields& fields) const;
 };

@@ -5,14 +5,17 @@
 
 namespace dolfinx_impact::integrators
 {
-Energies EnergySums::energies(bool linear) const
+Energies EnergySums::energies(InternalEnergy internal) const
 {
   const auto work_of = [this](WorkKind kind) { return work[std::size_t(kind)]; };
   const double terms = -work_of(WorkKind::contact) + work_of(WorkKind::damping) + work_of(WorkKind::viscosity) -
                        work_of(WorkKind::external);
   Energies e;
   e.kinetic = kinetic;
-  e.internal = linear ? position - terms_position : residual_work - terms;
+  e.internal = internal == InternalEnergy::quadratic ? position - terms_position
+               : internal == InternalEnergy::elastic ? elastic
+                                                     : residual_work - terms;
+  e.plastic = internal == InternalEnergy::elastic ? residual_work - terms - elastic : 0.0;
   e.contact = stored;
   e.friction = friction;
   e.impact = -normal;
@@ -28,7 +31,7 @@ void EnergyGain::update(const Energies& e, double taken)
   lowest = largest == 0.0 ? value : std::min(lowest, value);
   // Negative dissipation is energy that was gained: it must not make the scale larger.
   double size = std::abs(e.kinetic) + std::abs(e.internal) + std::abs(e.external);
-  for (double dissipated : {e.contact, e.friction, e.impact, e.damping, e.viscosity})
+  for (double dissipated : {e.plastic, e.contact, e.friction, e.impact, e.damping, e.viscosity})
     size += std::max(0.0, dissipated);
   largest = std::max(largest, size);
   now = largest > 0.0 ? (value - lowest) / largest : 0.0;

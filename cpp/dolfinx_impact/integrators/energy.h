@@ -15,6 +15,14 @@ enum class WorkKind
   external
 };
 
+/// What the internal energy is computed from.
+enum class InternalEnergy
+{
+  quadratic, ///< u . F/2, of linear bodies
+  work,      ///< work of the internal force
+  elastic    ///< elastic energy of the materials; the rest of the work is plastic
+};
+
 /// Work of a force by the trapezoidal rule: half of a step's motion before a time level, half after it.
 struct Work
 {
@@ -32,15 +40,16 @@ struct Work
 struct Energies
 {
   double kinetic = 0.0;
-  double internal = 0.0;
+  double internal = 0.0; ///< stored in the bodies
   double contact = 0.0; ///< stored in springs
   double friction = 0.0;
   double impact = 0.0; ///< what normal forces of contact take from the bodies and do not store
   double damping = 0.0;
   double viscosity = 0.0;
+  double plastic = 0.0; ///< work of the internal forces that the bodies do not store
   double external = 0.0;
 
-  static constexpr std::size_t size = 8;
+  static constexpr std::size_t size = 9;
   /// In the order above.
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
 };
@@ -52,6 +61,7 @@ struct EnergySums
   double speed = 0.0;    ///< kinetic energy with the velocities after the time level alone
   double position = 0.0; ///< u . residual/2
   double residual_work = 0.0;
+  double elastic = 0.0;   ///< energy of materials with internal variables and of those beside them
   double load_work = 0.0; ///< of loads and of contact forces on rigid masters that move
   double support_work = 0.0;
   double damped = 0.0;          ///< by mass-proportional damping
@@ -67,12 +77,11 @@ struct EnergySums
   double stops_asked = 0.0;  ///< ranks that were asked to stop
   double passages = 0.0;     ///< contacts that a node went through
 
-  static constexpr std::size_t size = 21;
+  static constexpr std::size_t size = 22;
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
   static EnergySums of(const std::array<double, size>& values) { return std::bit_cast<EnergySums>(values); }
 
-  /// @param[in] linear the internal energy is u . F/2; else it is the work of the internal force
-  Energies energies(bool linear) const;
+  Energies energies(InternalEnergy internal) const;
 };
 
 /// What a run has gained without the work of loads and supports: kinetic, internal and stored energy, with what

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import basix.ufl
@@ -17,9 +18,11 @@ from ..forms import inelastic
 from ..forms.materials import weight
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
+from ..materials import Material
+from .operators import cells_measure
 
 UNKNOWN = "local_unknown"  # output of the kernels: solution of the local equations
-STORED = "stored"  # sum of the kernels: elastic energy
+ELASTIC_ENERGY = "elastic"  # sum of the kernels; cpp/dolfinx_impact/integrators reads it by this name
 
 
 def quadrature_element(mesh: Mesh, shape: tuple[int, ...], degree: int) -> Any:
@@ -84,7 +87,7 @@ class InelasticPart:
             residual=update.residual,
             start=update.start,
             scale=update.scale,
-            sums={STORED: update.stored * r},
+            sums={ELASTIC_ENERGY: update.stored * r},
         )
         return form, law
 
@@ -131,3 +134,47 @@ def set_values(f: Function, cells: IntArray, values: FloatArray) -> None:
     """
     dofmap = f.function_space.dofmap
     f.x.array.reshape(-1, dofmap.bs)[dofmap.list[cells]] = np.asarray(values).reshape(len(cells), -1, dofmap.bs)
+
+
+class InelasticParts:
+    """Inelastic parts of a body.
+
+    Args:
+        u: displacement function [L].
+        material: material of the body.
+    """
+
+    def __init__(self, u: Function, material: Material) -> None:
+        dx, degree = cells_measure(u, material)
+        self._parts = [
+            InelasticPart(u, m, dx if tag is None else dx(tag), degree, tag)
+            for tag, m in material.parts()
+            if isinstance(m, InelasticMaterial)
+        ]
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+    def __iter__(self) -> Iterator[InelasticPart]:
+        return iter(self._parts)
+
+    def force(self, v: ufl.Argument) -> tuple[ufl.Form, PointLaw | dict[int, PointLaw]]:
+        """Internal virtual work of the parts, and the laws of its kernels: one, or by cell tag.
+
+        Args:
+            v: test function.
+        """
+        found = [(part.tag, *part.force(v)) for part in self._parts]
+        form = sum(f for _, f, _ in found)
+        if found[0][0] is None:
+            return form, found[0][2]
+        return form, {tag: law for tag, _, law in found if tag is not None}
+
+    def elastic_tangent(self, du: ufl.Argument, v: ufl.Argument) -> ufl.Form:
+        """Sum of InelasticPart.elastic_tangent.
+
+        Args:
+            du: trial function.
+            v: test function.
+        """
+        return sum(part.elastic_tangent(du, v) for part in self._parts)

@@ -477,6 +477,28 @@ def tangent_form(u: Function, du: ufl.Argument, v: ufl.Argument, material: Mater
     return sum_laws(u, material, lambda law, dx: elasticity.tangent(u, du, v, law, dx))
 
 
+def cells_measure(u: Function, material: Material) -> tuple[ufl.Measure, int]:
+    """Measure of the cells with the quadrature degree of the stiffness.
+
+    Args:
+        u: displacement function.
+        material: material of the body, whose cell tags are the measure's subdomain data.
+
+    Returns:
+        The measure, and its quadrature degree [1].
+    """
+    V = u.function_space
+    mesh = V.mesh
+    degree = quadrature.stiffness_degree(
+        mesh.topology.cell_name(),
+        V.element.basix_element.degree,
+        mesh.geometry.cmap.degree,
+        material.hypothesis_on(mesh),
+    )
+    metadata = quadrature.metadata(degree)
+    return ufl.Measure("dx", domain=mesh, metadata=metadata, subdomain_data=material.cell_tags), degree
+
+
 def sum_materials(u: Function, material: Material, term: Callable[[_Material, ufl.Measure], ufl.Form]) -> ufl.Form:
     """Sum of UFL forms over the materials of a body, with the quadrature degree of the stiffness.
 
@@ -488,19 +510,12 @@ def sum_materials(u: Function, material: Material, term: Callable[[_Material, uf
     Returns:
         The sum of term(m, dx) over the materials m.
     """
-    V = u.function_space
-    mesh = V.mesh
-    degree = quadrature.stiffness_degree(
-        mesh.topology.cell_name(),
-        V.element.basix_element.degree,
-        mesh.geometry.cmap.degree,
-        material.hypothesis_on(mesh),
-    )
-    dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
+    dx, _ = cells_measure(u, material)
     return sum(term(m, dx if tag is None else dx(tag)) for tag, m in material.parts())
 
 
-def sum_laws(u: Function, material: Material, term: Callable[[Law, ufl.Measure], ufl.Form]) -> ufl.Form:
-    """Sum of UFL forms over the laws of the materials of a body."""
-    mesh = u.function_space.mesh
-    return sum_materials(u, material, lambda m, dx: term(m.law(mesh), dx))
+def sum_laws(u: Function, material: Material, term: Callable[[Law, ufl.Measure], ufl.Form]) -> Any:
+    """Sum of UFL forms over the elastic laws of the materials of a body; 0 if there are none."""
+    mesh, (dx, _) = u.function_space.mesh, cells_measure(u, material)
+    parts = [(tag, m) for tag, m in material.parts() if not isinstance(m, InelasticMaterial)]
+    return sum(term(m.law(mesh), dx if tag is None else dx(tag)) for tag, m in parts)

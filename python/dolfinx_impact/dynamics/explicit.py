@@ -22,7 +22,10 @@ from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..contact.explicit.springs import stiffness
-from ..forms import elasticity, viscosity
+from ..assembly.body_forms import body_forms, stiffness_damping
+from ..assembly.history import MaterialHistory
+from ..assembly.inelastic_part import InelasticParts
+from ..forms import viscosity
 from ..forms import materials as laws
 from ..loads import DeadLoad, Load
 from ..common.arguments import number
@@ -136,13 +139,14 @@ class ExplicitProblem(Unique):
         check_cells(mesh)
         claim(u, self, explicit=True)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
-        resisting = damping_tangent = None
+        resisting = damping_tangent = laws_at_points = None
+        self._parts: InelasticParts | None = None
         if residual is None:
             assert material is not None  # checked above
             hypothesis = material.hypothesis_on(mesh)
-            internal = operators.internal_force_form(u, v, material)
-            tangent = operators.tangent_form(u, du, v, material)
-            linear = all(m.law(mesh).linear for _, m in material.parts())
+            forms = body_forms(u, material)
+            internal, tangent, linear = forms.internal, forms.stiffness, forms.linear
+            laws_at_points, self._parts = forms.laws, forms.parts
             parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
         else:
             if hypothesis is not None:
@@ -170,7 +174,7 @@ class ExplicitProblem(Unique):
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
         self.bulk_viscosity = self._check_viscosity(bulk_viscosity)
-        self._internal = operators.SplitForce(internal, u)
+        self._internal = operators.SplitForce(internal, u, law=laws_at_points)
         self._cpp_object = _cpp.integrators.CentralDifference(
             V._cpp_object, self._internal.forces(), linear, self.mass.array, self.damping.alpha,
             getattr(_cpp.integrators.Scheme, scheme),
@@ -269,10 +273,7 @@ class ExplicitProblem(Unique):
             if self.material is None:
                 raise ValueError("stiffness-proportional damping needs a material: write it into your own residual")
             beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
-            form = operators.sum_laws(
-                self.u, self.material, lambda law, dx: beta * elasticity.tangent(self.u, self.velocity, v, law, dx)
-            )
-            self._term(form, kinds.damping)
+            self._term(stiffness_damping(self.u, self.velocity, v, self.material, beta), kinds.damping)
         if any(self.bulk_viscosity):
             assert self.material is not None  # checked with the factors
             mesh = self.space.mesh
@@ -280,7 +281,7 @@ class ExplicitProblem(Unique):
             form = operators.sum_materials(
                 self.u, self.material,
                 lambda m, dx: viscosity.bulk(
-                    self.u, self.velocity, v, m.law(mesh), m.density_constant(mesh), linear, quadratic, dx
+                    self.u, self.velocity, v, m.elastic_law(mesh), m.density_constant(mesh), linear, quadratic, dx
                 ),
             )  # fmt: skip
             self._term(form, kinds.viscosity)
@@ -386,13 +387,24 @@ class ExplicitProblem(Unique):
 
     @property
     def energy(self) -> dict[str, float]:
-        """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, external,
-        total [F L] and drift [1]; docs/explicit/energies.md."""
+        """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, plastic,
+        external, total [F L] and drift [1]; docs/explicit/energies.md."""
         return dict(self._state.energy)
 
     @property
+    def history(self) -> MaterialHistory:
+        """Internal variables of the materials by name, at the present time.
+
+        Raises:
+            ValueError: no material has any.
+        """
+        if self._parts is None:
+            raise ValueError("no material of the problem has internal variables")
+        return MaterialHistory(self._parts, self._internal.history)
+
+    @property
     def energy_history(self) -> FloatArray:
-        """Time and energies before every step, (num_steps, 9): time [T], then the energies of `energy` in its order, up
+        """Time and energies before every step, (num_steps, 10): time [T], then the energies of `energy` in its order, up
         to external [F L]. The first row is the start of the run. Runs of more than `history_limit` steps have every
         second, fourth, ... step."""
         return self._history.energies

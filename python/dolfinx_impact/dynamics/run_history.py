@@ -13,7 +13,9 @@ from .history import History
 # Energies by the names of ENERGIES: a mapping, or a row of a structured array.
 Energies: TypeAlias = Mapping[str, float] | np.void
 
-ENERGIES = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "external")
+ENERGIES = (
+    "kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "plastic", "external",
+)  # fmt: skip
 
 
 def total_energy(values: Energies) -> float:
@@ -110,7 +112,7 @@ class RunHistory:
 
     @property
     def energies(self) -> FloatArray:
-        """Times [T] and energies in the order of ENERGIES [F L], (num_rows, 9)."""
+        """Times [T] and energies in the order of ENERGIES [F L], (num_rows, 10)."""
         rows = self._rows.rows()
         return np.column_stack([rows["time"], *(rows[name] for name in ENERGIES)])
 

@@ -309,6 +309,7 @@ def run_steps(problem: StaticProblem, solver: Solver, steps: int, cut_backs: int
             if overlaps:
                 increment.failed("; ".join(overlaps), hopeless=True)
         if not increment.fault:
+            problem.body.accept_step()
             for contact in problem.contact:
                 contact.accept_step()
             report.add(increment, fraction)

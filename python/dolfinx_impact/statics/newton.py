@@ -98,6 +98,10 @@ class Newton:
         for iteration in itertools.count():
             with self._clock("bodies"):
                 b = p.assemble_residual()
+                unsolved = p.body.fault()
+            if unsolved:
+                result.residual_norms.append(float("nan"))
+                return result.failed(f"{unsolved} in Newton iteration {iteration}")
             if not np.isfinite(b.norm()):
                 result.residual_norms.append(float("nan"))
                 return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
@@ -145,7 +149,7 @@ class Newton:
             inner = max(inner, self.tangent_force(K))
             noise = self._round_off(K)
             # The accuracy that is still needed, but no more than the quadratic convergence of the next step.
-            digits = 1e-10 if not p.contact and p.linear else LOOSE_DIGITS
+            digits = 1e-10 if not p.contact and p.body.linear else LOOSE_DIGITS
             if moved and norm > 0:
                 enough = self.margin * max(self.atol, self.rtol * max(scale, inner)) / norm
                 likely = 0.1 * (norm / before) ** 2 if before else 1e-4
@@ -249,7 +253,7 @@ class Newton:
     def _residual_norm(self) -> float:
         """Norm of `_residual`, infinite where it is not a number [F]. Collective."""
         norm = self.norm(self._residual())
-        return norm if np.isfinite(norm) else np.inf
+        return norm if np.isfinite(norm) and not self.problem.body.fault() else np.inf
 
     # --- checks of an iteration ------------------------------------------------------------------------------------
 
@@ -298,7 +302,7 @@ class Newton:
 
     def _stiffness(self) -> PETSc.Mat:
         """Tangent of the bodies at u [F/L]; that of a linear law is assembled once per increment. Collective."""
-        if self._K is None or not self.problem.linear:
+        if self._K is None or not self.problem.body.linear:
             with self._clock("bodies"):
                 self._K = self.problem.tangent.assemble()
         return self._K
@@ -353,7 +357,7 @@ class Newton:
             parts = [(c, c.tangent()) for c in p.contact]
             penalties = [s for c, s in parts if not c.has_multipliers]
             geometric = [s for c, s in parts if c.has_multipliers and s is not None]
-            symmetric = all([c.symmetric for c in p.contact])
+            symmetric = p.body.symmetric and all([c.symmetric for c in p.contact])
             for force in [c.closing_forces() for c in p.contact]:
                 residual = residual if force is None else residual + force
         diagonal = K.getDiagonal()

@@ -6,16 +6,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import dolfinx.fem.petsc as petsc
 import numpy as np
 import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
 from ..common import arguments
-from ..assembly import operators, problem_arguments
+from ..assembly import problem_arguments
+from ..assembly.history import MaterialHistory
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
+from .bodies import make_body
+from .body import Body, BodyTangent
+from .inelastic_body import InelasticBody
 from .linear_solver import LinearSolver
 from ..io.mesh_check import check_cells
 from .snes import Solver
@@ -54,8 +57,7 @@ class StaticProblem(Unique):
         contact: contacts with their results (points, gap, pressure, force, ...), in the order given.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
         exact_tangent: whether the part of the contact tangent that is not symmetric is in the matrix.
-        tangent: derivative of the bodies' residual, assembled at the present u [F/L].
-        linear: whether that tangent is constant.
+        body: residual of the bodies and its tangent.
         linear_solver: solver of the linear systems.
         keeps_multipliers: whether multipliers stay in the linear systems; otherwise they are condensed.
         num_owned: number of degrees of freedom that this rank owns [1].
@@ -92,30 +94,9 @@ class StaticProblem(Unique):
         self.space = V
         check_cells(V.mesh)
         claim(u, self)
-        v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
-        if residual is None:
-            assert material is not None  # checked above
-            axisymmetric = material.hypothesis_on(V.mesh) == "axisymmetric"
-            residual = operators.internal_force_form(u, v, material)
-            tangent = operators.tangent_form(u, du, v, material)
-            for load in loads:
-                external = load.form(u, v, material)
-                residual = residual - external
-                if u in external.coefficients():
-                    tangent = tangent - ufl.derivative(external, u, du)
-        else:
-            tangent = ufl.derivative(residual, u, du)
-        for measure, data in next(iter(residual.subdomain_data().values())).items():
-            if any(d is not data[0] for d in data):
-                raise ValueError(
-                    f"the {measure} integrals must share one subdomain_data: "
-                    "put the tags of all loads into one MeshTags"
-                )
-        self.residual, self.axisymmetric = residual, axisymmetric
-        self._residual = fem.form(residual)
-        self.tangent = operators.Tangent(tangent)
-        self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
-        self._b = petsc.create_vector(self._residual)
+        self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
+        self.body: Body = make_body(u, material, residual, loads)
+        self._b = self.body.vector()
         # Only multipliers with the dual basis can be condensed. With another basis, all stay in the system.
         self.keeps_multipliers = any(getattr(c, "basis", "dual") != "dual" for c in contact)
         self.linear_solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
@@ -129,8 +110,22 @@ class StaticProblem(Unique):
         for d in dofs:
             self.fixed[d] = True
         self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
-        # A tangent that does not contain u is constant.
-        self.linear = not any(c is u for c in tangent.coefficients())
+
+    @property
+    def tangent(self) -> BodyTangent:
+        """Derivative of the bodies' residual, assembled at the present u [F/L]."""
+        return self.body.tangent
+
+    @property
+    def history(self) -> MaterialHistory:
+        """Internal variables of the materials by name, as they are after the last converged step.
+
+        Raises:
+            ValueError: no material has any.
+        """
+        if not isinstance(self.body, InelasticBody):
+            raise ValueError("no material of the problem has internal variables")
+        return self.body.history
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
@@ -145,7 +140,7 @@ class StaticProblem(Unique):
         self.u.x.scatter_forward()
         with self._b.localForm() as local:
             local.set(0.0)
-        petsc.assemble_vector(self._b, self._residual)
+        self.body.add_residual(self._b)
         self._b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         return self._b
 

@@ -238,6 +238,9 @@ class Solver:
                 log.iteration(iteration, norm, scale, size, result.changes[-1])
             self._changes = 0
             result.iterations += self.snes.getIterationNumber()
+            unsolved = p.body.fault()
+            if unsolved:
+                return result.failed(unsolved)
             reason = self.snes.getConvergedReason()
             if reason < 0:
                 return result.failed(f"SNES of type {self.snes.getType()} did not converge: PETSc reason {reason}")

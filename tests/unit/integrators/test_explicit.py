@@ -96,7 +96,7 @@ def test_invariant_and_energies():
     """T-3: kinetic and internal energy as defined are constant to round-off, at every step."""
     problem = shaken(COMM)
     history = problem.energy_history
-    assert history.shape == (1000, 9) and np.all(np.diff(history[:, 0]) > 0)
+    assert history.shape == (1000, 10) and np.all(np.diff(history[:, 0]) > 0)
     total = history[:, 1:-1].sum(axis=1) - history[:, -1]
     assert np.abs(total - total[0]).max() < 1e-12 * total[0]
     assert abs(problem.energy["drift"]) < 1e-12

@@ -47,7 +47,7 @@ def test_histories_of_a_run():
         p.advance(90 * dt, dt=dt, callback=lambda q: seen.append((q.step, q.time)), progress=False)
         p.advance(120 * dt, dt=dt, callback=lambda q: seen.append((q.step, q.time)), progress=False)
     whole, thin = (p.energy_history for p in problems)
-    assert whole.shape == (120, 9) and whole[0, 0] == 0.0 and whole[0, 1] > 0.0
+    assert whole.shape == (120, 10) and whole[0, 0] == 0.0 and whole[0, 1] > 0.0
     np.testing.assert_array_equal(thin, whole[::4])
     assert problems[0].energy == problems[1].energy
     assert [step for step, _ in seen] == 2 * list(range(121)) and seen[0][1] == 0.0  # step 0 once

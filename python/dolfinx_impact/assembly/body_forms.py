@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: MIT
+"""Internal force of bodies of elastic and inelastic materials, and the stiffness that bounds their frequencies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import ufl
+from dolfinx.fem import Function
+
+from ..forms import elasticity
+from ..forms.materials import weight
+from ..forms.point_law import PointLaw
+from ..inelastic import InelasticMaterial
+from ..materials import Material
+from . import operators
+from .inelastic_part import ELASTIC_ENERGY, InelasticParts
+
+
+@dataclass
+class BodyForms:
+    """Forms of bodies for explicit steps.
+
+    Attributes:
+        internal: internal virtual work, of rank 1.
+        stiffness: stiffness, of inelastic materials that of their elastic part, of rank 2.
+        linear: whether the internal force is linear in the displacement.
+        laws: point laws of the kernels, one or by cell tag; None without internal variables.
+        parts: inelastic parts; None without.
+    """
+
+    internal: ufl.Form
+    stiffness: ufl.Form
+    linear: bool
+    laws: PointLaw | dict[int, PointLaw] | None = None
+    parts: InelasticParts | None = None
+
+
+def body_forms(u: Function, material: Material) -> BodyForms:
+    """Forms of the bodies of a material or MaterialMap.
+
+    Args:
+        u: displacement function [L].
+        material: material of the bodies.
+    """
+    V = u.function_space
+    v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+    internal, stiffness = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
+    if not any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
+        return BodyForms(internal, stiffness, all(m.law(V.mesh).linear for _, m in material.parts()))
+    parts = InelasticParts(u, material)
+    form, laws = parts.force(v)
+    if isinstance(laws, dict):  # the elastic energy of the other parts is needed, too
+        for tag, m in material.parts():
+            if tag is not None and not isinstance(m, InelasticMaterial):
+                law: Any = m.law(V.mesh)
+                energy = law.energy_density(u) * weight(V.mesh, law.hypothesis)
+                laws[tag] = PointLaw(outputs={}, sums={ELASTIC_ENERGY: energy})
+        form, stiffness = form + internal, parts.elastic_tangent(du, v) + stiffness
+    else:
+        stiffness = parts.elastic_tangent(du, v)
+    return BodyForms(form, stiffness, False, laws, parts)
+
+
+def stiffness_damping(u: Function, velocity: Function, v: ufl.Argument, material: Material, beta: Any) -> ufl.Form:
+    """Virtual work of stiffness-proportional damping; the stiffness of an inelastic material is its elastic one.
+
+    Args:
+        u: displacement function [L].
+        velocity: velocity function [L/T].
+        v: test function.
+        material: material of the bodies.
+        beta: factor [T].
+    """
+    form = operators.sum_laws(u, material, lambda law, dx: beta * elasticity.tangent(u, velocity, v, law, dx))
+    if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
+        form = form + beta * InelasticParts(u, material).elastic_tangent(velocity, v)
+    return form

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""The bodies of a static problem, from materials and loads or from a residual of a user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import ufl
+from dolfinx import fem
+
+from ..assembly import operators
+from ..assembly.inelastic_part import InelasticParts
+from ..inelastic import InelasticMaterial
+from ..loads import Load
+from ..materials import Material
+from .body import Body
+from .elastic_body import ElasticBody
+from .inelastic_body import InelasticBody
+
+
+def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | None, loads: Sequence[Load]) -> Body:
+    """Compose residual and tangent of the bodies.
+
+    Args:
+        u: displacement function [L].
+        material: material of the bodies; None with a residual.
+        residual: UFL residual of a user's own; None with a material.
+        loads: loads, with a material.
+
+    Returns:
+        Elastic or inelastic bodies.
+
+    Raises:
+        ValueError: integrals over one kind of entity have different tags.
+    """
+    V = u.function_space
+    v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+    if residual is not None:
+        _check_measures(residual)
+        return ElasticBody(u, residual, ufl.derivative(residual, u, du))
+    assert material is not None  # checked by the problem
+    external: Any = None
+    for load in loads:
+        form = load.form(u, v, material)
+        external = form if external is None else external + form
+    follows = external is not None and u in external.coefficients()
+    stiffness = ufl.derivative(external, u, du) if follows else None
+    inelastic = any(isinstance(m, InelasticMaterial) for _, m in material.parts())
+    if not inelastic:
+        internal, tangent = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
+        whole = internal if external is None else internal - external
+        _check_measures(whole)
+        return ElasticBody(u, whole, tangent if stiffness is None else tangent - stiffness)
+    rest = _sum(operators.internal_force_form(u, v, material), None if external is None else -external)
+    if rest is not None:
+        _check_measures(rest)
+    tangent = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
+    return InelasticBody(u, InelasticParts(u, material), rest, tangent)
+
+
+def _sum(*forms: Any) -> Any:
+    """Sum of the forms that are not None or zero; None if there are none."""
+    found = [f for f in forms if f is not None and isinstance(f, ufl.Form) and not f.empty()]
+    return sum(found[1:], found[0]) if found else None
+
+
+def _check_measures(form: ufl.Form) -> None:
+    """Raise ValueError if the integrals over one kind of entity have different tags."""
+    for measure, data in next(iter(form.subdomain_data().values())).items():
+        if any(d is not data[0] for d in data):
+            raise ValueError(
+                f"the {measure} integrals must share one subdomain_data: "
+                "put the tags of all loads into one MeshTags"
+            )

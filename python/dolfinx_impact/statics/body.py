@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""What Newton's method asks of the bodies: residual, tangent, and the state that a step begins from."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from petsc4py import PETSc
+
+
+class BodyTangent(Protocol):
+    """Matrix of the bodies, made once.
+
+    Attributes:
+        matrix: the matrix [F/L].
+    """
+
+    matrix: PETSc.Mat
+
+    def assemble(self) -> PETSc.Mat:
+        """Assemble the matrix at the present state. Collective."""
+        ...
+
+
+class Body(Protocol):
+    """Bodies of a static problem.
+
+    Attributes:
+        tangent: derivative of the residual.
+        linear: whether the tangent is constant.
+        symmetric: whether the tangent is symmetric, as far as is known.
+    """
+
+    tangent: BodyTangent
+    linear: bool
+    symmetric: bool
+
+    def vector(self) -> PETSc.Vec:
+        """Make a vector for the residual, with ghosts."""
+        ...
+
+    def add_residual(self, b: PETSc.Vec) -> None:
+        """Add internal minus external forces at the present displacement, on owned and ghost entries [F]. Collective.
+
+        Args:
+            b: vector with ghosts.
+        """
+        ...
+
+    def fault(self) -> str:
+        """Why the last residual could not be computed; an empty text if it could. Collective."""
+        ...
+
+    def accept_step(self) -> None:
+        """Take the state of the last residual as the one that the next step begins from."""
+        ...

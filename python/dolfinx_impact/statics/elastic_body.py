@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""Bodies without internal variables, and residuals of a user's own: assembled by DOLFINx."""
+
+from __future__ import annotations
+
+import dolfinx.fem.petsc as petsc
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+
+from ..assembly import operators
+
+
+class ElasticBody:
+    """Bodies whose forces follow from the present displacement alone; see Body.
+
+    Args:
+        u: displacement function [L].
+        residual: UFL form of the internal minus the external forces, of rank 1.
+        tangent: UFL form of its derivative, of rank 2.
+
+    Attributes:
+        tangent: derivative of the residual.
+        linear: whether the tangent is constant.
+        symmetric: whether the tangent is symmetric, as far as is known.
+    """
+
+    def __init__(self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form) -> None:
+        self._residual = fem.form(residual)
+        self.tangent = operators.Tangent(tangent)
+        self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        self.symmetric = True
+        # A tangent that does not contain u is constant.
+        self.linear = not any(c is u for c in tangent.coefficients())
+
+    def vector(self) -> PETSc.Vec:
+        """Make a vector for the residual, with ghosts."""
+        return petsc.create_vector(self._residual)
+
+    def add_residual(self, b: PETSc.Vec) -> None:
+        """Add internal minus external forces, on owned and ghost entries [F]. Collective.
+
+        Args:
+            b: vector with ghosts.
+        """
+        petsc.assemble_vector(b, self._residual)
+
+    def fault(self) -> str:
+        """An empty text: the forces can always be computed, though they may not be finite."""
+        return ""
+
+    def accept_step(self) -> None:
+        """Nothing: there is no history."""

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""Bodies with internal variables: force and history by our kernels in one pass, the tangent by DOLFINx."""
+
+from __future__ import annotations
+
+import dolfinx.fem.petsc as petsc
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+
+from ..assembly.history import MaterialHistory
+from ..assembly.inelastic_part import UNKNOWN, HistoryFunctions, InelasticParts, set_values
+from ..assembly.inelastic_tangent import InelasticTangent
+from ..assembly.operators import InternalForce
+from ..common.types import FloatArray
+
+
+class InelasticBody:
+    """Bodies of which at least one has internal variables; see Body.
+
+    Args:
+        u: displacement function [L].
+        parts: inelastic parts.
+        residual: UFL form of the rest of the residual: elastic parts, minus external forces; None: there is none.
+        tangent: UFL form of the derivative of that rest; None: it is zero.
+
+    Attributes:
+        tangent: derivative of the residual.
+        linear: False.
+        symmetric: False: kinematic hardening with recovery and finite strain make it unsymmetric.
+        force: operator of the internal forces, which keeps the history.
+        history: internal variables by name.
+    """
+
+    linear = False
+    symmetric = False
+
+    def __init__(
+        self, u: fem.Function, parts: InelasticParts, residual: ufl.Form | None, tangent: ufl.Form | None
+    ) -> None:
+        self.u, self.space, self.parts = u, u.function_space, parts
+        form, laws = parts.force(ufl.TestFunction(self.space))
+        self.force = InternalForce(form if residual is None else form + residual, law=laws)
+        self.history = MaterialHistory(parts, self.force.history)
+        self._functions = [HistoryFunctions(part) for part in parts]
+        self.tangent = self
+        self._tangent = InelasticTangent(u, list(parts), self._functions, tangent)
+        self.matrix: PETSc.Mat = self._tangent.matrix
+        self.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        self._values: FloatArray = self.force.vector().array
+        self._vector_form = fem.form(ufl.inner(u, ufl.TestFunction(self.space)) * ufl.dx)
+
+    def vector(self) -> PETSc.Vec:
+        """Make a vector for the residual, with ghosts."""
+        return petsc.create_vector(self._vector_form)
+
+    def add_residual(self, b: PETSc.Vec) -> None:
+        """Add internal minus external forces, on owned and ghost entries [F]. The new history is kept beside that of
+        the last step. Collective.
+
+        Args:
+            b: vector with ghosts.
+        """
+        self._values[:] = 0.0
+        self.force.assemble(self._values)
+        with b.localForm() as local:
+            local.array[:] += self._values
+
+    def assemble(self) -> PETSc.Mat:
+        """Assemble the tangent at the history of the last step and the local unknowns of the last residual. Collective.
+
+        Returns:
+            The matrix of this object; the next call overwrites it.
+        """
+        for part, functions in zip(self.parts, self._functions):
+            for store in self.force.history.parts_of(part.tag):
+                for name, f in functions.history.items():
+                    set_values(f, store.cells, store.values(name))
+                if functions.unknown is not None:
+                    set_values(functions.unknown, store.cells, store.values(UNKNOWN, trial=True))
+        return self._tangent.assemble()
+
+    def fault(self) -> str:
+        """Which local equations the last residual could not solve; an empty text if it could. Collective."""
+        return self.force.fault()
+
+    def accept_step(self) -> None:
+        """Commit the history of the last residual."""
+        self.force.history.commit()
