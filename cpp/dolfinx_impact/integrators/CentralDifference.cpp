@@ -127,11 +127,21 @@ void CentralDifference::complete_residual()
   std::fill(_fields.r.begin() + _fields.owned, _fields.r.end(), 0.0);
 }
 
+/// The internal variables of the present time level are what the next one starts from.
+void CentralDifference::commit()
+{
+  _internal.inner->commit();
+  _internal.outer->commit();
+  for (ForceTerm& term : _terms)
+    term.commit();
+}
+
 void CentralDifference::advance(double dt, const double* amplitudes)
 {
   NodalFields& f = _fields;
   const Coefficients c = coefficients(dt);
   const double mean_step = 0.5 * (_last_step + dt);
+  commit();
   _prescribed.keep(f.u.data(), f.v.data(), f.r.data());
   _contact.keep(f);
   Sums sums = update(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), c, f.u.data(), f.v.data());

@@ -44,6 +44,8 @@ public:
   /// Forces at the present time level, added to the residual.
   /// @param[in] dt step that led here [T]
   void evaluate(NodalFields& fields, double dt);
+  /// The internal variables of the present time level are what the next one starts from.
+  void commit();
   /// The forces of the last time level do work in the step since. To be called before `evaluate`.
   void work_of_step(const NodalFields& fields, double dt);
 

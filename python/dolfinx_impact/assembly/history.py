@@ -3,17 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import ufl
 from dolfinx import fem, la
 from dolfinx.fem import Function
+from dolfinx.mesh import Mesh
 
-from ..common.types import FloatArray, IntArray
+from ..common.types import FloatArray
 from ..forms import quadrature
-from .inelastic_part import HistoryFunctions, InelasticPart, quadrature_element, set_values
+from .inelastic_part import HistoryFunctions, InelasticParts, quadrature_element, set_values
+from .point_values import PointHistory
 
 
 class HistoryField:
@@ -23,35 +24,31 @@ class HistoryField:
         name: name of the variable.
         shape: shape of a value, () or (n,).
         degree: quadrature degree of its points [1].
-        parts: cells of each inelastic part that has the variable, and a function that returns their values
-            (num_cells, num_points, num_components).
         mesh: mesh of the problem.
+        points: the values at the points.
     """
 
-    def __init__(self, name: str, shape: tuple[int, ...], degree: int, parts: Sequence[Any], mesh: Any) -> None:
+    def __init__(
+        self, name: str, shape: tuple[int, ...], degree: int, mesh: Mesh, points: PointHistory
+    ) -> None:
         self.name, self.shape, self.degree = name, shape, degree
-        self._parts, self._mesh = list(parts), mesh
+        self._mesh, self._points = mesh, points
 
     def __repr__(self) -> str:
         what = "a number" if not self.shape else f"{self.shape[0]} components"
         return f"HistoryField({self.name!r}: {what} at the points of degree {self.degree})"
 
     @property
-    def num_points(self) -> int:
-        """Number of points in a cell [1]."""
-        element = quadrature_element(self._mesh, (), self.degree)
-        return int(element.custom_quadrature()[0].shape[0])
-
-    @property
     def values(self) -> FloatArray:
         """Values of the last completed step on this rank, (num_owned_cells, num_points, ...); zero in cells of materials
         without the variable."""
-        topology = self._mesh.topology
-        num_cells = topology.index_map(topology.dim).size_local
-        out = np.zeros((num_cells, self.num_points, int(np.prod(self.shape, dtype=int))))
-        for cells, read in self._parts:
-            out[cells] = np.asarray(read()).reshape(len(cells), *out.shape[1:])
-        return out.reshape(*out.shape[:2], *self.shape)
+        values = self._points.values(self.name)
+        return values.reshape(*values.shape[:2], *self.shape)
+
+    @values.setter
+    def values(self, values: FloatArray) -> None:
+        given = np.asarray(values, dtype=float)
+        self._points.set_values(self.name, given.reshape(*given.shape[:2], -1))
 
     def function(self) -> Function:
         """The values as a function on a quadrature element, for forms with this quadrature degree."""
@@ -91,12 +88,11 @@ class MaterialHistory(Mapping[str, HistoryField]):
 
     Args:
         parts: inelastic parts of the problem.
-        stores: for each part the stores of its kernels (_cpp.operators.PointHistory), whose cells together are the
-            part's owned cells.
+        points: the values at the points.
     """
 
-    def __init__(self, parts: Sequence[InelasticPart], stores: Sequence[Sequence[Any]]) -> None:
-        self._parts, self._stores = list(parts), [list(s) for s in stores]
+    def __init__(self, parts: InelasticParts, points: PointHistory) -> None:
+        self._parts, self._points = parts, points
 
     def __iter__(self) -> Iterator[str]:
         return iter(dict.fromkeys(name for part in self._parts for name in part.history))
@@ -108,38 +104,14 @@ class MaterialHistory(Mapping[str, HistoryField]):
         return f"MaterialHistory({', '.join(self)})"
 
     def __getitem__(self, name: str) -> HistoryField:
-        shapes = {part.response.history[name] for part in self._parts if name in part.history}
-        if not shapes:
+        found = {part.response.history[name]: part for part in self._parts if name in part.history}
+        if not found:
             raise KeyError(f"no material has the internal variable {name!r}: there are {', '.join(self)}")
-        if len(shapes) > 1:
-            raise ValueError(f"the materials have {name!r} with different shapes, {sorted(shapes)}")
-        found = [
-            (np.asarray(store.cells, dtype=np.int32), lambda store=store: store.values(name))
-            for part, stores in zip(self._parts, self._stores)
-            if name in part.history
-            for store in stores
-        ]
-        part = self._parts[0]
-        return HistoryField(name, shapes.pop(), part.degree, found, part.mesh)
-
-    def set(self, name: str, values: FloatArray) -> None:
-        """Replace the committed values of a variable.
-
-        Args:
-            name: name of the variable.
-            values: values on this rank, (num_owned_cells, num_points, ...).
-        """
-        flat = np.asarray(values, dtype=float).reshape(len(values), -1)
-        for part, stores in zip(self._parts, self._stores):
-            if name in part.history:
-                for store in stores:
-                    store.set_values(name, np.ascontiguousarray(flat[store.cells]).ravel())
+        if len(found) > 1:
+            raise ValueError(f"the materials have {name!r} with different shapes, {sorted(found)}")
+        ((shape, part),) = found.items()
+        return HistoryField(name, shape, part.degree, part.mesh, self._points)
 
     def functions(self) -> list[HistoryFunctions]:
-        """Functions for the history of each part; they are not filled."""
+        """Functions for history and unknowns of each part; they are not filled."""
         return [HistoryFunctions(part) for part in self._parts]
-
-    def cells(self) -> IntArray:
-        """Owned cells with internal variables."""
-        found = [np.asarray(store.cells, dtype=np.int32) for stores in self._stores for store in stores]
-        return np.sort(np.concatenate(found)) if found else np.zeros(0, dtype=np.int32)

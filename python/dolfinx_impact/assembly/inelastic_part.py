@@ -87,7 +87,7 @@ class InelasticPart:
             residual=update.residual,
             start=update.start,
             scale=update.scale,
-            sums={ELASTIC_ENERGY: update.stored * r},
+            # SUMS
         )
         return form, law
 

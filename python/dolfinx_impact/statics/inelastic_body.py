@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import dolfinx.fem.petsc as petsc
+import numpy as np
 import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
 from ..assembly.history import MaterialHistory
-from ..assembly.inelastic_part import UNKNOWN, HistoryFunctions, InelasticParts, set_values
+from ..assembly.inelastic_part import UNKNOWN, InelasticParts, set_values
 from ..assembly.inelastic_tangent import InelasticTangent
 from ..assembly.operators import InternalForce
 from ..common.types import FloatArray
@@ -42,7 +43,7 @@ class InelasticBody:
         form, laws = parts.force(ufl.TestFunction(self.space))
         self.force = InternalForce(form if residual is None else form + residual, law=laws)
         self.history = MaterialHistory(parts, self.force.history)
-        self._functions = [HistoryFunctions(part) for part in parts]
+        self._functions = self.history.functions()
         self.tangent = self
         self._tangent = InelasticTangent(u, list(parts), self._functions, tangent)
         self.matrix: PETSc.Mat = self._tangent.matrix
@@ -72,12 +73,13 @@ class InelasticBody:
         Returns:
             The matrix of this object; the next call overwrites it.
         """
-        for part, functions in zip(self.parts, self._functions):
-            for store in self.force.history.parts_of(part.tag):
-                for name, f in functions.history.items():
-                    set_values(f, store.cells, store.values(name))
-                if functions.unknown is not None:
-                    set_values(functions.unknown, store.cells, store.values(UNKNOWN, trial=True))
+        points = self.force.history
+        for functions in self._functions:
+            cells = np.arange(points.num_cells, dtype=np.int32)
+            for name, f in functions.history.items():
+                set_values(f, cells, points.values(name))
+            if functions.unknown is not None:
+                set_values(functions.unknown, cells, points.values(UNKNOWN, trial=True))
         return self._tangent.assemble()
 
     def fault(self) -> str:
