@@ -148,7 +148,7 @@ void bind_plasticity(nb::module_& m)
       .def_ro("work", &PlasticBody::Trial::work)
       .def_ro("dissipation", &PlasticBody::Trial::dissipation)
       .def_ro("stress", &PlasticBody::Trial::stress)
-      .def_prop_ro("history", [](const PlasticBody::Trial& t) { return arrays_of(t.history); });
+      .def_prop_ro("history", [](const PlasticBody::Trial& t) { return arrays_of(t.history); }, nb::rv_policy::move);
   nb::class_<PlasticBody>(m, "PlasticBody")
       .def(
           "__init__",
@@ -158,7 +158,8 @@ void bind_plasticity(nb::module_& m)
           nb::keep_alive<1, 2>())
       .def("evaluate", &PlasticBody::evaluate)
       .def("commit", &PlasticBody::commit)
-      .def_prop_ro("history", [](const PlasticBody& b) { return arrays_of(b.history()); })
+      .def_prop_ro(
+          "history", [](const PlasticBody& b) { return arrays_of(b.history()); }, nb::rv_policy::move)
       .def("set_history", [](PlasticBody& b, const Histories& h) { b.set_history(histories(h)); })
       .def("solve",
            [](PlasticBody& b, const std::vector<std::int64_t>& fixed, V u0, V load0, P values, P loads,
