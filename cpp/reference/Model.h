@@ -26,6 +26,18 @@ public:
   std::vector<std::int64_t> elimination_order() const { return dissection(field_, pattern_); }
   int gdim() const { return int(geometry_.points.cols()); }
   std::int64_t num_dofs() const { return gdim() * field_.points.rows(); }
+  std::int64_t num_cells() const { return geometry_.cells.rows(); }
+  const Material& material(std::int64_t cell) const { return materials_[material_of_cell_[cell]]; }
+  int tag(std::int64_t cell) const { return tags_[material_of_cell_[cell]]; }
+
+  /// For those who integrate over cells themselves.
+  Sampler sampler(const Rule& rule) const;
+  const Pattern& pattern() const { return pattern_; }
+  Matrix cell_points(std::int64_t cell) const;                   ///< geometry nodes (num_geometry_nodes, gdim) [L]
+  std::vector<std::int64_t> cell_nodes(std::int64_t cell) const; ///< of the field
+  Vector gather(const Vector& u, std::int64_t cell) const;
+  void scatter(Vector& global, int block, std::int64_t cell, const Vector& element) const;
+  void check_vector(const Vector& u) const; ///< @throws std::invalid_argument for a wrong size or NaN
 
   Csr stiffness(const Rule& rule) const;                                                 ///< seed (3.26) [F/L]
   Csr mass(const Rule& rule) const;                                                      ///< consistent [M]
@@ -53,7 +65,9 @@ public:
 
   /// Force of the bulk viscosity's pressure q at displacements u and velocities v, int B^T q dV [F]
   /// (docs/explicit/scheme.md).
-  Vector viscous_force(const Rule& rule, const Vector& u, const Vector& v, double b1, double b2) const;
+  /// @param deformed of the deformed body; always so where the material's own law knows finite strain
+  Vector viscous_force(const Rule& rule, const Vector& u, const Vector& v, double b1, double b2,
+                       bool deformed = false) const;
   /// Highest frequency of a cell alone, with its own part of the lumped mass and the stiffness at rest [1/T].
   double cell_frequency(const Rule& rule, const Rule& mass_rule, const std::string& scheme) const;
   /// Shortest time in which a dilatational wave runs along an edge (half of one at degree 2), (3.79), (3.80) [T].
@@ -64,14 +78,7 @@ public:
   Matrix rigid_modes() const;
 
 private:
-  Sampler sampler(const Rule& rule) const;
   FacetSampler facet_sampler(const Rule& rule) const;
-  Matrix cell_points(std::int64_t cell) const;
-  std::vector<std::int64_t> cell_nodes(std::int64_t cell) const;
-  Vector gather(const Vector& u, std::int64_t cell) const;
-  void scatter(Vector& global, int block, std::int64_t cell, const Vector& element) const;
-  void check_vector(const Vector& u) const;
-  const Material& material(std::int64_t cell) const { return materials_[material_of_cell_[cell]]; }
   FacetPlace locate(const Cells& facets, std::int64_t row) const;
   template <typename F>
   Csr assemble(int block, F&& element) const;
@@ -83,7 +90,7 @@ private:
   Pattern pattern_;
   FacetIndex facets_;
   std::vector<Material> materials_;
-  std::vector<int> material_of_cell_;
+  std::vector<int> tags_, material_of_cell_; // tags of the materials
   Hypothesis hypothesis_;
   bool linear_;
 };

@@ -97,12 +97,16 @@ void bind_explicit(nb::module_& m)
       .def_ro("half", &ExplicitHistory::half)
       .def_ro("support", &ExplicitHistory::support)
       .def_ro("energies", &ExplicitHistory::energies)
-      .def_ro("contacts", &ExplicitHistory::contacts);
+      .def_ro("contacts", &ExplicitHistory::contacts)
+      .def_ro("equivalent", &ExplicitHistory::equivalent)
+      .def_ro("plastic", &ExplicitHistory::plastic)
+      .def_ro("back_stress", &ExplicitHistory::back_stress);
 
   m.def("run_explicit",
         [](const Model& model, P points, V weights, P mass_points, V mass_weights, const std::string& lumping, V steps,
            V u0, V v0, Dofs fixed, P values, P loads, P amplitudes, double alpha, double beta, bool classical,
-           double b1, double b2, int every, const std::vector<ExplicitContact*>& contacts)
+           double b1, double b2, int every, const std::vector<ExplicitContact*>& contacts,
+           const std::vector<PlasticBody*>& plastic)
         {
           return run_explicit(model, {{points, weights},
                                       {mass_points, mass_weights},
@@ -120,7 +124,8 @@ void bind_explicit(nb::module_& m)
                                       b1,
                                       b2,
                                       every,
-                                      contacts});
+                                      contacts,
+                                      plastic.empty() ? nullptr : plastic[0]});
         });
   m.def("viscous_force", [](const Model& s, P points, V weights, V u, V v, double b1, double b2)
         { return s.viscous_force({points, weights}, u, v, b1, b2); });

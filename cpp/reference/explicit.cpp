@@ -29,6 +29,8 @@ void check(const Model& model, const ExplicitData& d)
        "loads need " + std::to_string(n) + " finite values and a finite amplitude per time level");
   need(d.alpha >= 0 and d.beta >= 0 and d.b1 >= 0 and d.b2 >= 0, "damping and viscosity must not be negative");
   need(d.every > 0, "every must be 1 or more");
+  need(not d.plastic or d.beta == 0, "damping by the stiffness goes with elastic bodies: leave out beta");
+  need(not d.plastic or &d.plastic->model() == &model, "the plastic body belongs to another model");
   if (d.classical)
   {
     need(d.beta == 0, "scheme 'classical' needs a diagonal damping matrix: leave out beta or use 'half_step'");
@@ -101,14 +103,25 @@ public:
   }
 
 private:
+  Vector internal_force(const Vector& u)
+  {
+    if (not data_.plastic)
+      return model_.internal_force(data_.rule, u);
+    const PlasticBody::Trial trial = data_.plastic->evaluate(u, false);
+    data_.plastic->commit(trial);
+    stored_ = trial.energy;
+    return trial.force;
+  }
+
   Forces forces(int n, double dt, const Vector& u, const Vector& moved, const Vector& half)
   {
     const Vector zero = Vector::Zero(num_);
-    Forces f{-model_.internal_force(data_.rule, u), zero, zero, zero, zero, zero};
+    Forces f{-internal_force(u), zero, zero, zero, zero, zero};
     for (Eigen::Index k = 0; k < data_.loads.rows(); ++k)
       f.external += data_.amplitudes(n, k) * data_.loads.row(k).transpose();
     if (data_.b1 > 0 or data_.b2 > 0)
-      f.viscosity = -model_.viscous_force(data_.rule, u, half, data_.b1, data_.b2);
+      f.viscosity = -model_.viscous_force(data_.rule, u, half, data_.b1, data_.b2,
+                                          data_.plastic and data_.plastic->finite_strain());
     f.damping = -data_.alpha * mass_.cwiseProduct(half);
     if (data_.beta > 0)
       f.damping -= data_.beta * (model_.linear() ? stiffness_ : model_.tangent(data_.rule, u)).dot(half);
@@ -242,7 +255,12 @@ private:
     const auto work = [&](Vector Forces::* force) { return n == 0 ? 0.0 : ((last_.*force) + f.*force).dot(moved) / 2; };
     Vector& e = energies_;
     e(kinetic) = step.before.dot(mass_.cwiseProduct(step.after)) / 2;
-    if (model_.linear())
+    if (data_.plastic)
+    {
+      e(plastic_energy) -= work(&Forces::internal) + (n == 0 ? 0 : stored_ - e(internal_energy));
+      e(internal_energy) = stored_;
+    }
+    else if (model_.linear())
       e(internal_energy) = -u.dot(f.internal) / 2;
     else
       e(internal_energy) -= work(&Forces::internal);
@@ -294,7 +312,15 @@ private:
   ExplicitHistory room(std::int64_t rows) const
   {
     const Matrix field = Matrix::Zero(rows, num_);
-    ExplicitHistory out{Vector::Zero(rows), field, field, field, field, field, Matrix::Zero(rows, num_energies), {}};
+    ExplicitHistory out{
+        Vector::Zero(rows), field, field, field, field, field, Matrix::Zero(rows, num_energies), {}, {}, {}, {}};
+    if (data_.plastic)
+    {
+      const auto points = std::int64_t(data_.plastic->history().size());
+      out.equivalent.setZero(rows, points);
+      out.plastic.setZero(rows, 9 * points);
+      out.back_stress.setZero(rows, 9 * points);
+    }
     for (const auto* contact : data_.contacts)
     {
       const auto nodes = std::int64_t(contact->nodes().size());
@@ -320,6 +346,8 @@ private:
     out.half.row(row) = step.after.transpose();
     out.support.row(row) = f.support.transpose();
     out.energies.row(row) = energies_.transpose();
+    if (data_.plastic)
+      keep_history(out, row);
     for (std::size_t k = 0; k < data_.contacts.size(); ++k)
     {
       const ContactAnswer& now = data_.contacts[k]->answer();
@@ -335,6 +363,20 @@ private:
     }
   }
 
+  void keep_history(ExplicitHistory& out, std::int64_t row) const
+  {
+    const std::vector<J2History>& history = data_.plastic->history();
+    for (std::size_t p = 0; p < history.size(); ++p)
+    {
+      out.equivalent(row, Eigen::Index(p)) = history[p].equivalent;
+      for (int i = 0; i < 9; ++i)
+      {
+        out.plastic(row, Eigen::Index(9 * p) + i) = history[p].plastic(i / 3, i % 3);
+        out.back_stress(row, Eigen::Index(9 * p) + i) = history[p].back_stress(i / 3, i % 3);
+      }
+    }
+  }
+
   const Model& model_;
   const ExplicitData& data_;
   std::int64_t num_;
@@ -345,6 +387,7 @@ private:
   Forces last_;
   std::vector<ContactAnswer> last_answers_; // of the contacts at t_(n-1)
   double largest_ = 0, start_ = 0;
+  double stored_ = 0; // elastic energy of a plastic body
 };
 } // namespace
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "PlasticBody.h"
 #include "contact.h"
 #include <memory>
 
@@ -74,6 +75,8 @@ struct ExplicitData
   double b1 = 0, b2 = 0;                       ///< bulk viscosity [1]
   int every = 1;                               ///< states between two that are kept
   std::vector<ExplicitContact*> contacts = {}; ///< not owned
+  /// Takes the place of the model's elastic force and commits its history at every time level; not owned.
+  PlasticBody* plastic = nullptr;
 };
 
 /// Columns of ExplicitHistory::energies.
@@ -86,6 +89,7 @@ enum Energy
   impact_energy,
   damping_energy,
   viscosity_energy,
+  plastic_energy, ///< work of the internal forces less the stored elastic energy
   external_energy,
   total_energy,
   drift,
@@ -112,6 +116,9 @@ struct ExplicitHistory
   Matrix half;     ///< v_(n+1/2) (num_states, num_dofs) [L/T]
   Matrix energies; ///< (num_states, num_energies)
   std::vector<ContactHistories> contacts;
+  /// History of a plastic body, by cells and points (num_states, num_points), tensors in rows of 9 values each; empty
+  /// without one.
+  Matrix equivalent, plastic, back_stress; ///< [1], [1], [F/L^2]
 };
 
 /// @throws std::invalid_argument for wrong sizes, steps that are not positive, a scheme that cannot do what is asked

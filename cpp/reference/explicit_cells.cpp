@@ -26,7 +26,8 @@ Vector inverse_metric(Hypothesis h, const Eigen::Matrix3d& F)
 }
 } // namespace
 
-Vector Model::viscous_force(const Rule& rule, const Vector& u, const Vector& v, double b1, double b2) const
+Vector Model::viscous_force(const Rule& rule, const Vector& u, const Vector& v, double b1, double b2,
+                            bool deformed) const
 {
   const Sampler s = sampler(rule);
   const int d = gdim();
@@ -36,7 +37,7 @@ Vector Model::viscous_force(const Rule& rule, const Vector& u, const Vector& v, 
     const Material& m = material(c);
     const Matrix X = cell_points(c);
     const Vector ue = gather(u, c), ve = gather(v, c);
-    const bool linear = m.law == "linear_elastic";
+    const bool linear = m.law == "linear_elastic" and not deformed;
     Vector force = Vector::Zero(ue.size());
     for (int q = 0; q < s.num_points(); ++q)
     {

@@ -20,6 +20,7 @@ Model::Model(const impact_plain::Mesh& mesh, const std::map<int, Material>& mate
                                   materials.begin()->second.hypothesis + "): a model has one");
     place[tag] = int(materials_.size());
     materials_.push_back(material);
+    tags_.push_back(tag);
   }
   const std::int64_t num_cells = geometry_.cells.rows();
   if (mesh.cell_tags.empty() and materials.size() > 1)

@@ -78,5 +78,6 @@ NB_MODULE(_reference, m)
   bind_elements(m);
   bind_model(m);
   bind_contact(m);
+  bind_plasticity(m);
   bind_explicit(m);
 }

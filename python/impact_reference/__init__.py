@@ -6,7 +6,7 @@ generated from UFL. `reference_nodes` states the node order; degrees of freedom 
 fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, explicit, model, rules, sparse
+from . import contact, elements, explicit, model, plastic_body, plasticity, rules, sparse
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .elements import (
@@ -32,6 +32,8 @@ from .elements import (
 )
 from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
 from .model import Model, StaticSolution
+from .plastic_body import PlasticBody, PlasticStates
+from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic
 from .rules import (
     default_rule,
     facet_nodes,
@@ -48,10 +50,17 @@ __all__ = [
     "ContactSolution",
     "Csr",
     "ExplicitResult",
+    "J2Answer",
+    "J2History",
+    "J2Parameters",
+    "J2Point",
     "Material",
     "Model",
     "NodalKinematic",
     "NodalPenalty",
+    "PlasticBody",
+    "PlasticElement",
+    "PlasticStates",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
@@ -70,6 +79,7 @@ __all__ = [
     "element_internal_force",
     "element_lumped_mass",
     "element_mass",
+    "element_plastic",
     "element_poisson",
     "element_scalar_load",
     "element_stiffness",
@@ -82,6 +92,8 @@ __all__ = [
     "facet_type",
     "facets",
     "model",
+    "plastic_body",
+    "plasticity",
     "quadrature",
     "reference_nodes",
     "rules",

@@ -23,6 +23,7 @@ ENERGIES = (
     "impact",
     "damping",
     "viscosity",
+    "plastic",
     "external",
     "total",
     "drift",
@@ -163,6 +164,10 @@ class ExplicitResult:
     support: FloatArray  # force on prescribed dofs, zero elsewhere (num_states, num_dofs) [F]
     energies: dict[str, FloatArray]  # by the names of ENERGIES, each (num_states) [F L]; drift is relative [1]
     contacts: list[ContactHistory]  # one of each contact
+    # Of a PlasticBody, as in J2History; without points otherwise.
+    plastic_strain: FloatArray  # equivalent (num_states, num_points) [1]
+    plastic_strain_tensor: FloatArray  # (num_states, num_points, 3, 3) [1]
+    back_stress: FloatArray  # (num_states, num_points, 3, 3) [F/L^2]
 
 
 def _time_levels(table: TimeValues, times: FloatArray, width: int, what: str) -> FloatArray:
@@ -219,6 +224,7 @@ def run_explicit(
     contacts: Sequence[_Nodal] = (),
     lumping: str = "auto",
     every: int = 1,
+    plastic: _reference.PlasticBody | None = None,
 ) -> ExplicitResult:
     """Explicit dynamics of a model by central differences, docs/explicit/scheme.md.
 
@@ -241,6 +247,7 @@ def run_explicit(
         contacts: contacts, `NodalPenalty` and `NodalKinematic`.
         lumping: how the mass is lumped, as in `element_lumped_mass`.
         every: keep each state whose number is a multiple of this; the last one is always kept.
+        plastic: compiled part of a `PlasticBody` on this model, whose forces replace the elastic ones.
 
     Returns:
         States, energies and contact histories.
@@ -281,6 +288,7 @@ def run_explicit(
         float(b2),
         int(every),
         bound,
+        [] if plastic is None else [plastic],
     )
     energies = dict(zip(ENERGIES, result.energies.T.copy()))
     histories = []
@@ -290,7 +298,9 @@ def run_explicit(
         traction, slip = raw.traction.reshape(shape), raw.slip.reshape(shape)
         histories.append(ContactHistory(raw.total, raw.force, nodes, raw.gap, raw.status, traction, slip))
     r = result
-    return ExplicitResult(r.time, r.u, r.v, r.a, r.half, r.support, energies, histories)
+    tensors = (rows.reshape(len(r.time), -1, 3, 3) for rows in (r.plastic, r.back_stress))
+    points = r.equivalent.reshape(len(r.time), -1)
+    return ExplicitResult(r.time, r.u, r.v, r.a, r.half, r.support, energies, histories, points, *tensors)
 
 
 def stable_step(

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "plastic_element.h"
+#include <cmath>
+#include <stdexcept>
+
+namespace impact_reference
+{
+namespace
+{
+// Gradient of displacements, grad u = G u: row 3 i + j is du_i / dx_j, and row 8 is u_r / r in axisymmetric problems.
+Matrix gradient_matrix(Hypothesis h, const Sample& s)
+{
+  const int n = int(s.N.size()), d = int(s.dN.cols());
+  Matrix G = Matrix::Zero(9, d * n);
+  for (int a = 0; a < n; ++a)
+    for (int i = 0; i < d; ++i)
+      for (int j = 0; j < d; ++j)
+        G(3 * i + j, d * a + i) = s.dN(a, j);
+  if (h == Hypothesis::axisymmetric)
+  {
+    if (not(s.radius > 0))
+      throw std::invalid_argument("an integration point lies on the axis, where u_r / r is not defined: use a rule "
+                                  "with interior points");
+    for (int a = 0; a < n; ++a)
+      G(8, d * a) = s.N(a) / s.radius;
+  }
+  return G;
+}
+
+using Column = Eigen::Matrix<double, 9, 1>;
+
+Column column(const Tensor& a)
+{
+  return {a(0, 0), a(0, 1), a(0, 2), a(1, 0), a(1, 1), a(1, 2), a(2, 0), a(2, 1), a(2, 2)};
+}
+
+Tensor tensor(const Column& c)
+{
+  Tensor a;
+  a << c(0), c(1), c(2), c(3), c(4), c(5), c(6), c(7), c(8);
+  return a;
+}
+
+// Matrix of tr(A dF1 A dF2) for displacements, A = F^-1.
+Matrix trace_of_products(const Tensor& A, const Matrix& G)
+{
+  Matrix M = Matrix::Zero(9, G.cols()), T(9, G.cols());
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k)
+        M.row(3 * i + j) += A(i, k) * G.row(3 * k + j);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      T.row(3 * i + j) = M.row(3 * j + i);
+  return M.transpose() * T;
+}
+
+void check(const Sampler& sampler, const PlasticKinematics& k, const Vector& u, std::span<const J2History> committed)
+{
+  if ((k.hypothesis == Hypothesis::solid) != (sampler.gdim() == 3) or
+      (k.hypothesis == Hypothesis::axisymmetric) != sampler.axisymmetric())
+    throw std::invalid_argument("the hypothesis does not go with the cell: solid cells need 3d, plane cells "
+                                "plane_strain, plane_stress or axisymmetric");
+  if (k.hypothesis == Hypothesis::plane_stress and (k.strain != PlasticStrain::small or k.mean_dilatation))
+    throw std::invalid_argument("plane stress goes with small strain and without mean dilatation: it does not lock");
+  if (u.size() != sampler.gdim() * sampler.num_nodes() or not u.allFinite())
+    throw std::invalid_argument("the element needs " + std::to_string(sampler.gdim() * sampler.num_nodes()) +
+                                " finite displacements, found " + std::to_string(u.size()) + " values");
+  if (std::int64_t(committed.size()) != sampler.num_points())
+    throw std::invalid_argument("the rule has " + std::to_string(sampler.num_points()) + " points, but there are " +
+                                std::to_string(committed.size()) + " histories: they belong to another rule");
+}
+
+void add(PlasticInternal& result, double weight, const J2Answer& answer)
+{
+  result.energy += weight * answer.energy;
+  result.work += weight * answer.history.work;
+  result.dissipation += weight * answer.dissipation;
+  result.history.push_back(answer.history);
+  result.answers.push_back(answer);
+}
+
+struct Point
+{
+  double weight;
+  Matrix G;
+};
+} // namespace
+
+PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const J2& law, const PlasticKinematics& k,
+                                 const Vector& u, std::span<const J2History> committed, bool with_tangent,
+                                 std::int64_t cell)
+{
+  check(sampler, k, u, committed);
+  const Eigen::Index n = u.size();
+  std::vector<Point> points;
+  double volume = 0;
+  for (int q = 0; q < sampler.num_points(); ++q)
+  {
+    const Sample s = sampler.at(X, q, cell);
+    points.push_back({s.weight, gradient_matrix(k.hypothesis, s)});
+    volume += s.weight;
+  }
+  PlasticInternal result{0, 0, 0, Vector::Zero(n), with_tangent ? Matrix(Matrix::Zero(n, n)) : Matrix(), {}, {}};
+
+  if (k.strain == PlasticStrain::small)
+  {
+    const Column identity = column(Tensor::Identity());
+    if (k.mean_dilatation)
+    {
+      Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(n); // <tr eps> = mean . u
+      for (const Point& p : points)
+        mean += p.weight / volume * identity.transpose() * p.G;
+      for (Point& p : points)
+      {
+        const Eigen::RowVectorXd change = (mean - identity.transpose() * p.G) / 3;
+        p.G += identity * change;
+      }
+    }
+    for (std::size_t q = 0; q < points.size(); ++q)
+    {
+      const auto& [weight, G] = points[q];
+      const Tensor H = tensor(G * u);
+      const Tensor strain = 0.5 * (H + H.transpose());
+      const J2Answer answer = law.answer(k.strain, k.hypothesis, strain, committed[q], with_tangent);
+      add(result, weight, answer);
+      result.force.noalias() += weight * G.transpose() * column(answer.stress);
+      if (with_tangent)
+        result.tangent.noalias() += weight * G.transpose() * answer.tangent * G;
+    }
+    return result;
+  }
+
+  // <J>, and with m its variation over <J>: d<J> = <J> m . du, dJ = J t . du with t = F^-T : G.
+  std::vector<Tensor> F;
+  std::vector<Eigen::RowVectorXd> t;
+  double mean = 0;
+  Eigen::RowVectorXd m = Eigen::RowVectorXd::Zero(n);
+  for (const Point& p : points)
+  {
+    F.push_back(Tensor::Identity() + tensor(p.G * u));
+    const double J = F.back().determinant();
+    if (not(J > 0))
+      throw std::domain_error("the deformation turns cell " + std::to_string(cell) + " inside out: det F is " +
+                              std::to_string(J));
+    t.push_back(column(F.back().inverse().transpose()).transpose() * p.G);
+    mean += p.weight / volume * J;
+    m += p.weight / volume * J * t.back();
+  }
+  m /= mean;
+  Matrix dm; // derivative of m
+  if (k.mean_dilatation and with_tangent)
+  {
+    dm = -m.transpose() * m;
+    for (std::size_t q = 0; q < points.size(); ++q)
+      dm += points[q].weight * F[q].determinant() / (volume * mean) *
+            (t[q].transpose() * t[q] - trace_of_products(F[q].inverse(), points[q].G));
+  }
+  for (std::size_t q = 0; q < points.size(); ++q)
+  {
+    const auto& [weight, G] = points[q];
+    // F_bar = alpha F, d alpha = alpha change . du
+    const double alpha = k.mean_dilatation ? std::cbrt(mean / F[q].determinant()) : 1;
+    const Eigen::RowVectorXd change =
+        k.mean_dilatation ? Eigen::RowVectorXd((m - t[q]) / 3) : Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(n));
+    const Matrix B = alpha * (G + column(F[q]) * change);
+    const J2Answer answer = law.answer(k.strain, k.hypothesis, alpha * F[q], committed[q], with_tangent);
+    add(result, weight, answer);
+    const Column P = column(answer.stress);
+    result.force.noalias() += weight * B.transpose() * P;
+    if (not with_tangent)
+      continue;
+    result.tangent.noalias() += weight * B.transpose() * answer.tangent * B;
+    if (k.mean_dilatation) // P : d2 F_bar
+    {
+      const Eigen::RowVectorXd work = P.transpose() * G;
+      const Matrix second = change.transpose() * change + (dm + trace_of_products(F[q].inverse(), G)) / 3;
+      result.tangent +=
+          weight * alpha * (change.transpose() * work + work.transpose() * change + P.dot(column(F[q])) * second);
+    }
+  }
+  return result;
+}
+} // namespace impact_reference
