@@ -188,7 +188,8 @@ class KinematicHardening:
 
     def fading(self, multiplier: Any) -> Any:
         """Factor by which backward Euler's rule shortens the back stress in a step with this increment of alpha."""
-        return 1 if self.recovery is None else 1 / (1 + self.recovery * multiplier)
+        # Iterates of the local equations may be negative, where the factor would have a pole.
+        return 1 if self.recovery is None else 1 / (1 + self.recovery * ufl.max_value(multiplier, 0))
 
 
 # --- the law -----------------------------------------------------------------------------------------------------------

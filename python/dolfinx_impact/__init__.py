@@ -24,7 +24,9 @@ from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .assembly.lumped_mass import lumped_mass
+from .inelastic import InelasticMaterial
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
+from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
 from .io.mesh_reader import check_mesh, read_mesh
 from .assembly.operators import Energy, InternalForce, PointValues, Tangent
 from .statics.problem import StaticProblem
@@ -32,11 +34,14 @@ from .statics.problem import StaticProblem
 __version__ = "0.1.0"
 
 __all__ = [
+    "ArmstrongFrederick",
     "BodyForce",
     "Energy",
     "ExplicitProblem",
     "FollowerPressure",
+    "InelasticMaterial",
     "InternalForce",
+    "J2Plasticity",
     "LinearElastic",
     "MaterialMap",
     "NeoHookean",
@@ -45,8 +50,10 @@ __all__ = [
     "Rayleigh",
     "StVenantKirchhoff",
     "StaticProblem",
+    "Table",
     "Tangent",
     "Traction",
+    "Voce",
     "ContactPair",
     "ContactStatus",
     "Kinematic",

@@ -25,6 +25,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem import Function
 from petsc4py import PETSc
+from ufl.algorithms import expand_derivatives
 
 from ..forms.materials import weight
 from .inelastic_part import HistoryFunctions, InelasticPart
@@ -65,8 +66,8 @@ def unknown_derivative(residual: Any, x: Function, u: Function, du: Any) -> Any:
         du: trial function.
     """
     variable = ufl.variable(x)
-    matrix = ufl.diff(ufl.replace(residual, {x: variable}), variable)
-    change = ufl.derivative(residual, u, du)
+    matrix = expand_derivatives(ufl.diff(ufl.replace(residual, {x: variable}), variable))
+    change = expand_derivatives(ufl.derivative(residual, u, du))
     if not x.ufl_shape:
         return -change / matrix
     return -ufl.as_vector(solve(matrix, [change[i] for i in range(x.ufl_shape[0])]))
