@@ -392,6 +392,11 @@ class ExplicitProblem(Unique):
         return dict(self._state.energy)
 
     @property
+    def has_history(self) -> bool:
+        """Whether a material has internal variables."""
+        return self._parts is not None
+
+    @property
     def history(self) -> MaterialHistory:
         """Internal variables of the materials by name, at the present time.
 

@@ -150,7 +150,14 @@ class Restart:
             "schedule": np.array(steps, dtype=float), "functions of time": table,
             **{table: short(", ".join(state[table])) for table in TABLES},
         }  # fmt: skip
-        checkpoint.write(path, self.problem, arrays, nodal, ranks, attributes)
+        checkpoint.write(path, self.problem, arrays, nodal, self._material_history(), ranks, attributes)
+
+    def _material_history(self) -> dict[str, FloatArray]:
+        """Internal variables by name, a row of all points of a cell for each owned cell; empty without any."""
+        if not self.problem.has_history:
+            return {}
+        fields = self.problem.history
+        return {name: field.values.reshape(len(field.values), -1) for name, field in fields.items()}
 
     def _read(self, path: FilePath) -> Checked:
         """Read and check a whole checkpoint; the problem is not changed. Collective."""
@@ -163,6 +170,7 @@ class Restart:
             self.problem,
             arrays={name: bs for name in saved["arrays"]},
             nodal={**{name: sum(_widths(side.history()).values()) for name, side in sides}, **results},
+            cellwise={name: values.shape[1] for name, values in self._material_history().items()},
             ranks={**{table: len(saved[table]) for table in TABLES}, **{name: len(ENERGY) for name, _ in sides}},
             attributes=[*NUMBERS, "schedule", "functions of time", *TABLES, *totals],
         )
@@ -236,6 +244,9 @@ class Restart:
         a = stored.file.attributes
         # The present constants, functions and loads are those of the state that was read.
         self.stepper.inputs.update_all()
+        for name, rows in stored.file.cellwise.items():
+            field = self.problem.history[name]
+            field.values = rows.reshape(field.values.shape)
         for side, history, energy in zip(stored.sides, checked.histories, stored.energies):
             side.set_history(history)
             side.set_energy(*energy)

@@ -28,7 +28,7 @@ from . import seal
 from .hdf5 import Sketch, reserve, write_at
 from .signature import Problem, Signature, signature, supports
 
-FORMAT = 7
+FORMAT = 8
 SAME = 1e-9  # relative tolerance of sums over nodes and of coordinates: round-off is less, another mesh differs by more
 CELLS = ("cells/input", "cells/nodes")
 
@@ -132,6 +132,7 @@ def write(
     problem: Problem,
     arrays: Mapping[str, FloatArray],
     nodal: Mapping[str, tuple[IntArray, FloatArray]],
+    cellwise: Mapping[str, FloatArray],
     ranks: Mapping[str, FloatArray],
     attributes: Mapping[str, Attribute],
 ) -> None:
@@ -142,6 +143,7 @@ def write(
         problem: ExplicitProblem.
         arrays: values at all owned nodes by name, rows by node.
         nodal: some owned nodes and the values at them by name, rows by node.
+        cellwise: values of all owned cells by name, rows by cell.
         ranks: vector of this rank by name.
         attributes: numbers, texts and arrays by name, the same on all ranks.
 
@@ -157,6 +159,7 @@ def write(
     for name, (nodes, rows) in {"supports": supports(problem), **nodal}.items():
         mine[f"some/{name}/nodes"] = np.asarray(nodes, dtype=np.int64) + begin
         mine[f"some/{name}/values"] = rows
+    mine |= {f"cells/values/{name}": rows for name, rows in cellwise.items()}
     mine |= {f"ranks/{name}": np.asarray(row)[None] for name, row in ranks.items()}
     mine = {name: np.ascontiguousarray(rows) for name, rows in mine.items()}
     counts = comm.allgather([len(rows) for rows in mine.values()])
@@ -227,6 +230,7 @@ class Reader:
         problem: ExplicitProblem.
         arrays: number of columns by name of the values at all nodes.
         nodal: number of columns by name of the values at some nodes.
+        cellwise: number of columns by name of the values of all cells.
         ranks: length by name of the ranks' vectors.
         attributes: names of the attributes.
 
@@ -234,6 +238,7 @@ class Reader:
         attributes: attributes by name.
         arrays: values at this rank's owned nodes by name, rows by node.
         nodal: nodes, by their numbers in the file, and the values at them by name, of all ranks.
+        cellwise: values of this rank's owned cells by name, rows by cell.
         ranks: vectors of all ranks that wrote the file by name, rows by rank.
 
     Raises:
@@ -247,11 +252,13 @@ class Reader:
         problem: Problem,
         arrays: Mapping[str, int],
         nodal: Mapping[str, int],
+        cellwise: Mapping[str, int],
         ranks: Mapping[str, int],
         attributes: Iterable[str],
     ) -> None:
         self.problem, self.comm, self.path = problem, problem.comm, Path(path)
         self._nodal_columns = {"supports": 3 * problem.space.dofmap.index_map_bs, **nodal}
+        self._cell_columns = dict(cellwise)
         self._array_columns, self._rank_columns = {"x": problem.space.mesh.geometry.dim, **arrays}, ranks
         here = signature(problem, places(problem.space))
         self._guarded(self._open)
@@ -371,7 +378,8 @@ class Reader:
         if cells.size and not 0 <= cells.min() <= cells.max() < num_nodes:
             raise seal.Damaged(f"the table {CELLS[1]} has nodes that do not exist")
         mine = input_cells(V.mesh)
-        nodes = cells[np.argsort(inputs)[mine]]
+        self._rows = np.argsort(inputs)[mine]  # of this rank's cells in the file
+        nodes = cells[self._rows]
         num_local = V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts
         self._then = np.full(num_local, -1, dtype=np.int64)  # numbers of this rank's nodes in the file
         self._then[V.dofmap.list[: len(mine)].ravel()] = nodes.ravel()
@@ -416,12 +424,19 @@ class Reader:
             if len(np.unique(nodes)) < len(nodes) or (len(nodes) and not 0 <= nodes.min() <= nodes.max() < num_nodes):
                 raise seal.Damaged(f"the table some/{name}/nodes has nodes twice or nodes that do not exist")
             self.nodal[name] = (nodes, values)
+        self.cellwise: dict[str, FloatArray] = {}
+        first, last = int(self._rows.min(initial=int(a["num_cells"]))), int(self._rows.max(initial=-1)) + 1
+        for name, columns in self._cell_columns.items():
+            span = (first, last) if len(self._rows) else (0, 0)
+            rows = self._table(f"cells/values/{name}", np.float64, columns, int(a["num_cells"]), *span)
+            self.cellwise[name] = rows[self._rows - span[0]]
         ranks = int(a["ranks"])
         self.ranks: dict[str, FloatArray] = {
             name: self._table(f"ranks/{name}", np.float64, columns, ranks)
             for name, columns in self._rank_columns.items()
         }
         wanted = {*CELLS, *(f"nodes/{n}" for n in self._array_columns), *(f"ranks/{n}" for n in self._rank_columns)}
+        wanted |= {f"cells/values/{n}" for n in self._cell_columns}
         wanted |= {f"some/{n}/{part}" for n in self._nodal_columns for part in ("nodes", "values")}
         unknown = sorted(set(self._tables) - wanted)
         if unknown:
