@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Closed forms of classical contact theory: what a computation is compared with.
+"""Closed forms of classical contact theory and of plasticity: what a computation is compared with.
 
 Seed 3.2.1 and 3.4 as corrected in docs/theory.md, and the textbook answers around them. Linear elastic half-spaces and
 half-planes, small strain, contact small against the bodies. Any consistent set of units. Results are frozen, their
@@ -19,6 +19,19 @@ from .hertz_impact import HertzImpact, hertz_impact
 from .impact import BarImpact, YieldVelocity, bar_impact, impact_stress, yield_velocity
 from .indenters import Cone, Wedge, cone, wedge
 from .partial_slip import CattaneoMindlin, CattaneoMindlinLine, cattaneo_mindlin, cattaneo_mindlin_line
+from .plasticity import (
+    LineShakedown,
+    PlasticBarImpact,
+    PlasticCycle,
+    PlasticCylinder,
+    PlasticSphere,
+    line_shakedown,
+    plastic_bar_impact,
+    plastic_cycle,
+    plastic_cylinder,
+    plastic_sphere,
+    prandtl_pressure,
+)
 from .punch import CircularPunch, FlatPunch, circular_punch, flat_punch
 from .rolling import Carter, carter
 from .statics import BarPull, PressFit, bar_pull, press_fit
@@ -40,6 +53,11 @@ __all__ = [
     "HertzImpact",
     "HertzLine",
     "HertzPoint",
+    "LineShakedown",
+    "PlasticBarImpact",
+    "PlasticCycle",
+    "PlasticCylinder",
+    "PlasticSphere",
     "PressFit",
     "RelativeCurvature",
     "Stress",
@@ -65,6 +83,12 @@ __all__ = [
     "hertz_line",
     "hertz_point",
     "impact_stress",
+    "line_shakedown",
+    "plastic_bar_impact",
+    "plastic_cycle",
+    "plastic_cylinder",
+    "plastic_sphere",
+    "prandtl_pressure",
     "press_fit",
     "profile",
     "relative_curvature",

@@ -139,6 +139,9 @@ VARIANTS = {
     "circular_punch": {"condition": "bonded"},
     "cattaneo_mindlin": {"tangential_load": 90.0},
     "bar_impact": {"density2": None, "E2": None},
+    "plastic_sphere": {"front": None, "pressure": 100.0},
+    "plastic_cycle": {"recall": 0.0},
+    "plastic_bar_impact": {"velocity": 1e4},
     "relative_curvature": {"R1x": np.inf, "R2x": np.inf},
 }
 

@@ -15,6 +15,14 @@ ONE, LENGTH, FORCE, LINE, STRESS = (0, 0), (0, 1), (1, 0), (1, -1), (1, -2)
 DENSITY, SPEED, MASS, TIME = (1, -4), (0, 1), (1, -1), (0, 0)  # force times time^2 per length^4, and so on
 PAIR = {"E1": (207e3, STRESS), "nu1": (0.3, ONE), "E2": (70e3, STRESS), "nu2": (0.2, ONE)}
 ROUND = {"R1": (50.0, LENGTH), "R2": (-80.0, LENGTH), **PAIR}
+VESSEL = {
+    **{"inner_radius": (100.0, LENGTH), "outer_radius": (200.0, LENGTH)},
+    **{"E": (210e3, STRESS), "nu": (0.3, ONE), "yield_stress": (240.0, STRESS)},
+}
+PRESSURES = {
+    **{"pressure": STRESS, "front": LENGTH, "first_yield": STRESS, "limit": STRESS},
+    **{"inner_displacement": LENGTH, "outer_displacement": LENGTH},
+}
 
 # name: (arguments with dimensions, attributes with dimensions, {field of position: dimension})
 CALLS = {
@@ -137,7 +145,42 @@ CALLS = {
         {"slip_length": LENGTH, "end_displacement": LENGTH, "residual_displacement": LENGTH},
         {"displacement": LENGTH, "tension": FORCE},
     ),
+    "plastic_sphere": (
+        {**VESSEL, "front": (150.0, LENGTH)},
+        PRESSURES,
+        {},
+    ),
+    "plastic_cylinder": (
+        {**VESSEL, "front": (120.0, LENGTH)},
+        PRESSURES,
+        {},
+    ),
+    "line_shakedown": (
+        {"yield_stress": (780.0, STRESS), "nu": (0.3, ONE)},
+        {"first_yield": STRESS, "depth": ONE, "shakedown": STRESS, "shear_yield_stress": STRESS},
+        {},
+    ),
+    "plastic_cycle": (
+        {
+            **{"plastic_amplitude": (0.01, ONE), "E": (207e3, STRESS), "yield_stress": (400.0, STRESS)},
+            **{"kinematic": (4e4, STRESS), "recall": (90.0, ONE)},
+        },
+        {"stress_amplitude": STRESS, "strain_amplitude": ONE, "back_stress_amplitude": STRESS, "work": STRESS},
+        {},
+    ),
+    "plastic_bar_impact": (
+        {
+            **{"velocity": (4e4, SPEED), "density": (7.8e-9, DENSITY), "E": (207e3, STRESS)},
+            **{"yield_stress": (780.0, STRESS), "tangent_modulus": (20.7e3, STRESS)},
+        },
+        {
+            **{"stress": STRESS, "strain": ONE, "plastic_strain": ONE, "precursor": STRESS},
+            **{"wave_speed": SPEED, "plastic_speed": SPEED, "yield_velocity": SPEED},
+        },
+        {},
+    ),
     # Not results but numbers:
+    "prandtl_pressure": ({"yield_stress": (780.0, STRESS)}, STRESS, {}),
     "effective_modulus": (dict(PAIR), STRESS, {}),
     "bentall_johnson": ({"load_per_length": (300.0, LINE), **ROUND}, ONE, {}),
     "impact_stress": ({"density": (8e-9, DENSITY), "c": (5e6, SPEED), "v": (5e3, SPEED)}, STRESS, {}),
