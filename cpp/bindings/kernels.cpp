@@ -50,6 +50,24 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("gdim", [](const Kernel& s) { return s.k->gdim; })
       .def_prop_ro("rank", [](const Kernel& s) { return s.k->rank; })
       .def_prop_ro("shape", [](const Kernel& s) { return std::pair(s.k->shape[0], s.k->shape[1]); })
+      .def_prop_ro("size_A", [](const Kernel& s) { return s.k->size_A; })
+      .def_prop_ro("num_points", [](const Kernel& s) { return s.k->num_points; })
+      .def_prop_ro("local_unknowns", [](const Kernel& s) { return s.k->local_unknowns; })
+      .def_prop_ro("outputs",
+                   [](const Kernel& s)
+                   {
+                     nb::list out;
+                     for (int i = 0; i < s.k->num_outputs; ++i)
+                     {
+                       nb::dict d;
+                       d["name"] = s.k->outputs[i].name;
+                       d["num_components"] = s.k->outputs[i].num_components;
+                       d["offset"] = s.k->outputs[i].offset;
+                       d["coefficient"] = s.k->outputs[i].coefficient;
+                       out.append(d);
+                     }
+                     return out;
+                   })
       .def_prop_ro("flops", [](const Kernel& s) { return s.k->flops; })
       .def_prop_ro("subdomains", [](const Kernel& s)
                    { return std::vector<int>(s.k->subdomains, s.k->subdomains + s.k->num_subdomains); })
@@ -102,7 +120,7 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
           "tabulate",
           [](const Kernel& s, InOut A, In w, In c, In x, int entity, int lanes)
           {
-            const std::size_t n = std::size_t(s.k->shape[0]) * s.k->shape[1] * lanes;
+            const std::size_t n = std::size_t(s.k->size_A) * lanes;
             if (width(*s.k, lanes) != lanes)
               throw std::invalid_argument("this machine runs no kernel of " + std::to_string(lanes) + " lanes");
             if (A.size() != n || w.size() != std::size_t(s.k->size_w) * lanes || c.size() != std::size_t(s.k->size_c) ||
@@ -121,7 +139,7 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
           "tabulate_cells",
           [](const Kernel& s, InOut A, In w, In c, In x, std::size_t num_cells)
           {
-            const std::size_t n = std::size_t(s.k->shape[0]) * s.k->shape[1], m = s.k->size_w;
+            const std::size_t n = s.k->size_A, m = s.k->size_w;
             if (A.size() != n * num_cells || w.size() != m * num_cells || c.size() != std::size_t(s.k->size_c) ||
                 (num_cells > 0 && x.size() % (3 * num_cells) != 0))
               throw std::invalid_argument("arrays do not have the sizes of the kernel times the number of cells");

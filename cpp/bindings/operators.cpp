@@ -16,11 +16,50 @@ typedef nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::c
 typedef nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> Values;
 typedef nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> Vector;
 
-Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& constants)
+Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& constants,
+                  std::shared_ptr<PointHistory> history)
 {
   return {reinterpret_cast<const impact_kernel*>(kernel),
           {entities.data(), entities.data() + entities.size()},
-          {constants.data(), constants.data() + constants.size()}};
+          {constants.data(), constants.data() + constants.size()},
+          std::move(history)};
+}
+
+void bind_history(nb::module_& m)
+{
+  nb::class_<PointHistory>(m, "PointHistory", "Internal variables at the points of the cells of one integral")
+      .def_prop_ro(
+          "cells",
+          [](const PointHistory& self)
+          {
+            return dolfinx_impact::bindings::take(std::vector<std::int32_t>(self.cells().begin(), self.cells().end()));
+          },
+          nb::rv_policy::move)
+      .def_prop_ro("num_points", &PointHistory::num_points)
+      .def_prop_ro("names",
+                   [](const PointHistory& self)
+                   {
+                     std::vector<std::string> names;
+                     for (std::size_t i = 0; i < self.num_fields(); ++i)
+                       names.push_back(self.name(i));
+                     return names;
+                   })
+      .def("num_components",
+           [](const PointHistory& self, const std::string& name) { return self.num_components(self.find(name)); })
+      .def("is_history",
+           [](const PointHistory& self, const std::string& name) { return self.is_history(self.find(name)); })
+      .def(
+          "values", [](const PointHistory& self, const std::string& name, bool trial)
+          { return dolfinx_impact::bindings::take(self.values(self.find(name), trial)); }, nb::arg("name"),
+          nb::arg("trial") = false, nb::rv_policy::move,
+          "Flat array of shape (num_cells, num_points, num_components), in the order of `cells`")
+      .def(
+          "set_values", [](PointHistory& self, const std::string& name, Values values)
+          { self.set_values(self.find(name), {values.data(), values.size()}); }, nb::arg("name"), nb::arg("values"),
+          "Replace committed values; the last evaluation is forgotten")
+      .def("commit", &PointHistory::commit)
+      .def("revert", &PointHistory::revert)
+      .def_prop_ro("memory", &PointHistory::memory, "Bytes of all values");
 }
 
 /// The array of a Halo with bs values per node, checked.
@@ -52,11 +91,15 @@ void bind_halo(nb::module_& m)
 void dolfinx_impact::bindings::operators(nb::module_& m)
 {
   bind_halo(m);
+  bind_history(m);
   nb::class_<Integral>(m, "Integral", "A kernel, where it acts and its constants (copied)")
       .def(
-          "__init__", [](Integral* self, std::uintptr_t kernel, Indices entities, Values constants)
-          { new (self) Integral(integral(kernel, entities, constants)); }, nb::arg("kernel"), nb::arg("entities"),
-          nb::arg("constants"));
+          "__init__",
+          [](Integral* self, std::uintptr_t kernel, Indices entities, Values constants,
+             std::shared_ptr<PointHistory> history)
+          { new (self) Integral(integral(kernel, entities, constants, std::move(history))); },
+          nb::arg("kernel"), nb::arg("entities"), nb::arg("constants"), nb::arg("history").none() = nb::none(),
+          "history: internal variables of another operator on the same cells, to read only");
   nb::class_<InternalForce>(m, "InternalForce_float64",
                             "Matrix-free vector of a form of rank 1, value of a form of rank 0")
       .def(
@@ -79,6 +122,19 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       .def("value", &InternalForce::value)
       .def("set_constants",
            [](InternalForce& self, std::size_t i, Values c) { self.set_constants(i, {c.data(), c.size()}); })
+      .def("history", &InternalForce::history, nb::arg("integral"), "Internal variables of an integral, or None")
+      .def("commit", &InternalForce::commit)
+      .def("revert", &InternalForce::revert)
+      .def("has_history", &InternalForce::has_history)
+      .def(
+          "failures",
+          [](const InternalForce& self)
+          {
+            const PointFailures f = self.failures();
+            return nb::make_tuple(f.count, f.cell, f.point, f.residual, f.unknowns);
+          },
+          "Points not solved in the last evaluation on this rank: number, then cell, point, relative residual and "
+          "unknowns of the first")
       .def("width", &InternalForce::width, nb::arg("integral") = 0)
       .def(
           "repeat",

@@ -11,7 +11,10 @@ from collections import Counter
 import numpy as np
 import ufl
 
-CONSTANT, CELL, POINT = 0, 1, 2  # what a value depends on: constants only, the cell, the quadrature point
+# What a value depends on: constants only, the cell, the quadrature point, the solution of the local equations there, or
+# their iterate. A value is computed as soon as the values that it is made of are there: what does not depend on the
+# iterate stands before the iteration.
+CONSTANT, CELL, POINT, SOLVED, ITERATE = range(5)
 
 
 class Node:

@@ -19,6 +19,26 @@ class Unrolled(L.ForRange):
     """A short loop that the compiler is told to unroll."""
 
 
+class LocalSolve(L.Statement):
+    """Local equations at a point, solved by kernels/LocalNewton.h.
+
+    Args:
+        name: of the solution that is declared; its values are <name>_x.
+        start: first values of the unknowns. scale: size of the residual's terms.
+        equations: statements that fill the arrays `residual` and `jacobian` (rows first) from the array `iterate`.
+    """
+
+    def __init__(self, name, start, scale, equations):
+        self.name, self.start, self.scale, self.equations = name, start, scale, equations
+
+
+class Text(L.Statement):
+    """A statement that is written as it stands."""
+
+    def __init__(self, text):
+        self.text = text
+
+
 class CxxFormatter:
     """Formats LNodes as C++."""
 
@@ -43,6 +63,21 @@ class CxxFormatter:
     def _Section(self, s):
         body = "".join(self(x) for x in list(s.declarations) + list(s.statements))
         return f"\n// {s.name}\n{body}"
+
+    def _LocalSolve(self, s):
+        count = len(s.start)
+        start = ", ".join(self(x) if _is_scalar(x) else f"splat<T>({self(x)})" for x in s.start)
+        scale = self(s.scale) if _is_scalar(s.scale) else f"splat<T>({self(s.scale)})"
+        body = "".join(f"  {line}\n" for x in s.equations for line in self(x).splitlines())
+        return (
+            f"const T {s.name}_start[{count}] = {{{start}}};\n"
+            f"const auto {s.name} = local_newton<T, {count}>({s.name}_start, {scale},\n"
+            f"  [&](const T* __restrict iterate, T* __restrict residual, T* __restrict jacobian)\n{{\n{body}}});\n"
+            f"const T (&{s.name}_x)[{count}] = {s.name}.x;\n"
+        )
+
+    def _Text(self, t):
+        return f"{t.text}\n"
 
     def _Comment(self, c):
         return f"// {c.comment}\n"

@@ -5,14 +5,21 @@ FFCx's own command line reads private option files of the machine; here every op
 depends on nothing but the form.
 """
 
+import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import ufl
 from ffcx.analysis import analyze_ufl_objects
 from ffcx.ir.representation import compute_ir
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
 from ufl.algorithms.map_integrands import map_integrand_dags
+from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
+
+from ..point_law import PointLaw
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
 OPTIONS = {
@@ -49,6 +56,54 @@ class Constant:
 
 
 @dataclass
+class Numbering:
+    """What UFL's coefficients and constants are in a kernel. Several representations meet in one kernel, each with
+    coefficients of its own: they are counted once.
+
+    Attributes:
+        coefficients: number and first entry in w of each coefficient.
+        constants: first entry in c of each constant.
+        unknown: coefficient that stands for the solution of the local equations, or None.
+    """
+
+    coefficients: dict
+    constants: dict
+    unknown: object = None
+
+
+@dataclass
+class Output:
+    """Values at the points that a kernel writes behind the element tensor.
+
+    Attributes:
+        name: name of the output.
+        num_components: values at a point.
+        history: number of the kernel's coefficient that reads the committed values, -1: none.
+    """
+
+    name: str
+    num_components: int
+    history: int
+
+
+@dataclass
+class LocalLaw:
+    """A point law in FFCx's representation.
+
+    Attributes:
+        graph: FFCx's data of all parts in one vector, at the points of the form's rule.
+        parts: first component and number of components of each part (PointLaw.parts).
+        outputs: what is written.
+        num_unknowns: unknowns of the local equations at a point, 0: a law in closed form.
+    """
+
+    graph: dict
+    parts: dict
+    outputs: list
+    num_unknowns: int
+
+
+@dataclass
 class Integral:
     """One kernel to write: FFCx's representation with the facts about it that FFCx does not keep together."""
 
@@ -63,9 +118,32 @@ class Integral:
     argument_elements: tuple
     coordinate_element: object
     signature: str
+    numbering: Numbering
     points: np.ndarray | None = None
     entity_type: str = "cell"
     hypothesis: str = ""
+    law: LocalLaw | None = None
+
+    @property
+    def num_points(self):
+        """Points at which outputs are written."""
+        return len(next(iter(self.ir.integrand)).points) if self.law else 0
+
+    @property
+    def num_unknowns(self):
+        """Local unknowns at a point."""
+        return self.law.num_unknowns if self.law else 0
+
+    @property
+    def output_offsets(self):
+        """First entry of each output in A, and the first entry behind them."""
+        sizes = [self.num_points * o.num_components for o in self.law.outputs] if self.law else []
+        return [int(n) for n in np.cumsum([np.prod(self.shape, dtype=int), *sizes])]
+
+    @property
+    def size_A(self):
+        """Entries of A: element tensor, outputs, and for local equations the report of points that are not solved."""
+        return self.output_offsets[-1] + (3 + self.num_unknowns if self.num_unknowns else 0)
 
 
 def _kind(element):
@@ -95,12 +173,14 @@ def _coefficient(name, element, offset, position):
     )
 
 
-def check_names(objects, given):
+def check_names(objects, given, history=()):
     """Names of coefficients and constants: those given, w0, w1, ... for the others. ValueError where two are the
-    same."""
+    same; coefficients of `history` may share a name, which laws of several materials give them."""
     names = [given.get(id(o)) or given.get(o) or f"w{i}" for i, o in enumerate(objects)]
-    if len(set(names)) != len(names):
-        twice = sorted({n for n in names if names.count(n) > 1})
+    inner = {n for o, n in zip(objects, names) if o in history}
+    others = [n for o, n in zip(objects, names) if o not in history]
+    if len(set(others)) != len(others) or inner & set(others):
+        twice = sorted({n for n in others if others.count(n) > 1} | (inner & set(others)))
         raise ValueError(f"the form has two coefficients or constants of one name, {twice}: give each its own")
     return names
 
@@ -118,23 +198,80 @@ class _Renumber(MultiFunction):
         return self.constants[o]
 
 
-def canonical(form):
+class _WithoutVariables(MultiFunction):
+    """Variables replaced by what they stand for, once derivatives have been taken."""
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def variable(self, o, expression, label):
+        return expression
+
+
+def laws_of(law):
+    """Dict from subdomain (None: all cells) to its PointLaw; of one PointLaw, a mapping by cell tag, or None."""
+    if law is None:
+        return {}
+    laws = dict(law) if isinstance(law, Mapping) else {None: law}
+    for tag, one in laws.items():
+        if not isinstance(one, PointLaw):
+            raise TypeError(f"law of subdomain {tag!r} must be a PointLaw, found {type(one).__name__}")
+    return laws
+
+
+def history_of(law):
+    """Names of the history's coefficients, by coefficient. ValueError where one has two names or is an unknown."""
+    names, laws = {}, laws_of(law).values()
+    unknowns = {one.unknown for one in laws}
+    for one in laws:
+        for name, coefficient in one.history.items():
+            if names.setdefault(coefficient, name) != name or coefficient in unknowns:
+                raise ValueError(f"the coefficient of history {name!r} has another meaning in another law of the form")
+    return names
+
+
+def objects_of(form, law=None):
+    """Coefficients and constants that the kernels of a form read, in the order in which they are counted: those of the
+    form, and with a law those of its expressions, too, without the local unknowns."""
+    laws = laws_of(law).values()
+    if not laws:
+        return list(form.coefficients()), list(form.constants())
+    coefficients = set(form.coefficients()).union(*(one.coefficients() for one in laws))
+    coefficients -= {one.unknown for one in laws}
+    constants = set(form.constants()).union(*(one.constants() for one in laws))
+    return sorted(coefficients, key=lambda c: c.count()), sorted(constants, key=lambda c: c.count())
+
+
+def canonical(form, law=None):
     """The form with its constants renumbered from 0, and the dict from old constants to new.
 
     UFL orders operands by the printed numbers of constants ("10" before "9"), and numbers count up through a process:
     without this, the same form written twice may have two signatures and two kernels.
     """
-    constants = sorted(form.constants(), key=lambda c: c.count())
+    constants = sorted(objects_of(form, law)[1], key=lambda c: c.count())
     new = {c: ufl.Constant(c.ufl_domain(), c.ufl_shape, count=i) for i, c in enumerate(constants)}
     return map_integrand_dags(_Renumber(new), form), new
 
 
-def form_signature(form):
-    """UFL's signature of a form, independent of names and of object numbers."""
-    return canonical(form)[0].signature()
+def form_signature(form, law=None):
+    """Signature of a form and its laws, independent of object numbers. Names do not count but those of outputs."""
+    renumbered, new = canonical(form, law)
+    if law is None:
+        return renumbered.signature()
+    coefficients, _ = objects_of(form, law)
+    unknowns = [one.unknown for one in laws_of(law).values() if one.unknown is not None]
+    numbers = {c: i for i, c in enumerate([*coefficients, *unknowns])}
+    numbering = numbers | {c: i for i, c in enumerate(new.values())} | {form.ufl_domain(): 0}
+    text = [renumbered.signature(), repr([numbers[c] for c in form.coefficients()])]
+    for tag, one in sorted(laws_of(law).items(), key=lambda item: str(item[0])):
+        text.append(f"{tag} {list(one.outputs)} {[(name, numbers[c]) for name, c in one.history.items()]}")
+        text.append(repr(None if one.unknown is None else numbers[one.unknown]))
+        for expression in one.expressions():
+            plain = map_expr_dag(_Renumber(new), expression)
+            text.append(ufl.algorithms.signature.compute_expression_signature(plain, numbering))
+    return hashlib.sha512("\n".join(text).encode()).hexdigest()
 
 
-def form_integrals(form, name, names, hypothesis=""):
+def form_integrals(form, name, names, hypothesis="", law=None):
     """Integrals of a UFL form.
 
     Args:
@@ -142,12 +279,14 @@ def form_integrals(form, name, names, hypothesis=""):
         name: name of the form.
         names: dict from coefficient or constant (or its id) to its name.
         hypothesis: for the kernel's description.
+        law: PointLaw of all cell integrals, or a mapping from cell tags to the PointLaw of each; None: no law.
 
     Returns:
         list of Integral.
 
     Raises:
-        ValueError: interior-facet or custom integrals, names used twice.
+        TypeError: no form, or no law.
+        ValueError: interior-facet or custom integrals, names used twice, a law that does not fit the form.
     """
     if not isinstance(form, ufl.Form):
         raise TypeError(f"{name}: expected a UFL form, found {type(form).__name__}")
@@ -156,21 +295,42 @@ def form_integrals(form, name, names, hypothesis=""):
     kinds = {i.integral_type() for i in form.integrals()} - {"cell", "exterior_facet"}
     if kinds:
         raise ValueError(f"{name}: integrals of type {sorted(kinds)} are not supported, only dx and ds")
-    form, renumbered = canonical(form)
-    names = dict(names) | {new: names.get(id(old)) or names.get(old) for old, new in renumbered.items()}
+    laws, history = laws_of(law), history_of(law)
+    all_coefficients, old_constants = objects_of(form, law)
+    signature = form_signature(form, law)
+    form, renumbered = canonical(form, law)
+    names = dict(names) | {new: names.get(id(old)) or names.get(old) for old, new in renumbered.items()} | history
     analysis = analyze_ufl_objects([form], np.dtype("float64"))
     ir = compute_ir(analysis, {}, "impact", dict(OPTIONS), False)
     data = analysis.form_data[0]
-    coefficients = data.reduced_coefficients
-    originals = [data.original_form.coefficients()[i] for i in data.original_coefficient_positions]
-    constants = data.original_form.constants()
-    all_names = check_names(list(originals) + list(constants), names)
-    signature = form.signature()
+    if laws:
+        originals = all_coefficients
+    else:
+        originals = [data.original_form.coefficients()[i] for i in data.original_coefficient_positions]
+    constants = [renumbered[c] for c in old_constants]
+    all_names = check_names([*originals, *constants], names, history)
+    names_of = dict(zip([*originals, *constants], all_names))
+    constant_offsets = _offsets(constants, lambda c: int(np.prod(c.ufl_shape, dtype=int)))
     result = []
     for itg, representation in zip(data.integral_data, ir.integrals):
-        expression = representation.expression
-        offsets = expression.coefficient_offsets
         subdomains = tuple(-1 if s == "otherwise" else int(s) for s in itg.subdomain_id)
+        own_law = _law_of_integral(name, laws, itg.integral_type, subdomains)
+        if laws:
+            enabled = {c for c, used in zip(data.reduced_coefficients, itg.enabled_coefficients) if used}
+            _check_unknowns(name, enabled, laws.values(), own_law)
+            used = enabled | set(own_law.coefficients() if own_law else ())
+            coefficients = [c for c in all_coefficients if c in used]
+            positions = [all_coefficients.index(c) for c in coefficients]
+        else:
+            coefficients, positions = data.reduced_coefficients, data.original_coefficient_positions
+        elements = [c.ufl_function_space().ufl_element() for c in coefficients]
+        offsets = _offsets(coefficients, lambda c: int(c.ufl_function_space().ufl_element().dim))
+        numbering = Numbering(
+            {c: (k, offsets[c]) for k, c in enumerate(coefficients)},
+            constant_offsets,
+            own_law.unknown if own_law else None,
+        )
+        expression = representation.expression
         result.append(
             Integral(
                 name=name,
@@ -180,22 +340,86 @@ def form_integrals(form, name, names, hypothesis=""):
                 rank=representation.rank,
                 shape=tuple(int(n) for n in expression.tensor_shape),
                 coefficients=[
-                    _coefficient(n, e, offsets[c], p)
-                    for n, e, c, p in zip(
-                        all_names, data.coefficient_elements, coefficients, data.original_coefficient_positions
-                    )
+                    _coefficient(names_of[c], e, offsets[c], p) for c, e, p in zip(coefficients, elements, positions)
                 ],
                 constants=[
-                    Constant(n, int(np.prod(c.ufl_shape, dtype=int)), int(expression.original_constant_offsets[c]))
-                    for n, c in zip(all_names[len(coefficients) :], constants)
+                    Constant(names_of[c], int(np.prod(c.ufl_shape, dtype=int)), constant_offsets[c]) for c in constants
                 ],
                 argument_elements=tuple(data.argument_elements),
                 coordinate_element=itg.domain.ufl_coordinate_element(),
                 signature=signature,
+                numbering=numbering,
                 hypothesis=hypothesis,
+                law=_local_law(name, own_law, expression, representation.rank, renumbered, numbering),
             )
         )
     return result
+
+
+def _offsets(objects, size):
+    """First entry of each object in an array that holds one after the other."""
+    ends = np.cumsum([0] + [size(o) for o in objects])
+    return {o: int(n) for o, n in zip(objects, ends)}
+
+
+def _law_of_integral(name, laws, integral_type, subdomains):
+    """The law of the cells of an integral, or None."""
+    if integral_type != "cell" or not laws:
+        return None
+    found = [laws.get(None if s == -1 else s, laws.get(None)) for s in subdomains]
+    if any(one is not found[0] for one in found):
+        raise ValueError(
+            f"{name}: cells of tags {subdomains} have the same integral, but different laws: give them one law"
+        )
+    return found[0]
+
+
+def _check_unknowns(name, coefficients, laws, own):
+    """ValueError if an integral has a law's unknown or history without being this law's."""
+    for one in laws:
+        foreign = {one.unknown, *one.history.values()} - {None}
+        if own is not None:
+            foreign -= {own.unknown, *own.history.values()}
+        if one is not own and foreign & coefficients:
+            raise ValueError(f"{name}: an integral has the unknown or history of a law of other cells")
+
+
+def _local_law(name, law, ir, rank, constants, numbering):
+    """LocalLaw of a PointLaw at the points of the form's rule."""
+    if law is None:
+        return None
+    if len(ir.integrand) != 1:
+        degrees = [len(rule.points) for rule in ir.integrand]
+        raise ValueError(
+            f"{name}: cells with a point law need one quadrature rule, found rules of {degrees} points: give all terms "
+            "over these cells the same metadata"
+        )
+    if rank > 1:
+        raise ValueError(f"{name}: a point law needs a form of rank 0 or 1, this one has rank {rank}")
+    ((rule, _),) = ir.integrand.items()
+    for c in [*law.coefficients(), *([law.unknown] if law.unknown is not None else [])]:
+        element = c.ufl_function_space().ufl_element()
+        if element.has_custom_quadrature:
+            points = element.custom_quadrature()[0]
+            if points.shape != rule.points.shape or not np.allclose(points, rule.points, rtol=0, atol=1e-12):
+                raise ValueError(
+                    f"{name}: a coefficient of the point law has {len(points)} points of a quadrature rule, the form "
+                    f"integrates with {len(rule.points)} points: give both the same degree and scheme"
+                )
+    parts, expressions = {}, []
+    for part, components in law.parts().items():
+        parts[part] = (len(expressions), len(components))
+        expressions += components
+    vector = map_expr_dag(_Renumber(constants), ufl.as_vector(expressions))
+    vector = map_expr_dag(_WithoutVariables(), apply_derivatives(apply_algebra_lowering(vector)))
+    analysis = analyze_ufl_objects([(vector, rule.points)], np.dtype("float64"))
+    (representation,) = compute_ir(analysis, {}, "impact", dict(OPTIONS), False).expressions
+    ((_, graph),) = representation.expression.integrand.items()
+    outputs = [
+        Output(o, parts[f"output {o}"][1], numbering.coefficients[law.history[o]][0] if o in law.history else -1)
+        for o in law.outputs
+    ]
+    return LocalLaw(graph, parts, outputs, law.num_unknowns)
 
 
 def expression_signature(expression, points):
@@ -248,6 +472,10 @@ def expression_integral(expression, points, name, names, entity_type="cell"):
         argument_elements=(),
         coordinate_element=domain.ufl_coordinate_element(),
         signature=expression_signature(expression, points),
+        numbering=Numbering(
+            {c: (k, int(common.coefficient_offsets[c])) for k, c in enumerate(coefficients)},
+            {c: int(n) for c, n in common.original_constant_offsets.items()},
+        ),
         points=np.asarray(points, dtype=float),
         entity_type=entity_type,
     )

@@ -13,6 +13,7 @@ import ufl
 from . import algebra as alg
 from . import tensor
 from .arguments import ElementTensor
+from .local import LocalPart
 from .schedule import Schedule
 from .sumfactorisation import evaluate_field
 
@@ -60,10 +61,13 @@ class KernelWriter:
         self.tdim = len(basix.topology(self.cell)) - 1
         self.algebra = alg.Algebra()
         self.tables = {}  # name -> array, in order of use
+        self.shared_names = {}  # (shape, content) of a table -> name
         self.arrays = {}  # name -> values of the cell by point (_shared_row)
         self.rules = []
         self.schedule = Schedule(self._access)
         self.rule = None
+        self.local = LocalPart(self) if integral.law else None
+        self.iterating = False  # does the local unknown stand for the iterate, or for the solution?
 
     # -- terminals: what the algebra's symbols mean ------------------------------------------------------------------
     def _access(self, key):
@@ -99,6 +103,8 @@ class KernelWriter:
             for q, d in zip(self.rules[rule].indices(self.tdim), derivatives):
                 access = access[0 if factor.constant(d) else q]
             return access
+        if kind == "unknown":
+            return L.Symbol(key[1], SCALAR)[key[2]]
         if kind == "array":
             return L.Symbol(key[1], SCALAR)[self.rules[key[2]].flat(self.tdim)]
         raise RuntimeError(f"unknown symbol {key}")
@@ -120,16 +126,17 @@ class KernelWriter:
         if mt.restriction or mt.averaged or mt.global_derivatives:
             raise ValueError(f"{self.integral.name}: {mt.expr} (restricted, averaged or global) is not supported")
         if isinstance(t, ufl.Constant):
-            offset = self.ir.original_constant_offsets[t]
+            offset = self.integral.numbering.constants[t]
             return self.algebra.symbol(("constant", int(offset + mt.flat_component)), alg.CONSTANT)
         if isinstance(t, (ufl.geometry.Jacobian, ufl.geometry.SpatialCoordinate)):
             counts = [0] * self.tdim
             for d in mt.local_derivatives + (mt.component[1:] if isinstance(t, ufl.geometry.Jacobian) else ()):
                 counts[d] += 1
             return self._evaluate("x", mt.component[0], tr, tuple(counts), lambda i: 3 * i + mt.component[0])
+        if isinstance(t, ufl.Coefficient) and t == self.integral.numbering.unknown:
+            return self.local.unknown(int(tr.offset), self.iterating)
         if isinstance(t, ufl.Coefficient):
-            k = self.ir.coefficient_numbering[t]
-            offset = int(self.ir.coefficient_offsets[t])
+            k, offset = self.integral.numbering.coefficients[t]
             counts = [0] * self.tdim
             for d in mt.local_derivatives:
                 counts[d] += 1
@@ -158,6 +165,7 @@ class KernelWriter:
         """Value of a field at the points: sum over its dofs of table times dof."""
         rule, algebra = self.rule, self.algebra
         table = np.asarray(tr.values)[0]  # entities, points, dofs
+        table_name = self._shared_name(tr.name, table)
         if tr.ttype == "ones" and table.shape[2] == 1:
             return self._dof(field, dof(0))
         uniform, piecewise = tr.is_uniform or table.shape[0] == 1, tr.is_piecewise
@@ -176,10 +184,10 @@ class KernelWriter:
             ]
             split = tensor.split_rows(basis)
             if split is not None:
-                return self._shared_row(f"{field}_{component}_{tr.name}", split, combined)
-            name = self._table(tr.name, basis[None])
+                return self._shared_row(f"{field}_{component}_{table_name}", split, combined)
+            name = self._table(table_name, basis[None])
         else:
-            name = self._table(tr.name, table)
+            name = self._table(table_name, table)
             combined = [self._dof(field, dof(i)) for i in range(table.shape[2])]
         at = None if piecewise else rule.number
         level = alg.CELL if piecewise else alg.POINT
@@ -206,6 +214,16 @@ class KernelWriter:
             factor = algebra.symbol(("table", table, rule.number, False, 0), alg.POINT)
         return algebra.add(base, algebra.multiply(factor, value))
 
+    def _shared_name(self, name, table):
+        """Name of a table of FFCx. With a point law two representations meet: their names for one table may differ, and
+        one name may stand for two tables."""
+        if self.local is None:
+            return name
+        taken = self.shared_names.values()
+        return self.shared_names.setdefault(
+            (table.shape, table.tobytes()), name if name not in taken else f"{name}_{len(taken)}"
+        )
+
     def _table(self, name, values):
         self.tables[name] = np.asarray(values)
         return name
@@ -223,7 +241,11 @@ class KernelWriter:
             self.rules.append(self.rule)
             values = alg.GraphReader(self.algebra, data["factorization"], self._terminal).read()
             self.targets.append(self._targets(values))
+            if self.local:
+                self.local.read(self.rule)
         wanted = [v for per_rule in self.targets for _, v in per_rule]
+        if self.local:
+            wanted += self.local.wanted()
         by_point = [v for values in self.arrays.values() for v in values]
         self.schedule.prepare(wanted + by_point)
         body = [L.Section("values that depend on constants only", self.schedule.declare(wanted, alg.CONSTANT), [])]
@@ -233,6 +255,8 @@ class KernelWriter:
         for rule, targets in zip(self.rules, self.targets):
             self.rule = rule
             body += self._rule_code(rule, targets)
+        if self.local:
+            body += self.local.after()
         used = self._used_tables(body)
         tables = [L.ArrayDecl(L.Symbol(n, REAL), values=self.tables[n], const=True) for n in used]
         sections = [s for s in body if not isinstance(s, L.Section) or s.statements or s.declarations]
@@ -276,8 +300,12 @@ class KernelWriter:
         element_tensor = ElementTensor(self, rule, targets)
         before = [evaluate_field(self, rule, field, needed) for field, needed in sorted(rule.fields.items())]
         before += element_tensor.before()
-        declarations = self.schedule.declare([v for _, v in targets], alg.POINT)
-        inner = declarations + element_tensor.inside()
+        factors = [v for _, v in targets]
+        if self.local:
+            before += self.local.before()
+            inner = self.local.inside(factors) + element_tensor.inside()
+        else:
+            inner = self.schedule.declare(factors, alg.POINT) + element_tensor.inside()
         if rule.num_points == 1 or not inner:
             # One point needs no loop; its index is declared once, however many such rules there are.
             first = not any(r.num_points == 1 for r in self.rules[: rule.number])

@@ -7,7 +7,7 @@ extern "C"
 {
   /// Element tensor of `lanes` cells at once. Entry i of an array of a cell stands at [lanes * i + lane]; rows of A
   /// first.
-  /// @param A element tensor, added to; shape [0] x [1]
+  /// @param A element tensor, added to, shape [0] x [1]; then the outputs (size_A)
   /// @param w coefficients, coefficient k from entry offset_k, in the order of its element's dofs (blocked)
   /// @param c constants, the same for all lanes
   /// @param x node coordinates, 3 per node
@@ -40,9 +40,18 @@ extern "C"
     int offset; ///< of its first entry in c
   } impact_constant;
 
+  /// Values at the quadrature points that a kernel writes beside the element tensor: new internal variables and others.
+  typedef struct
+  {
+    const char* name;
+    int num_components; ///< at a point
+    int offset;         ///< of its first entry in A; component c at point q stands num_components * q + c behind it
+    int coefficient;    ///< that reads its committed values, number in the kernel's coefficients; -1: none
+  } impact_output;
+
   enum
   {
-    IMPACT_KERNEL_ABI = 1,
+    IMPACT_KERNEL_ABI = 2,
     IMPACT_KERNEL_WIDTHS = 3 ///< tabulate[k] takes 1, 4, 8 cells at once
   };
 
@@ -69,7 +78,15 @@ extern "C"
     const impact_constant* constants;
     int size_c;
     const double* points; ///< of an expression: shape [0] x tdim reference coordinates; else null
-    double flops;         ///< additions, multiplications and divisions per cell
+    /// Entries of A in all: the element tensor, then the outputs, which are overwritten; then, where there are local
+    /// unknowns, how many points could not be solved, the number of the first of them, its residual relative to the
+    /// residual's scale, and its unknowns. shape[0] * shape[1] for a kernel without outputs.
+    int size_A;
+    int num_points; ///< that outputs are written at; 0 without outputs
+    int num_outputs;
+    const impact_output* outputs;
+    int local_unknowns; ///< of the equations solved at each point; 0: none
+    double flops;       ///< additions, multiplications and divisions per cell
     impact_tabulate tabulate[IMPACT_KERNEL_WIDTHS];
   } impact_kernel;
 }

@@ -16,4 +16,7 @@ void check_mesh(const impact_kernel& kernel, const dolfinx::mesh::Mesh<double>& 
 /// @throws std::runtime_error if element, degree or block size differ, or degrees of freedom need transformations
 void check_space(const impact_kernel& kernel, const impact_element& element,
                  const dolfinx::fem::FunctionSpace<double>& V, const std::string& what);
+
+/// @throws std::runtime_error if the kernel writes values at its points, which only operators::Batches has room for
+void check_without_outputs(const impact_kernel& kernel);
 } // namespace dolfinx_impact::kernels

@@ -72,9 +72,21 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
     _test_space = test;
     _scatter = scatter(_width, _test.block_size);
   }
+  set_history(integral);
   for (int i = 0; i < k.num_coefficients; ++i)
   {
     const impact_coefficient& c = k.coefficients[i];
+    const impact_output* output =
+        std::find_if(k.outputs, k.outputs + k.num_outputs, [i](const impact_output& o) { return o.coefficient == i; });
+    if (output != k.outputs + k.num_outputs)
+    {
+      Array a;
+      a.name = c.name;
+      a.offset = c.offset;
+      a.field = int(_history->find(output->name));
+      _coefficients.push_back(std::move(a));
+      continue;
+    }
     auto found = coefficients.find(c.name);
     if (found == coefficients.end() || !found->second)
       throw std::invalid_argument(std::string("kernel ") + k.name + " needs a coefficient named '" + c.name + "'");
@@ -120,9 +132,74 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std
       add_group(by_facet[f], f);
   }
 
-  const std::size_t entries = rounded(std::size_t(k.shape[0]) * _width) + rounded(std::size_t(k.size_w) * _width) +
+  const std::size_t entries = rounded(std::size_t(k.size_A) * _width) + rounded(std::size_t(k.size_w) * _width) +
                               rounded(std::size_t(3) * _x.num_nodes * _width) + 8;
   _buffer.resize(entries);
+}
+
+void Batches::set_history(const Integral& integral)
+{
+  const impact_kernel& k = *_kernel;
+  _failures.unknowns.resize(k.local_unknowns);
+  if (k.num_outputs == 0)
+  {
+    if (integral.history)
+      throw std::invalid_argument(std::string("kernel ") + k.name + " has no outputs: it reads no history");
+    return;
+  }
+  _history = integral.history;
+  _stores = !_history;
+  if (_stores)
+  {
+    _history = std::make_shared<PointHistory>(k, integral.entities, _width);
+    return;
+  }
+  const PointHistory& h = *_history;
+  if (!std::ranges::equal(h.cells(), integral.entities) || h.width() != _width || h.num_points() != k.num_points)
+    throw std::invalid_argument(std::string("kernel ") + k.name +
+                                ": the history that is shared has other cells, another number of points or another "
+                                "width: use the same form's cells, quadrature rule and width");
+  for (int i = 0; i < k.num_outputs; ++i)
+    if (k.outputs[i].coefficient >= 0)
+      if (const std::size_t f = h.find(k.outputs[i].name);
+          !h.is_history(f) || h.num_components(f) != k.outputs[i].num_components)
+        throw std::invalid_argument(std::string("kernel ") + k.name + ": '" + k.outputs[i].name +
+                                    "' of the shared history is another quantity");
+}
+
+void Batches::load_history(std::size_t batch, double* w) const
+{
+  for (const Array& a : _coefficients)
+    if (a.field >= 0)
+      std::copy_n(_history->committed(a.field, batch), _history->batch_size(a.field),
+                  w + std::size_t(a.offset) * _width);
+}
+
+void Batches::store_outputs(std::size_t batch, const double* A) const
+{
+  for (int i = 0; i < _kernel->num_outputs; ++i)
+    std::copy_n(A + std::size_t(_kernel->outputs[i].offset) * _width, _history->batch_size(i),
+                _history->trial(i, batch));
+}
+
+void Batches::record_failures(std::size_t batch, const double* A) const
+{
+  const int n = _kernel->local_unknowns;
+  const double* report = A + std::size_t(_kernel->size_A - 3 - n) * _width;
+  for (int lane = 0; lane < _used[batch]; ++lane)
+  {
+    if (!(report[lane] > 0.0))
+      continue;
+    if (_failures.count == 0)
+    {
+      _failures.cell = _history->cells()[batch * _width + lane];
+      _failures.point = int(report[_width + lane]);
+      _failures.residual = report[2 * _width + lane];
+      for (int i = 0; i < n; ++i)
+        _failures.unknowns[i] = report[(3 + i) * _width + lane];
+    }
+    _failures.count += std::size_t(report[lane]);
+  }
 }
 
 void Batches::add_group(std::span<const std::int32_t> cells, int facet)
@@ -147,7 +224,7 @@ void Batches::add_group(std::span<const std::int32_t> cells, int facet)
   }
   for (Array& a : _coefficients)
   {
-    if (a.as_test)
+    if (a.as_test || a.field >= 0)
       continue;
     auto& map = *a.function->function_space()->dofmap();
     number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _width, a.num_nodes, a.dofs);
@@ -179,17 +256,24 @@ double Batches::run(double* b) const
   const impact_kernel& k = *_kernel;
   const std::size_t size_A = std::size_t(k.shape[0]) * _width;
   double* A = aligned(_buffer.data());
-  double* w = A + rounded(size_A);
+  double* w = A + rounded(std::size_t(k.size_A) * _width);
   double* x = w + rounded(std::size_t(k.size_w) * _width);
   const double* nodes = _mesh->geometry().x().data();
   double sum = 0.0;
+  _failures.count = 0;
   for (std::size_t batch = 0; batch < _used.size(); ++batch)
   {
     _x.gather(nodes, _x.dofs.data() + batch * _x.num_nodes * _width, _x.num_nodes, x);
     for (const Array& a : _coefficients)
+    {
+      if (a.field >= 0)
+        continue;
       a.gather(a.values ? a.values : a.function->x()->array().data(),
                (a.as_test ? _test.dofs : a.dofs).data() + batch * a.num_nodes * _width, a.num_nodes,
                w + std::size_t(a.offset) * _width);
+    }
+    if (_history)
+      load_history(batch, w);
     _clear(A, size_A);
     _tabulate(A, w, _constants.data(), x, _facet[batch]);
     if (k.rank == 1)
@@ -197,7 +281,13 @@ double Batches::run(double* b) const
     else
       for (int l = 0; l < _used[batch]; ++l)
         sum += A[l];
+    if (_stores)
+      store_outputs(batch, A);
+    if (k.local_unknowns > 0)
+      record_failures(batch, A);
   }
+  if (_stores)
+    _history->set_evaluated();
   return sum;
 }
 } // namespace dolfinx_impact::operators

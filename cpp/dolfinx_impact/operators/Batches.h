@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../kernels/Kernel.h"
+#include "PointHistory.h"
 #include "gather.h"
 #include <cstdint>
 #include <dolfinx/fem/Function.h>
@@ -26,6 +27,19 @@ struct Integral
   std::vector<std::int32_t> entities;
   /// Packed constants, kernel->size_c of them.
   std::vector<double> constants;
+  /// Internal variables to read, those of another operator on the same cells: they are left as they are. Null: a kernel
+  /// with outputs makes its own.
+  std::shared_ptr<PointHistory> history = nullptr;
+};
+
+/// Points whose local equations were not solved in the last evaluation, and what is known of the first.
+struct PointFailures
+{
+  std::size_t count = 0;
+  std::int32_t cell = -1; ///< local number of the first one's cell
+  int point = -1;         ///< of the quadrature rule
+  double residual = 0.0;  ///< largest residual there, relative to the residual's scale
+  std::vector<double> unknowns;
 };
 
 /// Cells of one integral in batches of `width`, with the node numbers every array of the kernel is gathered from. The
@@ -45,6 +59,7 @@ public:
     std::shared_ptr<const Function> function; ///< of a coefficient
     const double* values = nullptr;           ///< read instead of the function's
     int offset = 0;                           ///< first entry in w
+    int field = -1;                           ///< of the history that is read; -1: nodes are gathered
   };
 
   /// @param[in] integral kernel, entities and constants
@@ -69,11 +84,21 @@ public:
   /// Read a coefficient from here (numbered as the function's array) instead of from the function; null: from the
   /// function again. Kernels without it are left as they are.
   void read(const std::string& name, const double* values);
+  /// Internal variables; null for a kernel without outputs.
+  const std::shared_ptr<PointHistory>& history() const { return _history; }
+  /// Does a run store outputs in the history? Not where it is another operator's.
+  bool stores() const { return _stores; }
+  /// Of the last run.
+  const PointFailures& failures() const { return _failures; }
   /// Has the kernel a coefficient of this name?
   bool has(const std::string& name) const;
 
 private:
   void add_group(std::span<const std::int32_t> cells, int facet);
+  void set_history(const Integral& integral);
+  void load_history(std::size_t batch, double* w) const;
+  void store_outputs(std::size_t batch, const double* A) const;
+  void record_failures(std::size_t batch, const double* A) const;
 
   const impact_kernel* _kernel;
   impact_tabulate _tabulate;
@@ -87,6 +112,9 @@ private:
   clear_function _clear = nullptr;
   std::vector<Array> _coefficients;
   std::vector<double> _constants;
+  std::shared_ptr<PointHistory> _history;
+  bool _stores = false; ///< are outputs written to the history?
+  mutable PointFailures _failures;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand
 };
 } // namespace dolfinx_impact::operators

@@ -12,6 +12,7 @@ CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V,
     : _kernel(kernel), _V(V), _w(kernel.size_w), _nodes(3 * V.mesh()->geometry().dofmap().extent(1))
 {
   kernels::check_mesh(kernel, *V.mesh());
+  kernels::check_without_outputs(kernel);
   for (int i = 0; i < kernel.num_coefficients; ++i)
   {
     const impact_coefficient& c = kernel.coefficients[i];

@@ -50,6 +50,41 @@ double InternalForce::value() const
   return sum;
 }
 
+void InternalForce::commit()
+{
+  for (const Batches& batches : _batches)
+    if (batches.stores())
+      batches.history()->commit();
+}
+
+void InternalForce::revert()
+{
+  for (const Batches& batches : _batches)
+    if (batches.stores())
+      batches.history()->revert();
+}
+
+PointFailures InternalForce::failures() const
+{
+  PointFailures all;
+  for (const Batches& batches : _batches)
+  {
+    const PointFailures& own = batches.failures();
+    if (own.count == 0)
+      continue;
+    const std::size_t before = all.count;
+    if (before == 0)
+      all = own;
+    all.count = before + own.count;
+  }
+  return all;
+}
+
+bool InternalForce::has_history() const
+{
+  return std::ranges::any_of(_batches, [](const Batches& batches) { return batches.stores(); });
+}
+
 double InternalForce::flops() const
 {
   double count = 0.0;

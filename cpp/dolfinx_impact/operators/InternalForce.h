@@ -52,6 +52,18 @@ public:
     return false;
   }
 
+  /// Internal variables of integral i; null if its kernel has none.
+  const std::shared_ptr<PointHistory>& history(std::size_t i) const { return _batches.at(i).history(); }
+  /// End of a step: the internal variables of the last evaluation become those that the next one starts from. Of an
+  /// operator that reads another one's, they are left to that one.
+  void commit();
+  /// Forget the internal variables of the last evaluation.
+  void revert();
+  /// Points of all integrals whose local equations were not solved in the last evaluation on this rank.
+  PointFailures failures() const;
+  /// Has any integral internal variables of its own?
+  bool has_history() const;
+
   /// Cells per kernel call of integral i.
   int width(std::size_t i = 0) const { return _batches.at(i).width(); }
   std::size_t num_integrals() const { return _batches.size(); }

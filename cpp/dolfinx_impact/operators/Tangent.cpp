@@ -28,6 +28,7 @@ dolfinx::fem::Form<double> create_form(const std::array<std::shared_ptr<const Fu
   {
     const impact_kernel& k = *integral.kernel;
     kernels::check_mesh(k, *V[0]->mesh());
+    kernels::check_without_outputs(k);
     if (k.rank != 2)
       throw std::invalid_argument(std::string("kernel ") + k.name + " is of rank " + std::to_string(k.rank) +
                                   ", not 2");

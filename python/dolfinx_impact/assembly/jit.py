@@ -29,6 +29,10 @@ from ..common.collective import guard
 from ..common.private_folder import check_file, check_private, make_private
 from ..common.types import FloatArray
 from ..forms.compiler import emit, frontend
+from ..forms.point_law import PointLaw
+
+# One law for all cells, or one by cell tag.
+Laws = PointLaw | Mapping[int, PointLaw]
 
 INCLUDE = Path(__file__).parent.parent / "include"
 FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
@@ -40,8 +44,8 @@ class Compiled:
 
     Attributes:
         kernels: one kernel per integral.
-        coefficients: form.coefficients().
-        constants: form.constants().
+        coefficients: form.coefficients(); with a point law those of its expressions, too, but the local unknowns.
+        constants: form.constants(), likewise.
         source: "package", or the path of the library in the cache.
     """
 
@@ -65,7 +69,10 @@ def cache_folder() -> Path:
 
 
 def compile_form(
-    form: ufl.Form, names: Mapping[ufl.Coefficient | ufl.Constant, str] | None = None, comm: MPI.Comm | None = None
+    form: ufl.Form,
+    names: Mapping[ufl.Coefficient | ufl.Constant, str] | None = None,
+    comm: MPI.Comm | None = None,
+    law: Laws | None = None,
 ) -> Compiled:
     """Kernels of a UFL form of rank 0, 1 or 2 over cells and exterior facets. Collective over `comm`.
 
@@ -73,13 +80,15 @@ def compile_form(
         form: UFL form; its functions and constants may be those of DOLFINx or of UFL.
         names: names of coefficients and constants; DOLFINx functions have names of their own.
         comm: communicator whose ranks compile together; None: that of the mesh.
+        law: internal variables and local equations of all cells, or by cell tag (forms/point_law.py); None: none.
 
     Returns:
         The kernels, one per integral.
 
     Raises:
-        TypeError: `form` is not a UFL form.
-        ValueError: two coefficients have one name, or kernels do not support an integral or operator of the form.
+        TypeError: `form` is not a UFL form, or `law` not a PointLaw.
+        ValueError: two coefficients have one name, the law does not fit the form, or kernels do not support an integral
+            or operator of the form.
         RuntimeError: no compiler was found, compilation failed, the cache cannot be written, or other users can write
             into it; on all ranks.
     """
@@ -88,21 +97,22 @@ def compile_form(
         if not isinstance(form, ufl.Form):
             raise TypeError(f"expected a UFL form, found {type(form).__name__}: {form!r:.80}")
         arguments.measures(form)
-        given = _names_of(list(form.coefficients()) + list(form.constants()), names)
-        frontend.check_names(list(form.coefficients()) + list(form.constants()), given)
-        key = emit.signature(frontend.form_signature(form))
+        history = frontend.history_of(law)
+        objects = frontend.objects_of(form, law)
+        given = _names_of([*objects[0], *objects[1]], names) | history
+        frontend.check_names([*objects[0], *objects[1]], given, history)
+        key = emit.signature(frontend.form_signature(form, law))
         ranks.same(form=key)
     built_in = _cpp.kernels.find_signature(key)
-    objects = list(form.coefficients()), list(form.constants())
     if built_in:
-        return Compiled(built_in, *objects, "package")
+        return Compiled(built_in, objects[0], objects[1], "package")
 
     def integrals() -> list[frontend.Integral]:
-        return frontend.form_integrals(form, "form", given)
+        return frontend.form_integrals(form, "form", given, law=law)
 
     assert comm is not None  # forms without a mesh have COMM_SELF
     kernels, path = _from_cache(key, integrals, comm)
-    return Compiled(kernels, *objects, str(path))
+    return Compiled(kernels, objects[0], objects[1], str(path))
 
 
 def compile_expression(

@@ -19,7 +19,9 @@ from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..forms import elasticity, quadrature
 from ..forms.materials import Law
 from ..materials import Material, _Material
-from .jit import Compiled, compile_expression, compile_form
+from ..forms.compiler import frontend
+from .jit import Compiled, Laws, compile_expression, compile_form
+from .point_values import PointHistory
 
 
 def domain_of(form: Any) -> cpp.mesh.Mesh_float64:
@@ -85,12 +87,28 @@ def _constants(compiled: Compiled, kernel: _cpp.kernels.Kernel) -> FloatArray:
     return np.concatenate(values) if values and kernel.constants else np.empty(0)
 
 
+def _history_of_cells(parts: Sequence[_cpp.operators.PointHistory], entities: IntArray) -> _cpp.operators.PointHistory:
+    """The part of a history that belongs to the cells of an integral."""
+    for part in parts:
+        if np.array_equal(part.cells, entities):
+            return part
+    raise ValueError("the history that is shared belongs to other cells: use the same subdomains in both forms")
+
+
 class _Operator:
     """Kernels of a form with their entities, coefficients and constants on the C++ side."""
 
     test: FunctionSpace | None  # of the test function; a form of rank 0 has none
 
-    def __init__(self, form: ufl.Form, rank: int, width: int, part: str | None = None) -> None:
+    def __init__(
+        self,
+        form: ufl.Form,
+        rank: int,
+        width: int,
+        part: str | None = None,
+        law: Laws | None = None,
+        history: PointHistory | None = None,
+    ) -> None:
         name = type(self).__name__
         with guard(comm_of(form), name, form=form, width=width, part=part):
             self.mesh = domain_of(form)
@@ -98,17 +116,23 @@ class _Operator:
             if found != rank:
                 raise ValueError(f"{name} takes a form of rank {rank}, this one has {found} arguments")
             arguments.double_precision("the mesh of the form", self.mesh.geometry.x)
-            for f in form.coefficients():
-                arguments.function("a coefficient of the form", f)
+            inner = frontend.history_of(law)
+            for f in frontend.objects_of(form, law)[0]:
+                if f not in inner:
+                    arguments.function("a coefficient of the form", f)
+            shared = [] if history is None else list(history.parts)
         self.form = form
-        self.compiled = compile_form(form)
+        self.compiled = compile_form(form, law=law)
         spaces = [a.ufl_function_space() for a in form.arguments()]
         self.test = spaces[0] if spaces else None
         data = next(iter(form.subdomain_data().values()))
         coefficients: dict[str, Function] = {}
         integrals, self._kernels = [], []
         for kernel in self.compiled.kernels:
-            for c in kernel.coefficients:
+            kept = {o["coefficient"] for o in kernel.outputs}
+            for number, c in enumerate(kernel.coefficients):
+                if number in kept:
+                    continue
                 function = self.compiled.coefficients[c["position"]]
                 if coefficients.setdefault(c["name"], function) is not function:
                     raise ValueError(f"two coefficients are called {c['name']!r}: give each function a name of its own")
@@ -119,11 +143,10 @@ class _Operator:
                 entities = entities_of(self.mesh, kernel.integral_type, subdomain, given[0] if given else None)
                 if part and self.test is not None:
                     entities = _choose(self.test, entities, kernel.integral_type, part)
-                integrals.append(
-                    _cpp.operators.Integral(
-                        kernel.address, np.ascontiguousarray(entities), _constants(self.compiled, kernel)
-                    )
-                )
+                entities = np.ascontiguousarray(entities)
+                constants = _constants(self.compiled, kernel)
+                known = _history_of_cells(shared, entities) if kernel.outputs and history is not None else None
+                integrals.append(_cpp.operators.Integral(kernel.address, entities, constants, known))
                 self._kernels.append(kernel)
         self.coefficients = coefficients
         self._cpp_object = _cpp.operators.InternalForce_float64(
@@ -133,6 +156,10 @@ class _Operator:
             {name: f._cpp_object for name, f in coefficients.items()},
             width,
         )
+
+        parts = [self._cpp_object.history(i) for i in range(len(integrals))]
+        num_cells = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
+        self.history = PointHistory(self.mesh, num_cells, [p for p in parts if p is not None])
 
     @property
     def width(self) -> int:
@@ -166,6 +193,11 @@ class InternalForce(_Operator):
         form: UFL form of rank 1 over dx and ds of one mesh; every call reads its functions and constants anew.
         width: cells per kernel call, 1, 4 or 8; 0: the default of the machine.
         part: "inner": only cells without ghost nodes; "outer": only cells with ghost nodes; None: all cells.
+        law: internal variables and local equations of all cells, or by cell tag (forms/point_law.py); None: none.
+            Every evaluation starts from the values of the last `history.commit`.
+
+    Attributes:
+        history: internal variables, `PointHistory`; empty without a law.
 
     Raises:
         TypeError: `form` is not a UFL form, or not of double precision.
@@ -175,8 +207,8 @@ class InternalForce(_Operator):
 
     test: FunctionSpace
 
-    def __init__(self, form: ufl.Form, width: int = 0, part: str | None = None) -> None:
-        super().__init__(form, 1, width, part)
+    def __init__(self, form: ufl.Form, width: int = 0, part: str | None = None, law: Laws | None = None) -> None:
+        super().__init__(form, 1, width, part, law)
 
     def vector(self) -> la.Vector:
         """Make a vector of the test space.
@@ -283,10 +315,21 @@ class SplitForce:
         form: UFL form of rank 1, as for InternalForce.
         displacement: coefficient that the integrator sets to the displacement; None: the form has none.
         velocity: coefficient that the integrator sets to the velocity; None: the form has none.
+        law: as for InternalForce; every step of the integrator commits.
+
+    Attributes:
+        history: internal variables of both parts, `PointHistory`; empty without a law.
     """
 
-    def __init__(self, form: ufl.Form, displacement: Function | None = None, velocity: Function | None = None) -> None:
-        self._parts = [InternalForce(form, part=part) for part in ("inner", "outer")]
+    def __init__(
+        self,
+        form: ufl.Form,
+        displacement: Function | None = None,
+        velocity: Function | None = None,
+        law: Laws | None = None,
+    ) -> None:
+        self._parts = [InternalForce(form, part=part, law=law) for part in ("inner", "outer")]
+        self.history = self._parts[0].history + self._parts[1].history
         compiled, coefficients = self._parts[0].compiled, self._parts[0].coefficients
         self._names = {id(f): name for name, f in coefficients.items()}
         self._given = displacement, velocity
@@ -322,6 +365,9 @@ class Energy(_Operator):
     Args:
         form: UFL form of rank 0 over dx and ds of one mesh; every call reads its functions and constants anew.
         width: cells per kernel call, 1, 4 or 8; 0: the default of the machine.
+        law: as for InternalForce.
+        history: internal variables of an operator with the same cells, rule and width, which are read and left as they
+            are; None: those of this object.
 
     Raises:
         TypeError: as InternalForce.
@@ -329,8 +375,10 @@ class Energy(_Operator):
         RuntimeError: as InternalForce.
     """
 
-    def __init__(self, form: ufl.Form, width: int = 0) -> None:
-        super().__init__(form, 0, width)
+    def __init__(
+        self, form: ufl.Form, width: int = 0, law: Laws | None = None, history: PointHistory | None = None
+    ) -> None:
+        super().__init__(form, 0, width, law=law, history=history)
 
     def value(self) -> float:
         """Assemble the value. Collective.

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../kernels/Kernel.h"
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace dolfinx_impact::operators
+{
+/// Internal variables at the quadrature points of the cells of one integral: values of the last completed step
+/// ("committed") and those of the last evaluation ("trial"), an array for each name.
+///
+/// A kernel reads committed values and writes trial values, so that an evaluation never changes what the next one
+/// starts from. `commit` ends a step. Arrays have the order of the batches, which a kernel reads without gathering:
+/// values[((batch * num_points + point) * num_components + component) * width + lane].
+class PointHistory
+{
+public:
+  /// @param[in] kernel with outputs
+  /// @param[in] cells of the integral, in the order of the batches
+  /// @param[in] width cells per batch; lanes that are left over in the last batch repeat its last cell
+  /// @throws std::invalid_argument if the kernel has no outputs
+  PointHistory(const impact_kernel& kernel, std::span<const std::int32_t> cells, int width);
+
+  /// The values of the last evaluation become the committed ones. Without an evaluation since the last commit, nothing
+  /// changes.
+  void commit();
+  /// Forget the last evaluation.
+  void revert() { _evaluated = false; }
+
+  std::span<const std::int32_t> cells() const { return _cells; }
+  int num_points() const { return _num_points; }
+  int width() const { return _width; }
+  std::size_t num_fields() const { return _fields.size(); }
+  const std::string& name(std::size_t field) const { return _fields.at(field).name; }
+  int num_components(std::size_t field) const { return _fields.at(field).num_components; }
+  /// Is the field read by the kernel? Others are results only: they have one array, of the last evaluation.
+  bool is_history(std::size_t field) const { return _fields.at(field).is_history; }
+  /// Number of the field of a name.
+  /// @throws std::invalid_argument if there is none; the message lists the names
+  std::size_t find(const std::string& name) const;
+
+  /// Values in the order of the cells, shape (num_cells, num_points, num_components).
+  /// @param[in] field
+  /// @param[in] trial of the last evaluation instead of the last commit
+  std::vector<double> values(std::size_t field, bool trial = false) const;
+  /// Replace committed values, and forget the last evaluation.
+  /// @param[in] values shape (num_cells, num_points, num_components)
+  /// @throws std::invalid_argument for another size, or values that are not finite
+  void set_values(std::size_t field, std::span<const double> values);
+
+  /// Bytes of all values.
+  std::size_t memory() const;
+
+  /// Committed values of a batch, as a kernel reads them.
+  const double* committed(std::size_t field, std::size_t batch) const
+  {
+    return _fields[field].committed.data() + batch * _fields[field].batch_size;
+  }
+  /// Place of the trial values of a batch.
+  double* trial(std::size_t field, std::size_t batch)
+  {
+    Field& f = _fields[field];
+    return (f.is_history ? f.trial : f.committed).data() + batch * f.batch_size;
+  }
+  /// Entries of a batch: num_points * num_components * width.
+  std::size_t batch_size(std::size_t field) const { return _fields[field].batch_size; }
+  /// All batches have been evaluated.
+  void set_evaluated() { _evaluated = true; }
+
+private:
+  struct Field
+  {
+    std::string name;
+    int num_components;
+    bool is_history;
+    std::size_t batch_size;
+    std::vector<double> committed, trial;
+  };
+
+  std::size_t entry(const Field& f, std::size_t cell, int point, int component) const;
+
+  std::vector<std::int32_t> _cells;
+  int _num_points, _width;
+  std::size_t _num_batches;
+  std::vector<Field> _fields;
+  bool _evaluated = false; ///< are the trial values those of an evaluation since the last commit?
+};
+} // namespace dolfinx_impact::operators
