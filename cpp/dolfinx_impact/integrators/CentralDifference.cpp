@@ -110,7 +110,8 @@ bool CentralDifference::evaluate()
   if (_contact.work_of_step(_fields, _last_step))
     fields_changed();
   _internal.outer->assemble({_fields.r.data(), _fields.own});
-  _energies.set_elastic(_internal.elastic_energy());
+  _energies.set_materials(_internal.elastic_energy(), _internal.num_unsolved());
+  _internal.commit();
   for (ForceTerm& term : _terms)
     term.evaluate(_fields, _last_step);
   _contact.evaluate(_fields);
@@ -127,21 +128,11 @@ void CentralDifference::complete_residual()
   std::fill(_fields.r.begin() + _fields.owned, _fields.r.end(), 0.0);
 }
 
-/// The internal variables of the present time level are what the next one starts from.
-void CentralDifference::commit()
-{
-  _internal.inner->commit();
-  _internal.outer->commit();
-  for (ForceTerm& term : _terms)
-    term.commit();
-}
-
 void CentralDifference::advance(double dt, const double* amplitudes)
 {
   NodalFields& f = _fields;
   const Coefficients c = coefficients(dt);
   const double mean_step = 0.5 * (_last_step + dt);
-  commit();
   _prescribed.keep(f.u.data(), f.v.data(), f.r.data());
   _contact.keep(f);
   Sums sums = update(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), c, f.u.data(), f.v.data());

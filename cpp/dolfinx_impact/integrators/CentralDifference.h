@@ -129,7 +129,6 @@ private:
   Coefficients coefficients(double dt) const;
   void fields_changed();
   bool evaluate();
-  void commit();
   void complete_residual();
   void advance(double dt, const double* amplitudes);
   bool asked_to_stop(const std::function<bool()>& asked);

@@ -41,6 +41,7 @@ EnergySums EnergyBalance::local(const Sums& sums, const Steps& steps, std::span<
   e.position = 0.5 * sums.position;
   e.residual_work = _residual_work.value();
   e.elastic = _elastic;
+  e.unsolved = _unsolved;
   e.load_work = _load_work.value();
   e.support_work = _support_value;
   e.damped = _damped.value();
@@ -104,7 +105,7 @@ bool EnergyBalance::end_sum()
   _reference = std::max(_reference, now.external + std::max(0.0, -now.internal));
   _gain.update(now, -_totals.kinematic);
   return std::isfinite(_totals.speed) && !(_totals.speed > unstable * _reference) && !(_gain.now > _gain_limit) &&
-         !(_totals.passages > 0.0);
+         !(_totals.passages > 0.0) && !(_totals.unsolved > 0.0);
 }
 
 Energies EnergyBalance::energies(const Sums& sums, double support_power, const Steps& steps,

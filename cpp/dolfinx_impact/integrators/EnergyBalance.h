@@ -44,8 +44,14 @@ public:
 
   /// Works count from zero.
   void reset();
-  /// Elastic energy of this rank's cells at the present time level [F L]; for InternalEnergy::elastic.
-  void set_elastic(double energy) { _elastic = energy; }
+  /// What materials with internal variables have found at the present time level, on this rank.
+  /// @param[in] energy elastic energy, for InternalEnergy::elastic [F L]
+  /// @param[in] num_unsolved points whose local equations were not solved: the run counts as unstable
+  void set_materials(double energy, std::size_t num_unsolved)
+  {
+    _elastic = energy;
+    _unsolved = double(num_unsolved);
+  }
 
   /// A step has been made: what this rank contributes at the time level before it, and the works of the step.
   /// @param[in] sums of the update
@@ -98,7 +104,7 @@ private:
   Scheme _scheme;
   double _alpha;
   Work _residual_work, _load_work, _support_work, _damped;
-  double _elastic = 0.0;
+  double _elastic = 0.0, _unsolved = 0.0;
   double _support_value = 0.0; ///< work of the supports up to the time level
   EnergySums _local, _totals;
   std::vector<double> _buffer, _summed; ///< EnergySums, then the contacts' forces

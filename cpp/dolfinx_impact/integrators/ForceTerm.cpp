@@ -38,6 +38,17 @@ double FormForces::elastic_energy() const
   return 0.0; // SUMS
 }
 
+std::size_t FormForces::num_unsolved() const
+{
+  return has_history() ? inner->num_failures() + outer->num_failures() : 0;
+}
+
+void FormForces::commit() const
+{
+  inner->commit();
+  outer->commit();
+}
+
 void FormForces::read(const NodalFields& fields) const
 {
   for (InternalForce* operation : {inner.get(), outer.get()})
@@ -85,12 +96,6 @@ void ForceTerm::evaluate(NodalFields& fields, double dt)
     fields.r[i] += _sign * force[i];
   _position = sum_of_products(fields.own, force, fields.u.data());
   work.before = 0.5 * dt * power(fields);
-}
-
-void ForceTerm::commit()
-{
-  for (const auto& operation : {_forms.inner, _forms.outer})
-    operation->commit();
 }
 
 void ForceTerm::work_of_step(const NodalFields& fields, double dt)

@@ -25,6 +25,10 @@ struct FormForces
   /// Elastic energy of this rank's cells in the last evaluation, of materials with internal variables and of those
   /// beside them [F L].
   double elastic_energy() const;
+  /// Number of points of this rank whose local equations the last evaluation has not solved.
+  std::size_t num_unsolved() const;
+  /// The internal variables of the last evaluation are what the next one starts from.
+  void commit() const;
   /// Let the kernels read the fields' displacements and velocities.
   void read(const NodalFields& fields) const;
 };
@@ -44,8 +48,6 @@ public:
   /// Forces at the present time level, added to the residual.
   /// @param[in] dt step that led here [T]
   void evaluate(NodalFields& fields, double dt);
-  /// The internal variables of the present time level are what the next one starts from.
-  void commit();
   /// The forces of the last time level do work in the step since. To be called before `evaluate`.
   void work_of_step(const NodalFields& fields, double dt);
 

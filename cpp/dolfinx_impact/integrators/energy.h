@@ -76,8 +76,9 @@ struct EnergySums
   double searches_due = 0.0; ///< contacts that need a search
   double stops_asked = 0.0;  ///< ranks that were asked to stop
   double passages = 0.0;     ///< contacts that a node went through
+  double unsolved = 0.0;     ///< points whose local equations were not solved
 
-  static constexpr std::size_t size = 22;
+  static constexpr std::size_t size = 23;
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
   static EnergySums of(const std::array<double, size>& values) { return std::bit_cast<EnergySums>(values); }
 

@@ -85,6 +85,14 @@ bool InternalForce::has_history() const
   return std::ranges::any_of(_batches, [](const Batches& batches) { return batches.stores(); });
 }
 
+std::size_t InternalForce::num_failures() const
+{
+  std::size_t count = 0;
+  for (const Batches& batches : _batches)
+    count += batches.failures().count;
+  return count;
+}
+
 double InternalForce::flops() const
 {
   double count = 0.0;

@@ -61,6 +61,8 @@ public:
   void revert();
   /// Points of all integrals whose local equations were not solved in the last evaluation on this rank.
   PointFailures failures() const;
+  /// Number of those points.
+  std::size_t num_failures() const;
   /// Has any integral internal variables of its own?
   bool has_history() const;
 

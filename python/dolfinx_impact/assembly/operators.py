@@ -373,6 +373,10 @@ class SplitForce:
         for part in self._parts:
             part.update_constants()
 
+    def fault(self) -> str:
+        """Which local equations the last evaluation could not solve; an empty text if all were. Collective."""
+        return next(filter(None, [part.fault() for part in self._parts]), "")
+
     def forces(self) -> _cpp.integrators.FormForces:
         """Make the object of the C++ side.
 

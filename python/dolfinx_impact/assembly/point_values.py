@@ -70,7 +70,7 @@ class PointHistory:
         num_components = max(part.num_components(name) for part in found)
         values = np.zeros((self.num_cells, self.num_points, num_components))
         for part in found:
-            own = part.values(name, trial).reshape(len(part.cells), part.num_points, -1)
+            own = part.values(name, trial).reshape(len(part.cells), part.num_points, part.num_components(name))
             values[part.cells, : part.num_points, : own.shape[2]] = own
         return values
 

@@ -391,6 +391,10 @@ class ExplicitProblem(Unique):
         external, total [F L] and drift [1]; docs/explicit/energies.md."""
         return dict(self._state.energy)
 
+    def unsolved_points(self) -> str:
+        """Which local equations of the materials the last evaluation could not solve; else an empty text. Collective."""
+        return self._internal.fault()
+
     @property
     def has_history(self) -> bool:
         """Whether a material has internal variables."""

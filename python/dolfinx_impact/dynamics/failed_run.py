@@ -53,6 +53,7 @@ class FailedRun:
         gain: energy gained without external work, relative to the energies so far [1].
         gain_limit: gain at which the integrator stops [1].
         passed: depth by which a slave node passed through the master in one step, in facets; 0 if none did [1].
+        unsolved: which local equations of the materials were not solved, or an empty text.
         place: description of the node that passed, or else of the fastest node.
         contact: name of the pair whose node passed, or an empty text.
     """
@@ -73,6 +74,7 @@ class FailedRun:
             node = dof // problem.space.dofmap.index_map_bs
             worst = -1.0 if dof < 0 else math.inf if math.isnan(speed) else speed
             rank = int(np.argmax(comm.allgather(worst)))
+        self.unsolved: str = problem.unsolved_points()
         self.place: str = comm.bcast(describe_node(problem.space, node) if comm.rank == rank else None, root=rank)
         self.contact: str = comm.bcast(problem.contact[pair].pair.name if pair >= 0 else "", root=rank)
 
@@ -91,6 +93,11 @@ class FailedRun:
                 "Contact holds back nodes that come through the surface by up to one facet in a step, this one came by "
                 f"{self.passed:.3g}; the problem is back at the time {back_at:.6g}. Take steps below "
                 f"{0.9 * self.step / self.passed:.3g} (now {self.step:.3g}), or coarser facets"
+            )
+        if self.unsolved:
+            return (
+                f"{self.unsolved}, at the time {self.time:.6g}; the problem is back at the time {back_at:.6g}. Take a "
+                "smaller step, or check the law"
             )
         gained = self.gain > self.gain_limit
         why = f"{energy_gain.message(self.gain)} What moves fastest is" if gained else "first"
