@@ -25,7 +25,8 @@ def build(source, folder):
     The package is a link: ccache sees paths relative to the folder only, and knows the sources again in the next run
     and in another checkout.
     """
-    package = folder / "package"
+    package = folder / "installed" / "dolfinx_impact"
+    package.parent.mkdir()
     package.symlink_to(pathlib.Path(dolfinx_impact.__file__).parent)
     shutil.copytree(source, folder / "source")
     options = [f"-DCMAKE_PREFIX_PATH={package}"]
