@@ -28,7 +28,8 @@ BROKEN = {
 
 
 def lint(checkout, folder, files, *target):
-    """Run make in a checkout of these files alone, the gates if no other target is given."""
+    """Run make in a checkout of these files alone, the gates if no other target is given; no cache is at hand."""
+    folder.mkdir(exist_ok=True)
     for name in ("Makefile", ".clang-format", ".flake8", "pyproject.toml"):
         shutil.copy(checkout / name, folder)
     settings = folder / "pyproject.toml"  # mypy checks the list of files that is written there
@@ -40,7 +41,9 @@ def lint(checkout, folder, files, *target):
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
-    environment = {k: v for k, v in os.environ.items() if k not in ("ARGS", "MAKEFLAGS", "MFLAGS", "PYTEST")}
+        os.utime(path, (1e9, 1e9))
+    not_ours = ("ARGS", "IMPACT_CACHE", "MAKEFLAGS", "MFLAGS", "PYTEST")
+    environment = {k: v for k, v in os.environ.items() if k not in not_ours}
     command = ["make", *(target or ["lint-here"])]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
 
@@ -56,6 +59,26 @@ def test_the_gates_stop_a_broken_file(checkout, tmp_path, what):
     done = lint(checkout, tmp_path, {**GOOD, name: text})
     assert done.returncode != 0
     assert name in done.stdout + done.stderr  # stopped for this file, not for another reason
+
+
+def test_types_begin_with_what_another_checkout_left(checkout, tmp_path):
+    """A file that fits is not checked anew. Another one is, though size and time of change are the same."""
+    good = "def twice(x: int) -> int:\n    return 2 * x\n"
+    wrong = good.replace("-> int", "-> str")
+
+    def types(name, text):
+        """Exit status, output, time of change of what mypy keeps about the file."""
+        done = lint(checkout, tmp_path / name, {"typed.py": text}, "types-here", f"IMPACT_CACHE={tmp_path / 'cache'}")
+        made = (tmp_path / name / "build" / "mypy").rglob("typed.data.json")
+        return done.returncode, done.stdout, [path.stat().st_mtime_ns for path in made]
+
+    (tmp_path / "cache").mkdir()
+    status, output, made = types("first", good)
+    assert status == 0 and len(made) == 1, output
+    assert types("second", good) == (0, "", made)
+    status, output, _ = types("third", wrong)
+    assert status != 0 and "typed.py:2" in output
+    assert types("fourth", good) == (0, "", made), "what is kept is that of a check that passed"
 
 
 def test_make_test_stops_at_the_formatters(checkout):
