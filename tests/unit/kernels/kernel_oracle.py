@@ -20,6 +20,7 @@ import ffcx.compiler
 import ffcx.naming
 import ffcx.options
 import numpy as np
+import pytest
 
 import dolfinx_impact
 from dolfinx_impact.forms import registry
@@ -109,10 +110,15 @@ def _job(arguments):
 
 
 def build_many(specs, folder, with_ours):
-    """Libraries of many rows (name, cell, degree, geometry degree, hypothesis), by two processes at once."""
+    """Libraries of many rows (name, cell, degree, geometry degree, hypothesis), by two processes at once.
+
+    FFCx goes through sets: with the same hashes it writes the same lines again, which ccache knows.
+    """
     jobs = [(str(folder), i, s, with_ours) for i, s in enumerate(specs)]
-    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-        return dict(zip(specs, pool.map(_job, jobs, chunksize=1)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONHASHSEED", "0")
+        with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+            return dict(zip(specs, pool.map(_job, jobs, chunksize=1)))
 
 
 class Oracle:
