@@ -4,6 +4,7 @@
 Both sides are compiled here with little optimisation: what is compared is the code the two generators write.
 """
 
+import contextlib
 import ctypes
 import multiprocessing
 import re
@@ -109,16 +110,23 @@ def _job(arguments):
     return str(write_ffcx(built.form, stem)), ours
 
 
-def build_many(specs, folder, with_ours):
-    """Libraries of many rows (name, cell, degree, geometry degree, hypothesis), by two processes at once.
+@contextlib.contextmanager
+def two_processes():
+    """Two processes that write and compile kernels.
 
     FFCx goes through sets: with the same hashes it writes the same lines again, which ccache knows.
     """
-    jobs = [(str(folder), i, s, with_ours) for i, s in enumerate(specs)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONHASHSEED", "0")
         with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-            return dict(zip(specs, pool.map(_job, jobs, chunksize=1)))
+            yield pool
+
+
+def build_many(specs, folder, with_ours):
+    """Libraries of many rows (name, cell, degree, geometry degree, hypothesis), by two processes at once."""
+    jobs = [(str(folder), i, s, with_ours) for i, s in enumerate(specs)]
+    with two_processes() as pool:
+        return dict(zip(specs, pool.map(_job, jobs, chunksize=1)))
 
 
 class Oracle:
