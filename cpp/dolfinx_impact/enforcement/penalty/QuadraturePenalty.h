@@ -73,7 +73,7 @@ private:
   PenaltyPair pair() const;
   std::vector<double> nodal_forces(const PenaltyState& state) const;
 
-  std::shared_ptr<const surface::FunctionSpace> _V;
+  std::shared_ptr<const surface::FunctionSpace> _space;
   surface::Facets _slave; ///< moved with u where the master is rigid
   std::shared_ptr<const gap::Rigid> _rigid;
   std::unique_ptr<search::PairSearch> _search;
