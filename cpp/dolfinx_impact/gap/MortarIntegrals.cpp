@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace dolfinx_impact::gap
 {
@@ -19,7 +20,7 @@ namespace
 /// Sums over the ranks (or values of the owners), complete on ghosts. Collective.
 std::vector<double> over_ranks(std::shared_ptr<const IndexMap> map, std::vector<double> values, int block, bool forward)
 {
-  dolfinx::la::Vector<double> v(map, block);
+  dolfinx::la::Vector<double> v(std::move(map), block);
   std::copy(values.begin(), values.end(), v.mutable_array().begin());
   if (!forward)
     v.scatter_rev(std::plus<double>());

@@ -21,7 +21,7 @@ QuadraturePenalty::QuadraturePenalty(Setup setup, std::unique_ptr<search::PairSe
             std::vector<double>(size), std::vector<double>(size)};
 }
 
-QuadraturePenalty::QuadraturePenalty(Setup setup, surface::Facets master, double search_distance)
+QuadraturePenalty::QuadraturePenalty(const Setup& setup, const surface::Facets& master, double search_distance)
     : QuadraturePenalty(setup, std::make_unique<search::PairSearch>(setup.V, setup.slave, master, search_distance),
                         nullptr)
 {

@@ -24,7 +24,7 @@ public:
 
   /// A deformable master. Collective.
   /// @param[in] search_distance see search::PairSearch [L]
-  QuadraturePenalty(Setup setup, surface::Facets master, double search_distance = 0.0);
+  QuadraturePenalty(const Setup& setup, const surface::Facets& master, double search_distance = 0.0);
   /// A rigid one; it may be moved between updates (Rigid::displacement).
   QuadraturePenalty(Setup setup, std::shared_ptr<const gap::Rigid> master);
 
