@@ -258,7 +258,7 @@ Entries sliding_tangent(const Facets& slave, const Facets& master, const Segment
       continue;
     const std::int32_t *ns = slave.nodes_of(s), *nn = master.nodes_of(m);
     const bool last = q + 1 == segments.weight.size() || segments.slave[q + 1] != s || segments.master[q + 1] != m;
-    auto store = [&]()
+    auto store = [=, &block, &filled, &out]
     {
       for (int i = 0; i < num_rows; ++i)
         for (int j = 0; j < num_columns; ++j)
