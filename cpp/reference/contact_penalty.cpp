@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "contact.h"
 #include <Eigen/Sparse>
+#include <stdexcept>
 
 namespace impact_reference
 {
