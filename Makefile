@@ -130,7 +130,7 @@ sanitize-here:
 FILES ?= $(shell find cpp/dolfinx_impact cpp/reference -name '*.cpp' | sort)
 tidy-here:
 	@command -v clang-tidy-19 >/dev/null || { echo "tidy: clang-tidy-19 is not installed" >&2; exit 1; }
-	cmake -S cpp -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=OFF \
+	cmake -S cpp -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=ON \
 	  -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null # each file includes what it uses
 	printf '%s\n' $(FILES) | xargs -P2 -n1 clang-tidy-19 -p build/tidy --quiet
 	@echo "tidy: nothing found"
