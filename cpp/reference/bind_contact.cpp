@@ -163,6 +163,7 @@ void bind_contact(nb::module_& m)
              Dofs prescribed, double search_distance)
           {
             std::vector<Obstacle> list;
+            list.reserve(obstacle.size());
             for (const auto& [shape, point, direction, radius] : obstacle)
               list.push_back({shape, point, direction, radius});
             new (self) Bound(model, slave, master, list, friction, prescribed, search_distance);

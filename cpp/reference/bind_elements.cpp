@@ -46,7 +46,7 @@ void bind_elements(nb::module_& m)
         [](const Cell& c, const Matrix& X, const Material& a, const Vector& u, bool with_tangent)
         {
           const Internal result = internal(c.sampler(), X, a, u, with_tangent);
-          return nb::make_tuple(result.energy, result.force, result.tangent);
+          return std::make_tuple(result.energy, result.force, result.tangent);
         });
   m.def("element_stress", [](const Cell& c, const Matrix& X, const Material& a, const Vector& u)
         { return stress(c.sampler(), X, a, u); });
@@ -70,13 +70,13 @@ void bind_elements(nb::module_& m)
         [](const Cell& c, const Matrix& X, const Vector& u, int facet, double p)
         {
           const Follower result = follower_pressure(c.facet_sampler(), X, u, facet, p);
-          return nb::make_tuple(result.force, result.tangent);
+          return std::make_tuple(result.force, result.tangent);
         });
   m.def("element_ale",
         [](const Cell& c, const Matrix& X, const Material& a, const Vector& spin, const Vector& centre)
         {
           const Ale result = ale(c.sampler(), X, a, spin, centre);
-          return nb::make_tuple(result.gyroscopic, result.inertia, result.load);
+          return std::make_tuple(result.gyroscopic, result.inertia, result.load);
         });
   m.def("element_poisson", [](const Cell& c, const Matrix& X, double k) { return poisson(c.sampler(), X, k); });
   m.def("element_scalar_load",

@@ -73,7 +73,7 @@ void bind_model(nb::module_& m)
               double tolerance, int max_iterations)
            {
              const StaticSolution r = solve_static(s, {p, w}, fixed, values, load, {steps, tolerance, max_iterations});
-             return nb::make_tuple(r.u, r.reactions, r.iterations, r.residuals);
+             return std::make_tuple(r.u, r.reactions, r.iterations, r.residuals);
            });
 }
 } // namespace impact_reference

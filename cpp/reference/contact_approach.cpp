@@ -58,6 +58,8 @@ Meeting Configuration::meet(std::size_t i, const Vector& moved, bool closed) con
     m.normal = g.normal;
     return m;
   }
+  if (not projector_)
+    throw std::logic_error("a deformable master without a projector");
   const Surface& master = pairs_.master_;
   const auto meets = [&](std::int64_t number, const Local& xi, double gap, const Vec<double>& normal, const auto& f)
   {
@@ -130,7 +132,7 @@ Meeting Approach::departure(std::size_t i, bool closed) const
 
 Meeting Approach::arrival(std::size_t i, bool closed, bool marked) const
 {
-  const Meeting now = last_.meet(i, moved_, closed);
+  Meeting now = last_.meet(i, moved_, closed);
   const std::int64_t node = pairs_.nodes()[i];
   const Vec<double> obstacle = pairs_.master_moved(level_);
   // No node moves by more than this against a point of the master (shape functions of degree 2 add up to 5 / 3).

@@ -46,7 +46,7 @@ std::map<std::int64_t, double> nodal_areas(const Surface& s)
 
 NodePairs::NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid,
                      std::optional<double> search_distance, const Vector& mass, const Matrix& displacement)
-    : model_(model), slave_(std::move(slave)), master_(std::move(master)), rigid_(std::move(rigid)), mass_(mass),
+    : model_(model), slave_(std::move(slave)), master_(std::move(master)), rigid_(rigid), mass_(mass),
       displacement_(displacement), areas_(nodal_areas(slave_))
 {
   if (search_distance)
@@ -105,11 +105,9 @@ bool Gate::lets(std::size_t i, const std::function<Meeting()>& before, const Mee
     const bool over = std::isfinite(m.gap) and not m.below;
     return not over or (-now.gap > now.width / 2 and m.gap <= -now.width / 2);
   };
-  if (now.below)
-    marked_[i] = true;
-  else if (now.beside or (met and now.gap >= 0))
+  if (not now.below and (now.beside or (met and now.gap >= 0)))
     marked_[i] = false;
-  else if (met and not closed and -now.gap > now.width / 20 and sideways(before()))
+  else if (now.below or (met and not closed and -now.gap > now.width / 20 and sideways(before())))
     marked_[i] = true;
   return not marked_[i];
 }

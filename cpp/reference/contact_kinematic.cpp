@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "contact_explicit.h"
+#include <algorithm>
 
 namespace impact_reference
 {
@@ -77,7 +78,7 @@ double NodalKinematic::release(const Closed& node, const ContactStep& step, cons
 
 void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
 {
-  const int d = pairs_.gdim();
+  const int d = std::min(pairs_.gdim(), 3); // no more than a Vec has
   const Matrix slip_before = answer_.slip;
   answer_ = no_contact(pairs_);
   const Vector motion = predicted - step.u;

@@ -76,6 +76,7 @@ public:
   void run()
   {
     std::vector<std::vector<Sums>> sums;
+    sums.reserve(pair_.slave.facets.size());
     for (const Facet& slave : pair_.slave.facets)
       sums.push_back(facet(slave));
     for (std::size_t f = 0; f < sums.size(); ++f)
@@ -298,7 +299,7 @@ Mortar mortar(const ContactPair& pair, const Rule& rule, Basis basis, const Vect
   out.force = Vector::Zero(u.size());
   detail::areas(pair, basis, out);
   if (pair.rigid)
-    detail::against_obstacle(pair, rule, basis, u, history, z, out);
+    detail::against_obstacle(pair, *pair.rigid, rule, basis, u, history, z, out);
   else
   {
     detail::normals(pair, u, out);

@@ -61,7 +61,7 @@ void normals(const ContactPair& pair, const Vector& u, Mortar& out);
 
 /// All of it against an obstacle: the multiplier's integrals are constant, the gap is that of the node itself.
 /// @param rule on the facet
-void against_obstacle(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u,
+void against_obstacle(const ContactPair& pair, const Rigid& rigid, const Rule& rule, Basis basis, const Vector& u,
                       const ContactHistory& history, const Matrix& z, Mortar& out);
 } // namespace detail
 } // namespace impact_reference

@@ -113,7 +113,7 @@ void areas(const ContactPair& pair, Basis basis, Mortar& out)
   }
 }
 
-void against_obstacle(const ContactPair& pair, const Rule& rule, Basis basis, const Vector& u,
+void against_obstacle(const ContactPair& pair, const Rigid& rigid, const Rule& rule, Basis basis, const Vector& u,
                       const ContactHistory& history, const Matrix& z, Mortar& out)
 {
   const Surface& s = pair.slave;
@@ -168,9 +168,9 @@ void against_obstacle(const ContactPair& pair, const Rule& rule, Basis basis, co
     Vec<T> x;
     for (int c = 0; c < d; ++c)
       x[c] = T::variable(pair.model.field().points(number, c) + u(d * number + c), c);
-    const auto g = gap_and_normal<T>(*pair.rigid, pair.rigid->displacement, x);
+    const auto g = gap_and_normal<T>(rigid, rigid.displacement, x);
     const Vec<T> gamma = (node.cover * g.gap) * g.normal;
-    node.moved.value = node.moved.value - node.cover * (pair.rigid->displacement - history.displacement);
+    node.moved.value = node.moved.value - node.cover * (rigid.displacement - history.displacement);
     node.gamma.value = values(gamma);
     node.normal.value = values(g.normal);
     for (int c = 0; c < d; ++c)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "contact.h"
 #include <Eigen/Sparse>
+#include <stdexcept>
 
 namespace impact_reference
 {
@@ -143,6 +144,8 @@ private:
     }
     else
     {
+      if (not projector_)
+        throw std::logic_error("a deformable master without a projector");
       const Foot foot = projector_->closest(values(s.x), values(s.normal()));
       if (foot.facet < 0)
         return;
@@ -193,6 +196,8 @@ private:
     const Spot<double> s = spot(pair_.slave, facet, before, {xi[0], xi[1]});
     if (pair_.rigid)
       return gap_and_normal<double>(*pair_.rigid, history_.displacement, s.x).gap;
+    if (not projector_n_)
+      throw std::logic_error("a deformable master without a projector of state n");
     const Foot foot = projector_n_->closest(s.x, s.normal());
     if (foot.facet < 0)
       return std::numeric_limits<double>::infinity();

@@ -90,7 +90,7 @@ HeightField::Height HeightField::height(const double* a) const
 
 RigidPoint HeightField::closest(std::span<const double> x) const
 {
-  const int tdim = _gdim - 1;
+  const int tdim = _gdim == 2 ? 1 : 2;
   double at[2] = {}, z = 0.0;
   for (int c = 0; c < _gdim; ++c)
   {
@@ -128,7 +128,8 @@ RigidPoint HeightField::closest(std::span<const double> x) const
     double b[2] = {};
     Height g = h;
     double there = now;
-    for (double part = 1.0; part > 1e-6; part *= 0.5)
+    double part = 1.0;
+    for (int halvings = 0; halvings < 20; ++halvings, part *= 0.5)
     {
       for (int k = 0; k < tdim; ++k)
         b[k] = a[k] + part * step[k];

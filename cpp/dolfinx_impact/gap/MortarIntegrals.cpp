@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace dolfinx_impact::gap
 {
@@ -19,7 +20,7 @@ namespace
 /// Sums over the ranks (or values of the owners), complete on ghosts. Collective.
 std::vector<double> over_ranks(std::shared_ptr<const IndexMap> map, std::vector<double> values, int block, bool forward)
 {
-  dolfinx::la::Vector<double> v(map, block);
+  dolfinx::la::Vector<double> v(std::move(map), block);
   std::copy(values.begin(), values.end(), v.mutable_array().begin());
   if (!forward)
     v.scatter_rev(std::plus<double>());
@@ -84,7 +85,7 @@ MultiplierNodes multiplier_nodes(const surface::FunctionSpace& V, const surface:
 MortarIntegrals::MortarIntegrals(std::shared_ptr<const surface::FunctionSpace> V,
                                  std::shared_ptr<search::PairSearch> search, MultiplierNodes nodes,
                                  const SegmentRule& rule, Multipliers basis, bool axisymmetric)
-    : _V(std::move(V)), _search(std::move(search)), _nodes(std::move(nodes)),
+    : _space(std::move(V)), _search(std::move(search)), _nodes(std::move(nodes)),
       _points(rule.points.begin(), rule.points.end()), _weights(rule.weights.begin(), rule.weights.end()),
       _basis(basis), _axisymmetric(axisymmetric)
 {
@@ -151,7 +152,7 @@ void MortarIntegrals::update(std::span<const double> u, std::span<const double> 
   for (std::size_t k = 0; k < _mortar.D.values.size(); ++k)
     if (_mortar.D.rows[k] != _mortar.D.cols[k])
       entries.add(PetscInt(global[_mortar.D.rows[k]]), PetscInt(global[_mortar.D.cols[k]]), -_mortar.D.values[k]);
-  _M.assign(_map->comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
+  _mortar_matrix.assign(_map->comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
 }
 
 void MortarIntegrals::update_gap(std::span<const std::int8_t> locked, double symmetry)
@@ -203,7 +204,7 @@ std::vector<double> MortarIntegrals::over_master(std::span<const double> values,
   const std::size_t owned = _map->size_local(), num = _nodes.nodes.size();
   if (values.size() < owned * block)
     throw std::invalid_argument("nodal values are those of all owned nodes of the space");
-  Vectors v(_M.matrix());
+  Vectors v(_mortar_matrix.matrix());
   std::vector<double> out(num * block);
   for (int c = 0; c < block; ++c)
   {
@@ -212,7 +213,7 @@ std::vector<double> MortarIntegrals::over_master(std::span<const double> values,
       for (std::size_t i = 0; i < owned; ++i)
         source[i] = values[i * block + c];
     }
-    check(MatMult(_M.matrix(), v.right, v.left), "M is applied");
+    check(MatMult(_mortar_matrix.matrix(), v.right, v.left), "M is applied");
     operators::Entries product(v.left);
     for (std::size_t i = 0; i < num; ++i)
       out[i * block + c] = product[_nodes.nodes[i]];
@@ -238,7 +239,7 @@ std::vector<double> MortarIntegrals::contact_forces(std::span<const double> trac
   if (traction.size() != num * gdim)
     throw std::invalid_argument("a traction at every node that may carry a multiplier is needed");
   std::vector<double> out(owned * gdim, 0.0);
-  Vectors v(_M.matrix());
+  Vectors v(_mortar_matrix.matrix());
   for (int c = 0; c < gdim; ++c)
   {
     check(VecZeroEntries(v.left), "a vector is zeroed");
@@ -251,7 +252,7 @@ std::vector<double> MortarIntegrals::contact_forces(std::span<const double> trac
           out[_nodes.nodes[i] * gdim + c] = weight[i] * traction[i * gdim + c];
         }
     }
-    check(MatMultTranspose(_M.matrix(), v.left, v.right), "M is applied");
+    check(MatMultTranspose(_mortar_matrix.matrix(), v.left, v.right), "M is applied");
     operators::Entries product(v.right);
     for (std::size_t i = 0; i < owned; ++i)
       out[i * gdim + c] -= product[i];
@@ -263,18 +264,18 @@ MasterRows MortarIntegrals::master_rows(std::span<const std::int32_t> rows) cons
 {
   MasterRows out{{0}, {}, {}};
   PetscInt first = 0;
-  check(MatGetOwnershipRange(_M.matrix(), &first, nullptr), "M is read");
+  check(MatGetOwnershipRange(_mortar_matrix.matrix(), &first, nullptr), "M is read");
   for (std::int32_t i : rows)
   {
     const PetscInt row = first + _nodes.nodes[i];
     PetscInt num = 0;
     const PetscInt* columns = nullptr;
     const double* values = nullptr;
-    check(MatGetRow(_M.matrix(), row, &num, &columns, &values), "M is read");
+    check(MatGetRow(_mortar_matrix.matrix(), row, &num, &columns, &values), "M is read");
     out.columns.insert(out.columns.end(), columns, columns + num);
     for (PetscInt k = 0; k < num; ++k)
       out.values.push_back(values[k] / weight[i]);
-    check(MatRestoreRow(_M.matrix(), row, &num, &columns, &values), "M is read");
+    check(MatRestoreRow(_mortar_matrix.matrix(), row, &num, &columns, &values), "M is read");
     out.pointers.push_back(std::int64_t(out.columns.size()));
   }
   return out;

@@ -65,7 +65,7 @@ public:
   const search::PairSearch& search() const { return *_search; }
 
   /// M, rows and columns are nodes; slave nodes beside the diagonal of D stand among the master's. Borrowed.
-  Mat M() const { return _M.matrix(); }
+  Mat M() const { return _mortar_matrix.matrix(); }
   /// D - M: weighted displacements of slave against master. Borrowed, valid until the next call. Collective.
   Mat jump_matrix();
   /// Means over the cover of the displacement of slave against master, [i*gdim + c] [L]. Collective.
@@ -89,7 +89,7 @@ public:
 private:
   std::vector<double> summed(std::vector<double> values, int block, bool forward_only = false) const;
 
-  std::shared_ptr<const surface::FunctionSpace> _V;
+  std::shared_ptr<const surface::FunctionSpace> _space;
   std::shared_ptr<search::PairSearch> _search;
   MultiplierNodes _nodes;
   std::vector<double> _points, _weights; ///< of the rule
@@ -99,7 +99,7 @@ private:
   Segments _segments;
   Mortar _mortar;
   std::vector<double> _sums, _gamma;
-  operators::CooMatrix _M, _jump, _sliding, _turning, _facing;
+  operators::CooMatrix _mortar_matrix, _jump, _sliding, _turning, _facing;
   std::shared_ptr<_p_Mat> _tangent;
 };
 

@@ -245,7 +245,7 @@ Entries sliding_tangent(const Facets& slave, const Facets& master, const Segment
                         std::span<const double> z)
 {
   const FacetElement es = slave.displacement, em = master.displacement;
-  const int n = es.num_nodes(), nm = em.num_nodes(), gdim = slave.gdim, dim = gdim - 1;
+  const int n = es.num_nodes(), nm = em.num_nodes(), dim = es.tdim(), gdim = dim + 1;
   Entries out;
   // Rows: the master facet's components; columns: the slave's, then the master's. One block per pair of facets.
   const int num_rows = nm * gdim, num_columns = (n + nm) * gdim;
@@ -258,7 +258,7 @@ Entries sliding_tangent(const Facets& slave, const Facets& master, const Segment
       continue;
     const std::int32_t *ns = slave.nodes_of(s), *nn = master.nodes_of(m);
     const bool last = q + 1 == segments.weight.size() || segments.slave[q + 1] != s || segments.master[q + 1] != m;
-    auto store = [&]()
+    auto store = [=, &block, &filled, &out]
     {
       for (int i = 0; i < num_rows; ++i)
         for (int j = 0; j < num_columns; ++j)

@@ -8,7 +8,7 @@
 
 namespace dolfinx_impact::integrators
 {
-CentralDifference::CentralDifference(std::shared_ptr<const FunctionSpace> V, FormForces internal, bool linear,
+CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>& V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
       _scheme(scheme), _loads(_fields.owned), _energies(V->dofmap()->index_map->comm(),

@@ -32,7 +32,7 @@ public:
   /// @param[in] alpha factor of mass-proportional damping [1/T]
   /// @throws std::invalid_argument for a mass of another size, an operator that is null, a name that none of its
   ///   kernels has
-  CentralDifference(std::shared_ptr<const FunctionSpace> V, FormForces internal, bool linear,
+  CentralDifference(const std::shared_ptr<const FunctionSpace>& V, FormForces internal, bool linear,
                     std::span<const double> mass, double alpha, Scheme scheme);
 
   // --- set-up, before `start` -----------------------------------------------------------------------------------

@@ -4,7 +4,7 @@
 
 namespace dolfinx_impact::integrators
 {
-NodalFields::NodalFields(std::shared_ptr<const dolfinx::common::IndexMap> map, int bs)
+NodalFields::NodalFields(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int bs)
     : bs(bs), owned(std::size_t(map->size_local()) * bs), own(owned + std::size_t(map->num_ghosts()) * bs),
       _space_map(map)
 {
@@ -26,7 +26,7 @@ void NodalFields::add_ghosts(const std::vector<std::pair<std::int64_t, int>>& ot
     halo->forward(*values, bs);
 }
 
-void NodalFields::resize(std::shared_ptr<const dolfinx::common::IndexMap> map)
+void NodalFields::resize(const std::shared_ptr<const dolfinx::common::IndexMap>& map)
 {
   if (halo)
     _traffic += halo->traffic();

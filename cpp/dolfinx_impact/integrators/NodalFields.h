@@ -16,7 +16,7 @@ struct NodalFields
 {
   /// @param[in] map of the space's nodes
   /// @param[in] bs components per node
-  NodalFields(std::shared_ptr<const dolfinx::common::IndexMap> map, int bs);
+  NodalFields(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int bs);
   /// Take the space's ghosts and others in place of those before; all values but the residual are sent to them.
   /// Collective.
   /// @param[in] others global numbers and owners of nodes that are no ghosts of the space, ascending
@@ -41,7 +41,7 @@ struct NodalFields
   Halo::Traffic traffic() const;
 
 private:
-  void resize(std::shared_ptr<const dolfinx::common::IndexMap> map);
+  void resize(const std::shared_ptr<const dolfinx::common::IndexMap>& map);
 
   std::shared_ptr<const dolfinx::common::IndexMap> _space_map;
   std::vector<double> _old_ghosts; ///< displacements of ghosts at the time level before

@@ -36,6 +36,17 @@ int default_width()
   }();
   return value;
 }
+
+/// A kernel of the library `path`, opened as `handle`.
+const impact_kernel* loaded_kernel(void* handle, const std::string& path, const std::string& symbol)
+{
+  const auto* kernel = static_cast<const impact_kernel*>(dlsym(handle, symbol.c_str()));
+  if (!kernel)
+    throw std::runtime_error(path + " holds no kernel " + symbol + ": delete the file, it is compiled again");
+  if (kernel->abi != IMPACT_KERNEL_ABI)
+    throw std::runtime_error(path + " was compiled for another version of dolfinx_impact: delete the file");
+  return kernel;
+}
 } // namespace
 
 std::span<const impact_kernel* const> table()
@@ -46,7 +57,7 @@ std::span<const impact_kernel* const> table()
 std::vector<const impact_kernel*> find(const Key& key)
 {
   std::vector<const impact_kernel*> found;
-  std::string names, others;
+  std::string others;
   for (const impact_kernel* k : table())
   {
     if (k->name != key.name)
@@ -86,15 +97,9 @@ std::vector<const impact_kernel*> load(const std::string& path, const std::vecto
   if (!handle)
     throw std::runtime_error(std::string("kernels cannot be loaded: ") + dlerror());
   std::vector<const impact_kernel*> found;
-  for (const std::string& s : symbols)
-  {
-    auto* kernel = static_cast<const impact_kernel*>(dlsym(handle, s.c_str()));
-    if (!kernel)
-      throw std::runtime_error(path + " holds no kernel " + s + ": delete the file, it is compiled again");
-    if (kernel->abi != IMPACT_KERNEL_ABI)
-      throw std::runtime_error(path + " was compiled for another version of dolfinx_impact: delete the file");
-    found.push_back(kernel);
-  }
+  found.reserve(symbols.size());
+  for (const std::string& symbol : symbols)
+    found.push_back(loaded_kernel(handle, path, symbol));
   return found;
 }
 

@@ -15,8 +15,8 @@ constexpr std::size_t alignment = 64;
 
 double* aligned(double* p)
 {
-  const auto address = reinterpret_cast<std::uintptr_t>(p);
-  return reinterpret_cast<double*>((address + alignment - 1) / alignment * alignment);
+  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(p) % alignment;
+  return beyond == 0 ? p : p + (alignment - beyond) / sizeof(double);
 }
 
 /// Entries of an array rounded up to whole cache lines.
@@ -42,7 +42,8 @@ void number_nodes(const Dofs& dofs_of, std::span<const std::int32_t> cells, int 
 }
 } // namespace
 
-Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
+Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
+                 const std::shared_ptr<const FunctionSpace>& test,
                  const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width)
     : _kernel(integral.kernel), _mesh(std::move(mesh))
 {

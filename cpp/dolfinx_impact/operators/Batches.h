@@ -69,7 +69,7 @@ public:
   /// @param[in] width cells per kernel call; 0: the machine's default
   /// @throws std::runtime_error if the kernel is not for this mesh or these spaces
   /// @throws std::invalid_argument if a coefficient or constant is missing or an entity is out of range
-  Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
+  Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh, const std::shared_ptr<const FunctionSpace>& test,
           const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width);
 
   /// Apply the kernel to all batches and add the element vectors to b (rank 1), or return the sum of the element values

@@ -9,7 +9,7 @@ namespace dolfinx_impact::operators
 {
 CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V,
                        const std::map<std::string, std::shared_ptr<const Function>>& coefficients)
-    : _kernel(kernel), _V(V), _w(kernel.size_w), _nodes(3 * V.mesh()->geometry().dofmap().extent(1))
+    : _kernel(kernel), _space(V), _w(kernel.size_w), _nodes(3 * V.mesh()->geometry().dofmap().extent(1))
 {
   kernels::check_mesh(kernel, *V.mesh());
   kernels::check_without_outputs(kernel);
@@ -30,8 +30,8 @@ CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V,
 
 void CellValues::gather(std::int32_t cell)
 {
-  const auto x_dofmap = _V.mesh()->geometry().dofmap();
-  const auto x = _V.mesh()->geometry().x();
+  const auto x_dofmap = _space.mesh()->geometry().dofmap();
+  const auto x = _space.mesh()->geometry().x();
   for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
     std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, _nodes.data() + 3 * i);
   for (std::size_t c = 0; c < _functions.size(); ++c)

@@ -23,7 +23,7 @@ public:
 
 private:
   const impact_kernel& _kernel;
-  const FunctionSpace& _V;
+  const FunctionSpace& _space;
   std::vector<std::shared_ptr<const Function>> _functions; ///< in the kernel's order
   std::vector<double> _w, _nodes;
 };

@@ -7,7 +7,7 @@
 
 namespace dolfinx_impact::operators
 {
-InternalForce::InternalForce(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
+InternalForce::InternalForce(const std::shared_ptr<const Mesh>& mesh, std::shared_ptr<const FunctionSpace> test,
                              const std::vector<Integral>& integrals,
                              const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width)
     : _test(std::move(test))

@@ -17,7 +17,7 @@ public:
   /// @param[in] width cells per kernel call: 1, 4, 8, or 0 for the machine's default
   /// @throws std::runtime_error if a kernel is not for this mesh or these spaces (kernels/check.h)
   /// @throws std::invalid_argument if a coefficient or constant is missing
-  InternalForce(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> test,
+  InternalForce(const std::shared_ptr<const Mesh>& mesh, std::shared_ptr<const FunctionSpace> test,
                 const std::vector<Integral>& integrals,
                 const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width = 0);
 

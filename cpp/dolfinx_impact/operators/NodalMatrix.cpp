@@ -27,7 +27,7 @@ bool NodalMatrix::fits(const Couplings& couplings) const
                      { return std::binary_search(_sorted_keys.begin(), _sorted_keys.end(), key); });
 }
 
-void NodalMatrix::reset(std::shared_ptr<const dolfinx::common::IndexMap> map, int block_size,
+void NodalMatrix::reset(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int block_size,
                         const Couplings& couplings)
 {
   int make = !_matrix || _map != map || _block_size != block_size || !fits(couplings);

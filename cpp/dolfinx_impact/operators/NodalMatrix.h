@@ -31,7 +31,7 @@ public:
   /// All entries zero, with places for the couplings. Collective.
   /// @param[in] map of the nodes; another one than the last time begins a new pattern
   /// @param[in] block_size entries per node
-  void reset(std::shared_ptr<const dolfinx::common::IndexMap> map, int block_size, const Couplings& couplings);
+  void reset(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int block_size, const Couplings& couplings);
   /// Add a dense block, block[(a*block_size + c)*columns.size()*block_size + b*block_size + d], where the couplings
   /// have a place for it.
   void add(std::span<const std::int32_t> rows, std::span<const std::int32_t> columns, std::span<const double> block);

@@ -192,6 +192,7 @@ FacetPackets send_to_owners(MPI_Comm comm, const FacetPackets& mine)
 {
   const int n = mine.facets.displacement.num_nodes();
   std::vector<std::pair<int, std::int32_t>> to;
+  to.reserve(mine.owners.size());
   for (std::size_t k = 0; k < mine.owners.size(); ++k)
     to.emplace_back(mine.owners[k], std::int32_t(k / n));
   std::sort(to.begin(), to.end());

@@ -32,7 +32,8 @@ void interval(int degree, double x, int order, double* out)
 {
   double f[3];
   line(degree, x, order, f);
-  for (int i = 0; i <= degree; ++i)
+  const int num_nodes = degree == 1 ? 2 : 3;
+  for (int i = 0; i < num_nodes; ++i)
     out[i] = f[i];
 }
 

@@ -23,8 +23,8 @@ std::array<std::vector<double>, 2> rule(surface::FacetShape shape, int degree)
                                                     basix::polyset::type::standard, degree);
 }
 
-gap::MortarIntegrals make_integrals(std::shared_ptr<const surface::FunctionSpace> V, const surface::Facets& slave,
-                                    const surface::Facets& master, bool axisymmetric)
+gap::MortarIntegrals make_integrals(const std::shared_ptr<const surface::FunctionSpace>& V,
+                                    const surface::Facets& slave, const surface::Facets& master, bool axisymmetric)
 {
   const int p = slave.displacement.degree;
   const bool flat = slave.displacement.shape != surface::FacetShape::quadrilateral && slave.geometry.degree == 1;
@@ -47,8 +47,8 @@ double maximum(MPI_Comm comm, double value)
 }
 } // namespace
 
-FrictionlessMortar::FrictionlessMortar(std::shared_ptr<const surface::FunctionSpace> V, const surface::Facets& slave,
-                                       const surface::Facets& master, bool axisymmetric)
+FrictionlessMortar::FrictionlessMortar(const std::shared_ptr<const surface::FunctionSpace>& V,
+                                       const surface::Facets& slave, const surface::Facets& master, bool axisymmetric)
     : _comm(V->mesh()->comm()), _gdim(slave.gdim), _integrals(make_integrals(V, slave, master, axisymmetric)),
       _active(_integrals.nodes().nodes.size(), 0), _pressure(_active.size(), 0.0)
 {

@@ -15,7 +15,7 @@ public:
   /// @param[in] V displacement space
   /// @param[in] slave, master this rank's facets (make_surface)
   /// @param[in] axisymmetric x is the radius
-  FrictionlessMortar(std::shared_ptr<const surface::FunctionSpace> V, const surface::Facets& slave,
+  FrictionlessMortar(const std::shared_ptr<const surface::FunctionSpace>& V, const surface::Facets& slave,
                      const surface::Facets& master, bool axisymmetric = false);
 
   /// Search, mortar integrals, gaps and normals. Collective.

@@ -16,7 +16,7 @@ constexpr double over_relaxation =
     1.5; ///< factor of every second sweep; it damps forces that alternate from node to node
 constexpr double impulse_decay = 0.95; ///< factor per step on the impulse that bounds a release
 
-const KinematicContactOptions& checked(const KinematicContactOptions& o)
+KinematicContactOptions checked(const KinematicContactOptions& o)
 {
   if (o.sweeps < 1)
     throw std::invalid_argument("kinematic contact takes one sweep or more, found " + std::to_string(o.sweeps));

@@ -93,7 +93,7 @@ void NodeCandidates::find_nodes(const surface::FunctionSpace& V, bool axisymmetr
     {
       _nodes.push_back(node);
       _areas.push_back(slave[node]);
-      _X.insert(_X.end(), x.begin() + 3 * node, x.begin() + 3 * node + gdim);
+      _undeformed.insert(_undeformed.end(), x.begin() + 3 * node, x.begin() + 3 * node + gdim);
     }
     if (counts[2 * node] + counts[2 * node + 1] > 0.0)
     {
@@ -118,7 +118,7 @@ void NodeCandidates::search(std::span<const double> u, std::span<const double> d
   std::copy_n(u.begin(), std::size_t(_halo.num_owned()) * gdim, _u.begin());
   _halo.forward(_u, gdim);
   surface::move(_mine.facets, _u.data());
-  std::vector<double> points(_X);
+  std::vector<double> points(_undeformed);
   for (std::size_t i = 0; i < _nodes.size(); ++i)
     for (int c = 0; c < gdim; ++c)
       points[i * gdim + c] += _u[std::size_t(_nodes[i]) * gdim + c];

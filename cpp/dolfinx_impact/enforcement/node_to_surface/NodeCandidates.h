@@ -26,7 +26,7 @@ public:
   double distance() const { return _distance; }
   /// Slave nodes that this rank owns, ascending; X(): reference positions [L], areas(): nodal areas [L^2].
   std::span<const std::int32_t> nodes() const { return _nodes; }
-  const std::vector<double>& X() const { return _X; }
+  const std::vector<double>& X() const { return _undeformed; }
   const std::vector<double>& areas() const { return _areas; }
   /// Largest facet diameter of slave and master; smallest() is that of the master (rigid: largest of the slave) [L].
   double size() const { return _size; }
@@ -68,7 +68,7 @@ private:
   surface::Facets _slave;
   search::FacetPackets _mine; ///< this rank's master facets
   std::vector<std::int32_t> _nodes, _watched, _numbers, _watched_numbers;
-  std::vector<double> _watched_X, _X, _areas, _master_areas;
+  std::vector<double> _watched_X, _undeformed, _areas, _master_areas;
   search::FacetPackets _found, _slave_facets; ///< candidates; slave facets at nodes()
   std::vector<std::int64_t> _remote_nodes;
   std::vector<int> _remote_owners;

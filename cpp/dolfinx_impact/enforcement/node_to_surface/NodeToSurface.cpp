@@ -20,7 +20,7 @@ using surface::FacetShape;
 constexpr double shallow = 0.05; ///< of the facet: as deep a node may be met at first, as it may be beside the rim
 constexpr int most_parts = 1000; ///< of a step's way: nodes that move by more than 500 facets are found out somewhere
 
-const NodeToSurfaceOptions& checked(const NodeToSurfaceOptions& o)
+NodeToSurfaceOptions checked(const NodeToSurfaceOptions& o)
 {
   for (double value : {o.friction, o.search_distance})
     if (!std::isfinite(value) || !(value >= 0.0))

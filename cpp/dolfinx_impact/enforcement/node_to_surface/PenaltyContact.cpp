@@ -15,7 +15,7 @@ using surface::FacetElement;
 
 namespace
 {
-const PenaltyContactOptions& checked(const PenaltyContactOptions& o, bool rigid)
+PenaltyContactOptions checked(const PenaltyContactOptions& o, bool rigid)
 {
   if (!std::isfinite(o.penalty) || !(o.penalty >= 0.0))
     throw std::invalid_argument("the penalty of a contact is finite and not negative");
@@ -59,6 +59,7 @@ void PenaltyContact::search(std::span<const double> u, std::span<const double> d
   const auto nodes = NodeToSurface::remote_nodes();
   const auto owners = NodeToSurface::remote_owners();
   std::vector<std::pair<std::int64_t, int>> all;
+  all.reserve(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i)
     all.emplace_back(nodes[i], owners[i]);
   if (_other)

@@ -12,7 +12,7 @@ static_assert(RegularisedContact<QuadraturePenalty>);
 
 QuadraturePenalty::QuadraturePenalty(Setup setup, std::unique_ptr<search::PairSearch> search,
                                      std::shared_ptr<const gap::Rigid> rigid)
-    : _V(setup.V), _slave(std::move(setup.slave)), _rigid(std::move(rigid)), _search(std::move(search)),
+    : _space(setup.V), _slave(std::move(setup.slave)), _rigid(std::move(rigid)), _search(std::move(search)),
       _points(gap::make_points(_slave, setup.points, setup.weights, setup.axisymmetric))
 {
   history = make_history(_points);
@@ -21,7 +21,7 @@ QuadraturePenalty::QuadraturePenalty(Setup setup, std::unique_ptr<search::PairSe
             std::vector<double>(size), std::vector<double>(size)};
 }
 
-QuadraturePenalty::QuadraturePenalty(Setup setup, surface::Facets master, double search_distance)
+QuadraturePenalty::QuadraturePenalty(const Setup& setup, const surface::Facets& master, double search_distance)
     : QuadraturePenalty(setup, std::make_unique<search::PairSearch>(setup.V, setup.slave, master, search_distance),
                         nullptr)
 {
@@ -36,7 +36,7 @@ QuadraturePenalty::QuadraturePenalty(Setup setup, std::shared_ptr<const gap::Rig
 
 std::shared_ptr<const dolfinx::common::IndexMap> QuadraturePenalty::map() const
 {
-  return _search ? _search->map() : _V->dofmap()->index_map;
+  return _search ? _search->map() : _space->dofmap()->index_map;
 }
 
 PenaltyPair QuadraturePenalty::pair() const

@@ -24,7 +24,7 @@ public:
 
   /// A deformable master. Collective.
   /// @param[in] search_distance see search::PairSearch [L]
-  QuadraturePenalty(Setup setup, surface::Facets master, double search_distance = 0.0);
+  QuadraturePenalty(const Setup& setup, const surface::Facets& master, double search_distance = 0.0);
   /// A rigid one; it may be moved between updates (Rigid::displacement).
   QuadraturePenalty(Setup setup, std::shared_ptr<const gap::Rigid> master);
 
@@ -73,7 +73,7 @@ private:
   PenaltyPair pair() const;
   std::vector<double> nodal_forces(const PenaltyState& state) const;
 
-  std::shared_ptr<const surface::FunctionSpace> _V;
+  std::shared_ptr<const surface::FunctionSpace> _space;
   surface::Facets _slave; ///< moved with u where the master is rigid
   std::shared_ptr<const gap::Rigid> _rigid;
   std::unique_ptr<search::PairSearch> _search;

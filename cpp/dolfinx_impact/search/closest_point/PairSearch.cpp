@@ -41,9 +41,9 @@ double maximum(MPI_Comm comm, double value)
 
 PairSearch::PairSearch(std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave, surface::Facets master,
                        double reach)
-    : _V(std::move(V)), _slave(std::move(slave)), _master(std::move(master)), _rest_reach(reach)
+    : _space(std::move(V)), _slave(std::move(slave)), _master(std::move(master)), _rest_reach(reach)
 {
-  const double facet = maximum(_V->mesh()->comm(), std::max(largest_facet(_slave), largest_facet(_master)));
+  const double facet = maximum(_space->mesh()->comm(), std::max(largest_facet(_slave), largest_facet(_master)));
   if (_rest_reach <= 0.0)
     _rest_reach = 2.0 * facet;
 }
@@ -66,7 +66,7 @@ double PairSearch::largest_distance(std::span<const double> u, std::span<const d
 
 void PairSearch::update(std::span<const double> u, std::span<const double> start)
 {
-  const auto& map = *_V->dofmap()->index_map;
+  const auto& map = *_space->dofmap()->index_map;
   const std::size_t size = std::size_t(map.size_local() + map.num_ghosts()) * _slave.gdim;
   if (u.size() < size || start.size() < size)
     throw std::invalid_argument("displacements are those of all owned and ghost nodes of the space");
@@ -86,7 +86,7 @@ void PairSearch::update(std::span<const double> u, std::span<const double> start
   surface::move(_slave, u.data());
   surface::move(_master, u.data());
   _closest.reset();
-  _exchange = std::make_shared<Exchange>(*_V, _slave, _master, 1.5 * _reach);
+  _exchange = std::make_shared<Exchange>(*_space, _slave, _master, 1.5 * _reach);
   _built.assign(u.begin(), u.begin() + size);
   _built_reach = _reach;
   ++_num_exchanges;

@@ -41,7 +41,7 @@ public:
 private:
   double largest_distance(std::span<const double> u, std::span<const double> from) const;
 
-  std::shared_ptr<const surface::FunctionSpace> _V;
+  std::shared_ptr<const surface::FunctionSpace> _space;
   surface::Facets _slave, _master; ///< as given
   double _rest_reach, _reach = 0.0, _built_reach = 0.0;
   bool _kept = false, _stale = true;

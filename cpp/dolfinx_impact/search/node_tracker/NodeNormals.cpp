@@ -33,6 +33,7 @@ void NodeNormals::reset(surface::Facets facets, std::span<const std::int32_t> no
   _slope = lebesgue * NormalRotation::slope(geometry);
   // Facets by node, in the order of the facets.
   std::vector<std::pair<std::int32_t, std::int32_t>> position;
+  position.reserve(_nodes.size());
   for (std::size_t i = 0; i < _nodes.size(); ++i)
     position.emplace_back(_nodes[i], std::int32_t(i));
   std::sort(position.begin(), position.end());

@@ -34,7 +34,7 @@ double largest_motion(int gdim, std::span<const std::int32_t> nodes, const doubl
 } // namespace
 
 RelativeMotion::RelativeMotion(int gdim, const std::vector<double>& X)
-    : _gdim(gdim), _X(X), _points(X.size() / gdim), _paths(X.size() / gdim, 0.0)
+    : _gdim(gdim), _undeformed(X), _points(X.size() / gdim), _paths(X.size() / gdim, 0.0)
 {
   for (std::size_t i = 0; i < _points.size(); ++i)
     std::copy_n(X.data() + i * gdim, gdim, _points[i].x);
@@ -98,7 +98,8 @@ void RelativeMotion::add_step(const double* u, const double* du, TrackedSurface&
   for (std::size_t i = 0; i < size(); ++i)
   {
     const double* now = u + std::size_t(_nodes[i]) * D;
-    const double squared = move(slave, slave_shift, _X.data() + i * D, now, _slave.from.data() + i * D, _points[i].x);
+    const double squared =
+        move(slave, slave_shift, _undeformed.data() + i * D, now, _slave.from.data() + i * D, _points[i].x);
     _paths[i] += room * std::sqrt(squared) + by_surface;
   }
   for (std::size_t k = 0; k < _others.size(); ++k)

@@ -34,7 +34,7 @@ public:
   /// Number of slave node i in the arrays of displacements.
   std::int32_t node(std::size_t i) const { return _nodes[i]; }
   /// Its reference position, and that of the last step [L].
-  const double* X(std::size_t i) const { return _X.data() + i * _gdim; }
+  const double* X(std::size_t i) const { return _undeformed.data() + i * _gdim; }
   const double* x(std::size_t i) const { return _points[i].x; }
 
   /// Length of the path of slave node i and the surface against each other since `reset` [L].
@@ -80,8 +80,8 @@ private:
 
   int _gdim = 3;
   std::vector<std::int32_t> _nodes, _others;
-  std::vector<double> _X;     ///< reference positions
-  std::vector<Point> _points; ///< positions at the last step
+  std::vector<double> _undeformed; ///< reference positions
+  std::vector<Point> _points;      ///< positions at the last step
   std::vector<double> _paths;
   double _surface_path = 0.0, _fitted = 0.0, _step = 0.0; ///< _fitted: path of the surface when the tree was fitted
   double _shift[3] = {}, _step_shift[3] = {}, _mean_step[3] = {};

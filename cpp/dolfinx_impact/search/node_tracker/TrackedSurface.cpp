@@ -51,7 +51,7 @@ void TrackedSurface::reset(surface::Facets facets)
   _nodes = _facets.nodes;
   std::sort(_nodes.begin(), _nodes.end());
   _nodes.erase(std::unique(_nodes.begin(), _nodes.end()), _nodes.end());
-  _X.assign(_nodes.size() * gdim, 0.0);
+  _undeformed.assign(_nodes.size() * gdim, 0.0);
   _node_data.assign(_nodes.size(), {});
   _nodes_per_facet = n_u;
   _corners.resize(_facets.nodes.size());
@@ -61,7 +61,7 @@ void TrackedSurface::reset(surface::Facets facets)
       const std::size_t k = f * n_u + j;
       const auto at = std::lower_bound(_nodes.begin(), _nodes.end(), _facets.nodes[k]);
       _corners[k] = std::int32_t(at - _nodes.begin());
-      std::copy_n(_facets.X_of(f) + j * gdim, gdim, _X.data() + std::size_t(_corners[k]) * gdim);
+      std::copy_n(_facets.X_of(f) + j * gdim, gdim, _undeformed.data() + std::size_t(_corners[k]) * gdim);
     }
 }
 
@@ -72,7 +72,7 @@ double TrackedSurface::moved(const double* u) const
   for (std::size_t k = 0; k < _nodes.size(); ++k)
     for (int c = 0; c < gdim; ++c)
     {
-      const double x = _X[k * gdim + c] + u[std::size_t(_nodes[k]) * gdim + c];
+      const double x = _undeformed[k * gdim + c] + u[std::size_t(_nodes[k]) * gdim + c];
       largest = std::max(largest, std::abs(x - _node_data[k].x[c]));
     }
   return std::sqrt(double(gdim)) * largest;

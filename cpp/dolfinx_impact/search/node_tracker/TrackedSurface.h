@@ -49,7 +49,7 @@ public:
   const MasterNode* node_data() const { return _node_data.data(); }
   MasterNode* node_data() { return _node_data.data(); }
   /// Reference position of node k of `nodes` [L].
-  const double* X(std::size_t k) const { return _X.data() + k * _facets.gdim; }
+  const double* X(std::size_t k) const { return _undeformed.data() + k * _facets.gdim; }
   /// Displacement nodes of a facet, by their position in `nodes`.
   const std::int32_t* corners(std::int32_t facet) const
   {
@@ -108,7 +108,7 @@ private:
   std::vector<double> _boxes;
   std::vector<std::int32_t> _nodes, _corners;
   int _nodes_per_facet = 0;
-  std::vector<double> _X;
+  std::vector<double> _undeformed;
   std::vector<MasterNode> _node_data;
   mutable std::int64_t _projections = 0;
 };

@@ -12,7 +12,7 @@ Projection nearest_facet(const TrackedSurface& surface, const NodeQuery& query, 
   const surface::Facets& facets = surface.facets();
   const int gdim = facets.gdim;
   const double room = 1e-9 * surface.largest_diameter(), *x = query.x;
-  double there[3], nodes[3 * surface::FacetElement::max_nodes], normal[3], best_normal[3];
+  double there[3] = {}, nodes[3 * surface::FacetElement::max_nodes], normal[3], best_normal[3];
   for (int c = 0; c < gdim; ++c)
     there[c] = x[c] - query.shift[c];
   std::int32_t nearest = -1;
