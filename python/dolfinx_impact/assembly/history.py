@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 import ufl
@@ -14,6 +14,7 @@ from dolfinx.mesh import Mesh
 from ..common.types import FloatArray
 from ..forms import quadrature
 from .inelastic_part import HistoryFunctions, InelasticParts, quadrature_element, set_values
+from .inelastic_stress import STRESS, VON_MISES, InelasticStress, components, von_mises
 from .point_values import PointHistory
 
 
@@ -25,14 +26,21 @@ class HistoryField:
         shape: shape of a value, () or (n,).
         degree: quadrature degree of its points [1].
         mesh: mesh of the problem.
-        points: the values at the points.
+        read: function that returns the values on this rank, (num_owned_cells, num_points, num_components).
+        write: function that replaces them; None: they follow from others.
     """
 
     def __init__(
-        self, name: str, shape: tuple[int, ...], degree: int, mesh: Mesh, points: PointHistory
+        self,
+        name: str,
+        shape: tuple[int, ...],
+        degree: int,
+        mesh: Mesh,
+        read: Callable[[], FloatArray],
+        write: Callable[[FloatArray], None] | None = None,
     ) -> None:
         self.name, self.shape, self.degree = name, shape, degree
-        self._mesh, self._points = mesh, points
+        self._mesh, self._read, self._write = mesh, read, write
 
     def __repr__(self) -> str:
         what = "a number" if not self.shape else f"{self.shape[0]} components"
@@ -42,13 +50,15 @@ class HistoryField:
     def values(self) -> FloatArray:
         """Values of the last completed step on this rank, (num_owned_cells, num_points, ...); zero in cells of materials
         without the variable."""
-        values = self._points.values(self.name)
+        values = self._read()
         return values.reshape(*values.shape[:2], *self.shape)
 
     @values.setter
     def values(self, values: FloatArray) -> None:
+        if self._write is None:
+            raise AttributeError(f"{self.name} follows from the displacement and the history: set those")
         given = np.asarray(values, dtype=float)
-        self._points.set_values(self.name, given.reshape(*given.shape[:2], -1))
+        self._write(given.reshape(*given.shape[:2], -1))
 
     def function(self) -> Function:
         """The values as a function on a quadrature element, for forms with this quadrature degree."""
@@ -84,7 +94,8 @@ class HistoryField:
 
 
 class MaterialHistory(Mapping[str, HistoryField]):
-    """Internal variables of a problem by name.
+    """Internal variables of a problem by name; also the Cauchy stress, "stress" (xx, yy, zz, xy, and in space yz, xz),
+    and "von_mises", which are evaluated when they are asked for.
 
     Args:
         parts: inelastic parts of the problem.
@@ -93,6 +104,7 @@ class MaterialHistory(Mapping[str, HistoryField]):
 
     def __init__(self, parts: InelasticParts, points: PointHistory) -> None:
         self._parts, self._points = parts, points
+        self._stress: InelasticStress | None = None
 
     def __iter__(self) -> Iterator[str]:
         return iter(dict.fromkeys(name for part in self._parts for name in part.history))
@@ -104,13 +116,25 @@ class MaterialHistory(Mapping[str, HistoryField]):
         return f"MaterialHistory({', '.join(self)})"
 
     def __getitem__(self, name: str) -> HistoryField:
+        part = next(iter(self._parts))
+        if name in (STRESS, VON_MISES):
+            if self._stress is None:
+                self._stress = InelasticStress(part.u, self._parts.material, self._points)
+            evaluate = self._stress.values
+            if name == VON_MISES:
+                return HistoryField(name, (), part.degree, part.mesh, lambda: von_mises(evaluate())[..., None])
+            shape = (len(components(part.mesh.geometry.dim)),)
+            return HistoryField(name, shape, part.degree, part.mesh, evaluate)
         found = {part.response.history[name]: part for part in self._parts if name in part.history}
         if not found:
             raise KeyError(f"no material has the internal variable {name!r}: there are {', '.join(self)}")
         if len(found) > 1:
             raise ValueError(f"the materials have {name!r} with different shapes, {sorted(found)}")
         ((shape, part),) = found.items()
-        return HistoryField(name, shape, part.degree, part.mesh, self._points)
+        points = self._points
+        return HistoryField(
+            name, shape, part.degree, part.mesh, lambda: points.values(name), lambda v: points.set_values(name, v)
+        )
 
     def functions(self) -> list[HistoryFunctions]:
         """Functions for history and unknowns of each part; they are not filled."""

@@ -68,17 +68,24 @@ class InelasticPart:
         self.history = {name: symbol(shape) for name, shape in self.response.history.items()}
         self.unknown = None if self.response.unknown is None else symbol(self.response.unknown)
 
-    def force(self, v: ufl.Argument) -> tuple[ufl.Form, PointLaw]:
+    def force(self, v: ufl.Argument, with_stress: bool = False) -> tuple[ufl.Form, PointLaw]:
         """Internal virtual work and the point law of its kernel.
 
         Args:
             v: test function.
+            with_stress: whether the Cauchy stress is an output, "stress".
         """
-        update = self.response.respond(self.kinematics.strain(self.u), dict(self.history), self.unknown)
+        strain = self.kinematics.strain(self.u)
+        update = self.response.respond(strain, dict(self.history), self.unknown)
         form = inelastic.internal_force(self.u, v, self.kinematics, update.stress, self.dx)
         outputs = {name: ufl.as_ufl(update.outputs[name]) for name in self.history}
         if self.unknown is not None:
             outputs[UNKNOWN] = self.unknown
+        if with_stress:
+            finite = self.kinematics.finite_strain
+            stress = update.stress * strain.T / ufl.det(strain) if finite else update.stress
+            axes = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))[: 6 if self.mesh.geometry.dim == 3 else 4]
+            outputs["stress"] = ufl.as_vector([stress[i, j] for i, j in axes])
         r = weight(self.mesh, self.kinematics.hypothesis)
         law = PointLaw(
             outputs=outputs,
@@ -145,6 +152,7 @@ class InelasticParts:
     """
 
     def __init__(self, u: Function, material: Material) -> None:
+        self.material = material
         dx, degree = cells_measure(u, material)
         self._parts = [
             InelasticPart(u, m, dx if tag is None else dx(tag), degree, tag)

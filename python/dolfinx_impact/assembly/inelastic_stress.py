@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""Cauchy stress at the quadrature points of bodies with internal variables, evaluated when it is asked for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx.fem import Function
+
+from ..common.types import FloatArray
+from ..forms.point_law import PointLaw
+from ..inelastic import InelasticMaterial
+from ..materials import Material, MaterialMap, _Material
+from .inelastic_part import InelasticPart
+from .operators import InternalForce, cells_measure
+from .point_values import PointHistory
+
+STRESS, VON_MISES = "stress", "von_mises"
+
+
+def components(gdim: int) -> tuple[tuple[int, int], ...]:
+    """Components of the stress that are stored: xx, yy, zz, xy, and in space yz, xz.
+
+    Args:
+        gdim: dimension.
+    """
+    plane = ((0, 0), (1, 1), (2, 2), (0, 1))
+    return plane if gdim == 2 else (*plane, (1, 2), (0, 2))
+
+
+def von_mises(stress: FloatArray) -> FloatArray:
+    """Von Mises' equivalent stress.
+
+    Args:
+        stress: components of `components`, (..., 4) or (..., 6) [F/L^2].
+
+    Returns:
+        Equivalent stress, (...) [F/L^2].
+    """
+    xx, yy, zz = (stress[..., i] for i in range(3))
+    shear = np.sum(stress[..., 3:] ** 2, axis=-1)
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * shear)
+
+
+class InelasticStress:
+    """Cauchy stress of bodies with internal variables.
+
+    Kernels of their own solve the local equations once more, from the history of the last step at the present
+    displacement: a step without a change of strain, which leaves the history of a rate-independent law as it is.
+
+    Args:
+        u: displacement function [L].
+        material: material of the bodies.
+        points: internal variables of the problem.
+    """
+
+    def __init__(self, u: Function, material: Material, points: PointHistory) -> None:
+        self._points = points
+        v = ufl.TestFunction(u.function_space)
+        dx, degree = cells_measure(u, material)
+        form: Any = 0
+        laws: dict[int | None, PointLaw] = {}
+        for tag, m in material.parts():
+            measure = dx if tag is None else dx(tag)
+            if isinstance(m, InelasticMaterial):
+                part = InelasticPart(u, m, measure, degree, tag)
+                work, laws[tag] = part.force(v, with_stress=True)
+            else:
+                work, laws[tag] = _elastic(u, v, m, measure)
+            form = form + work
+        self._force = InternalForce(form, law=laws if isinstance(material, MaterialMap) else laws[None])
+        self._forces: FloatArray = self._force.vector().array
+
+    def values(self) -> FloatArray:
+        """Evaluate the stress at the present displacement. Collective.
+
+        Returns:
+            Components of `components` on this rank, (num_owned_cells, num_points, num_components) [F/L^2].
+        """
+        own = self._force.history
+        for name in own.state_names:
+            own.set_values(name, self._points.values(name))
+        self._forces[:] = 0.0
+        self._force.assemble(self._forces)
+        values = own.values(STRESS, trial=True)
+        own.revert()
+        return values
+
+
+def _elastic(u: Function, v: ufl.Argument, material: _Material, dx: ufl.Measure) -> tuple[ufl.Form, PointLaw]:
+    """Virtual work of an elastic material, with its Cauchy stress as an output."""
+    from ..forms import elasticity
+
+    mesh = u.function_space.mesh
+    law: Any = material.law(mesh)
+    stress = law.stress(u)
+    gradient = law.gradient(u)
+    if not law.linear:
+        F = ufl.Identity(gradient.ufl_shape[0]) + gradient
+        stress = stress * F.T / ufl.det(F)
+    if stress.ufl_shape == (2, 2):
+        stress = ufl.as_tensor([[stress[0, 0], stress[0, 1], 0], [stress[1, 0], stress[1, 1], 0], [0, 0, 0]])
+    output = ufl.as_vector([stress[i, j] for i, j in components(mesh.geometry.dim)])
+    return elasticity.internal_force(u, v, law, dx), PointLaw(outputs={STRESS: output})
