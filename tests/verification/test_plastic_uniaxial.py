@@ -35,7 +35,9 @@ class Bar:
         self.end = fem.locate_dofs_topological(V, dim - 1, tags.find(1))
         pulled = fem.dirichletbc(self.stretch, fem.locate_dofs_topological(V.sub(0), dim - 1, tags.find(1)), V.sub(0))
         bcs = [pulled] + [clamp(V, tags, 2 + i, i) for i in range(dim)]
-        self.problem = StaticProblem(self.u, J2Plasticity(E, NU, hypothesis=hypothesis, average=False, **steel), bcs=bcs)
+        self.problem = StaticProblem(
+            self.u, J2Plasticity(E, NU, hypothesis=hypothesis, average=False, **steel), bcs=bcs
+        )
 
     def stress(self, strain, steps=1):
         """Stress at a strain [F/L^2], reached in equal steps from the last one."""

@@ -41,7 +41,7 @@ struct Energies
 {
   double kinetic = 0.0;
   double internal = 0.0; ///< stored in the bodies
-  double contact = 0.0; ///< stored in springs
+  double contact = 0.0;  ///< stored in springs
   double friction = 0.0;
   double impact = 0.0; ///< what normal forces of contact take from the bodies and do not store
   double damping = 0.0;

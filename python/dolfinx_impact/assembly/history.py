@@ -123,8 +123,7 @@ class MaterialHistory(Mapping[str, HistoryField]):
             evaluate = self._stress.values
             if name == VON_MISES:
                 return HistoryField(name, (), part.degree, part.mesh, lambda: von_mises(evaluate())[..., None])
-            shape = (len(components(part.mesh.geometry.dim)),)
-            return HistoryField(name, shape, part.degree, part.mesh, evaluate)
+            return HistoryField(name, (len(components(part.mesh.geometry.dim)),), part.degree, part.mesh, evaluate)
         found = {part.response.history[name]: part for part in self._parts if name in part.history}
         if not found:
             raise KeyError(f"no material has the internal variable {name!r}: there are {', '.join(self)}")

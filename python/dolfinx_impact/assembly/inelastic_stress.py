@@ -61,16 +61,17 @@ class InelasticStress:
         v = ufl.TestFunction(u.function_space)
         dx, degree = cells_measure(u, material)
         form: Any = 0
-        laws: dict[int | None, PointLaw] = {}
+        laws: dict[int, PointLaw] = {}
         for tag, m in material.parts():
             measure = dx if tag is None else dx(tag)
             if isinstance(m, InelasticMaterial):
                 part = InelasticPart(u, m, measure, degree, tag)
-                work, laws[tag] = part.force(v, with_stress=True)
+                work, law = part.force(v, with_stress=True)
             else:
-                work, laws[tag] = _elastic(u, v, m, measure)
+                work, law = _elastic(u, v, m, measure)
             form = form + work
-        self._force = InternalForce(form, law=laws if isinstance(material, MaterialMap) else laws[None])
+            laws[-1 if tag is None else tag] = law
+        self._force = InternalForce(form, law=laws if isinstance(material, MaterialMap) else laws[-1])
         self._forces: FloatArray = self._force.vector().array
 
     def values(self) -> FloatArray:

@@ -109,6 +109,7 @@ class _PartForms:
         derivative = ufl.derivative(form, self.theta, p)
         if x is None:
             return derivative
+        assert self.theta is not None  # of cells that are averaged
         return derivative + ufl.derivative(form, x, unknown_derivative(self.update.residual, x, self.theta, p))
 
 
@@ -155,9 +156,7 @@ class InelasticTangent:
 
         self._volume = total(lambda m: m.weight * q * m.part.dx)
         self._dilatation = total(lambda m: m.weight * m.part.kinematics.dilatation(m.part.u) * q * m.part.dx)
-        self._B = total(
-            lambda m: m.weight * m.part.kinematics.dilatation_derivative(m.part.u, du) * q * m.part.dx
-        )
+        self._B = total(lambda m: m.weight * m.part.kinematics.dilatation_derivative(m.part.u, du) * q * m.part.dx)
         self._stress = total(lambda m: m.mean_force(q))
         self._F_theta = total(lambda m: m.by_mean(m.force(v), p))
         self._G_u = total(lambda m: m.by_displacement(m.mean_force(q), du))
@@ -219,7 +218,5 @@ class InelasticTangent:
     @staticmethod
     def _fill(matrix: PETSc.Mat, form: fem.Form) -> None:
         matrix.zeroEntries()
-        petsc.assemble_matrix(matrix, form)  # type: ignore[misc]
+        petsc.assemble_matrix(matrix, form)  # type: ignore[arg-type]  # annotated for the overload with `bcs`
         matrix.assemble()
-
-

@@ -27,7 +27,6 @@ from petsc4py import PETSc
 
 from .. import _cpp
 from ..amplitude import Amplitude
-from ..assembly.operators import Tangent
 from ..assembly.rigid_body_modes import RigidBodyModes
 from ..common.types import BoolArray, FloatArray, IntArray
 from .pair import ContactPair
@@ -47,6 +46,13 @@ class ContactProblem(Protocol):
     axisymmetric: bool
 
 
+class BodyTangent(Protocol):
+    """Derivative of the bodies' residual."""
+
+    def assemble(self) -> PETSc.Mat:
+        """Assemble the matrix at the present state [F/L]. Collective."""
+
+
 class StaticContactProblem(ContactProblem, Protocol):
     """What a contact reads of a static problem.
 
@@ -55,7 +61,10 @@ class StaticContactProblem(ContactProblem, Protocol):
     """
 
     fixed: BoolArray
-    tangent: Tangent
+
+    @property
+    def tangent(self) -> BodyTangent:
+        """Derivative of the bodies' residual."""
 
 
 class ExplicitContactProblem(ContactProblem, Protocol):

@@ -70,6 +70,5 @@ def _check_measures(form: ufl.Form) -> None:
     for measure, data in next(iter(form.subdomain_data().values())).items():
         if any(d is not data[0] for d in data):
             raise ValueError(
-                f"the {measure} integrals must share one subdomain_data: "
-                "put the tags of all loads into one MeshTags"
+                f"the {measure} integrals must share one subdomain_data: " "put the tags of all loads into one MeshTags"
             )

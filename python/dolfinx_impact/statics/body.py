@@ -9,13 +9,12 @@ from petsc4py import PETSc
 
 
 class BodyTangent(Protocol):
-    """Matrix of the bodies, made once.
+    """Matrix of the bodies, made once."""
 
-    Attributes:
-        matrix: the matrix [F/L].
-    """
-
-    matrix: PETSc.Mat
+    @property
+    def matrix(self) -> PETSc.Mat:
+        """The matrix [F/L]."""
+        ...
 
     def assemble(self) -> PETSc.Mat:
         """Assemble the matrix at the present state. Collective."""
@@ -26,14 +25,17 @@ class Body(Protocol):
     """Bodies of a static problem.
 
     Attributes:
-        tangent: derivative of the residual.
         linear: whether the tangent is constant.
         symmetric: whether the tangent is symmetric, as far as is known.
     """
 
-    tangent: BodyTangent
     linear: bool
     symmetric: bool
+
+    @property
+    def tangent(self) -> BodyTangent:
+        """Derivative of the residual."""
+        ...
 
     def vector(self) -> PETSc.Vec:
         """Make a vector for the residual, with ghosts."""

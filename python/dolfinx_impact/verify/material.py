@@ -168,7 +168,9 @@ def compare(case: Case, hypothesis: str, finite: bool, seed: int = 3, num: int =
     """
     gdim = 3 if hypothesis == "3d" else 2
     cells = Simplices(gdim, num)
-    steel = J2Plasticity(E=E, nu=NU, density=1.0, yield_stress=Y, finite_strain=finite, hypothesis=hypothesis, **case.ours)
+    steel = J2Plasticity(
+        E=E, nu=NU, density=1.0, yield_stress=Y, finite_strain=finite, hypothesis=hypothesis, **case.ours
+    )
     forms = body_forms(cells.u, steel)
     force = InternalForce(forms.internal, law=forms.laws)
     assert forms.parts is not None

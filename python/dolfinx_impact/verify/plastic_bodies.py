@@ -137,11 +137,13 @@ def static(report: Report, *arguments: Any) -> None:
     theirs = both.other.solve_static(body.order[fixed], np.array(values), tolerance=1e-13)
     for what, index, expected in (("u", 0, theirs.u), ("reactions", 1, theirs.reactions)):
         worst, note = 0.0, ""
-        for ours, other in zip(found, expected):
-            difference, where = bodies.largest_difference(body, ours[index], body.to_ours(other))
+        for k, ours in enumerate(found):
+            difference, where = bodies.largest_difference(body, ours[index], body.to_ours(np.asarray(expected)[k]))
             if not difference <= worst:
                 worst, note = difference, where
-        report.add("solution", both.form, *both.element, worst, TOLERANCE, REASON, f"{what} of the yielding block", note)
+        report.add(
+            "solution", both.form, *both.element, worst, TOLERANCE, REASON, f"{what} of the yielding block", note
+        )
     a = problem.history["plastic_strain"].values
     difference = abs(float(a.max()) - float(both.other.history.plastic_strain.max())) / float(a.max())
     report.add("solution", both.form, *both.element, difference, TOLERANCE, REASON, "largest plastic strain")
@@ -181,9 +183,9 @@ def impact(report: Report, *arguments: Any) -> None:
     }
     energies = problem.energy_history[:, 1:].T
     size = float(energies[0].max())
-    for name, ours in zip(ENERGIES, energies):
+    for k, name in enumerate(ENERGIES):
         if name in ("kinetic", "internal", "plastic"):
-            pairs[f"{name} energy"] = (ours, other.energies[name][: len(ours)])
+            pairs[f"{name} energy"] = (energies[k], other.energies[name][: energies.shape[1]])
     for what, (a, b) in pairs.items():
         scale = size if what.endswith("energy") else float(np.abs(b).max())
         difference = float(np.abs(a - b).max()) / scale if a.shape == b.shape else np.inf
