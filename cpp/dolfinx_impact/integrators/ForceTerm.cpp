@@ -35,7 +35,7 @@ bool FormForces::has_history() const
 
 double FormForces::elastic_energy() const
 {
-  return 0.0; // SUMS
+  return has_history() ? inner->sum("elastic") + outer->sum("elastic") : 0.0;
 }
 
 std::size_t FormForces::num_unsolved() const

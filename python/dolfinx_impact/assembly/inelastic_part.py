@@ -94,7 +94,7 @@ class InelasticPart:
             residual=update.residual,
             start=update.start,
             scale=update.scale,
-            # SUMS
+            sums={ELASTIC_ENERGY: update.stored * r},
         )
         return form, law
 
