@@ -65,6 +65,8 @@ class PointLaw:
         start: first iterate, of the shape of the unknown; it must not depend on the unknown.
         scale: size of the residual's terms, a number or an expression that does not depend on the unknown, of the
             residual's unit.
+        sums: densities that are integrated over each cell and summed, by name, with the weight and |det J| of the form's
+            rule; an axisymmetric density holds 2 pi r itself.
 
     Raises:
         TypeError: an argument is no UFL expression or coefficient.
@@ -77,6 +79,7 @@ class PointLaw:
     residual: Expr | None = None
     start: Expr | None = None
     scale: Expr | float = 1.0
+    sums: Mapping[str, Expr] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, expression in self.outputs.items():
@@ -94,8 +97,13 @@ class PointLaw:
         if len(set(self.history.values())) != len(self.history):
             raise ValueError("two names of the history have the same coefficient")
         self._check_unknown()
-        if not self.outputs:
-            raise ValueError("a point law needs at least one output")
+        for name, density in self.sums.items():
+            if not _is_expression(density):
+                raise TypeError(f"sum {name!r} must be a UFL expression, found {type(density).__name__}")
+            if density.ufl_shape:
+                raise ValueError(f"sum {name!r} must be of a scalar density, found shape {density.ufl_shape}")
+        if not self.outputs and not self.sums:
+            raise ValueError("a point law needs an output or a sum")
 
     @staticmethod
     def _check_coefficient(what: str, coefficient: object) -> None:
@@ -151,7 +159,7 @@ class PointLaw:
         return components if coefficient is None else [components[i] for i in stored_components(coefficient)]
 
     def parts(self) -> dict[str, list[Expr]]:
-        """What a kernel evaluates: "start", "scale", "residual", "jacobian", and "output NAME" for each output."""
+        """What a kernel evaluates: "start", "scale", "residual", "jacobian", "output NAME" and "sum NAME"."""
         parts: dict[str, list[Expr]] = {}
         if self.unknown is not None:
             assert self.residual is not None and self.start is not None
@@ -161,11 +169,13 @@ class PointLaw:
             parts["jacobian"] = self.jacobian()
         for name in self.outputs:
             parts[f"output {name}"] = self.stored(name)
+        for name, density in self.sums.items():
+            parts[f"sum {name}"] = [density]
         return parts
 
     def expressions(self) -> list[Expr]:
         """The expressions as given: what identifies the law, and what its coefficients are found in."""
-        given = [self.outputs[name] for name in self.outputs]
+        given = [*self.outputs.values(), *self.sums.values()]
         if self.unknown is not None:
             assert self.residual is not None and self.start is not None
             given += [self.residual, self.start, ufl.as_ufl(self.scale)]

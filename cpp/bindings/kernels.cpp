@@ -53,6 +53,14 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("size_A", [](const Kernel& s) { return s.k->size_A; })
       .def_prop_ro("num_points", [](const Kernel& s) { return s.k->num_points; })
       .def_prop_ro("local_unknowns", [](const Kernel& s) { return s.k->local_unknowns; })
+      .def_prop_ro("sums",
+                   [](const Kernel& s)
+                   {
+                     nb::dict d;
+                     for (int i = 0; i < s.k->num_sums; ++i)
+                       d[s.k->sums[i].name] = s.k->sums[i].offset;
+                     return d;
+                   })
       .def_prop_ro("outputs",
                    [](const Kernel& s)
                    {

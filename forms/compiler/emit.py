@@ -152,6 +152,10 @@ def _descriptor(integral, symbol, count, group):
             for o, offset in zip(outputs, i.output_offsets)
         )
         lines.append(f"static const impact_output {symbol}_outputs[] = {{{rows}}};")
+    sums = i.law.sums if i.law else []
+    if sums:
+        rows = ", ".join(f"{{{_text(n)}, {i.sum_offset + k}}}" for k, n in enumerate(sums))
+        lines.append(f"static const impact_sum {symbol}_sums[] = {{{rows}}};")
     size_w = sum(c.num_dofs for c in i.coefficients)
     size_c = sum(c.size for c in i.constants)
     fields = [
@@ -180,6 +184,8 @@ def _descriptor(integral, symbol, count, group):
         str(i.num_points),
         str(len(outputs)),
         f"{symbol}_outputs" if outputs else "nullptr",
+        str(len(sums)),
+        f"{symbol}_sums" if sums else "nullptr",
         str(i.num_unknowns),
         repr(float(count)),
     ]

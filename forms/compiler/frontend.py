@@ -7,19 +7,19 @@ depends on nothing but the form.
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import ufl
 from ffcx.analysis import analyze_ufl_objects
 from ffcx.ir.representation import compute_ir
-from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
-from ufl.algorithms.apply_derivatives import apply_derivatives
+from ufl.algorithms import extract_coefficients
 from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 
-from ..point_law import PointLaw
+from ..point_law import PointLaw, flatten
+from .averages import Averages, has_averages, lowered
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
 OPTIONS = {
@@ -64,11 +64,13 @@ class Numbering:
         coefficients: number and first entry in w of each coefficient.
         constants: first entry in c of each constant.
         unknown: coefficient that stands for the solution of the local equations, or None.
+        averages: number of the average over the cell that a coefficient stands for.
     """
 
     coefficients: dict
     constants: dict
     unknown: object = None
+    averages: dict = field(default_factory=dict)
 
 
 @dataclass
@@ -87,20 +89,30 @@ class Output:
 
 
 @dataclass
-class LocalLaw:
-    """A point law in FFCx's representation.
+class LocalExpressions:
+    """What a kernel evaluates at the points beside the form's integrand, in FFCx's representation: a point law, averages
+    over the cell.
 
     Attributes:
         graph: FFCx's data of all parts in one vector, at the points of the form's rule.
-        parts: first component and number of components of each part (PointLaw.parts).
-        outputs: what is written.
+        parts: first component and number of components of each part: those of PointLaw.parts, "average NUMBER", and
+            "volume", the absolute value of det J.
+        outputs: what is written at the points.
+        sums: names of the values that are integrated over a cell.
         num_unknowns: unknowns of the local equations at a point, 0: a law in closed form.
+        averages: Average objects, by number.
+        solved_in: number of the loop over the points that solves the local equations.
+        num_loops: number of loops, the last of which computes the element tensor.
     """
 
     graph: dict
     parts: dict
     outputs: list
+    sums: list
     num_unknowns: int
+    averages: list
+    solved_in: int
+    num_loops: int
 
 
 @dataclass
@@ -122,7 +134,7 @@ class Integral:
     points: np.ndarray | None = None
     entity_type: str = "cell"
     hypothesis: str = ""
-    law: LocalLaw | None = None
+    law: LocalExpressions | None = None
 
     @property
     def num_points(self):
@@ -141,9 +153,19 @@ class Integral:
         return [int(n) for n in np.cumsum([np.prod(self.shape, dtype=int), *sizes])]
 
     @property
+    def sum_offset(self):
+        """First entry of the sums in A."""
+        return self.output_offsets[-1]
+
+    @property
+    def report_offset(self):
+        """First entry in A of the report of points that are not solved."""
+        return self.sum_offset + (len(self.law.sums) if self.law else 0)
+
+    @property
     def size_A(self):
-        """Entries of A: element tensor, outputs, and for local equations the report of points that are not solved."""
-        return self.output_offsets[-1] + (3 + self.num_unknowns if self.num_unknowns else 0)
+        """Entries of A: element tensor, outputs, sums, and for local equations the report."""
+        return self.report_offset + (3 + self.num_unknowns if self.num_unknowns else 0)
 
 
 def _kind(element):
@@ -196,15 +218,6 @@ class _Renumber(MultiFunction):
 
     def constant(self, o):
         return self.constants[o]
-
-
-class _WithoutVariables(MultiFunction):
-    """Variables replaced by what they stand for, once derivatives have been taken."""
-
-    expr = MultiFunction.reuse_if_untouched
-
-    def variable(self, o, expression, label):
-        return expression
 
 
 def laws_of(law):
@@ -296,14 +309,25 @@ def form_integrals(form, name, names, hypothesis="", law=None):
     if kinds:
         raise ValueError(f"{name}: integrals of type {sorted(kinds)} are not supported, only dx and ds")
     laws, history = laws_of(law), history_of(law)
+    averaged = any(has_averages(i.integrand()) for i in form.integrals())
+    averaged = averaged or any(has_averages(e) for one in laws.values() for e in one.expressions())
     all_coefficients, old_constants = objects_of(form, law)
     signature = form_signature(form, law)
     form, renumbered = canonical(form, law)
     names = dict(names) | {new: names.get(id(old)) or names.get(old) for old, new in renumbered.items()} | history
+    averages, parts_of = {}, {}
+    for one in [*laws.values(), None]:
+        parts = one.parts() if one else {}
+        parts_of[one] = {p: [map_expr_dag(_Renumber(renumbered), e) for e in group] for p, group in parts.items()}
+    if averaged:
+        averages = _averages(name, form, laws)
+        form = _form_without_averages(name, form, laws, averages)
+        for one, parts in parts_of.items():
+            parts_of[one] = {p: [averages[one].replaced(e) for e in group] for p, group in parts.items()}
     analysis = analyze_ufl_objects([form], np.dtype("float64"))
     ir = compute_ir(analysis, {}, "impact", dict(OPTIONS), False)
     data = analysis.form_data[0]
-    if laws:
+    if laws or averaged:
         originals = all_coefficients
     else:
         originals = [data.original_form.coefficients()[i] for i in data.original_coefficient_positions]
@@ -315,10 +339,15 @@ def form_integrals(form, name, names, hypothesis="", law=None):
     for itg, representation in zip(data.integral_data, ir.integrals):
         subdomains = tuple(-1 if s == "otherwise" else int(s) for s in itg.subdomain_id)
         own_law = _law_of_integral(name, laws, itg.integral_type, subdomains)
-        if laws:
+        own_averages = None
+        if laws or averaged:
             enabled = {c for c, used in zip(data.reduced_coefficients, itg.enabled_coefficients) if used}
             _check_unknowns(name, enabled, laws.values(), own_law)
             used = enabled | set(own_law.coefficients() if own_law else ())
+            if averaged and itg.integral_type == "cell":
+                in_law = {c for g in parts_of[own_law].values() for e in g for c in extract_coefficients(e)}
+                own_averages = averages[own_law].select(enabled | in_law)
+                used |= own_averages.read()
             coefficients = [c for c in all_coefficients if c in used]
             positions = [all_coefficients.index(c) for c in coefficients]
         else:
@@ -329,6 +358,7 @@ def form_integrals(form, name, names, hypothesis="", law=None):
             {c: (k, offsets[c]) for k, c in enumerate(coefficients)},
             constant_offsets,
             own_law.unknown if own_law else None,
+            own_averages.coefficients if own_averages else {},
         )
         expression = representation.expression
         result.append(
@@ -350,7 +380,9 @@ def form_integrals(form, name, names, hypothesis="", law=None):
                 signature=signature,
                 numbering=numbering,
                 hypothesis=hypothesis,
-                law=_local_law(name, own_law, expression, representation.rank, renumbered, numbering),
+                law=_local_expressions(
+                    name, own_law, parts_of[own_law], own_averages, representation, numbering, itg.domain
+                ),
             )
         )
     return result
@@ -384,19 +416,30 @@ def _check_unknowns(name, coefficients, laws, own):
             raise ValueError(f"{name}: an integral has the unknown or history of a law of other cells")
 
 
-def _local_law(name, law, ir, rank, constants, numbering):
-    """LocalLaw of a PointLaw at the points of the form's rule."""
-    if law is None:
-        return None
-    if len(ir.integrand) != 1:
-        degrees = [len(rule.points) for rule in ir.integrand]
-        raise ValueError(
-            f"{name}: cells with a point law need one quadrature rule, found rules of {degrees} points: give all terms "
-            "over these cells the same metadata"
-        )
-    if rank > 1:
-        raise ValueError(f"{name}: a point law needs a form of rank 0 or 1, this one has rank {rank}")
-    ((rule, _),) = ir.integrand.items()
+def _averages(name, form, laws):
+    """Averages of the cells of each law, and of those without one (None)."""
+    for integral in form.integrals():
+        if has_averages(integral.integrand()) and (integral.integral_type() != "cell" or len(form.arguments()) > 1):
+            raise ValueError(f"{name}: cell_avg is supported in integrals over cells, of forms of rank 0 and 1")
+    return {one: Averages(form.ufl_domain(), one.unknown if one else None) for one in [*laws.values(), None]}
+
+
+def _form_without_averages(name, form, laws, averages):
+    """A form in which coefficients stand for the averages over cells."""
+    integrals = []
+    for integral in form.integrals():
+        integrand = integral.integrand()
+        if integral.integral_type() == "cell" and has_averages(integrand):
+            tags = integral.subdomain_id()
+            tags = tags if isinstance(tags, tuple) else (tags,)
+            tags = tuple(-1 if tag in ("everywhere", "otherwise") else int(tag) for tag in tags)
+            integrand = averages[_law_of_integral(name, laws, "cell", tags)].of_integrand(integrand)
+        integrals.append(integral.reconstruct(integrand=integrand))
+    return ufl.Form(integrals)
+
+
+def _check_points(name, law, rule):
+    """ValueError unless the law's coefficients are on the points of the form's rule."""
     for c in [*law.coefficients(), *([law.unknown] if law.unknown is not None else [])]:
         element = c.ufl_function_space().ufl_element()
         if element.has_custom_quadrature:
@@ -406,20 +449,72 @@ def _local_law(name, law, ir, rank, constants, numbering):
                     f"{name}: a coefficient of the point law has {len(points)} points of a quadrature rule, the form "
                     f"integrates with {len(rule.points)} points: give both the same degree and scheme"
                 )
+
+
+def _local_expressions(name, law, parts, averages, representation, numbering, mesh):
+    """LocalExpressions of a PointLaw and of averages, at the points of the form's rule; None without them."""
+    ir, rank = representation.expression, representation.rank
+    if law is None and not averages:
+        return None
+    what = "a point law" if law is not None else "averages"
+    if len(ir.integrand) != 1:
+        degrees = [len(rule.points) for rule in ir.integrand]
+        raise ValueError(
+            f"{name}: cells with {what} need one quadrature rule, found rules of {degrees} points: give all terms "
+            "over these cells the same metadata"
+        )
+    if rank > 1:
+        raise ValueError(f"{name}: {what} need a form of rank 0 or 1, this one has rank {rank}")
+    ((rule, _),) = ir.integrand.items()
+    if law is not None:
+        _check_points(name, law, rule)
+    given = dict(parts)
+    loops = _loops(averages, given)
+    if averages or (law is not None and law.sums):
+        given["volume"] = [abs(ufl.JacobianDeterminant(mesh))]
+    for i, average in enumerate(averages.found.values() if averages else ()):
+        given[f"average {i}"] = flatten(average.operand)
     parts, expressions = {}, []
-    for part, components in law.parts().items():
+    for part, components in given.items():
         parts[part] = (len(expressions), len(components))
         expressions += components
-    vector = map_expr_dag(_Renumber(constants), ufl.as_vector(expressions))
-    vector = map_expr_dag(_WithoutVariables(), apply_derivatives(apply_algebra_lowering(vector)))
-    analysis = analyze_ufl_objects([(vector, rule.points)], np.dtype("float64"))
+    analysis = analyze_ufl_objects([(lowered(ufl.as_vector(expressions)), rule.points)], np.dtype("float64"))
     (representation,) = compute_ir(analysis, {}, "impact", dict(OPTIONS), False).expressions
     ((_, graph),) = representation.expression.integrand.items()
     outputs = [
         Output(o, parts[f"output {o}"][1], numbering.coefficients[law.history[o]][0] if o in law.history else -1)
-        for o in law.outputs
+        for o in (law.outputs if law is not None else ())
     ]
-    return LocalLaw(graph, parts, outputs, law.num_unknowns)
+    return LocalExpressions(
+        graph,
+        parts,
+        outputs,
+        list(law.sums) if law is not None else [],
+        law.num_unknowns if law is not None else 0,
+        list(averages.found.values()) if averages else [],
+        *loops,
+    )
+
+
+def _loops(averages, law_parts):
+    """Number of the loop over the points that solves the local equations, and number of loops.
+
+    Averages that the local equations need come first; averages of what depends on their solution are summed up in the
+    loop that solves them, or later.
+    """
+    if not averages:
+        return 0, 1
+    equations = [e for part in ("start", "scale", "residual", "jacobian") for e in law_parts.get(part, ())]
+    solved_in = 1 + max((a.loop for a in averages.needed(equations)), default=-1)
+    if any(a.solved for a in averages.needed(equations)):
+        raise ValueError("the local equations have an average over the cell that depends on their own solution")
+    for average in averages.found.values():
+        inner = averages.needed([average.operand])
+        average.loop = 1 + max((a.loop for a in inner), default=-1)
+        if average.solved:
+            average.loop = max(average.loop, solved_in)
+    last = 1 + max(a.loop for a in averages.found.values())
+    return (solved_in if any(a.solved for a in averages.found.values()) else last), last + 1
 
 
 def expression_signature(expression, points):

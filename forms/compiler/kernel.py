@@ -103,8 +103,8 @@ class KernelWriter:
             for q, d in zip(self.rules[rule].indices(self.tdim), derivatives):
                 access = access[0 if factor.constant(d) else q]
             return access
-        if kind == "unknown":
-            return L.Symbol(key[1], SCALAR)[key[2]]
+        if kind in ("iterate", "solution", "average"):
+            return self.local.access(key)
         if kind == "array":
             return L.Symbol(key[1], SCALAR)[self.rules[key[2]].flat(self.tdim)]
         raise RuntimeError(f"unknown symbol {key}")
@@ -135,6 +135,8 @@ class KernelWriter:
             return self._evaluate("x", mt.component[0], tr, tuple(counts), lambda i: 3 * i + mt.component[0])
         if isinstance(t, ufl.Coefficient) and t == self.integral.numbering.unknown:
             return self.local.unknown(int(tr.offset), self.iterating)
+        if isinstance(t, ufl.Coefficient) and t in self.integral.numbering.averages:
+            return self.local.average(self.integral.numbering.averages[t], int(tr.offset))
         if isinstance(t, ufl.Coefficient):
             k, offset = self.integral.numbering.coefficients[t]
             counts = [0] * self.tdim
@@ -242,7 +244,7 @@ class KernelWriter:
             values = alg.GraphReader(self.algebra, data["factorization"], self._terminal).read()
             self.targets.append(self._targets(values))
             if self.local:
-                self.local.read(self.rule)
+                self.local.read(self.rule, self._weight(self.rule))
         wanted = [v for per_rule in self.targets for _, v in per_rule]
         if self.local:
             wanted += self.local.wanted()
@@ -299,24 +301,26 @@ class KernelWriter:
     def _rule_code(self, rule, targets):
         element_tensor = ElementTensor(self, rule, targets)
         before = [evaluate_field(self, rule, field, needed) for field, needed in sorted(rule.fields.items())]
-        before += element_tensor.before()
-        factors = [v for _, v in targets]
         if self.local:
             before += self.local.before()
-            inner = self.local.inside(factors) + element_tensor.inside()
-        else:
-            inner = self.schedule.declare(factors, alg.POINT) + element_tensor.inside()
-        if rule.num_points == 1 or not inner:
+        before += element_tensor.before()
+        factors = [v for _, v in targets]
+        inner = self.local.inside(factors) if self.local else self.schedule.declare(factors, alg.POINT)
+        loop = self.point_loops(rule, inner + element_tensor.inside())
+        return before + [L.Section(f"points of rule {rule.number}", loop, [])] + element_tensor.after()
+
+    def point_loops(self, rule, inner, always=False):
+        """Loops over the points of a rule; with `always` one for a single point, too."""
+        if (rule.num_points == 1 or not inner) and not always:
             # One point needs no loop; its index is declared once, however many such rules there are.
             first = not any(r.num_points == 1 for r in self.rules[: rule.number])
             index = [L.VariableDecl(_int("iq"), L.LiteralInt(0))] if first else []
-            loop = index + inner if rule.num_points == 1 else []
-        else:
-            loop = inner
-            sizes = [len(rule.grid)] * self.tdim if rule.grid is not None else [rule.num_points]
-            for index, size in reversed(list(zip(rule.indices(self.tdim), sizes))):
-                loop = [L.ForRange(index, 0, size, loop)]
-        return before + [L.Section(f"points of rule {rule.number}", loop, [])] + element_tensor.after()
+            return index + inner if rule.num_points == 1 else []
+        sizes = [len(rule.grid)] * self.tdim if rule.grid is not None else [rule.num_points]
+        loop = inner
+        for index, size in reversed(list(zip(rule.indices(self.tdim), sizes))):
+            loop = [L.ForRange(index, 0, size, loop)]
+        return loop
 
 
 def _arrays_read(node):

@@ -1,41 +1,81 @@
 # SPDX-License-Identifier: MIT
-"""A point law inside a kernel: the local equations solved at each point, and the outputs stored behind the element
-tensor."""
+"""A point law and averages over the cell inside a kernel: the local equations solved at each point, outputs and sums
+stored behind the element tensor, and the loops over the points that averages need before the last one."""
 
 import ffcx.codegeneration.lnodes as L
+import numpy as np
 
 from . import algebra as alg
-from .cxx import LocalSolve, Text
+from .cxx import CxxFormatter, LocalSolve, Text
 
 INT, SCALAR = L.DataType.INT, L.DataType.SCALAR
 A = L.Symbol("A", SCALAR)
-SOLUTION = "local"
+EQUATIONS = ("start", "scale", "residual", "jacobian")
+VOLUME, SUMS, SOLVED = "cell_volume", "cell_sums", "solved"
+
+
+def _array(name):
+    return L.Symbol(name, SCALAR)
+
+
+def _zero(name, size):
+    return L.ArrayDecl(_array(name), sizes=(size,), values=np.zeros(size))
 
 
 class LocalPart:
-    """Statements of a point law, before, inside and after the loop over the points.
+    """Statements of a point law and of averages, before, inside and after the last loop over the points.
 
     Args:
-        writer: KernelWriter of an integral with a law.
+        writer: KernelWriter of an integral with local expressions.
     """
 
     def __init__(self, writer):
         self.writer, self.integral, self.law = writer, writer.integral, writer.integral.law
         self.values = {}  # part -> values of its components
+        self.last = self.law.num_loops - 1
+        self.kept = self.law.num_unknowns > 0 and self.law.solved_in < self.last  # solution in an array, by point
 
+    # -- symbols ------------------------------------------------------------------------------------------------------
     def unknown(self, component, iterating):
         """Value of a local unknown: the solution, or the iterate inside the local equations."""
-        if iterating:
-            return self.writer.algebra.symbol(("unknown", "iterate", component), alg.ITERATE)
-        return self.writer.algebra.symbol(("unknown", f"{SOLUTION}_x", component), alg.SOLVED)
+        kind, level = ("iterate", alg.ITERATE) if iterating else ("solution", alg.SOLVED)
+        return self.writer.algebra.symbol((kind, component), level)
 
-    def read(self, rule):
-        """Read the law's expressions into the form's algebra, at the points of its rule."""
+    def average(self, number, component):
+        """Value of an average. Loops that do not have it yet do not ask for it."""
+        return self.writer.algebra.symbol(("average", number, component), alg.POINT)
+
+    def access(self, key):
+        """LNodes expression of one of these symbols."""
+        if key[0] == "iterate":
+            return _array("iterate")[key[1]]
+        if key[0] == "average":
+            return _array(f"average_{key[1]}")[key[2]]
+        return self._solved(key[1]) if self.kept else _array("local_x")[key[1]]
+
+    def _solved(self, component):
+        return _array(SOLVED)[self._at_point(self.law.num_unknowns, component)]
+
+    def _at_point(self, stride, offset):
+        point = self.rule.flat(self.writer.tdim)
+        return L.Add(L.Mul(L.LiteralInt(stride), point), L.LiteralInt(offset))
+
+    # -- reading ------------------------------------------------------------------------------------------------------
+    def read(self, rule, weight):
+        """Read the expressions into the form's algebra, at the points of its rule."""
         self.rule = rule
-        solved, iterated = self._components(False), self._components(True)
+        solved = self._components(False)
+        iterated = self._components(True) if self.law.num_unknowns else solved
         for part, (first, count) in self.law.parts.items():
             of_iterate = part in ("residual", "jacobian")
             self.values[part] = (iterated if of_iterate else solved)[first : first + count]
+        if "volume" not in self.values:
+            return
+        multiply = self.writer.algebra.multiply
+        (volume,) = self.values["volume"] = [multiply(weight, self.values["volume"][0])]
+        for part, components in self.values.items():
+            if part.split()[0] in ("sum", "average"):
+                self.values[part] = [multiply(volume, c) for c in components]
 
     def _components(self, iterating):
         """Values of all components; components that are zero have no entry in FFCx's graph."""
@@ -54,46 +94,95 @@ class LocalPart:
 
     def wanted(self):
         """Values that are asked for: all components."""
-        return [v for components in self.values.values() for v in components]
+        return self._of(*self.values)
 
+    def _of(self, *parts):
+        return [v for part in parts for v in self.values.get(part, ())]
+
+    def _parts(self, kind):
+        return [part for part in self.values if part.split()[0] == kind]
+
+    # -- writing ------------------------------------------------------------------------------------------------------
     def before(self):
-        """Statements before the loop over the points."""
-        count = self.law.num_unknowns
-        return [Text(f"LocalFailures<T, {count}> failures;")] if count else []
+        """Statements before the last loop over the points: what it needs, and the loops before it."""
+        law, statements = self.law, []
+        if law.num_unknowns:
+            statements.append(Text(f"LocalFailures<T, {law.num_unknowns}> failures;"))
+        if self.kept:
+            statements.append(L.ArrayDecl(_array(SOLVED), sizes=(law.num_unknowns * self.rule.num_points,)))
+        if law.averages:
+            statements.append(_zero(VOLUME, 1))
+        for loop in range(self.last):
+            statements += self._loop_of_averages(loop)
+        if law.sums:
+            statements.append(_zero(SUMS, len(law.sums)))
+        return statements
+
+    def _loop_of_averages(self, loop):
+        schedule = self.writer.schedule
+        numbers = [i for i, average in enumerate(self.law.averages) if average.loop == loop]
+        parts = [f"average {i}" for i in numbers] + (["volume"] if loop == 0 else [])
+        solves = self.law.num_unknowns > 0 and loop == self.law.solved_in
+        wanted = self._of(*parts, *(EQUATIONS if solves else ()))
+        inner = schedule.declare(wanted, alg.POINT)
+        if solves:
+            inner += self._solve()
+        inner += schedule.declare(wanted, alg.SOLVED)
+        if loop == 0:
+            inner.append(L.AssignAdd(_array(VOLUME)[0], schedule.expression(self.values["volume"][0])))
+        for i in numbers:
+            for c, value in enumerate(self.values[f"average {i}"]):
+                inner.append(L.AssignAdd(_array(f"average_{i}")[c], schedule.expression(value)))
+        schedule.forget(alg.POINT)
+        sizes = {i: len(self.values[f"average {i}"]) for i in numbers}
+        declarations = [_zero(f"average_{i}", size) for i, size in sizes.items()]
+        divided = [
+            L.Assign(_array(f"average_{i}")[c], L.Div(_array(f"average_{i}")[c], _array(VOLUME)[0]))
+            for i, size in sizes.items()
+            for c in range(size)
+        ]
+        loops = self.writer.point_loops(self.rule, inner, always=True)
+        return [L.Section(f"averages over the cell, loop {loop}", loops + divided, declarations)]
 
     def inside(self, factors):
-        """Statements at a point, in front of those of the element tensor, whose factors are declared here, too."""
+        """Statements at a point of the last loop, in front of those of the element tensor, whose factors are declared
+        here, too."""
         schedule = self.writer.schedule
-        wanted = factors + self.wanted()
+        solves = self.law.num_unknowns > 0 and self.law.solved_in == self.last
+        parts = self._parts("output") + self._parts("sum") + list(EQUATIONS if solves else ())
+        wanted = factors + self._of(*parts)
         statements = schedule.declare(wanted, alg.POINT)
-        if self.law.num_unknowns:
-            statements.append(self._solve())
-            statements.append(Text(f"failures.add({SOLUTION}, {self._point_text()});"))
+        if solves:
+            statements += self._solve()
         statements += schedule.declare(wanted, alg.SOLVED)
         for output, offset in zip(self.law.outputs, self.integral.output_offsets):
             for c, value in enumerate(self.values[f"output {output.name}"]):
-                point = L.Mul(L.LiteralInt(output.num_components), self.rule.flat(self.writer.tdim))
-                index = L.Add(point, L.LiteralInt(offset + c))
+                index = self._at_point(output.num_components, offset + c)
                 statements.append(L.Assign(A[index], schedule.expression(value)))
+        for k, name in enumerate(self.law.sums):
+            statements.append(L.AssignAdd(_array(SUMS)[k], schedule.expression(self.values[f"sum {name}"][0])))
         return statements
 
     def _solve(self):
         schedule, values = self.writer.schedule, self.values
-        equations = values["residual"] + values["jacobian"]
-        inner = schedule.declare(equations, alg.ITERATE)
+        inner = schedule.declare(self._of("residual", "jacobian"), alg.ITERATE)
         for name in ("residual", "jacobian"):
-            array = L.Symbol(name, SCALAR)
-            inner += [L.Assign(array[i], schedule.expression(v)) for i, v in enumerate(values[name])]
+            inner += [L.Assign(_array(name)[i], schedule.expression(v)) for i, v in enumerate(values[name])]
         start = [schedule.expression(v) for v in values["start"]]
-        return LocalSolve(SOLUTION, start, schedule.expression(values["scale"][0]), inner)
-
-    def _point_text(self):
-        from .cxx import CxxFormatter
-
-        return CxxFormatter()(self.rule.flat(self.writer.tdim))
+        point = CxxFormatter()(self.rule.flat(self.writer.tdim))
+        statements = [
+            LocalSolve("local", start, schedule.expression(values["scale"][0]), inner),
+            Text(f"failures.add(local, {point});"),
+        ]
+        if self.kept:
+            statements += [L.Assign(self._solved(i), _array("local_x")[i]) for i in range(self.law.num_unknowns)]
+        return statements
 
     def after(self):
-        """Statements behind the loop over the points."""
-        if not self.law.num_unknowns:
-            return []
-        return [Text(f"failures.store(A + {self.integral.output_offsets[-1]});")]
+        """Statements behind the loops over the points."""
+        statements = [
+            L.Assign(A[L.LiteralInt(self.integral.sum_offset + k)], _array(SUMS)[k]) for k in range(len(self.law.sums))
+        ]
+        if self.law.num_unknowns:
+            statements.append(Text(f"failures.store(A + {self.integral.report_offset});"))
+        return statements

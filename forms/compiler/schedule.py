@@ -29,6 +29,7 @@ class Schedule:
         self._of = {}  # algebra node -> low index
         self._frequency = Counter()
         self._variable = {}  # low index -> LNodes symbol
+        self._num_variables = 0
         self._uses = Counter()
         self._deeper = set()
 
@@ -150,10 +151,15 @@ class Schedule:
                 stack.extend((k, False) for k in reversed(self._args[j]))
                 continue
             if self._level[j] == level and self._needs_variable(j):
-                symbol = L.Symbol(f"{self.prefix}{len(self._variable)}", SCALAR if level > alg.CONSTANT else REAL)
+                symbol = L.Symbol(f"{self.prefix}{self._num_variables}", SCALAR if level > alg.CONSTANT else REAL)
+                self._num_variables += 1
                 value = self._expression(j)
                 self._variable[j] = symbol
                 statements.append(L.VariableDecl(symbol, value))
+
+    def forget(self, level):
+        """Forget the variables of a level and those above it: their loop has ended."""
+        self._variable = {j: symbol for j, symbol in self._variable.items() if self._level[j] < level}
 
     def _needs_variable(self, j):
         if self._key[j][0] in ("symbol", "number"):

@@ -49,6 +49,13 @@ extern "C"
     int coefficient;    ///< that reads its committed values, number in the kernel's coefficients; -1: none
   } impact_output;
 
+  /// A value that a kernel integrates over each cell beside the element tensor.
+  typedef struct
+  {
+    const char* name;
+    int offset; ///< of its entry in A
+  } impact_sum;
+
   enum
   {
     IMPACT_KERNEL_ABI = 2,
@@ -78,13 +85,15 @@ extern "C"
     const impact_constant* constants;
     int size_c;
     const double* points; ///< of an expression: shape [0] x tdim reference coordinates; else null
-    /// Entries of A in all: the element tensor, then the outputs, which are overwritten; then, where there are local
+    /// Entries of A in all: the element tensor, then outputs and sums, which are overwritten; then, where there are local
     /// unknowns, how many points could not be solved, the number of the first of them, its residual relative to the
     /// residual's scale, and its unknowns. shape[0] * shape[1] for a kernel without outputs.
     int size_A;
     int num_points; ///< that outputs are written at; 0 without outputs
     int num_outputs;
     const impact_output* outputs;
+    int num_sums;
+    const impact_sum* sums;
     int local_unknowns; ///< of the equations solved at each point; 0: none
     double flops;       ///< additions, multiplications and divisions per cell
     impact_tabulate tabulate[IMPACT_KERNEL_WIDTHS];

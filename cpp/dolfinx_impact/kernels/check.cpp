@@ -56,7 +56,7 @@ void check_space(const impact_kernel& kernel, const impact_element& element,
 
 void check_without_outputs(const impact_kernel& kernel)
 {
-  if (kernel.num_outputs > 0 || kernel.local_unknowns > 0)
+  if (kernel.num_outputs > 0 || kernel.num_sums > 0 || kernel.local_unknowns > 0)
     throw std::runtime_error(std::string("kernel ") + kernel.name +
                              " has internal variables at its points: only InternalForce keeps them; use an elastic law "
                              "for masses, frequencies and matrices of kernels");

@@ -142,7 +142,8 @@ void Batches::set_history(const Integral& integral)
 {
   const impact_kernel& k = *_kernel;
   _failures.unknowns.resize(k.local_unknowns);
-  if (k.num_outputs == 0)
+  _sums.resize(k.num_sums);
+  if (k.num_outputs == 0 && k.local_unknowns == 0)
   {
     if (integral.history)
       throw std::invalid_argument(std::string("kernel ") + k.name + " has no outputs: it reads no history");
@@ -181,6 +182,22 @@ void Batches::store_outputs(std::size_t batch, const double* A) const
   for (int i = 0; i < _kernel->num_outputs; ++i)
     std::copy_n(A + std::size_t(_kernel->outputs[i].offset) * _width, _history->batch_size(i),
                 _history->trial(i, batch));
+}
+
+void Batches::add_sums(std::size_t batch, const double* A) const
+{
+  for (int i = 0; i < _kernel->num_sums; ++i)
+    for (int lane = 0; lane < _used[batch]; ++lane)
+      _sums[i] += A[std::size_t(_kernel->sums[i].offset) * _width + lane];
+}
+
+double Batches::sum(const std::string& name) const
+{
+  double total = 0.0;
+  for (int i = 0; i < _kernel->num_sums; ++i)
+    if (_kernel->sums[i].name == name)
+      total += _sums[i];
+  return total;
 }
 
 void Batches::record_failures(std::size_t batch, const double* A) const
@@ -262,6 +279,7 @@ double Batches::run(double* b) const
   const double* nodes = _mesh->geometry().x().data();
   double sum = 0.0;
   _failures.count = 0;
+  std::ranges::fill(_sums, 0.0);
   for (std::size_t batch = 0; batch < _used.size(); ++batch)
   {
     _x.gather(nodes, _x.dofs.data() + batch * _x.num_nodes * _width, _x.num_nodes, x);
@@ -284,6 +302,7 @@ double Batches::run(double* b) const
         sum += A[l];
     if (_stores)
       store_outputs(batch, A);
+    add_sums(batch, A);
     if (k.local_unknowns > 0)
       record_failures(batch, A);
   }

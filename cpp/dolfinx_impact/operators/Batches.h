@@ -90,6 +90,8 @@ public:
   bool stores() const { return _stores; }
   /// Of the last run.
   const PointFailures& failures() const { return _failures; }
+  /// Sum of a name over the cells of the last run; 0 if the kernel has none.
+  double sum(const std::string& name) const;
   /// Has the kernel a coefficient of this name?
   bool has(const std::string& name) const;
 
@@ -98,6 +100,7 @@ private:
   void set_history(const Integral& integral);
   void load_history(std::size_t batch, double* w) const;
   void store_outputs(std::size_t batch, const double* A) const;
+  void add_sums(std::size_t batch, const double* A) const;
   void record_failures(std::size_t batch, const double* A) const;
 
   const impact_kernel* _kernel;
@@ -114,6 +117,7 @@ private:
   std::vector<double> _constants;
   std::shared_ptr<PointHistory> _history;
   bool _stores = false; ///< are outputs written to the history?
+  mutable std::vector<double> _sums; ///< in the kernel's order
   mutable PointFailures _failures;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand
 };

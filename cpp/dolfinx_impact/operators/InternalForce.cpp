@@ -64,6 +64,35 @@ void InternalForce::revert()
       batches.history()->revert();
 }
 
+void InternalForce::set_in_place(bool in_place)
+{
+  for (const Batches& batches : _batches)
+    if (batches.stores())
+      batches.history()->set_in_place(in_place);
+}
+
+void InternalForce::store_snapshot()
+{
+  for (const Batches& batches : _batches)
+    if (batches.stores())
+      batches.history()->store_snapshot();
+}
+
+void InternalForce::restore_snapshot()
+{
+  for (const Batches& batches : _batches)
+    if (batches.stores())
+      batches.history()->restore_snapshot();
+}
+
+double InternalForce::sum(const std::string& name) const
+{
+  double total = 0.0;
+  for (const Batches& batches : _batches)
+    total += batches.sum(name);
+  return total;
+}
+
 PointFailures InternalForce::failures() const
 {
   PointFailures all;

@@ -59,6 +59,13 @@ public:
   void commit();
   /// Forget the internal variables of the last evaluation.
   void revert();
+  /// Evaluations overwrite committed values, or no longer (PointHistory::set_in_place).
+  void set_in_place(bool in_place);
+  /// Keep a copy of the internal variables, in place only; go back to it.
+  void store_snapshot();
+  void restore_snapshot();
+  /// Sum of a name over this rank's cells in the last evaluation; 0 if no kernel has it.
+  double sum(const std::string& name) const;
   /// Points of all integrals whose local equations were not solved in the last evaluation on this rank.
   PointFailures failures() const;
   /// Number of those points.

@@ -10,7 +10,7 @@ PointHistory::PointHistory(const impact_kernel& kernel, std::span<const std::int
     : _cells(cells.begin(), cells.end()), _num_points(kernel.num_points), _width(width),
       _num_batches((cells.size() + width - 1) / width)
 {
-  if (kernel.num_outputs == 0)
+  if (kernel.num_outputs == 0 && kernel.local_unknowns == 0)
     throw std::invalid_argument(std::string("kernel ") + kernel.name + " has no outputs at its points, so no history");
   for (int i = 0; i < kernel.num_outputs; ++i)
   {
@@ -31,6 +31,29 @@ void PointHistory::commit()
     if (f.is_history)
       std::swap(f.committed, f.trial);
   _evaluated = false;
+}
+
+void PointHistory::set_in_place(bool in_place)
+{
+  _in_place = in_place;
+  _evaluated = _has_snapshot = false;
+}
+
+void PointHistory::store_snapshot()
+{
+  if (!_in_place)
+    throw std::logic_error("history has snapshots in place only: the second array holds trial values");
+  for (Field& f : _fields)
+    std::ranges::copy(f.committed.begin(), f.committed.begin() + f.trial.size(), f.trial.begin());
+  _has_snapshot = true;
+}
+
+void PointHistory::restore_snapshot()
+{
+  if (!_in_place || !_has_snapshot)
+    throw std::logic_error("history has no snapshot to go back to");
+  for (Field& f : _fields)
+    std::ranges::copy(f.trial, f.committed.begin());
 }
 
 std::size_t PointHistory::find(const std::string& name) const

@@ -14,13 +14,16 @@ namespace dolfinx_impact::operators
 /// A kernel reads committed values and writes trial values, so that an evaluation never changes what the next one
 /// starts from. `commit` ends a step. Arrays have the order of the batches, which a kernel reads without gathering:
 /// values[((batch * num_points + point) * num_components + component) * width + lane].
+///
+/// In place, outputs are written over the values that were read, and every evaluation ends a step: for explicit time
+/// stepping. The second array then holds a snapshot, the state that a failed run goes back to.
 class PointHistory
 {
 public:
-  /// @param[in] kernel with outputs
+  /// @param[in] kernel with outputs or local unknowns
   /// @param[in] cells of the integral, in the order of the batches
   /// @param[in] width cells per batch; lanes that are left over in the last batch repeat its last cell
-  /// @throws std::invalid_argument if the kernel has no outputs
+  /// @throws std::invalid_argument if the kernel has neither
   PointHistory(const impact_kernel& kernel, std::span<const std::int32_t> cells, int width);
 
   /// The values of the last evaluation become the committed ones. Without an evaluation since the last commit, nothing
@@ -28,6 +31,16 @@ public:
   void commit();
   /// Forget the last evaluation.
   void revert() { _evaluated = false; }
+
+  /// Evaluations overwrite committed values from now on, or no longer. A trial evaluation or snapshot is forgotten.
+  void set_in_place(bool in_place);
+  bool in_place() const { return _in_place; }
+  /// Keep a copy of the present values.
+  /// @throws std::logic_error unless in place
+  void store_snapshot();
+  /// Go back to the values of the last snapshot.
+  /// @throws std::logic_error unless in place, or without a snapshot
+  void restore_snapshot();
 
   std::span<const std::int32_t> cells() const { return _cells; }
   int num_points() const { return _num_points; }
@@ -62,12 +75,12 @@ public:
   double* trial(std::size_t field, std::size_t batch)
   {
     Field& f = _fields[field];
-    return (f.is_history ? f.trial : f.committed).data() + batch * f.batch_size;
+    return (f.is_history && !_in_place ? f.trial : f.committed).data() + batch * f.batch_size;
   }
   /// Entries of a batch: num_points * num_components * width.
   std::size_t batch_size(std::size_t field) const { return _fields[field].batch_size; }
   /// All batches have been evaluated.
-  void set_evaluated() { _evaluated = true; }
+  void set_evaluated() { _evaluated = !_in_place; }
 
 private:
   struct Field
@@ -85,6 +98,7 @@ private:
   int _num_points, _width;
   std::size_t _num_batches;
   std::vector<Field> _fields;
+  bool _in_place = false, _has_snapshot = false;
   bool _evaluated = false; ///< are the trial values those of an evaluation since the last commit?
 };
 } // namespace dolfinx_impact::operators

@@ -122,7 +122,7 @@ class _Operator:
             for f in frontend.objects_of(form, law)[0]:
                 if f not in inner:
                     arguments.function("a coefficient of the form", f)
-            shared = [] if history is None else list(history.parts)
+            shared = [] if history is None else history.parts
         self.form = form
         self.compiled = compile_form(form, law=law)
         spaces = [a.ufl_function_space() for a in form.arguments()]
@@ -130,6 +130,7 @@ class _Operator:
         data = next(iter(form.subdomain_data().values()))
         coefficients: dict[str, Function] = {}
         integrals, self._kernels = [], []
+        tags: list[int] = []
         for kernel in self.compiled.kernels:
             kept = {o["coefficient"] for o in kernel.outputs}
             for number, c in enumerate(kernel.coefficients):
@@ -150,6 +151,7 @@ class _Operator:
                 known = _history_of_cells(shared, entities) if kernel.outputs and history is not None else None
                 integrals.append(_cpp.operators.Integral(kernel.address, entities, constants, known))
                 self._kernels.append(kernel)
+                tags.append(subdomain)
         self.coefficients = coefficients
         self._cpp_object = _cpp.operators.InternalForce_float64(
             self.mesh,
@@ -159,9 +161,9 @@ class _Operator:
             width,
         )
 
-        parts = [self._cpp_object.history(i) for i in range(len(integrals))]
+        parts = [(tag, self._cpp_object.history(i)) for i, tag in enumerate(tags)]
         num_cells = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
-        self.history = PointHistory(self.mesh, num_cells, [p for p in parts if p is not None])
+        self.history = PointHistory(num_cells, [(tag, p) for tag, p in parts if p is not None])
 
     @property
     def width(self) -> int:
@@ -172,6 +174,39 @@ class _Operator:
     def flops(self) -> int:
         """Number of floating-point operations of one application on this rank."""
         return self._cpp_object.flops
+
+    def sum(self, name: str) -> float:
+        """Sum of a law's density over all cells in the last evaluation. Collective.
+
+        Args:
+            name: name of one of the law's sums.
+
+        Returns:
+            The sum over all ranks; zero where no law has it.
+        """
+        same(self.mesh.comm, f"{type(self).__name__}.sum", name=name)
+        return self.mesh.comm.allreduce(self._cpp_object.sum(name), MPI.SUM)
+
+    def fault(self) -> str:
+        """Say which local equations were not solved in the last evaluation. Collective.
+
+        Returns:
+            A sentence with their number, and cell, point, residual and unknowns of the first; "" if all were solved.
+        """
+        count, cell, point, residual, unknowns = self._cpp_object.failures()
+        topology = self.mesh.topology
+        if count > 0:
+            cell = int(topology.index_map(topology.dim).local_to_global(np.array([cell], dtype=np.int32))[0])
+        found = self.mesh.comm.allgather((count, cell, point, residual, unknowns))
+        total = sum(f[0] for f in found)
+        if total == 0:
+            return ""
+        _, cell, point, residual, unknowns = next(f for f in found if f[0] > 0)
+        values = ", ".join(f"{x:.6g}" for x in unknowns)
+        return (
+            f"the local equations of the material were not solved at {total} points; the first is point {point} of "
+            f"cell {cell}: residual {residual:.3g} of its scale, unknowns {values}"
+        )
 
     def _update(self) -> None:
         """Update the ghosts of coefficients, and the constants. Collective."""
@@ -339,7 +374,7 @@ class SplitForce:
         form: UFL form of rank 1, as for InternalForce.
         displacement: coefficient that the integrator sets to the displacement; None: the form has none.
         velocity: coefficient that the integrator sets to the velocity; None: the form has none.
-        law: as for InternalForce; every step of the integrator commits.
+        law: as for InternalForce; each evaluation ends a step, internal variables are overwritten in place.
 
     Attributes:
         history: internal variables of both parts, `PointHistory`; empty without a law.
@@ -354,6 +389,8 @@ class SplitForce:
     ) -> None:
         self._parts = [InternalForce(form, part=part, law=law) for part in ("inner", "outer")]
         self.history = self._parts[0].history + self._parts[1].history
+        for part in self._parts:
+            part._cpp_object.set_in_place(True)
         compiled, coefficients = self._parts[0].compiled, self._parts[0].coefficients
         self._names = {id(f): name for name, f in coefficients.items()}
         self._given = displacement, velocity

@@ -4,7 +4,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from dolfinx import cpp
 
 from .. import _cpp
 from ..common.types import ArrayLike, FloatArray
@@ -14,18 +13,31 @@ class PointHistory:
     """Internal variables of a form's cells, by name.
 
     Args:
-        mesh: mesh of the cells.
         num_cells: number of owned cells on this rank.
-        parts: internal variables of the integrals, on the C++ side.
+        tagged: internal variables of each integral on the C++ side, with the tag of its cells; -1: of all.
     """
 
-    def __init__(
-        self, mesh: cpp.mesh.Mesh_float64, num_cells: int, parts: Sequence[_cpp.operators.PointHistory]
-    ) -> None:
-        self.mesh, self.num_cells, self.parts = mesh, num_cells, list(parts)
+    def __init__(self, num_cells: int, tagged: Sequence[tuple[int, _cpp.operators.PointHistory]]) -> None:
+        self.num_cells, self._tagged = num_cells, list(tagged)
 
     def __add__(self, other: "PointHistory") -> "PointHistory":
-        return PointHistory(self.mesh, self.num_cells, [*self.parts, *other.parts])
+        return PointHistory(self.num_cells, [*self._tagged, *other._tagged])
+
+    @property
+    def parts(self) -> list[_cpp.operators.PointHistory]:
+        """Internal variables of each integral, on the C++ side."""
+        return [part for _, part in self._tagged]
+
+    def of_tag(self, tag: int) -> "PointHistory":
+        """Internal variables of the cells of one tag.
+
+        Args:
+            tag: cell tag of a law, -1: the law of all cells.
+
+        Returns:
+            The part of them; its arrays have all cells of this rank, with zeros elsewhere.
+        """
+        return PointHistory(self.num_cells, [(t, part) for t, part in self._tagged if t == tag])
 
     @property
     def names(self) -> list[str]:
@@ -92,6 +104,16 @@ class PointHistory:
         for part in found:
             own = given[part.cells, : part.num_points, : part.num_components(name)]
             part.set_values(name, np.ascontiguousarray(own).reshape(-1))
+
+    def store_snapshot(self) -> None:
+        """Keep a copy of the present values; only of operators that overwrite them in place (SplitForce)."""
+        for part in self.parts:
+            part.store_snapshot()
+
+    def restore_snapshot(self) -> None:
+        """Go back to the values of the last snapshot."""
+        for part in self.parts:
+            part.restore_snapshot()
 
     def commit(self) -> None:
         """End of a step: the values of the last evaluation become the committed ones."""

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: MIT
+"""Averages over a cell, ufl.cell_avg, which FFCx does not know.
+
+    cell_avg(e) = sum_q w_q |det J_q| e(x_q) / sum_q w_q |det J_q|,
+
+with the points and weights of the form's own rule. With it, averaging is self-adjoint in every cell,
+
+    sum_q w_q |det J_q| a cell_avg(b(v)) = sum_q w_q |det J_q| cell_avg(a) b(v),
+
+so that an average of the test function becomes an average of its factor. What is left are averages of values; each is
+replaced by a coefficient that stands for it, and a kernel computes them in loops over the points before its last one.
+"""
+
+from dataclasses import dataclass, field
+
+import basix.ufl
+import ufl
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
+from ufl.corealg.traversal import unique_pre_traversal
+
+
+class WithoutVariables(MultiFunction):
+    """Variables replaced by what they stand for, once derivatives have been taken."""
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def variable(self, o, expression, label):
+        return expression
+
+
+def lowered(expression):
+    """Without derivatives by variables or functions."""
+    expression = apply_derivatives(apply_algebra_lowering(expression))
+    return map_expr_dag(WithoutVariables(), expression)
+
+
+def _nodes(expression):
+    return unique_pre_traversal(expression)
+
+
+def has_averages(expression):
+    """Does an expression have an average over a cell?"""
+    return any(isinstance(o, ufl.classes.CellAvg) for o in _nodes(expression))
+
+
+@dataclass
+class Average:
+    """A value that is the same at all points of a cell.
+
+    Attributes:
+        coefficient: stands for it in expressions.
+        operand: what is averaged, without averages.
+        loop: number of the loop over the points that sums it up.
+        solved: does it depend on the solution of the local equations?
+    """
+
+    coefficient: ufl.Coefficient
+    operand: ufl.core.expr.Expr
+    loop: int
+    solved: bool
+
+
+@dataclass
+class Averages:
+    """The averages of one integral.
+
+    Args:
+        mesh: UFL mesh.
+        unknown: coefficient of the local unknowns, or None.
+    """
+
+    mesh: object
+    unknown: object = None
+    found: dict = field(default_factory=dict)  # operand -> Average
+
+    def __bool__(self):
+        return bool(self.found)
+
+    @property
+    def coefficients(self):
+        """Number of each coefficient that stands for an average."""
+        return {a.coefficient: i for i, a in enumerate(self.found.values())}
+
+    def placeholder(self, shape):
+        """A new coefficient that is constant in a cell."""
+        element = basix.ufl.element("DG", self.mesh.ufl_cell().cellname(), 0, shape=shape)
+        return ufl.Coefficient(ufl.FunctionSpace(self.mesh, element))
+
+    def of(self, operand):
+        """The coefficient that stands for the average of an expression without averages."""
+        if operand not in self.found:
+            inner = self.needed([operand])
+            solved = self.unknown in ufl.algorithms.extract_coefficients(operand) or any(a.solved for a in inner)
+            loop = 1 + max((a.loop for a in inner), default=-1)
+            self.found[operand] = Average(self.placeholder(operand.ufl_shape), operand, loop, solved)
+        return self.found[operand].coefficient
+
+    def needed(self, expressions):
+        """Averages that expressions contain."""
+        present = {c for e in expressions for c in ufl.algorithms.extract_coefficients(e)}
+        return [a for a in self.found.values() if a.coefficient in present]
+
+    def select(self, coefficients):
+        """The averages that stand among some coefficients, and those that they are made of."""
+        chosen, wanted = {}, set(coefficients)
+        for operand, average in reversed(self.found.items()):  # an average is found after those it is made of
+            if average.coefficient in wanted:
+                chosen[operand] = average
+                wanted |= set(ufl.algorithms.extract_coefficients(operand))
+        return Averages(self.mesh, self.unknown, dict(reversed(chosen.items())))
+
+    def read(self):
+        """Coefficients that the averages are made of."""
+        found = {c for operand in self.found for c in ufl.algorithms.extract_coefficients(operand)}
+        return found - set(self.coefficients) - {self.unknown}
+
+    def replaced(self, expression):
+        """An expression with its averages replaced by coefficients; it must have no test function."""
+        return map_expr_dag(_Replace(self), expression)
+
+    def of_integrand(self, integrand):
+        """An integrand of rank 0 or 1 without averages: those of the test function moved to their factors."""
+        if any(isinstance(o, ufl.classes.CoefficientDerivative) for o in _nodes(integrand)):
+            integrand = lowered(integrand)
+        separate = _Replace(self)
+        integrand = map_expr_dag(separate, integrand)
+        if not separate.arguments:
+            return integrand
+        (v,) = ufl.algorithms.extract_arguments(next(iter(separate.arguments)))
+        nothing = {b: ufl.zero(b.ufl_shape) for b in separate.arguments.values()}
+        result = ufl.replace(integrand, nothing)
+        for operand, b in separate.arguments.items():
+            # The integrand is linear in test function and averages together: its derivative by one is the factor.
+            x = ufl.variable(b)
+            factor = ufl.replace(integrand, nothing | {b: x, v: ufl.zero(v.ufl_shape)})
+            result += ufl.inner(self.of(lowered(ufl.diff(factor, x))), operand)
+        return result
+
+
+class _Replace(MultiFunction):
+    """Averages -> coefficients, inner ones first. Those of a test function are kept apart, in `arguments`."""
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def __init__(self, averages):
+        super().__init__()
+        self.averages, self.arguments = averages, {}
+
+    def cell_avg(self, o, operand):
+        if operand.ufl_free_indices:
+            raise ValueError(f"cell_avg of an expression with free indices is not supported: {o}")
+        if not ufl.algorithms.extract_arguments(operand):
+            return self.averages.of(operand)
+        if set(ufl.algorithms.extract_coefficients(operand)) & set(self.arguments.values()):
+            raise ValueError(f"cell_avg of an average of the test function is not supported: {o}")
+        if operand not in self.arguments:
+            self.arguments[operand] = self.averages.placeholder(operand.ufl_shape)
+        return self.arguments[operand]
