@@ -297,28 +297,6 @@ class InternalForce(_Operator):
         self._update()
         self._cpp_object.assemble(array)
 
-    def fault(self) -> str:
-        """Which local equations the last evaluation could not solve. Collective.
-
-        Returns:
-            A sentence with the number of points, and cell, point, residual and unknowns of the first; an empty text if
-            all were solved.
-        """
-        count, cell, point, residual, unknowns = self._cpp_object.failures()
-        found = self.mesh.comm.allgather(int(count))
-        if sum(found) == 0:
-            return ""
-        rank = next(i for i, n in enumerate(found) if n)
-        text = ""
-        if self.mesh.comm.rank == rank:
-            number = int(input_cell_numbers(self.mesh.topology)[cell])
-            values = ", ".join(f"{x:.3g}" for x in unknowns)
-            text = (
-                f"the local equations were not solved at {sum(found)} points: the first is point {point} of cell "
-                f"{number} (number in the mesh's input), relative residual {residual:.1e}, unknowns {values}"
-            )
-        return str(self.mesh.comm.bcast(text, root=rank))
-
     def _check_size(self, array: AnyArray) -> None:
         arguments.double_precision("the vector", array)
         dofmap = self.test.dofmap

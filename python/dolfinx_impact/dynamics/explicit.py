@@ -395,6 +395,16 @@ class ExplicitProblem(Unique):
         """Which local equations of the materials the last evaluation could not solve; else an empty text. Collective."""
         return self._internal.fault()
 
+    def store_history(self) -> None:
+        """Keep the internal variables of the present time, for `restore_history`."""
+        if self._parts is not None:
+            self._internal.history.store_snapshot()
+
+    def restore_history(self) -> None:
+        """Go back to the internal variables of the last `store_history`."""
+        if self._parts is not None:
+            self._internal.history.restore_snapshot()
+
     @property
     def has_history(self) -> bool:
         """Whether a material has internal variables."""

@@ -47,14 +47,12 @@ class GoodState:
         time: time of the step [T].
         displacement: displacement over owned degrees of freedom [L].
         velocity: velocity over owned degrees of freedom [L/T].
-        history: internal variables of the materials by name.
     """
 
     step: int
     time: float
     displacement: FloatArray
     velocity: FloatArray
-    history: dict[str, FloatArray]
 
 
 class TimeStepper:
@@ -315,9 +313,8 @@ class TimeStepper:
         agree(self.comm, error, "functions of time")
         if self.step - (self._good.step if self._good else -SNAPSHOT) >= SNAPSHOT or count > SNAPSHOT:
             u, v, _ = self.state.motion()
-            fields = self.problem.history if self.problem.has_history else {}
-            history = {name: field.values for name, field in fields.items()}
-            self._good = GoodState(self.step, self.time, u, v, history)
+            self._good = GoodState(self.step, self.time, u, v)
+            self.problem.store_history()
         rows = np.zeros(count, dtype=self.history.step_type)
         lengths = np.full(count, self._present_schedule.dt if count else 1.0)
         table, columns = np.ascontiguousarray(found).ravel(), found.shape[1]
@@ -354,8 +351,7 @@ class TimeStepper:
         self.step, self.time = good.step, good.time
         for contact in self.problem.contact:
             contact.reset_history()
-        for name, values in good.history.items():
-            self.problem.history[name].values = values
+        self.problem.restore_history()
         self.history.begin_anew()
         self.integrator.start(good.displacement, good.velocity)
         self._run(0)
