@@ -90,8 +90,8 @@ class Output:
 
 @dataclass
 class LocalExpressions:
-    """What a kernel evaluates at the points beside the form's integrand, in FFCx's representation: a point law, averages
-    over the cell.
+    """What a kernel evaluates at the points beside the form's integrand, in FFCx's representation: a point law,
+    averages over the cell.
 
     Attributes:
         graph: FFCx's data of all parts in one vector, at the points of the form's rule.

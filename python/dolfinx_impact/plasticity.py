@@ -150,13 +150,13 @@ class J2Plasticity(InelasticMaterial):
         if isinstance(hardening, Table):
             if not np.isclose(hardening.stresses[0], self.yield_stress, rtol=1e-12):
                 raise ValueError(
-                    f"yield_stress is {self.yield_stress}, but the table begins at {hardening.stresses[0]}: leave one out"
+                    f"yield_stress is {self.yield_stress}, the table begins at {hardening.stresses[0]}: leave one out"
                 )
         elif isinstance(hardening, Voce):
             if hardening.saturation < self.yield_stress:
                 raise ValueError(
-                    f"Voce's saturation {hardening.saturation} is below the yield stress {self.yield_stress}: a material "
-                    "that softens has no solution that does not depend on the mesh"
+                    f"Voce's saturation {hardening.saturation} is below the yield stress {self.yield_stress}: a "
+                    "material that softens has no solution that does not depend on the mesh"
                 )
         else:
             self.hardening = number("hardening", hardening, unit=" [F/L^2]")

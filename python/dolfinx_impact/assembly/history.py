@@ -48,8 +48,8 @@ class HistoryField:
 
     @property
     def values(self) -> FloatArray:
-        """Values of the last completed step on this rank, (num_owned_cells, num_points, ...); zero in cells of materials
-        without the variable."""
+        """Values of the last completed step on this rank, (num_owned_cells, num_points, ...); zero in cells whose
+        material does not have the variable."""
         values = self._read()
         return values.reshape(*values.shape[:2], *self.shape)
 

@@ -14,7 +14,6 @@ from petsc4py import PETSc
 
 from .. import _cpp
 from ..common import arguments
-from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import comm_of, guard, same
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..forms import elasticity, quadrature

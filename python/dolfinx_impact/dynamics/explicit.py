@@ -392,7 +392,7 @@ class ExplicitProblem(Unique):
         return dict(self._state.energy)
 
     def unsolved_points(self) -> str:
-        """Which local equations of the materials the last evaluation could not solve; else an empty text. Collective."""
+        """Which local equations the last evaluation could not solve; an empty text if all were. Collective."""
         return self._internal.fault()
 
     def store_history(self) -> None:
@@ -423,8 +423,8 @@ class ExplicitProblem(Unique):
 
     @property
     def energy_history(self) -> FloatArray:
-        """Time and energies before every step, (num_steps, 10): time [T], then the energies of `energy` in its order, up
-        to external [F L]. The first row is the start of the run. Runs of more than `history_limit` steps have every
+        """Time and energies before every step, (num_steps, 10): time [T], then the energies of `energy` in its order,
+        up to external [F L]. The first row is the start of the run. Runs of more than `history_limit` steps have every
         second, fourth, ... step."""
         return self._history.energies
 
