@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""ufl.cell_avg in kernels against projections on constants per cell, assembled by DOLFINx with the same rule: of values,
-of the test function, inside a point law, and of what depends on the solution of its local equations."""
+"""ufl.cell_avg in kernels against projections on constants per cell, assembled by DOLFINx with the same rule: of
+values, of the test function, inside a point law, and of what depends on the solution of its local equations."""
 
 import numpy as np
 import operator_checks
