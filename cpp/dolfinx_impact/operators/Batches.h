@@ -116,7 +116,7 @@ private:
   std::vector<Array> _coefficients;
   std::vector<double> _constants;
   std::shared_ptr<PointHistory> _history;
-  bool _stores = false; ///< are outputs written to the history?
+  bool _stores = false;              ///< are outputs written to the history?
   mutable std::vector<double> _sums; ///< in the kernel's order
   mutable PointFailures _failures;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand
