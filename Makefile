@@ -6,8 +6,8 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify matrix bench docs notebooks shell lint format clean lint-here test-here test-units-here test-others-here \
-  slow-here docs-here
+.PHONY: help demo test verify matrix bench docs notebooks shell lint format clean lint-here formats-here types-here \
+  test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
@@ -15,7 +15,8 @@ help: ## this list
 demo: ## the flagship run with its figures (another one: make demo DEMO=name; in space: ARGS=--3d)
 	$(RUN) dolfinx-impact demo $(DEMO) $(ARGS)
 
-test: lint ## the gates, then the whole test suite without the slow studies (a part: make test ARGS="-k name")
+test: ## the gates, then the whole test suite without the slow studies (a part: make test ARGS="-k name")
+	$(RUN) --no-build make formats-here
 	$(RUN) make test-here
 
 verify: ## generated kernels against the hand-written solver, then the slow studies; writes results/verify.json
@@ -39,7 +40,7 @@ notebooks: ## the demos as Jupyter notebooks, in build/notebooks (another folder
 shell: ## an interactive shell inside the environment
 	$(RUN) bash
 
-lint: ## formatters in check mode and flake8
+lint: ## formatters in check mode, flake8, mypy
 	$(RUN) --no-build make lint-here
 
 sanitize: ## the C++ library and its tests with address and undefined-behaviour sanitizers (a long build)
@@ -57,32 +58,49 @@ clean: ## remove what builds and runs wrote in the checkout (the cached environm
 
 # Inside the environment already. The gates are tested on broken files: tests/architecture/test_gates.py.
 lint-here:
+	@$(MAKE) --no-print-directory -k -j2 formats-here types-here
+
+formats-here:
 	@status=0; \
 	find cpp demos -name '*.h' -o -name '*.cpp' | xargs -r clang-format-19 --dry-run -Werror || status=1; \
 	black --check --quiet . || { black --check .; status=1; }; \
 	python3 -m flake8 || status=1; \
-	if python3 -c 'import mypy' 2>/dev/null; then python3 -m mypy --no-error-summary || status=1; \
-	else echo "lint: mypy is not installed: types are not checked" >&2; fi; \
 	[ $$status = 0 ] || echo "lint: stopped; 'make format' mends what formatters can" >&2; \
 	exit $$status
 
-# Two halves side by side, on two cores, cut so that both take about as long; then, one after the other, the tests that
-# need the machine for themselves. What fails does not keep the others from running. Each part ends with its slowest
-# tests.
+# The first check of a checkout takes a minute; it begins with what one of another checkout left in the environment's
+# cache. There mypy must compare the contents of each file: time and size alone may agree by chance.
+types-here:
+	@if ! python3 -c 'import mypy' 2>/dev/null; then echo "lint: mypy is not installed: types are not checked" >&2; exit; fi; \
+	kept=$${IMPACT_CACHE:+$$IMPACT_CACHE/types} first=; \
+	if [ -n "$$kept" ] && [ ! -d build/mypy ]; then \
+	  first=yes; mkdir -p build; \
+	  if [ -d "$$kept" ] && cp -a "$$kept" build/mypy.new; then \
+	    find build/mypy.new -name '*.meta.json' -exec sed -i 's/"mtime":[0-9]*/"mtime":0/' {} + && mv build/mypy.new build/mypy; \
+	  fi; \
+	fi; \
+	python3 -m mypy --no-error-summary || { echo "lint: types do not agree" >&2; exit 1; }; \
+	if [ -n "$$first" ] && cp -a build/mypy "$$kept.$$$$"; then rm -rf "$$kept"; mv -T "$$kept.$$$$" "$$kept" || true; fi
+
+# Types, which take a minute the first time, and two processes that share the tests between them: tests/sharing.py. What
+# fails does not keep the others from running; the last line says what it was. Each process ends with its slowest tests.
 test-here:
 ifeq ($(strip $(ARGS)),)
-	@status=0; $(MAKE) -k -j2 test-units-here test-others-here || status=1; \
-	$(PYTEST) -m "alone and not slow" -q --durations=30 || status=1; exit $$status
+	@SHARE=$$(mktemp -d) && export SHARE && trap 'rm -rf "$$SHARE"' EXIT && trap 'exit 130' INT TERM; \
+	$(MAKE) --no-print-directory -k -j3 part-types-here part-tests-1 part-tests-2 && exit; \
+	echo "test: failed: $$(sort "$$SHARE/failed" | paste -sd' ')" >&2; exit 1
 else
-	$(PYTEST) -m "not slow" $(ARGS)
+	@$(MAKE) --no-print-directory -k types-here tests-chosen
 endif
 
-FIRST_HALF := tests/unit tests/demos tests/cpp tests/docs
-test-units-here:
-	$(PYTEST) -m "not alone and not slow" -q --durations=30 $(FIRST_HALF)
+part-%:
+	@$(MAKE) --no-print-directory $* || { echo $* >>"$$SHARE/failed"; exit 1; }
 
-test-others-here:
-	$(PYTEST) -m "not alone and not slow" -q --durations=30 $(FIRST_HALF:%=--ignore=%)
+tests-1 tests-2:
+	@$(PYTEST) -m "not slow" -q --durations=30 --share "$$SHARE"
+
+tests-chosen:
+	$(PYTEST) -m "not slow" $(ARGS)
 
 slow-here: # status 5: no slow test was found
 	$(PYTEST) -m "slow and not matrix" $(ARGS) || [ $$? -eq 5 ]

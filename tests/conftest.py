@@ -9,6 +9,7 @@ import zlib
 
 import numpy as np
 import pytest
+import sharing
 from processes import mpi_environment, run_guarded
 from rank_group import RankFailure, RankGroup
 
@@ -24,9 +25,13 @@ else:
 DEFAULT_SEED = 20250
 TEST_TIMEOUT = 600  # seconds, for tests that name none of their own
 
+# Whatever starts ranks: those that wait for each other leave their core to other processes.
+os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
+
 
 def pytest_addoption(parser):
     parser.addoption("--seed", type=int, default=None, help="seed of the rng fixture (also IMPACT_SEED)")
+    parser.addoption("--share", metavar="FOLDER", help="share the tests with other processes; see sharing.py")
 
 
 def _seed(config):
@@ -51,16 +56,21 @@ def _ranks_of_group(item):
 @pytest.hookimpl(tryfirst=True)  # before -m selects by markers
 def pytest_collection_modifyitems(config, items):
     for item in items:
-        if "rank_group" in item.fixturenames:
+        if {"rank_group", "mpirun"} & set(item.fixturenames):
             item.add_marker(pytest.mark.mpi)
-        several = _ranks(item) != 1  # one rank needs one core only
-        if several and (item.get_closest_marker("mpi") or "mpirun" in item.fixturenames):
-            item.add_marker(pytest.mark.alone)
     items.sort(key=_ranks_of_group)  # the sort is stable: else the order stays
     if config.pluginmanager.hasplugin("timeout"):
         for item in items:
             if item.get_closest_marker("timeout") is None:
                 item.add_marker(pytest.mark.timeout(TEST_TIMEOUT))
+
+
+def pytest_runtestloop(session):
+    folder = session.config.getoption("--share")
+    if folder is None or session.testsfailed or session.config.option.collectonly:
+        return None  # pytest's own loop
+    sharing.run(session, folder)
+    return True
 
 
 @pytest.fixture(scope="session")

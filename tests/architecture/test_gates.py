@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The gates of `make lint` stop a broken file; the helpers of conftest stop a broken run."""
 
+import os
 import pathlib
 import re
 import shutil
@@ -26,7 +27,9 @@ BROKEN = {
 }
 
 
-def lint(checkout, folder, files):
+def lint(checkout, folder, files, *target):
+    """Run make in a checkout of these files alone, the gates if no other target is given; no cache is at hand."""
+    folder.mkdir(exist_ok=True)
     for name in ("Makefile", ".clang-format", ".flake8", "pyproject.toml"):
         shutil.copy(checkout / name, folder)
     settings = folder / "pyproject.toml"  # mypy checks the list of files that is written there
@@ -38,7 +41,11 @@ def lint(checkout, folder, files):
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
-    return subprocess.run(["make", "lint-here"], cwd=folder, capture_output=True, text=True)
+        os.utime(path, (1e9, 1e9))
+    not_ours = ("ARGS", "IMPACT_CACHE", "MAKEFLAGS", "MFLAGS", "PYTEST")
+    environment = {k: v for k, v in os.environ.items() if k not in not_ours}
+    command = ["make", *(target or ["lint-here"])]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
 
 
 def test_the_gates_pass_good_files(checkout, tmp_path):
@@ -54,15 +61,62 @@ def test_the_gates_stop_a_broken_file(checkout, tmp_path, what):
     assert name in done.stdout + done.stderr  # stopped for this file, not for another reason
 
 
-def test_make_test_stops_at_the_gates(checkout):
-    """`test` needs `lint`, so make goes no further when a gate stops; .ci/run is `make test`."""
+def test_types_begin_with_what_another_checkout_left(checkout, tmp_path):
+    """A file that fits is not checked anew. Another one is, though size and time of change are the same."""
+    good = "def twice(x: int) -> int:\n    return 2 * x\n"
+    wrong = good.replace("-> int", "-> str")
+
+    def types(name, text):
+        """Exit status, output, time of change of what mypy keeps about the file."""
+        done = lint(checkout, tmp_path / name, {"typed.py": text}, "types-here", f"IMPACT_CACHE={tmp_path / 'cache'}")
+        made = (tmp_path / name / "build" / "mypy").rglob("typed.data.json")
+        return done.returncode, done.stdout, [path.stat().st_mtime_ns for path in made]
+
+    (tmp_path / "cache").mkdir()
+    status, output, made = types("first", good)
+    assert status == 0 and len(made) == 1, output
+    assert types("second", good) == (0, "", made)
+    status, output, _ = types("third", wrong)
+    assert status != 0 and "typed.py:2" in output
+    assert types("fourth", good) == (0, "", made), "what is kept is that of a check that passed"
+
+
+def test_make_test_stops_at_the_formatters(checkout):
+    """They come first, and make goes no further when one stops; .ci/run is `make test`."""
     plan = subprocess.run(
         ["make", "--dry-run", "test"], cwd=checkout, capture_output=True, text=True
     ).stdout.splitlines()
-    lint_line = next(i for i, line in enumerate(plan) if "lint-here" in line)
+    formats_line = next(i for i, line in enumerate(plan) if "formats-here" in line)
     test_line = next(i for i, line in enumerate(plan) if "test-here" in line)
-    assert lint_line < test_line
+    assert formats_line < test_line
     assert "make test" in (checkout / ".ci" / "run").read_text()
+
+
+# Stands for pytest in a shared run: notes its call.
+CALLED = "sh -c 'echo \"called $$*\"; exit {status}' pytest"
+
+
+@pytest.mark.parametrize(
+    "broken, status, words",
+    [({}, 0, None), ({}, 1, "tests-1 tests-2"), ({"typed.py": BROKEN["mypy, wrong type"][1]}, 0, "types-here")],
+    ids=["good", "tests fail", "wrong type"],
+)
+def test_make_test_checks_types_beside_the_tests(checkout, tmp_path, broken, status, words):
+    """Either may fail: the other goes on, the whole fails, and the last line says which it was."""
+    done = lint(checkout, tmp_path, {**GOOD, **broken}, "test-here", f"PYTEST={CALLED.format(status=status)}")
+    calls = [line for line in done.stdout.splitlines() if line.startswith("called -m not slow")]
+    assert len(calls) == 2 and len({line.partition("--share ")[2] for line in calls}) == 1, done.stdout + done.stderr
+    assert (done.returncode == 0) == (words is None), done.stdout + done.stderr
+    said = [line for line in done.stderr.splitlines() if line.startswith("test: ")]
+    assert said == ([] if words is None else [f"test: failed: {words}"])
+    assert ("typed.py:2" in done.stdout) == bool(broken)
+
+
+def test_a_part_of_make_test_checks_types_too(checkout, tmp_path):
+    files = {**GOOD, "typed.py": BROKEN["mypy, wrong type"][1]}
+    done = lint(checkout, tmp_path, files, "test-here", f"PYTEST={CALLED.format(status=0)}", "ARGS=-k name")
+    assert done.returncode != 0 and "typed.py:2" in done.stdout
+    assert [line for line in done.stdout.splitlines() if line.startswith("called")] == ["called -m not slow -k name"]
 
 
 def test_help_lists_the_commands(checkout):
@@ -105,6 +159,7 @@ def test_mpirun_shows_the_error_of_one_rank(mpirun):
 
 
 @pytest.mark.mpi
+@pytest.mark.alone
 def test_mpirun_kills_a_run_that_hangs(mpirun, tmp_path):
     """Ranks that ignore the polite signal and wait for each other for ever are gone after the timeout."""
     code = f"""

@@ -20,8 +20,14 @@ def run(command, **environment):
 
 
 def build(source, folder):
-    """Copy, configure and build a CMake project: nothing of the checkout but its own folder is seen."""
-    package = pathlib.Path(dolfinx_impact.__file__).parent
+    """Copy, configure and build a CMake project: nothing of the checkout but its own folder is seen.
+
+    The package is a link: ccache sees paths relative to the folder only, and knows the sources again in the next run
+    and in another checkout.
+    """
+    package = folder / "installed" / "dolfinx_impact"
+    package.parent.mkdir()
+    package.symlink_to(pathlib.Path(dolfinx_impact.__file__).parent)
     shutil.copytree(source, folder / "source")
     options = [f"-DCMAKE_PREFIX_PATH={package}"]
     if shutil.which("ccache"):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The command dolfinx-impact: lists, exit statuses, info; verify and bench are handed on with their arguments."""
 
+import os
 import signal
 import sys
 import types
@@ -10,8 +11,8 @@ import pytest
 from dolfinx_impact import cli
 
 
-def test_list_names_every_demo_with_its_title(impact):
-    status, output, _ = impact("demo", "--list")
+def test_list_names_every_demo_with_its_title(command):
+    status, output, _ = command("demo", "--list")
     assert status == 0
     for name, (path, title) in cli.demos().items():
         assert name in output and title in output and path.exists()
@@ -19,8 +20,8 @@ def test_list_names_every_demo_with_its_title(impact):
     assert "__init__" not in output and "figures" not in output
 
 
-def test_an_unknown_demo_lists_what_there_is(impact):
-    status, output, errors = impact("demo", "weel_on_rail")
+def test_an_unknown_demo_lists_what_there_is(command):
+    status, output, errors = command("demo", "weel_on_rail")
     assert status == 2 and output == ""
     assert "weel_on_rail" in errors and "did you mean wheel_on_rail" in errors and "rolling_disc" in errors
 
@@ -111,6 +112,19 @@ def test_info_names_versions_kernels_width_and_caches(impact, tmp_path):
     for word in ("dolfinx ", "ffcx", "basix", "ufl", "petsc", "nanobind", "linear_elastic.force", "hexahedron", "SIMD"):
         assert word in output
     assert f"{kernels} (1 files, 1.5 MB)" in output
+
+
+def test_a_demo_that_does_not_end_is_ended(impact, tmp_path, monkeypatch):
+    """By the time limit of the tests' own command; nothing of it is left."""
+    script = tmp_path / "own.py"
+    script.write_text(
+        f"import os, time\nopen({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()))\ntime.sleep(1000)\n"
+    )
+    monkeypatch.setattr(cli, "demos", lambda: {"own": (script, "Own")})
+    with pytest.raises(pytest.fail.Exception, match="did not end within 3 s"):
+        impact("demo", "own", timeout=3)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "pid").read_text()), 0)
 
 
 def test_info_counts_the_kernels_that_are_there():

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: MIT
 """A user's own forms: our kernels equal FFCx's where we support them, and there is an error where we do not."""
 
-import concurrent.futures
-
 import basix.ufl
 import numpy as np
 import pytest
 import ufl
 import user_forms
-from kernel_oracle import Oracle, difference, write_ffcx, write_ours
+from kernel_oracle import Oracle, difference, two_processes, write_ffcx, write_ours
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.forms.compiler import frontend
@@ -42,7 +40,7 @@ def _build(case, folder):
 def libraries(tmp_path_factory):
     """Futures, two at a time: a form that cannot be compiled fails its own test only."""
     folder = tmp_path_factory.mktemp("user_forms")
-    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+    with two_processes() as pool:
         yield {case: pool.submit(_build, case, folder) for case in CASES}
 
 

@@ -16,6 +16,7 @@ def wait_for(condition, seconds=20):
         time.sleep(0.02)
 
 
+@pytest.mark.alone
 def test_the_first_start_builds_and_the_second_does_not(sandbox):
     first = sandbox.run("true")
     assert first.returncode == 0, first.stderr_text

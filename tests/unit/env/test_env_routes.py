@@ -140,6 +140,7 @@ def test_without_home(sandbox):
     assert answer.returncode == 0 and answer.stdout_text.startswith("/")
 
 
+@pytest.mark.alone
 def test_the_real_start_is_quick(checkout):
     """The environment these tests run in, entered once more. Best of three: the machine has other work too."""
     times = []

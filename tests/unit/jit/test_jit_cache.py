@@ -2,6 +2,7 @@
 """The run-time route: what is compiled, what is found again, and what happens when the cache or the compiler is not
 fit."""
 
+import functools
 import os
 import re
 import shutil
@@ -49,7 +50,7 @@ def library(compiled, cache):
     return cache / compiled.name
 
 
-# Compiles small_form in a process of its own and prints the library's path.
+# Compiles small_form, applies it, and prints what came of it.
 SCRIPT = """
 import sys, ufl
 from dolfinx import fem, mesh
@@ -69,6 +70,43 @@ total = MPI.COMM_WORLD.allreduce(float(b.array[: b.index_map.size_local].sum()))
 assert abs(total - float(sys.argv[1])) < 1e-12, total  # the area of the square, 1
 print("computed")
 """
+
+
+def run(cache, factor, expect, environment=None, code=SCRIPT):
+    """The script in a process of its own, which must end well; returns what it printed."""
+    surroundings = {**os.environ, "IMPACT_JIT_CACHE": str(cache), **(environment or {})}
+    done = subprocess.run(
+        [sys.executable, "-c", code, factor], env=surroundings, capture_output=True, text=True, timeout=100
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout.startswith(expect), done.stdout
+    return done.stdout
+
+
+@pytest.fixture
+def run_here(monkeypatch, capsys):
+    """As run, in the process of the tests, with nothing loaded and no compiler known: a start takes 2 s.
+
+    A library must not have been loaded from the same path in this process before.
+    """
+
+    def run(cache, factor, expect, environment=None):
+        with monkeypatch.context() as patch:
+            for name, value in {"IMPACT_JIT_CACHE": str(cache), **(environment or {})}.items():
+                patch.setenv(name, value)
+            patch.setattr(jit, "_LOADED", {})
+            patch.setattr(jit, "_compiler", functools.lru_cache(jit._compiler.__wrapped__))
+            patch.setattr(sys, "argv", ["script", factor])
+            capsys.readouterr()
+            try:
+                exec(compile(SCRIPT, "script", "exec"), {"__name__": "__main__"})
+            except SystemExit as ended:
+                assert not ended.code
+            output = capsys.readouterr().out
+        assert output.startswith(expect), output
+        return output
+
+    return run
 
 
 def test_compiled_once_and_found_again(cache):
@@ -93,6 +131,7 @@ def test_forms_of_the_table_need_no_cache(cache):
 
 @pytest.mark.parametrize("damage", ["truncated", "overwritten", "empty", "missing", "no list", "list spoilt"])
 def test_spoilt_library_is_compiled_again(cache, library, damage):
+    """In a process of its own: one that loaded half a library would be killed."""
     path, whole = library, library.read_bytes()
     assert jit._cached(path, path.with_suffix(".txt"))
     if damage in ("truncated", "overwritten", "empty"):
@@ -109,16 +148,6 @@ def test_spoilt_library_is_compiled_again(cache, library, damage):
     assert jit._cached(path, path.with_suffix(".txt"))
 
 
-def run(cache, factor, expect, environment=None, code=SCRIPT):
-    surroundings = {**os.environ, "IMPACT_JIT_CACHE": str(cache), **(environment or {})}
-    done = subprocess.run(
-        [sys.executable, "-c", code, factor], env=surroundings, capture_output=True, text=True, timeout=100
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
-    assert done.stdout.startswith(expect), done.stdout
-    return done.stdout
-
-
 @pytest.mark.parametrize(
     "environment, words",
     [
@@ -127,12 +156,12 @@ def run(cache, factor, expect, environment=None, code=SCRIPT):
     ],
     ids=["CXX wrong", "PATH empty"],
 )
-def test_no_compiler(cache, environment, words):
-    assert re.search(words, run(cache, "3.0", "refused", environment), re.S)
+def test_no_compiler(cache, environment, words, run_here):
+    assert re.search(words, run_here(cache, "3.0", "refused", environment), re.S)
 
 
-def test_compiler_that_fails(cache):
-    assert "the compiler failed" in run(cache, "3.0", "refused", {"CXX": "false"})
+def test_compiler_that_fails(cache, run_here):
+    assert "the compiler failed" in run_here(cache, "3.0", "refused", {"CXX": "false"})
     assert not list(cache.glob("*"))  # nothing half-made stays behind
 
 
@@ -167,12 +196,12 @@ def _open_to(mode):
     ids=["world", "group", "foreign"],
 )
 @pytest.mark.parametrize("what", ["folder", "library", "list"])
-def test_what_others_may_have_written_is_not_loaded(cache, library, spoil, words, what):
+def test_what_others_may_have_written_is_not_loaded(cache, library, spoil, words, what, run_here):
     if spoil is _foreign and os.geteuid() != 0:
         pytest.skip("only root can give files away")
     path = library
     spoil({"folder": cache, "library": path, "list": path.with_suffix(".txt")}[what])
-    text = run(cache, "1.0", "refused")
+    text = run_here(cache, "1.0", "refused")
     assert "IMPACT_JIT_CACHE" in text and str(cache) in text
     if what == "folder" or spoil is _foreign:
         assert re.search(words, text), text
@@ -180,25 +209,25 @@ def test_what_others_may_have_written_is_not_loaded(cache, library, spoil, words
         assert "others may write the file" in text and "Delete it" in text
         path.unlink()
         path.with_suffix(".txt").unlink()
-        run(cache, "1.0", "computed")
+        run_here(cache, "1.0", "computed")
 
 
-def test_parents_that_everybody_may_write_in(tmp_path):
+def test_parents_that_everybody_may_write_in(tmp_path, run_here):
     """Without the sticky bit everybody may put another folder there; with it, as in /tmp, not."""
     parent = tmp_path / "open"
     parent.mkdir()
     parent.chmod(0o777)
-    text = run(parent / "kernels", "3.0", "refused")
+    text = run_here(parent / "kernels", "3.0", "refused")
     assert "everybody may write in" in text and "chmod +t" in text
     parent.chmod(0o1777)
-    run(parent / "kernels", "3.0", "computed")
+    run_here(parent / "kernels", "3.0", "computed")
 
 
-def test_a_link_counts_as_what_it_leads_to(tmp_path):
+def test_a_link_counts_as_what_it_leads_to(tmp_path, run_here):
     (tmp_path / "open").mkdir()
     (tmp_path / "open").chmod(0o777)
     (tmp_path / "link").symlink_to(tmp_path / "open")
-    assert "others may write in it" in run(tmp_path / "link", "3.0", "refused")
+    assert "others may write in it" in run_here(tmp_path / "link", "3.0", "refused")
 
 
 @pytest.mark.parametrize(
@@ -214,19 +243,19 @@ def test_names_of_folders(tmp_path, name, locale):
     assert sorted(os.path.splitext(f)[1] for f in os.listdir(folder)) == [b".cpp", b".so", b".txt"]
 
 
-def test_compiler_with_arguments(cache):
-    run(cache, "3.0", "computed", {"CXX": "g++ -O1"})
+def test_compiler_with_arguments(cache, run_here):
+    run_here(cache, "3.0", "computed", {"CXX": "g++ -O1"})
 
 
-def test_cache_below_a_file(cache):
+def test_cache_below_a_file(cache, run_here):
     cache.write_text("a file, not a folder")
-    text = run(cache, "3.0", "refused")
+    text = run_here(cache, "3.0", "refused")
     assert str(cache) in text and "IMPACT_JIT_CACHE" in text
-    assert "IMPACT_JIT_CACHE" in run(cache / "below", "3.0", "refused")
+    assert "IMPACT_JIT_CACHE" in run_here(cache / "below", "3.0", "refused")
 
 
-def test_cache_that_cannot_be_written(tmp_path):
-    assert "IMPACT_JIT_CACHE" in run("/proc/impact_kernels", "3.0", "refused")
+def test_cache_that_cannot_be_written(tmp_path, run_here):
+    assert "IMPACT_JIT_CACHE" in run_here("/proc/impact_kernels", "3.0", "refused")
 
 
 def test_cache_without_room(cache):

@@ -4,6 +4,7 @@
 Both sides are compiled here with little optimisation: what is compared is the code the two generators write.
 """
 
+import contextlib
 import ctypes
 import multiprocessing
 import re
@@ -20,6 +21,7 @@ import ffcx.compiler
 import ffcx.naming
 import ffcx.options
 import numpy as np
+import pytest
 
 import dolfinx_impact
 from dolfinx_impact.forms import registry
@@ -108,10 +110,22 @@ def _job(arguments):
     return str(write_ffcx(built.form, stem)), ours
 
 
+@contextlib.contextmanager
+def two_processes():
+    """Two processes that write and compile kernels.
+
+    FFCx goes through sets: with the same hashes it writes the same lines again, which ccache knows.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONHASHSEED", "0")
+        with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+            yield pool
+
+
 def build_many(specs, folder, with_ours):
     """Libraries of many rows (name, cell, degree, geometry degree, hypothesis), by two processes at once."""
     jobs = [(str(folder), i, s, with_ours) for i, s in enumerate(specs)]
-    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+    with two_processes() as pool:
         return dict(zip(specs, pool.map(_job, jobs, chunksize=1)))
 
 
