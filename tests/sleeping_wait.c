@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
    Ranks that wait for a message sleep, so that other processes have their core; loaded by LD_PRELOAD, see processes.py.
 
-   Open MPI polls, and calls sched_yield between polls. That only helps others that are ready on the same core, and Linux
-   lets who yielded wait for a whole time slice, some milliseconds: beside one busy process, ranks that exchange a message
-   per time step run ten times as long. A short sleep instead ends when it should. Messages that come at once, while all
-   ranks have a core, are waited for without it. */
+   Open MPI polls, and calls sched_yield between polls. That helps others that are ready on the same core only, and who
+   yielded may wait for a whole time slice, some milliseconds: two ranks that did nothing but exchange messages ran
+   several times as long beside one busy process. A short sleep instead ends when it should. Messages that come at once,
+   while all ranks have a core, are waited for without it. */
 #define _GNU_SOURCE
 #include <sys/prctl.h>
 #include <time.h>
