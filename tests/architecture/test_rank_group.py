@@ -112,14 +112,6 @@ def test_a_check_that_fails_hides_no_other(group, module, name, words):
     assert all(word in found[name] for word in words), found[name]
 
 
-def test_a_rank_that_waits_sleeps(group, module, monkeypatch):
-    """It leaves its core of its own will, again and again. Without sleeping_wait.c it polls all the time."""
-    assert perform(group, module, "waits") == {"waits": None}
-    group.kill()
-    monkeypatch.setattr(rank_group, "mpi_environment", lambda: {**mpi_environment(), "LD_PRELOAD": ""})
-    assert "AssertionError" in perform(group, module, "waits")["waits"]
-
-
 def test_only_ranks_that_failed_are_told(group, module):
     (text,) = perform(group, module, "raises_on_one_rank").values()
     assert text.startswith("rank 1: Traceback") and "rank 0" not in text
