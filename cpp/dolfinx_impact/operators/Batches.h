@@ -99,6 +99,7 @@ private:
   void add_group(std::span<const std::int32_t> cells, int facet);
   void set_history(const Integral& integral);
   void load_history(std::size_t batch, double* w) const;
+  void prefetch_history(std::size_t batch) const;
   void store_outputs(std::size_t batch, const double* A) const;
   void add_sums(std::size_t batch, const double* A) const;
   void record_failures(std::size_t batch, const double* A) const;
