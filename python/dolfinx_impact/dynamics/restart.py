@@ -25,7 +25,17 @@ if TYPE_CHECKING:
 
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
 TABLES = ("works", "common")  # numbers that the integrator saves by name: sums over ranks, equal on all ranks
-NUMBERS = ("time", "next_time", "step", "safe_step", "nominal_step", "largest", "total_start")
+NUMBERS = (
+    "time",
+    "next_time",
+    "step",
+    "safe_step",
+    "nominal_step",
+    "check_step",
+    "check_interval",
+    "largest",
+    "total_start",
+)
 SAME = 1e-12  # relative tolerance for values of functions of time: another library version may round differently
 XI_MARGIN = 0.5  # reference coordinates on facets are in [0, 1]; tracked nodes may lie outside by this much
 
@@ -145,7 +155,8 @@ class Restart:
         attributes = {
             **totals,
             "time": stepper.time, "next_time": stepper.next_time, "step": stepper.step, "safe_step": stepper.safe_step,
-            "nominal_step": stepper.nominal_step, "largest": history.largest,
+            "nominal_step": stepper.nominal_step, "check_step": stepper.check_step,
+            "check_interval": stepper.check_interval, "largest": history.largest,
             "total_start": 0.0 if history.total_start is None else history.total_start,
             "schedule": np.array(steps, dtype=float), "functions of time": table,
             **{table: short(", ".join(state[table])) for table in TABLES},
@@ -211,6 +222,8 @@ class Restart:
         want(0.0 <= time <= beyond < math.inf, f"time is {time}, the next one {beyond}")
         want(step == a["step"] and 0 <= step < 2**53 and (step > 0) == (time > 0.0), f"step is {a['step']}")
         want(a["safe_step"] > 0.0 and a["nominal_step"] > 0.0, f"steps are {a['safe_step']} and {a['nominal_step']}")
+        checks = a["check_step"], a["check_interval"]
+        want(all(0 < c < 2**53 and int(c) == c for c in checks), f"checks of the stable step are {checks}")
         want(0.0 <= a["largest"] < math.inf and abs(a["total_start"]) < math.inf, "energies are no numbers")
         schedule = _schedule(a["schedule"], want, time, step)
         tables = {}
@@ -260,6 +273,8 @@ class Restart:
             float(a["next_time"]),
             float(a["safe_step"]),
             float(a["nominal_step"]),
+            int(a["check_step"]),
+            int(a["check_interval"]),
             checked.schedule,
         )
         self.stepper.history.resume(float(a["total_start"]) if step else None, float(a["largest"]))

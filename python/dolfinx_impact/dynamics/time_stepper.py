@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 
 SAFETY = 0.9  # fraction of the stable step that dt="auto" takes; contact stiffness needs the rest
 CHUNK = 1000  # steps that the C++ integrator takes in one call
-RECHECK = 500  # steps after which the stable step of a deforming body is computed again
+RECHECK = 500  # steps after which the stable step of a deforming body is computed again, at most
+FIRST_CHECK = 2  # steps after which it is for the first time
+CHANGE = 0.03  # wanted relative change of the stable step from one check to the next; SAFETY leaves 0.1
 SNAPSHOT = 100  # steps between the states that an unstable run returns to
 MOST_STEPS = 10**9  # in one call: the energies of as many steps take a hundred gigabytes
 
@@ -76,6 +78,8 @@ class TimeStepper:
         schedule: steps of the present `advance`; None outside one that was interrupted.
         safe_step: largest stable step, as last computed [T].
         nominal_step: upper bound of the steps of the present schedule [T].
+        check_step: step at which the stable step of a deforming body is computed again [1].
+        check_interval: number of steps from the last check to that one [1].
         recorders: Recorders that write during the run.
     """
 
@@ -84,6 +88,8 @@ class TimeStepper:
     next_time: float
     safe_step: float
     nominal_step: float
+    check_step: int
+    check_interval: int
     functions: FunctionsOfTime
     inputs: Inputs
     state: CurrentState
@@ -109,6 +115,7 @@ class TimeStepper:
         self._warn_at, self._warned, self._advancing = math.inf, False, False
         self.safe_step, self._stale = problem.stable_step(), False
         self.nominal_step = SAFETY * self.safe_step
+        self.check_step = self.check_interval = FIRST_CHECK
 
     def start(self, displacement: FloatArray, velocity: FloatArray) -> None:
         """Set the state at time zero and compute its forces. Collective.
@@ -134,6 +141,8 @@ class TimeStepper:
         next_time: float,
         safe_step: float,
         nominal_step: float,
+        check_step: int,
+        check_interval: int,
         schedule: StepSchedule | None,
     ) -> None:
         """Set the attributes from a checkpoint; the integrator must have been restored before. Collective.
@@ -144,12 +153,15 @@ class TimeStepper:
             next_time: time of the next step [T].
             safe_step: largest stable step [T].
             nominal_step: upper bound of the steps of the schedule [T].
+            check_step: step at which the stable step of a deforming body is computed again [1].
+            check_interval: number of steps from the last check to that one [1].
             schedule: steps of an `advance` that was interrupted; None: there was none.
         """
         self.time, self.step, self.next_time = time, step, next_time
         table = np.ascontiguousarray(self.functions.table(np.array([time, next_time])))
         self.integrator.run(np.zeros(0), table.ravel(), table.shape[1], np.zeros(0))
         self.safe_step, self.nominal_step, self._stale = safe_step, nominal_step, False
+        self.check_step, self.check_interval = check_step, check_interval
         self.schedule, self._good = schedule, None
 
     def check_arguments(self, until: float, callback: Callable[[ExplicitProblem], object] | None) -> float:
@@ -266,7 +278,8 @@ class TimeStepper:
 
         An exception is raised on all ranks, after a step. Collective.
         """
-        if (self.deforms or self._stale) and self.step > 0 and self.step % RECHECK == 0:
+        due = self._stale and self.step > 0 and self.step % RECHECK == 0
+        if due or (self.deforms and self.step >= self.check_step):
             self._recheck(until, dt, unsafe)
         first = self.step == 0
         self._run(1 if callback or first else self._chunk(), interrupts)
@@ -298,7 +311,7 @@ class TimeStepper:
         """Number of steps until a recorder, a check of the stable step or the end is due."""
         rest = self._present_schedule.last - self.step
         waits = [recorder.steps_left() for recorder in self.recorders]
-        return min(CHUNK, rest, RECHECK - self.step % RECHECK if self.deforms else rest, *waits)
+        return min(CHUNK, rest, self.check_step - self.step if self.deforms else rest, *waits)
 
     def _run(self, count: int, interrupts: Interrupts | None = None) -> None:
         """Take steps, fewer if a rank is interrupted. Collective.
@@ -349,6 +362,7 @@ class TimeStepper:
         self.schedule = None
         self._flush_recorders()
         self.step, self.time = good.step, good.time
+        self.check_step, self.check_interval = good.step + FIRST_CHECK, FIRST_CHECK
         for contact in self.problem.contact:
             contact.reset_history()
         self.problem.restore_history()
@@ -401,9 +415,18 @@ class TimeStepper:
         self.integrator.set_contact_step(nominal)
 
     def _recheck(self, until: float, dt: float | str, unsafe: bool) -> None:
-        """Compute the stable step of the deformed body, and shorten the steps if they exceed it. Collective."""
+        """Compute the stable step of the deformed body, and shorten the steps if they exceed it. Collective.
+
+        The next check is due when the stable step will have changed by about CHANGE, if it goes on as since the last
+        one; the time between two checks is at most doubled.
+        """
+        before = self.safe_step
         self.state.update_functions()
         self._find_stable_step()
+        changed = abs(self.safe_step / before - 1.0) if math.isfinite(before) else 0.0
+        factor = min(2.0, CHANGE / changed) if changed > 0.0 else 2.0
+        self.check_interval = min(max(int(factor * self.check_interval), 1), RECHECK)
+        self.check_step = self.step + self.check_interval
         if self.nominal_step > (SAFETY if dt == "auto" else 1.0) * self.safe_step:
             self.schedule = None
             self._choose_schedule(until, dt, unsafe)

@@ -20,6 +20,7 @@ from petsc4py import PETSc
 
 from ..assembly import rigid_body_modes
 from .. import _cpp
+from .inelastic_body import InelasticBody
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 LOOSE_DIGITS = 1e-3  # relative tolerance of linear solutions while the active set changes
 MAX_CHANGES = 60  # updates of the active set in one linearised problem
 PLAIN = 6  # iterations without a line search
+INELASTIC_PLAIN = 2  # those with internal variables and without multipliers
+FAR = 1e-6  # round-off over the largest force at which displacements are those of a body that has flown away
 PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # fractions of a Newton step that a line search tries
 SEARCHES, STEEP = 8, 0.5  # evaluations of a line search; slope at its end relative to that at its start
 
@@ -73,6 +76,12 @@ class Newton:
         self.saddle = problem.keeps_multipliers
         # Contact by penalty has kinks where points close, slip or change facets; there is no active set for them.
         self.rough = bool(problem.contact) and not self.multipliers
+        # Perfect plasticity near collapse: the tangents of two iterations may be far apart. The body's residual
+        # is the gradient of the increment's energy, or nearly so (recovery of the back stress, finite strain).
+        self.inelastic = isinstance(problem.body, InelasticBody)
+        searches = self.inelastic and not self.multipliers
+        self.plain = INELASTIC_PLAIN if searches else PLAIN
+        self.rough = self.rough or searches
         self.conservative = self.rough and all(c.pair.friction == 0.0 for c in problem.contact)
         # Linear solutions are more accurate than asked for by this factor; with factors, accuracy is cheap.
         self.margin = 1e-3 if problem.linear_solver.direct else 0.3
@@ -148,6 +157,9 @@ class Newton:
                     return result.failed(loose, hopeless=True)
             inner = max(inner, self.tangent_force(K))
             noise = self._round_off(K)
+            if self.inelastic and iteration > 0 and noise > FAR * scale > 0.0:
+                return result.failed(f"Newton's method diverged: in iteration {iteration} the displacements are so "
+                                     "large that the residual is round-off")  # fmt: skip
             # The accuracy that is still needed, but no more than the quadratic convergence of the next step.
             digits = 1e-10 if not p.contact and p.body.linear else LOOSE_DIGITS
             if moved and norm > 0:
@@ -163,7 +175,7 @@ class Newton:
                 return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
             if period and moved:  # half a step leaves the cycle
                 p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
-            elif self.rough and moved and iteration - round_start >= PLAIN:
+            elif self.rough and moved and iteration - round_start >= self.plain:
                 if self.conservative:
                     self._descend(K, start, residual, digits, log)
                 else:
@@ -215,6 +227,8 @@ class Newton:
             return self.comm.allreduce(float(forces[free] @ (end - start)[: self.num_owned][free]))
 
         steep = slope(residual)
+        if steep >= 0.0 and not p.contact:
+            return
         if steep >= 0.0:
             p.u.x.array[:] = start
             penalties = cast("list[PenaltyContact]", p.contact)  # only these have no multipliers

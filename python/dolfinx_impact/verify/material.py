@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Level material: J2 plasticity at points, random strain histories through the kernels and through the hand-written law.
+"""Level material: J2 plasticity at points, random strain histories through kernels and through the hand-written law.
 
 Every history has a simplex of its own, whose nodes are moved so that its strain is the one wanted. The kernels return
 nodal forces f_a; the stress of the cell follows from them, P = sum_a f_a (x) X_a / V.
