@@ -347,9 +347,11 @@ def objectivity(case: Case, hypothesis: str, seed: int = 5, num: int = NUM_HISTO
     still, turned = Points(case, hypothesis, True, num), Points(case, hypothesis, True, num)
     rng = np.random.default_rng(seed)
     path = stretch_paths(rng, num, still.gdim, True)
+    turns = rotations(rng, num, still.gdim)
     worst = dict.fromkeys(("stress", *still.names), 0.0)
     size = dict.fromkeys(still.names, 0.0)
-    for gradient, R in zip(path, rotations(rng, num, still.gdim)):
+    for k in range(NUM_STEPS):
+        gradient, R = path[k], turns[k]
         Q = R[:, : still.gdim, : still.gdim]
         a, b = still.step(gradient), turned.step(R @ (np.eye(3) + gradient) - np.eye(3))
         worst["stress"] = _worse(worst["stress"], float(np.abs(Q @ a - b).max()) / Y)

@@ -200,6 +200,23 @@ def check_a_restart_from_one_rank_goes_on_to_round_off():
         assert_same(all_points(COMM, problem.history["plastic_strain"].values), plastic)
 
 
+def check_a_law_of_one_s_own_is_evaluated_once_in_a_step():
+    """A history that counts: also in a run that was restored, and in one that was saved on the way."""
+    with folder() as path:
+        domain, law = square(n=3), Limited(0.5)
+        whole = thrown(domain=domain, material=law)
+        dt = 0.9 * whole.stable_step()
+        for until in (5, 12):
+            whole.advance(until * dt, dt=dt, progress=False)
+            assert np.all(counts(whole) == whole.step + 1), "and once at the start"
+            if until == 5:
+                whole.save(path / "five.h5")
+        again = thrown(domain=domain, material=law)
+        again.restore(path / "five.h5")
+        again.advance(12 * dt, dt=dt, progress=False)
+        np.testing.assert_array_equal(state(again), state(whole))
+
+
 def check_a_checkpoint_of_another_law_or_mesh_is_refused():
     with folder() as path:
         problem = thrown(material=steel())
