@@ -96,9 +96,10 @@ class Recorder:
     """Writes frames and histories of an ExplicitProblem into a folder; made by ExplicitProblem.record.
 
     Files: fields.bp has the fields (ParaView 5.12 or newer), materials.bp those of materials, averaged at the vertices:
-    a scalar for each component, stress_xx, ... and back_stress_0, ...; history.h5 has `time`, energies and contact
+    a scalar for each component, stress_xx, ... and back_stress_0, ... history.h5 has `time`, energies and contact
     forces `force_0`, ... of every step, and `points/time`, `points/displacement` and `points/velocity` of shape
-    (frames, points, gdim). Datasets have units as attributes; T, L and F stand for the problem's units of time, length, force.
+    (frames, points, gdim). Datasets have units as attributes; T, L and F stand for the problem's units of time, length,
+    force.
 
     Histories are written with frames, at most once a second; after 100,000 steps; with checkpoints; when `advance` ends
     by an exception; and by `close`. If the disk is full, `advance` ends with a RuntimeError after a step. The files can
