@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Cost of explicit steps with plasticity: against the neo-Hookean step, the usual way in DOLFINx and a law of one's own.
+"""Cost of explicit steps with plasticity, against the neo-Hookean step, the usual way in DOLFINx and a user's law.
 
 The usual way is what one writes without this package: forms of FFCx with the history in functions on quadrature
 elements, and a fem.Expression per step for the new history. Processor times, in alternating rounds.
@@ -36,6 +36,7 @@ YIELDING, ELASTIC = 1e-3, 1e6  # yield stresses: all points flow in every step, 
 FLOW = np.array([[0.5, 1.0, 0.3], [0.2, -0.8, 1.0], [1.0, 0.4, 0.3]])  # gradient of the velocity, trace 0 [1/T]
 STEPS, ROUNDS = 10, 7
 SAME = 1e-11  # forces and histories are sums of some hundred terms, each with round-off of 1e-16 of the largest
+AXES = ((0, 0), (1, 1), (0, 1), (1, 2), (0, 2))  # the components of a deviator that are kept
 GOALS = {YIELDING: 0.8, ELASTIC: 0.9}
 
 
@@ -124,8 +125,8 @@ class UsualWay:
         self._dilatation = fem.form(ufl.tr(ufl.grad(u)) * q * dx, jit_options=options)
         self._force = fem.form(ufl.inner(stress, test) * dx, jit_options=options)
         self._volumes = fem.assemble_vector(fem.form(q * dx)).array.copy()
-        new = [self.alpha + multiplier, *(p[i] + step[a] for i, a in enumerate(((0, 0), (1, 1), (0, 1), (1, 2), (0, 2))))]
-        points, _ = basix.make_quadrature(cell, degree)
+        new = [self.alpha + multiplier, *(p[i] + step[a] for i, a in enumerate(AXES))]
+        points: FloatArray = np.asarray(basix.make_quadrature(cell, degree)[0])
         self._update = fem.Expression(ufl.as_vector(new), points, jit_options=options)
         self._cells = np.arange(mesh.topology.index_map(3).size_local, dtype=np.int32)
         self._means: FloatArray = self.theta.x.array
@@ -153,7 +154,7 @@ class _OwnResponse:
     """J2 plasticity with linear hardening as a user writes it (forms/inelastic.py: PointResponse)."""
 
     history: dict[str, tuple[int, ...]] = {"alpha": (), "eps_p": (5,)}
-    unknown = None
+    unknown: tuple[int, ...] | None = None
 
     def __init__(self, material: InelasticMaterial, mesh: Mesh, yield_stress: float) -> None:
         self.G = material.constant(mesh, "shear_modulus", E / (2 * (1 + NU)))
@@ -163,9 +164,8 @@ class _OwnResponse:
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any = None) -> inelastic.Update:
         alpha, p = history["alpha"], history["eps_p"]
-        axes = ((0, 0), (1, 1), (0, 1), (1, 2), (0, 2))
         deviator = inelastic.deviator(strain)
-        d = [deviator[a] - p[i] for i, a in enumerate(axes)]
+        d = [deviator[a] - p[i] for i, a in enumerate(AXES)]
         trial = ufl.as_tensor([[d[0], d[2], d[4]], [d[2], d[1], d[3]], [d[4], d[3], -d[0] - d[1]]])
         square = ufl.inner(trial, trial)
         size = ufl.sqrt(1.5 * square + 1e-30)
@@ -251,8 +251,10 @@ def check_flow(problem: ExplicitProblem, yield_stress: float, when: str) -> None
     """
     share = flowing(problem)
     if (share < 0.99) if yield_stress == YIELDING else (share > 0.0):
-        raise RuntimeError(f"{100 * share:.0f} % of the points flow {when} at a yield stress of {yield_stress}: the row "
-                           "would say something else than its name")  # fmt: skip
+        raise RuntimeError(
+            f"{100 * share:.0f} % of the points flow {when} at a yield stress of {yield_stress}: the row would say "
+            "something else than its name"
+        )
 
 
 def usual_row(n: int = 24, steps: int = 3) -> list[Row]:
@@ -282,7 +284,8 @@ def usual_row(n: int = 24, steps: int = 3) -> list[Row]:
     def theirs() -> float:
         return bench.best_time(lambda: usual.step(dt), at_least=0.0, rounds=steps)[1]
 
-    return [_against("j2 step / forms and Expression of DOLFINx, goal 5", in_turn(theirs, body.seconds), body.num_cells)]
+    times = in_turn(theirs, body.seconds)
+    return [_against("j2 step / forms and Expression of DOLFINx, goal 5", times, body.num_cells)]
 
 
 def compare(what: str, found: FloatArray, expected: FloatArray) -> None:

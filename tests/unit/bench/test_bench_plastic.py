@@ -56,7 +56,8 @@ def test_row_of_an_own_law(monkeypatch):
 
 
 def test_row_of_memory(monkeypatch):
-    monkeypatch.setattr(bench_explicit, "run_on_ranks", lambda what, ranks, n: {"cells": n**3, "kB": {"history": 0.7}[what]})
+    found = {"history": 0.7}
+    monkeypatch.setattr(bench_explicit, "run_on_ranks", lambda what, _, n: {"cells": n**3, "kB": found[what]})
     (row,) = plastic.memory_rows(4)
     assert row["ratio"] == pytest.approx(0.5) and "64 cells" in row["cell"]
 
