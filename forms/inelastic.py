@@ -57,7 +57,9 @@ def deviator(strain: Any) -> Any:
     """Deviator of a strain; of an averaged one that of the displacement gradient, in which no mean occurs."""
     if isinstance(strain, ufl.classes.Sum):
         return sum(deviator(term) for term in strain.ufl_operands)
-    return strain if isinstance(strain, ufl.classes.Deviatoric) else ufl.dev(strain)
+    whole = strain.ufl_operands[0] if isinstance(strain, ufl.classes.Deviatoric) else strain
+    # As ufl.dev, but with the trace as a term of its own, which kernels compute once.
+    return whole - ufl.tr(whole) / 3 * ufl.Identity(3)
 
 
 def same_in_cell(expression: Any) -> bool:

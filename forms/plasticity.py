@@ -254,9 +254,9 @@ class J2:
         if self.plane_stress:
             eps = eps + unknown[1] * ufl.as_tensor([[0, 0, 0], [0, 0, 0], [0, 0, 1]])
         alpha = history[PLASTIC_STRAIN]
-        plastic = unpack_deviator(history[PLASTIC_TENSOR], self.gdim)
         # Stresses are over 2 mu, as elastic strains: kernels then multiply numbers that are constant before the loops.
-        trial = deviator(eps) - plastic
+        plastic = history[PLASTIC_TENSOR]
+        trial = unpack_deviator(ufl.as_vector(pack_deviator(deviator(eps), self.gdim)) - plastic, self.gdim)
         floor = ROUND_OFF * iso.yield_stress / (2 * mu)
         back = None if kin is None else unpack_deviator(history[BACK_STRESS], self.gdim) / (2 * mu)
         C = 0 if kin is None else kin.modulus
@@ -283,7 +283,7 @@ class J2:
         stress = 2 * mu * elastic + mean * ufl.Identity(3)
         outputs: dict[str, Any] = {
             PLASTIC_STRAIN: alpha + multiplier,
-            PLASTIC_TENSOR: ufl.as_vector(pack_deviator(plastic + step, self.gdim)),
+            PLASTIC_TENSOR: plastic + ufl.as_vector(pack_deviator(step, self.gdim)),
         }
         if back is not None:
             outputs[BACK_STRESS] = ufl.as_vector(pack_deviator(fading * (2 * mu * back + 2 / 3 * C * step), self.gdim))
