@@ -97,7 +97,7 @@ part-%:
 	@$(MAKE) --no-print-directory $* || { echo $* >>"$$SHARE/failed"; exit 1; }
 
 tests-1 tests-2:
-	@$(PYTEST) -m "not slow" -q --durations=30 --share "$$SHARE"
+	@$(PYTEST) -m "not slow" -q --durations=30 --share="$$SHARE"
 
 tests-chosen:
 	$(PYTEST) -m "not slow" $(ARGS)

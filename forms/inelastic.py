@@ -33,6 +33,8 @@ class Update:
         residual: residual of the local equations, of the shape of the unknown; None without unknowns.
         start: where Newton's method begins, of the shape of the unknown; None without unknowns.
         scale: size of the terms of the residual.
+        mean: mean stress tr(stress)/3 of small strain, where the law has it in terms of `trace` of the strain alone. It
+            makes kernels of averaged cells cheaper, and no result different; None: it is taken from `stress`.
     """
 
     stress: Any
@@ -41,6 +43,32 @@ class Update:
     residual: Any = None
     start: Any = None
     scale: Any = field(default=1.0)
+    mean: Any = None
+
+
+def trace(strain: Any) -> Any:
+    """Trace of a strain; of an averaged one the mean dilatation itself, without the terms that cancel in it."""
+    if isinstance(strain, ufl.classes.Sum):
+        return sum(trace(term) for term in strain.ufl_operands)
+    return ufl.zero() if isinstance(strain, ufl.classes.Deviatoric) else ufl.tr(strain)
+
+
+def deviator(strain: Any) -> Any:
+    """Deviator of a strain; of an averaged one that of the displacement gradient, in which no mean occurs."""
+    if isinstance(strain, ufl.classes.Sum):
+        return sum(deviator(term) for term in strain.ufl_operands)
+    whole = strain.ufl_operands[0] if isinstance(strain, ufl.classes.Deviatoric) else strain
+    # As ufl.dev, but with the trace as a term of its own, which kernels compute once.
+    return whole - ufl.tr(whole) / 3 * ufl.Identity(3)
+
+
+def same_in_cell(expression: Any) -> bool:
+    """Is an expression made of constants and averages alone, so that all points of a cell have the same value?"""
+    if isinstance(expression, (ufl.classes.CellAvg, ufl.classes.Constant, ufl.classes.ConstantValue)):
+        return True
+    if isinstance(expression, ufl.classes.MultiIndex):
+        return True
+    return bool(expression.ufl_operands) and all(same_in_cell(o) for o in expression.ufl_operands)
 
 
 class PointResponse(Protocol):
@@ -149,10 +177,14 @@ class Kinematics:
         return (theta / ufl.det(F)) ** (1 / 3) * theta_v / (3 * theta) * F
 
 
-def internal_force(u: Any, v: Any, kinematics: Kinematics, stress: Any, dx: Any) -> Any:
+def internal_force(u: Any, v: Any, kinematics: Kinematics, update: Update, dx: Any) -> Any:
     """Internal virtual work, integral of stress : virtual strain."""
     mesh = ufl.domain.extract_unique_domain(u)
-    return ufl.inner(stress, kinematics.virtual_strain(u, v)) * weight(mesh, kinematics.hypothesis) * dx
+    virtual = kinematics.virtual_strain(u, v)
+    if kinematics.average and not kinematics.finite_strain and update.mean is not None and same_in_cell(update.mean):
+        # The work of a mean stress that does not vary in the cell is the same with and without the average.
+        virtual = ufl.sym(kinematics.gradient(v))
+    return ufl.inner(update.stress, virtual) * weight(mesh, kinematics.hypothesis) * dx
 
 
 def elastic_tangent(u: Any, du: Any, v: Any, lmbda: Any, mu: Any, kinematics: Kinematics, dx: Any) -> Any:

@@ -23,7 +23,7 @@ from typing import Any
 
 import ufl
 
-from .inelastic import Update
+from .inelastic import Update, deviator, trace
 from .materials import lame
 
 PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
@@ -56,7 +56,7 @@ def unpack_symmetric(v: Any, gdim: int) -> Any:
 
 
 def equivalent(s: Any, floor: Any) -> Any:
-    """Von Mises' equivalent of a deviatoric stress, sqrt(3/2 s:s); not below `floor` [F/L^2], so that it divides."""
+    """Von Mises' equivalent of a deviatoric stress, sqrt(3/2 s:s); not below `floor`, so that it divides."""
     return ufl.sqrt(1.5 * ufl.inner(s, s) + floor**2)
 
 
@@ -250,17 +250,19 @@ class J2:
     def _small(self, eps: Any, history: dict[str, Any], unknown: Any) -> Update:
         iso, kin, mu = self.isotropic, self.kinematic, self.mu
         multiplier = unknown[0] if self.plane_stress else unknown
-        given = ufl.tr(eps)
+        given = trace(eps)
         if self.plane_stress:
             eps = eps + unknown[1] * ufl.as_tensor([[0, 0, 0], [0, 0, 0], [0, 0, 1]])
         alpha = history[PLASTIC_STRAIN]
-        plastic = unpack_deviator(history[PLASTIC_TENSOR], self.gdim)
-        trial = 2 * mu * (ufl.dev(eps) - plastic)
-        floor = ROUND_OFF * iso.yield_stress
-        back = None if kin is None else unpack_deviator(history[BACK_STRESS], self.gdim)
+        # Stresses are over 2 mu, as elastic strains: kernels then multiply numbers that are constant before the loops.
+        plastic = history[PLASTIC_TENSOR]
+        trial = unpack_deviator(ufl.as_vector(pack_deviator(deviator(eps), self.gdim)) - plastic, self.gdim)
+        floor = ROUND_OFF * iso.yield_stress / (2 * mu)
+        back = None if kin is None else unpack_deviator(history[BACK_STRESS], self.gdim) / (2 * mu)
         C = 0 if kin is None else kin.modulus
         first = trial if back is None else trial - back  # relative stress of an elastic step
-        excess = equivalent(first, floor) - iso.stress(alpha)
+        size = equivalent(first, floor)
+        excess = 2 * mu * size - iso.stress(alpha)
         yields = ufl.gt(excess, 0)
         start = ufl.conditional(yields, excess / (3 * mu + C + iso.slope(alpha)), 0)
         residual: Any = None
@@ -268,25 +270,31 @@ class J2:
             multiplier, fading, relative = start, 1, first
         else:
             fading = 1 if kin is None else kin.fading(multiplier)
-            relative = first if back is None else trial - fading * back
+            relative = first
+            if back is not None:
+                relative = trial - fading * back
+                size = equivalent(relative, floor)
             flow = (3 * mu + C * fading) * multiplier + iso.stress(alpha + multiplier)
-            residual = ufl.conditional(yields, (equivalent(relative, floor) - flow) / (3 * mu), multiplier)
-        step = 1.5 * multiplier / equivalent(relative, floor) * relative  # increment of the plastic strain
-        s, p = trial - 2 * mu * step, self.kappa * ufl.tr(eps)
-        stress = s + p * ufl.Identity(3)
+            residual = ufl.conditional(yields, (2 * mu * size - flow) / (3 * mu), multiplier)
+        share = 1.5 * multiplier / size  # of the relative stress over 2 mu that becomes plastic strain
+        step = share * relative
+        elastic = (1 - share) * trial if back is None else trial - step
+        mean = self.kappa * trace(eps)
+        stress = 2 * mu * elastic + mean * ufl.Identity(3)
         outputs: dict[str, Any] = {
             PLASTIC_STRAIN: alpha + multiplier,
-            PLASTIC_TENSOR: ufl.as_vector(pack_deviator(plastic + step, self.gdim)),
+            PLASTIC_TENSOR: plastic + ufl.as_vector(pack_deviator(step, self.gdim)),
         }
         if back is not None:
-            outputs[BACK_STRESS] = ufl.as_vector(pack_deviator(fading * (back + 2 / 3 * C * step), self.gdim))
-        stored = p**2 / (2 * self.kappa) + ufl.inner(s, s) / (4 * mu)
+            outputs[BACK_STRESS] = ufl.as_vector(pack_deviator(fading * (2 * mu * back + 2 / 3 * C * step), self.gdim))
+        square = (1 - share) ** 2 * ufl.inner(trial, trial) if back is None else ufl.inner(elastic, elastic)
+        stored = self.kappa / 2 * trace(eps) ** 2 + mu * square
         if self.plane_stress:
             across = stress[2, 2] / (self.kappa + 4 / 3 * mu)
             residual = ufl.as_vector([residual, across])
             start = ufl.as_vector([0, -self.nu / (1 - self.nu) * given])
         scale = iso.yield_stress / (3 * mu)
-        return Update(stress, outputs, stored, residual, None if residual is None else start, scale)
+        return Update(stress, outputs, stored, residual, None if residual is None else start, scale, mean)
 
     def _finite(self, F: Any, history: dict[str, Any], unknown: Any) -> Update:
         iso, mu = self.isotropic, self.mu

@@ -65,8 +65,8 @@ class PointLaw:
         start: first iterate, of the shape of the unknown; it must not depend on the unknown.
         scale: size of the residual's terms, a number or an expression that does not depend on the unknown, of the
             residual's unit.
-        sums: densities by name that are integrated over each cell and summed, with the weight and |det J| of the form's
-            rule; an axisymmetric density holds 2 pi r itself.
+        sums: densities that are integrated over each cell and summed, by name, with the weight and |det J| of the
+            form's rule; an axisymmetric density holds 2 pi r itself.
 
     Raises:
         TypeError: an argument is no UFL expression or coefficient.

@@ -19,6 +19,7 @@ import ufl
 
 from . import quadrature
 from .materials import check_hypothesis
+from .point_law import PointLaw
 
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 DEGREES = (1, 2)
@@ -111,12 +112,14 @@ class Built:
         names: names of its coefficients and constants, by object.
         degree: quadrature degree in use.
         rule: name of the quadrature rule in use, None: Basix's default.
+        law: its point law, or None.
     """
 
     form: ufl.Form
     names: dict[Any, str]
     degree: int
     rule: str | None
+    law: PointLaw | None = None
 
 
 FORMS: dict[str, RegisteredForm] = {}
@@ -134,7 +137,7 @@ def registered(
     cells_reason: str = "",
     excluded: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorator: register a function that returns a UFL form.
+    """Decorator: register a function that returns a UFL form, or a form and its PointLaw.
 
     The function is called with the `Setting`, then with its constants and coefficients as keyword arguments.
 
@@ -260,6 +263,7 @@ def build(
     )
     constants = {label: ufl.Constant(mesh, shape=shape_of(dim)) for label, shape_of in entry.constants.items()}
     coefficients = {label: ufl.Coefficient(space) for label in entry.coefficients}
-    form = entry.function(setting, **constants, **coefficients)
+    made = entry.function(setting, **constants, **coefficients)
+    form, law = made if isinstance(made, tuple) else (made, None)
     names = {o: label for label, o in (constants | coefficients).items()}
-    return Built(form, names, used, rule)
+    return Built(form, names, used, rule, law)

@@ -1,34 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Processes that tests start: none outlives its time limit, and the ranks of mpirun end with it."""
 
-import atexit
-import functools
 import os
 import pathlib
-import shutil
 import signal
 import subprocess
-import tempfile
 import time
-
-
-@functools.cache
-def sleeping_wait():
-    """Environment in which ranks that wait for a message sleep, see sleeping_wait.c; empty without a C compiler."""
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None or "LD_PRELOAD" in os.environ:
-        return {}
-    folder = tempfile.mkdtemp(prefix="sleeping-wait-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    source, library = pathlib.Path(__file__).with_name("sleeping_wait.c"), os.path.join(folder, "sleeping_wait.so")
-    subprocess.run([compiler, "-O2", "-shared", "-fPIC", source, "-o", library], check=True)
-    return {"LD_PRELOAD": library}
 
 
 def mpi_environment(**more):
     """Environment of mpirun: as root, with more ranks than cores; ranks that wait leave their core to the others."""
     return {
-        **sleeping_wait(),
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
         "OMPI_MCA_rmaps_base_oversubscribe": "1",

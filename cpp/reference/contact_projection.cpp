@@ -239,6 +239,7 @@ bool Projector::on_rim(const Foot& foot) const
 Foot Projector::nearest(const Vec<double>& x, const Vec<double>& normal) const
 {
   std::vector<std::pair<double, std::int64_t>> order;
+  order.reserve(master_.facets.size());
   for (std::size_t f = 0; f < master_.facets.size(); ++f)
     order.emplace_back(norm(x - centres_[f]) - radii_[f], f);
   std::sort(order.begin(), order.end());

@@ -28,6 +28,7 @@ std::vector<std::vector<std::int64_t>> bodies(const Field& field)
   for (std::size_t i = 0; i < parent.size(); ++i)
     lists[root(std::int64_t(i))].push_back(std::int64_t(i));
   std::vector<std::vector<std::int64_t>> result;
+  result.reserve(lists.size());
   for (auto& [first, list] : lists)
     result.push_back(std::move(list));
   return result;

@@ -54,6 +54,10 @@ class Algebra:
             return {}
         return dict(node.data) if node.kind == "product" else {node: 1}
 
+    def powers(self, value):
+        """Exponents of the factors that a value is the product of, its number aside."""
+        return self._powers(value[1])
+
     def _product(self, powers):
         items = tuple(sorted(((n, p) for n, p in powers.items() if p), key=lambda t: t[0].number))
         if not items:

@@ -152,10 +152,10 @@ class _Replace(MultiFunction):
     def cell_avg(self, o, operand):
         if operand.ufl_free_indices:
             raise ValueError(f"cell_avg of an expression with free indices is not supported: {o}")
-        if not ufl.algorithms.extract_arguments(operand):
-            return self.averages.of(operand)
         if set(ufl.algorithms.extract_coefficients(operand)) & set(self.arguments.values()):
             raise ValueError(f"cell_avg of an average of the test function is not supported: {o}")
+        if not ufl.algorithms.extract_arguments(operand):
+            return self.averages.of(operand)
         if operand not in self.arguments:
             self.arguments[operand] = self.averages.placeholder(operand.ufl_shape)
         return self.arguments[operand]

@@ -22,7 +22,7 @@ def _generate(job):
     number, folder = job
     row = TABLE[number]
     built = row.build()
-    integrals = frontend.form_integrals(built.form, row.name, built.names, row.hypothesis)
+    integrals = frontend.form_integrals(built.form, row.name, built.names, row.hypothesis, built.law)
     text, names = emit.source(integrals, row.symbol)
     _write(folder / f"{row.symbol}.cpp", text)
     return names

@@ -90,7 +90,7 @@ class Output:
 
 @dataclass
 class LocalExpressions:
-    """What a kernel evaluates at the points beside the form's integrand, in FFCx's representation: a point law,
+    """What a kernel evaluates at the points beside the form's integrand, in FFCx's representation: a point law and
     averages over the cell.
 
     Attributes:
@@ -271,6 +271,8 @@ def form_signature(form, law=None):
     if law is None:
         return renumbered.signature()
     coefficients, _ = objects_of(form, law)
+    if any(ufl.domain.extract_unique_domain(c) != form.ufl_domain() for c in coefficients):
+        raise ValueError("a coefficient of the point law is on another mesh than the form")
     unknowns = [one.unknown for one in laws_of(law).values() if one.unknown is not None]
     numbers = {c: i for i, c in enumerate([*coefficients, *unknowns])}
     numbering = numbers | {c: i for i, c in enumerate(new.values())} | {form.ufl_domain(): 0}

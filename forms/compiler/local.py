@@ -74,8 +74,23 @@ class LocalPart:
         multiply = self.writer.algebra.multiply
         (volume,) = self.values["volume"] = [multiply(weight, self.values["volume"][0])]
         for part, components in self.values.items():
-            if part.split()[0] in ("sum", "average"):
+            if part.split()[0] == "sum":
                 self.values[part] = [multiply(volume, c) for c in components]
+            elif part.split()[0] == "average":
+                self.values[part] = [self._weighted(volume, c) for c in components]
+
+    def _weighted(self, volume, value):
+        """Value times the volume, w |det J|; a gradient's factor 1/det J is taken out, which saves its division."""
+        algebra = self.writer.algebra
+        for node, exponent in algebra.powers(volume).items():
+            if node.kind != "call" or node.data[0] != "abs" or exponent != 1:
+                continue
+            ((scale, determinant),) = node.data[1]
+            if algebra.powers(value).get(determinant) == -1:
+                sign = algebra.select((">", (1.0, determinant), algebra.number(0.0)), *map(algebra.number, (1.0, -1.0)))
+                size = algebra.multiply(algebra.number(abs(scale)), algebra.multiply(sign, (1.0, determinant)))
+                volume = algebra.multiply(algebra.multiply(volume, algebra.power((1.0, node), -1)), size)
+        return algebra.multiply(volume, value)
 
     def _components(self, iterating):
         """Values of all components; components that are zero have no entry in FFCx's graph."""

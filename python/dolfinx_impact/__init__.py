@@ -24,7 +24,7 @@ from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .assembly.lumped_mass import lumped_mass
-from .inelastic import InelasticMaterial
+from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
 from .io.mesh_reader import check_mesh, read_mesh
@@ -44,6 +44,7 @@ __all__ = [
     "J2Plasticity",
     "LinearElastic",
     "MaterialMap",
+    "MaterialUpdate",
     "NeoHookean",
     "PointValues",
     "PrescribedMotion",

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from typing import Any
 
 from dolfinx.mesh import Mesh
@@ -12,11 +11,15 @@ from .forms import inelastic
 from .forms import materials as laws
 from .materials import _Material
 
+# What `respond` of a law of one's own returns.
+MaterialUpdate = inelastic.Update
+
 
 class InelasticMaterial(_Material):
     """Material with internal variables at the quadrature points; base class of J2Plasticity and of laws of your own.
 
-    A law of your own derives from it and writes `response`. See docs/plasticity.md and demos/own_plasticity.py.
+    A law of your own derives from it, sets `history` and `unknown`, and writes `respond`. See docs/plasticity.md and
+    demos/own_plasticity.py.
 
     Args:
         E: Young's modulus of the elastic part, positive [F/L^2].
@@ -26,6 +29,8 @@ class InelasticMaterial(_Material):
 
     Attributes:
         finite_strain: whether the law sees the deformation gradient instead of the small strain.
+        history: shape of every internal variable by name; all are zero in the virgin state.
+        unknown: shape of the unknown of the local equations, () or (n,); None for a law in closed form.
         average: whether the law sees the mean dilatation of each cell (B-bar, F-bar): True, False, or "auto", which is
             on linear quadrilaterals and hexahedra, which lock without.
 
@@ -37,13 +42,29 @@ class InelasticMaterial(_Material):
     finite_strain: bool = False
     average: bool | str = "auto"
 
-    @abstractmethod
+    history: dict[str, tuple[int, ...]] = {}
+    unknown: tuple[int, ...] | None = None
+
+    def respond(self, strain: Any, history: dict[str, Any], unknown: Any) -> inelastic.Update:
+        """Stress and new history at a point, in UFL; a law of one's own writes this.
+
+        Args:
+            strain: small strain, or with `finite_strain` the deformation gradient, 3 x 3 [1].
+            history: committed values by the names of `history`.
+            unknown: unknown of the local equations, of the shape of `unknown`; None without.
+
+        Raises:
+            TypeError: the material does not say how it responds.
+        """
+        raise TypeError(f"{type(self).__name__} does not say how it responds: write its method `respond`")
+
     def response(self, mesh: Mesh) -> inelastic.PointResponse:
-        """The law in UFL (forms/inelastic.py), with parameters as constants of the mesh.
+        """The law in UFL (forms/inelastic.py) on a mesh: the material itself, or an object with constants of the mesh.
 
         Args:
             mesh: mesh.
         """
+        return self
 
     def law(self, mesh: Mesh) -> laws.Law:
         """Elastic laws only: there is no stress without the history.

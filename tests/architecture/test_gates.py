@@ -42,7 +42,7 @@ def lint(checkout, folder, files, *target):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
         os.utime(path, (1e9, 1e9))
-    not_ours = ("ARGS", "IMPACT_CACHE", "MAKEFLAGS", "MFLAGS", "PYTEST")
+    not_ours = ("ARGS", "IMPACT_CACHE", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST")
     environment = {k: v for k, v in os.environ.items() if k not in not_ours}
     command = ["make", *(target or ["lint-here"])]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)

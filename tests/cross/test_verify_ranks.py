@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from fault_injection import assert_caught, assert_healthy
-from processes import sleeping_wait
 
 from dolfinx_impact.verify import ranks
 from dolfinx_impact.verify.report import Report
@@ -75,7 +74,6 @@ def launch(monkeypatch, fault="", contact=False, explicit=False):
     def run(command, **kwargs):
         where = command.index("-m")
         prelude = ["-c", PRELUDE.format(fault=fault, contact=contact, explicit=explicit), command[-1]]
-        kwargs["env"] = {**sleeping_wait(), **kwargs["env"]}
         return real([*command[:where], *prelude], **kwargs)
 
     monkeypatch.setattr(ranks.subprocess, "run", run)

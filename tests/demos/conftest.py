@@ -8,7 +8,6 @@ import sys
 import threading
 
 import pytest
-from processes import sleeping_wait
 
 from dolfinx_impact import cli
 
@@ -65,7 +64,7 @@ def impact(tmp_path, monkeypatch, capfd):
         with monkeypatch.context() as patch:
             patch.chdir(tmp_path)
             patch.setattr(cli.subprocess, "Popen", Session)
-            for name, value in {**FAST, **sleeping_wait(), **(env or {})}.items():
+            for name, value in {**FAST, **(env or {})}.items():
                 patch.setenv(name, value)
             capfd.readouterr()
             timer = threading.Timer(timeout, end)

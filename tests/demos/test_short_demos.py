@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The five demos to copy from: short, of public names only, and what the pages show is what they print and draw."""
+"""The six demos to copy from: short, of public names only, and what the pages show is what they print and draw."""
 
 import ast
 import subprocess
@@ -14,7 +14,7 @@ from PIL import Image
 
 from dolfinx_impact import cli
 
-DEMOS = ("bar_on_wall", "block_with_friction", "hertz", "own_form", "two_bars")
+DEMOS = ("bar_on_wall", "block_with_friction", "hertz", "own_form", "own_plasticity", "two_bars")
 MODULES = {"basix", "dolfinx", "dolfinx_impact", "gmsh", "matplotlib", "mpi4py", "numpy", "ufl"}
 ROUND_OFF = 1e-9  # numbers below are round-off, which another number of ranks changes
 NOTEBOOK = """
@@ -27,7 +27,7 @@ for cell in jupytext.read(sys.argv[1]).cells:
 """
 
 
-def test_there_are_five():
+def test_there_are_six():
     assert {name for name, (path, _) in cli.demos().items() if not cli.is_application(path)} == set(DEMOS)
 
 

@@ -85,9 +85,9 @@ extern "C"
     const impact_constant* constants;
     int size_c;
     const double* points; ///< of an expression: shape [0] x tdim reference coordinates; else null
-    /// Entries of A in all: the element tensor, then outputs and sums, which are overwritten; then, where there are local
-    /// unknowns, how many points could not be solved, the number of the first of them, its residual relative to the
-    /// residual's scale, and its unknowns. shape[0] * shape[1] for a kernel without outputs.
+    /// Entries of A in all: the element tensor, then outputs and sums, which are overwritten; then, where there are
+    /// local unknowns, how many points could not be solved, the number of the first of them, its residual relative to
+    /// the residual's scale, and its unknowns. shape[0] * shape[1] for a kernel without outputs.
     int size_A;
     int num_points; ///< that outputs are written at; 0 without outputs
     int num_outputs;

@@ -3,6 +3,7 @@
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
 #include <algorithm>
+#include <cstring>
 #include <dolfinx/fem/DofMap.h>
 #include <dolfinx/mesh/cell_types.h>
 #include <stdexcept>
@@ -177,11 +178,28 @@ void Batches::load_history(std::size_t batch, double* w) const
                   w + std::size_t(a.offset) * _width);
 }
 
+void Batches::prefetch_history(std::size_t batch) const
+{
+  for (const Array& a : _coefficients)
+    if (a.field >= 0)
+    {
+      const double* values = _history->committed(a.field, batch);
+      for (std::size_t i = 0; i < _history->batch_size(a.field); i += alignment / sizeof(double))
+        __builtin_prefetch(values + i, 1);
+    }
+}
+
 void Batches::store_outputs(std::size_t batch, const double* A) const
 {
   for (int i = 0; i < _kernel->num_outputs; ++i)
-    std::copy_n(A + std::size_t(_kernel->outputs[i].offset) * _width, _history->batch_size(i),
-                _history->trial(i, batch));
+  {
+    const double* values = A + std::size_t(_kernel->outputs[i].offset) * _width;
+    const std::size_t size = _history->batch_size(i);
+    double* place = _history->trial(i, batch);
+    // In place, the history of cells that do not flow is there already: what is not written need not go to memory.
+    if (!_history->in_place() || std::memcmp(place, values, size * sizeof(double)) != 0)
+      std::copy_n(values, size, place);
+  }
 }
 
 void Batches::add_sums(std::size_t batch, const double* A) const
@@ -292,7 +310,11 @@ double Batches::run(double* b) const
                w + std::size_t(a.offset) * _width);
     }
     if (_history)
+    {
       load_history(batch, w);
+      if (batch + 1 < _used.size())
+        prefetch_history(batch + 1); // arrives while the kernel computes
+    }
     _clear(A, size_A);
     _tabulate(A, w, _constants.data(), x, _facet[batch]);
     if (k.rank == 1)

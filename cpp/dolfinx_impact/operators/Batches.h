@@ -99,6 +99,7 @@ private:
   void add_group(std::span<const std::int32_t> cells, int facet);
   void set_history(const Integral& integral);
   void load_history(std::size_t batch, double* w) const;
+  void prefetch_history(std::size_t batch) const;
   void store_outputs(std::size_t batch, const double* A) const;
   void add_sums(std::size_t batch, const double* A) const;
   void record_failures(std::size_t batch, const double* A) const;
@@ -116,7 +117,7 @@ private:
   std::vector<Array> _coefficients;
   std::vector<double> _constants;
   std::shared_ptr<PointHistory> _history;
-  bool _stores = false; ///< are outputs written to the history?
+  bool _stores = false;              ///< are outputs written to the history?
   mutable std::vector<double> _sums; ///< in the kernel's order
   mutable PointFailures _failures;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand

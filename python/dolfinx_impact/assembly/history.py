@@ -41,6 +41,7 @@ class HistoryField:
     ) -> None:
         self.name, self.shape, self.degree = name, shape, degree
         self._mesh, self._read, self._write = mesh, read, write
+        self._average: _NodalAverage | None = None
 
     def __repr__(self) -> str:
         what = "a number" if not self.shape else f"{self.shape[0]} components"
@@ -77,20 +78,43 @@ class HistoryField:
         Returns:
             Continuous function of degree 1, with as many components as the variable.
         """
-        space = fem.functionspace(self._mesh, ("Lagrange", 1, self.shape))
-        scalars = fem.functionspace(self._mesh, ("Lagrange", 1))
-        dx = ufl.dx(domain=self._mesh, metadata=quadrature.metadata(self.degree))
-        f, v, w = self.function(), ufl.TestFunction(space), ufl.TestFunction(scalars)
-        sums = fem.assemble_vector(fem.form(ufl.inner(f, v) * dx))
-        weights = fem.assemble_vector(fem.form(w * dx))
-        out = Function(space, name=self.name)
-        for vector in (sums, weights):
-            vector.scatter_reverse(la.InsertMode.add)
-        num_owned = scalars.dofmap.index_map.size_local
-        means = sums.array.reshape(-1, space.dofmap.bs)[:num_owned] / weights.array[:num_owned, None]
-        out.x.array.reshape(-1, space.dofmap.bs)[:num_owned] = means
-        out.x.scatter_forward()
+        if self._average is None:
+            self._average = _NodalAverage(self.function(), self.shape, self.degree)
+        f, values = self._average.source, self.values
+        set_values(f, np.arange(len(values), dtype=np.int32), values)
+        f.x.scatter_forward()
+        out = Function(self._average.space, name=self.name)
+        self._average.evaluate(out)
         return out
+
+
+class _NodalAverage:
+    """Averages at the vertices of a function on a quadrature element; forms are made once.
+
+    Args:
+        source: function on a quadrature element.
+        shape: shape of a value, () or (n,).
+        degree: quadrature degree of its points [1].
+    """
+
+    def __init__(self, source: Function, shape: tuple[int, ...], degree: int) -> None:
+        mesh = source.function_space.mesh
+        self.source, self.space = source, fem.functionspace(mesh, ("Lagrange", 1, shape))
+        scalars = fem.functionspace(mesh, ("Lagrange", 1))
+        dx = ufl.dx(domain=mesh, metadata=quadrature.metadata(degree))
+        v, w = ufl.TestFunction(self.space), ufl.TestFunction(scalars)
+        self._form = fem.form(ufl.inner(source, v) * dx)
+        weights = fem.assemble_vector(fem.form(w * dx))
+        weights.scatter_reverse(la.InsertMode.add)
+        self._weights = weights.array[: scalars.dofmap.index_map.size_local, None].copy()
+
+    def evaluate(self, out: Function) -> None:
+        """Set a function on `space` to the averages. Collective."""
+        sums = fem.assemble_vector(self._form)
+        sums.scatter_reverse(la.InsertMode.add)
+        bs, num_owned = self.space.dofmap.bs, len(self._weights)
+        out.x.array.reshape(-1, bs)[:num_owned] = sums.array.reshape(-1, bs)[:num_owned] / self._weights
+        out.x.scatter_forward()
 
 
 class MaterialHistory(Mapping[str, HistoryField]):

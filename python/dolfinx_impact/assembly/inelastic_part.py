@@ -77,7 +77,7 @@ class InelasticPart:
         """
         strain = self.kinematics.strain(self.u)
         update = self.response.respond(strain, dict(self.history), self.unknown)
-        form = inelastic.internal_force(self.u, v, self.kinematics, update.stress, self.dx)
+        form = inelastic.internal_force(self.u, v, self.kinematics, update, self.dx)
         outputs = {name: ufl.as_ufl(update.outputs[name]) for name in self.history}
         if self.unknown is not None:
             outputs[UNKNOWN] = self.unknown

@@ -14,6 +14,7 @@ from petsc4py import PETSc
 
 from .. import _cpp
 from ..common import arguments
+from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import comm_of, guard, same
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..forms import elasticity, quadrature
@@ -195,7 +196,7 @@ class _Operator:
         count, cell, point, residual, unknowns = self._cpp_object.failures()
         topology = self.mesh.topology
         if count > 0:
-            cell = int(topology.index_map(topology.dim).local_to_global(np.array([cell], dtype=np.int32))[0])
+            cell = int(input_cell_numbers(topology)[cell])
         found = self.mesh.comm.allgather((count, cell, point, residual, unknowns))
         total = sum(f[0] for f in found)
         if total == 0:
@@ -204,7 +205,7 @@ class _Operator:
         values = ", ".join(f"{x:.6g}" for x in unknowns)
         return (
             f"the local equations of the material were not solved at {total} points; the first is point {point} of "
-            f"cell {cell}: residual {residual:.3g} of its scale, unknowns {values}"
+            f"cell {cell} (number in the mesh's input): residual {residual:.3g} of its scale, unknowns {values}"
         )
 
     def _update(self) -> None:

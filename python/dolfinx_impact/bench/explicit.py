@@ -31,6 +31,8 @@ from ..contact import ContactPair, Kinematic, Penalty
 from ..dynamics.explicit import ExplicitProblem
 from ..forms import quadrature
 from ..loads import Traction
+from ..materials import Material
+from ..plasticity import J2Plasticity
 from . import run as bench
 from .rows import Job, Row, row
 
@@ -330,18 +332,21 @@ def resident() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def explicit_problem(comm: MPI.Intracomm, n: int) -> tuple[bench.Setup, ExplicitProblem]:
+def explicit_problem(
+    comm: MPI.Intracomm, n: int, material: Material | None = None
+) -> tuple[bench.Setup, ExplicitProblem]:
     """Explicit problem of a cube of hexahedra.
 
     Args:
         comm: communicator of the mesh.
         n: cells per side.
+        material: its material; None: linear elasticity.
 
     Returns:
         Body and problem.
     """
     setup = bench.Setup("hexahedron", 1, n, comm=comm)
-    law = materials.LinearElastic(1e3, 0.3, 1.0, "3d")
+    law = materials.LinearElastic(1e3, 0.3, 1.0, "3d") if material is None else material
     return setup, ExplicitProblem(setup.u, law, velocity=initial_velocity(setup.V))
 
 
@@ -349,7 +354,7 @@ def run_on_ranks(what: str, ranks: int, n: int) -> dict[str, float]:
     """Run this module in processes of its own.
 
     Args:
-        what: "memory" or "rate".
+        what: "memory", "history" (memory with plasticity) or "rate".
         ranks: number of ranks.
         n: cells per side.
 
@@ -404,12 +409,17 @@ def rank_rows(ranks: int, n: int = 48) -> list[Row]:
     ]  # fmt: skip
 
 
-def _memory(n: int) -> dict[str, float]:
+def _memory(n: int, plastic: bool = False) -> dict[str, float]:
     """Number of cells, and memory per cell [kB]."""
-    explicit_problem(MPI.COMM_SELF, 4)[1].advance(0.1, progress=False)
+
+    def material() -> Material | None:
+        return J2Plasticity(1e3, 0.3, 1.0, yield_stress=1e-3, hardening=100.0) if plastic else None
+
+    explicit_problem(MPI.COMM_SELF, 4, material())[1].advance(0.1, progress=False)
     gc.collect()
     before = resident()
-    setup, problem = explicit_problem(MPI.COMM_SELF, n)
+    setup, problem = explicit_problem(MPI.COMM_SELF, n, material())
+    del setup.b  # of other measurements
     problem.advance(20 * 0.9 * problem._stepper.safe_step, progress=False)
     gc.collect()
     return {"cells": setup.num_cells, "kB": (resident() - before) / setup.num_cells * 1e-3}
@@ -453,6 +463,6 @@ def jobs(large: bool = False, ranks: int = 0) -> list[Job]:
 
 if __name__ == "__main__":
     what, n, path = sys.argv[1:]
-    result = _memory(int(n)) if what == "memory" else _rate(int(n))
+    result = _rate(int(n)) if what == "rate" else _memory(int(n), plastic=what == "history")
     if MPI.COMM_WORLD.rank == 0:
         Path(path).write_text(json.dumps(result))

@@ -301,7 +301,8 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
     Returns:
         A text and a function that returns rows, for each measurement.
     """
-    from . import explicit as bench_explicit  # that module imports this one
+    from . import explicit as bench_explicit  # these modules import this one
+    from . import plastic as bench_plastic
 
     laws: list[tuple[MaterialClass, tuple[Case, ...]]] = [(materials.LinearElastic, CASES)]
     laws += [(law, FINITE) for law in (materials.StVenantKirchhoff, materials.NeoHookean)]
@@ -311,7 +312,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
         for case in cases
     ]
     out += [(f"force on 2 ranks, {c[0]} P{c[1]}", partial(rank_rows, 2, (c,))) for c in RANK_CELLS]
-    out += bench_explicit.jobs(large, ranks)
+    out += bench_explicit.jobs(large, ranks) + bench_plastic.jobs(large)
     cases = bench_contact.CASES + (bench_contact.LARGE if large else ())
     return out + [(f"static contact, {c[0]}", partial(bench_contact.contact_rows, row, (c,))) for c in cases]
 

@@ -25,6 +25,7 @@ from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.history import MaterialHistory
 from ..assembly.inelastic_part import InelasticParts
+from ..assembly.locking import warn_of_locking
 from ..forms import viscosity
 from ..forms import materials as laws
 from ..loads import DeadLoad, Load
@@ -93,7 +94,8 @@ class ExplicitProblem(Unique):
         ValueError: a value does not fit, or differs between ranks; on all ranks.
 
     Warns:
-        UserWarning: another ExplicitProblem with the same u exists.
+        UserWarning: another ExplicitProblem with the same u exists; or materials with internal variables are on cells
+            that lock.
     """
 
     _instead = "use save and restore, or make another one on a displacement function of its own"
@@ -138,6 +140,8 @@ class ExplicitProblem(Unique):
         self.loads, self.residual_form, self.given_density = list(loads), residual, density
         check_cells(mesh)
         claim(u, self, explicit=True)
+        if material is not None:
+            warn_of_locking(u, material)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         resisting = damping_tangent = laws_at_points = None
         self._parts: InelasticParts | None = None
@@ -464,7 +468,8 @@ class ExplicitProblem(Unique):
 
         Args:
             path: folder; None as for RunFolder.
-            fields: some of displacement, velocity, acceleration.
+            fields: some of displacement, velocity, acceleration; and of materials with internal variables their names,
+                stress and von_mises.
             every: steps between frames [1].
             points: points, (n, gdim); the motion of their nearest nodes is sampled [L].
             points_every: steps between samples of points [1].

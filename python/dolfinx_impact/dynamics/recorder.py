@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
@@ -13,10 +14,12 @@ from mpi4py import MPI
 
 from ..common import arguments
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
+from ..assembly.inelastic_stress import STRESS, VON_MISES
 from ..io import hdf5
 from ..io.frames import Frames
 from ..io.run_folder import RunFolder
 from .current_state import CurrentState
+from .material_frames import MaterialFrames
 from .run_history import ENERGIES
 
 if TYPE_CHECKING:
@@ -44,7 +47,7 @@ def check_arguments(
     Args:
         problem: ExplicitProblem.
         path: folder, or None.
-        fields: some of FIELDS.
+        fields: some of FIELDS, and of `material_fields`.
         every: steps between frames [1].
         points: points, (n, gdim) or (gdim); None: no points [L].
         points_every: steps between samples of points [1].
@@ -60,9 +63,10 @@ def check_arguments(
         arguments.path("path", path)
     if isinstance(fields, str):
         raise TypeError(f"fields must be a list of names, found the text {fields!r}: put it into a list")
-    unknown = [f for f in fields if f not in FIELDS]
+    known = (*FIELDS, *material_fields(problem))
+    unknown = [f for f in fields if f not in known]
     if unknown:
-        raise ValueError(f"fields {unknown} are unknown: use some of {', '.join(FIELDS)}")
+        raise ValueError(f"fields {unknown} are unknown: use some of {', '.join(known)}")
     for name, number in (("every", every), ("points_every", points_every)):
         arguments.integer(name, number, 1, unit=" of steps")
     if points is None:
@@ -79,12 +83,23 @@ def check_arguments(
     return tuple(fields), x
 
 
+def material_fields(problem: ExplicitProblem) -> tuple[str, ...]:
+    """Names of fields of the materials that a Recorder can write; none without internal variables.
+
+    Args:
+        problem: ExplicitProblem.
+    """
+    return (*problem.history, STRESS, VON_MISES) if problem.has_history else ()
+
+
 class Recorder:
     """Writes frames and histories of an ExplicitProblem into a folder; made by ExplicitProblem.record.
 
-    Files: fields.bp has the fields (ParaView 5.12 or newer). history.h5 has `time`, energies and contact forces
-    `force_0`, ... of every step, and `points/time`, `points/displacement` and `points/velocity` of shape (frames,
-    points, gdim). Datasets have units as attributes; T, L and F stand for the problem's units of time, length, force.
+    Files: fields.bp has the fields (ParaView 5.12 or newer), materials.bp those of materials, averaged at the vertices:
+    a scalar for each component, stress_xx, ... and back_stress_0, ... history.h5 has `time`, energies and contact
+    forces `force_0`, ... of every step, and `points/time`, `points/displacement` and `points/velocity` of shape
+    (frames, points, gdim). Datasets have units as attributes; T, L and F stand for the problem's units of time, length,
+    force.
 
     Histories are written with frames, at most once a second; after 100,000 steps; with checkpoints; when `advance` ends
     by an exception; and by `close`. If the disk is full, `advance` ends with a RuntimeError after a step. The files can
@@ -95,7 +110,7 @@ class Recorder:
         stepper: its TimeStepper.
         state: its CurrentState.
         path: folder; None as for RunFolder.
-        fields: some of FIELDS.
+        fields: some of FIELDS, and of `material_fields`.
         every: steps between frames [1].
         points: points whose nearest nodes are sampled, (n, gdim); None: no points [L].
         points_every: steps between samples of points [1].
@@ -124,12 +139,16 @@ class Recorder:
         self._nodes = [] if points is None else self._nearest(points)
         self.folder = RunFolder(path, comm=problem.comm, name="explicit")
         functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
-        self._fields = [functions[f] for f in fields]
+        self._fields = [functions[f] for f in fields if f in functions]
+        self._materials: MaterialFrames | None = None
+        of_materials = [f for f in fields if f not in functions]
         for name, f in functions.items():
             f.name = name
         self._writer: Frames | None = None
         if self._fields:
             self._writer = Frames(self.folder, "fields.bp", self._fields)
+        if of_materials:
+            self._materials = MaterialFrames(self.folder, problem.history, problem.space.mesh, of_materials)
         self._samples: list[tuple[float, FloatArray]] = []
         self._rows: list[npt.NDArray[np.void]] = []
         self._waiting, self._frame = 0, -1
@@ -208,6 +227,8 @@ class Recorder:
             if frame:
                 if self._writer is not None:
                     self._writer.write(p.time)
+                if self._materials is not None:
+                    self._materials.write(p.time)
                 if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
                     self.flush()
             self.seconds += time.perf_counter() - begin
@@ -260,9 +281,12 @@ class Recorder:
         finally:
             if self in self._stepper.recorders:
                 self._stepper.recorders.remove(self)
-            if self._writer is not None:
-                self._writer.close()
-                self._writer = None
+            writers: list[Frames | MaterialFrames | None] = [self._writer, self._materials]
+            self._writer = self._materials = None
+            with contextlib.ExitStack() as stack:  # closes both, whatever the first one raises
+                for writer in writers:
+                    if writer is not None:
+                        stack.callback(writer.close)
 
 
 def _append(dataset: h5py.Dataset, rows: AnyArray) -> None:

@@ -14,6 +14,7 @@ from petsc4py import PETSc
 from ..common import arguments
 from ..assembly import problem_arguments
 from ..assembly.history import MaterialHistory
+from ..assembly.locking import warn_of_locking
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
 from .bodies import make_body
@@ -68,7 +69,8 @@ class StaticProblem(Unique):
             fit; an argument differs between ranks. On all ranks.
 
     Warns:
-        UserWarning: an ExplicitProblem with the same u exists; or, after the first solve, options were not used.
+        UserWarning: an ExplicitProblem with the same u exists; materials with internal variables are on cells
+            that lock; or, after the first solve, options were not used.
     """
 
     def __init__(
@@ -94,6 +96,8 @@ class StaticProblem(Unique):
         self.space = V
         check_cells(V.mesh)
         claim(u, self)
+        if material is not None:
+            warn_of_locking(u, material)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads)
         self._b = self.body.vector()

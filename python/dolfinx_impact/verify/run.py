@@ -16,7 +16,9 @@ from . import (
     element,
     history,
     html,
+    material,
     order,
+    plastic_bodies,
     ranks,
     solution,
     spectrum,
@@ -25,7 +27,9 @@ from . import (
 from . import operator as operator_level
 from .report import Report
 
-LEVELS = ("element", "operator", "solution", "spectrum", "order", "derivative", "contact", "history", "ranks")
+LEVELS = (
+    "element", "operator", "material", "solution", "spectrum", "order", "derivative", "contact", "history", "ranks"
+)  # fmt: skip
 
 
 def cross_check(
@@ -82,21 +86,41 @@ def cross_check(
         if len(cases) > 20:
             element.compile_all(cases, progress)
         element.run(report, cases, count, progress)
+    _run_bodies(report, levels, progress)
+    if "order" in levels:
+        order.run(report, None, progress)
+    if "ranks" in levels:
+        ranks.run(report, progress=progress)
+    return report
+
+
+def _run_bodies(report: Report, levels: Collection[str], progress: bool = True, announce: bool = False) -> None:
+    """Run the levels between element and order.
+
+    Args:
+        report: report to add to.
+        levels: levels to run.
+        progress: show progress bars.
+        announce: name every level on the standard error.
+    """
     for level, module in (
         ("operator", operator_level),
+        ("material", material),
         ("solution", solution),
         ("spectrum", spectrum),
         ("derivative", derivative),
         ("contact", contact),
         ("history", history),
     ):
-        if level in levels:
-            module.run(report, progress)
-    if "order" in levels:
-        order.run(report, None, progress)
-    if "ranks" in levels:
-        ranks.run(report, progress=progress)
-    return report
+        if level not in levels:
+            continue
+        if announce:
+            print(f"level {level}", file=sys.stderr)
+        module.run(report, progress)
+        if level == "solution":
+            plastic_bodies.solution_rows(report)
+        elif level == "history":
+            plastic_bodies.history_rows(report)
 
 
 def _check(cells: Collection[str] | None, degrees: Collection[int] | None, levels: Collection[str]) -> None:
@@ -170,17 +194,7 @@ def _run(report: Report, args: argparse.Namespace) -> None:
         )
     folder = Path(args.output)
     folder.mkdir(parents=True, exist_ok=True)
-    for level, module in (
-        ("operator", operator_level),
-        ("solution", solution),
-        ("spectrum", spectrum),
-        ("derivative", derivative),
-        ("contact", contact),
-        ("history", history),
-    ):
-        if level in args.levels:
-            print(f"level {level}", file=sys.stderr)
-            module.run(report)
+    _run_bodies(report, args.levels, announce=True)
     if "order" in args.levels:
         order.run(report, folder)
     if "ranks" in args.levels:

@@ -31,6 +31,7 @@ class Model:
 
     form: ufl.Form
     law: PointLaw
+    deviatoric: object  # part of the stress
 
 
 def symbols(mesh, degree=DEGREE):
@@ -51,18 +52,21 @@ def _trial(u, plastic):
     return deviator, ufl.sqrt(1.5 * ufl.inner(deviator, deviator) + 1e-30)
 
 
-def _model(u, plastic, p, increment, unknown=None, residual=None):
+def _model(u, plastic, p, increment, unknown=None, residual=None, start=None):
     mesh = u.function_space.mesh
     deviator, size = _trial(u, plastic)
     direction = 1.5 * deviator / size
     eps = strain(u)
-    stress = deviator - 2 * SHEAR * increment * direction + BULK * ufl.tr(eps) * ufl.Identity(3)
+    deviatoric = deviator - 2 * SHEAR * increment * direction
+    stress = deviatoric + BULK * ufl.tr(eps) * ufl.Identity(3)
     form = ufl.inner(stress, strain(ufl.TestFunction(u.function_space))) * measure(mesh)
     outputs = {"plastic_strain": plastic + increment * direction, "p": p + increment}
     history = {"plastic_strain": plastic, "p": p}
+    sums = {"elastic": ufl.inner(stress, eps - plastic - increment * direction) / 2}
     if unknown is None:
-        return Model(form, PointLaw(outputs, history))
-    return Model(form, PointLaw(outputs, history, unknown, residual, 0 * p, YIELD))
+        return Model(form, PointLaw(outputs, history, sums=sums), deviatoric)
+    start = 0 * p if start is None else start
+    return Model(form, PointLaw(outputs, history, unknown, residual, start, YIELD, sums), deviatoric)
 
 
 def closed_form(u):
@@ -84,6 +88,42 @@ def voce(u):
     yields = ufl.gt(size, _flow_stress(p, ufl.exp))
     residual = ufl.conditional(yields, size - 3 * SHEAR * x - _flow_stress(p + x, ufl.exp), 3 * SHEAR * x)
     return _model(u, plastic, p, x, x, residual)
+
+
+def two_unknowns(u):
+    """Voce's hardening with the flow stress as a second unknown."""
+    mesh = u.function_space.mesh
+    plastic, p, _ = symbols(mesh)
+    x = unknowns(mesh, 2)
+    _, size = _trial(u, plastic)
+    yields = ufl.gt(size, _flow_stress(p, ufl.exp))
+    first = ufl.conditional(yields, size - 3 * SHEAR * x[0] - x[1], 3 * SHEAR * x[0])
+    residual = ufl.as_vector([first, x[1] - _flow_stress(p + x[0], ufl.exp)])
+    return _model(u, plastic, p, x[0], x, residual, ufl.as_vector([0 * p, _flow_stress(p, ufl.exp)]))
+
+
+def seven_unknowns(u):
+    """Voce's hardening with the deviator of the stress and the increment as unknowns: the general closest-point
+    projection, before its reduction to one equation."""
+    mesh = u.function_space.mesh
+    plastic, p, _ = symbols(mesh)
+    x = unknowns(mesh, 7)
+    trial, size = _trial(u, plastic)
+    yields = ufl.gt(size, _flow_stress(p, ufl.exp))
+    s = ufl.as_tensor([[x[0], x[1], x[3]], [x[1], x[2], x[4]], [x[3], x[4], x[5]]])
+    equivalent = ufl.sqrt(1.5 * ufl.inner(s, s) + 1e-30)
+    lower = [(i, j) for i in range(3) for j in range(i + 1)]
+    flow = s - trial + 3 * SHEAR * x[6] * s / equivalent
+    yield_condition = ufl.conditional(yields, equivalent - _flow_stress(p + x[6], ufl.exp), 3 * SHEAR * x[6])
+    residual = ufl.as_vector([*(flow[i, j] for i, j in lower), yield_condition])
+    start = ufl.as_vector([*(trial[i, j] for i, j in lower), 0 * p])
+    return _model(u, plastic, p, x[6], x, residual, start)
+
+
+def unknowns(mesh, size, degree=DEGREE):
+    """A vector of local unknowns."""
+    element = basix.ufl.quadrature_element(mesh.ufl_cell().cellname(), degree=degree, value_shape=(size,))
+    return ufl.Coefficient(ufl.FunctionSpace(mesh.ufl_domain(), element))
 
 
 def radial_return(eps, plastic, p, hardening):
@@ -114,6 +154,8 @@ def radial_return(eps, plastic, p, hardening):
 HARDENING = {
     closed_form: lambda p: YIELD + LINEAR * p,
     voce: lambda p: _flow_stress(p, np.exp),
+    two_unknowns: lambda p: _flow_stress(p, np.exp),
+    seven_unknowns: lambda p: _flow_stress(p, np.exp),
 }
 
 
@@ -125,7 +167,7 @@ class Reference:
         cell = mesh.ufl_cell().cellname()
         self.hardening = hardening
         element = basix.ufl.quadrature_element(cell, degree=DEGREE, value_shape=(3, 3))
-        self.stress = fem.Function(fem.functionspace(mesh, element))
+        self.stress, self.elastic = (fem.Function(fem.functionspace(mesh, element)) for _ in range(2))
         points = element.custom_quadrature()[0]
         self.expression = fem.Expression(strain(u), points)
         self.mesh, self.cells = mesh, np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
@@ -134,6 +176,7 @@ class Reference:
         self.plastic, self.p = np.zeros((n, 3, 3)), np.zeros(n)
         v = ufl.TestFunction(u.function_space)
         self.form = fem.form(ufl.inner(self.stress, strain(v)) * measure(mesh))
+        self.energy = fem.form(ufl.inner(self.stress, self.elastic) / 2 * measure(mesh))
 
     def evaluate(self):
         """Force, new plastic strain (six components, lower triangle) and equivalent plastic strain; nothing is kept."""
@@ -142,9 +185,14 @@ class Reference:
         plastic, p, stress = self.trial
         dofs = self.stress.function_space.dofmap.list[self.cells].reshape(-1)
         self.stress.x.array.reshape(-1, 9)[dofs] = stress.reshape(-1, 9)
+        self.elastic.x.array.reshape(-1, 9)[dofs] = (eps - plastic).reshape(-1, 9)
         force = fem.assemble_vector(self.form).array.copy()
         lower = np.tril_indices(3)
         return force, plastic[:, *lower].reshape(self.shape), p.reshape(self.shape)
+
+    def elastic_energy(self):
+        """Elastic energy of the last evaluation."""
+        return fem.assemble_scalar(self.energy)
 
     def commit(self):
         self.plastic, self.p = self.trial[:2]

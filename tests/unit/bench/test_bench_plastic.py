@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""The benchmark of plasticity, on small models: rows are made only of sides that compute the same."""
+
+import numpy as np
+import pytest
+
+from dolfinx_impact.bench import explicit as bench_explicit
+from dolfinx_impact.bench import plastic
+from dolfinx_impact.plasticity import J2Plasticity
+
+pytestmark = pytest.mark.alone
+
+
+@pytest.fixture(autouse=True)
+def few_rounds(monkeypatch):
+    monkeypatch.setattr(plastic, "ROUNDS", 2)
+    monkeypatch.setattr(plastic, "STEPS", 3)
+
+
+def test_rows_of_speed():
+    rows = plastic.speed_rows(5)
+    assert [r["name"].split(", ")[1] for r in rows] == ["all points yield", "no point yields"]
+    assert all(0.0 < r["ratio"] < 10.0 and r["baseline"] > 0.0 for r in rows)
+
+
+def test_a_state_of_another_name_makes_no_row(monkeypatch):
+    right = plastic.j2
+    for given in (plastic.YIELDING, plastic.ELASTIC):
+        monkeypatch.setattr(plastic, "j2", lambda _, given=given: right(given))
+        with pytest.raises(RuntimeError, match="of the points flow before the rounds"):
+            plastic.speed_rows(3)
+
+
+def test_row_of_the_usual_way():
+    """Made only if force and plastic strain agree."""
+    (row,) = plastic.usual_row(4, steps=1)
+    # In DOLFINx a step is several passes over the cells, without vectors: whatever the load, it is not the faster one.
+    assert row["ratio"] > 1.0
+
+
+@pytest.mark.parametrize("wrong", ({"hardening": 2.0}, {"yield_stress": 2e-3}, {"nu": 0.31}))
+def test_another_law_makes_no_row(monkeypatch, wrong):
+    arguments = {"E": plastic.E, "nu": plastic.NU, "yield_stress": plastic.YIELDING, "hardening": plastic.HARDENING}
+    monkeypatch.setattr(plastic, "j2", lambda _: J2Plasticity(density=1.0, **(arguments | wrong)))
+    with pytest.raises(RuntimeError, match="no timing counts"):
+        plastic.usual_row(3, steps=1)
+
+
+def test_row_of_an_own_law(monkeypatch):
+    (row,) = plastic.own_row(5)
+    assert row["name"].startswith("own law / j2") and row["value"] > 0.0
+    right = plastic.OwnJ2
+    monkeypatch.setattr(plastic, "OwnJ2", lambda y: right(2 * y))
+    with pytest.raises(RuntimeError, match="no timing counts"):
+        plastic.own_row(3)
+
+
+def test_row_of_memory(monkeypatch):
+    found = {"history": 0.7}
+    monkeypatch.setattr(bench_explicit, "run_on_ranks", lambda what, _, n: {"cells": n**3, "kB": found[what]})
+    (row,) = plastic.memory_rows(4)
+    assert row["ratio"] == pytest.approx(0.5) and "64 cells" in row["cell"]
+
+
+def test_memory_of_the_history():
+    """At least what the history takes: 6 numbers at 8 points, twice."""
+    n = 24  # 13824 cells: 10 MB of history, against which what else the process allocates is small
+    found = [bench_explicit.run_on_ranks(what, 1, n)["kB"] for what in ("memory", "history")]
+    assert np.diff(found)[0] > 0.9 * 0.768

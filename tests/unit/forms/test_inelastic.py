@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""Strains of bodies with internal variables: parts of an averaged strain, and the mean stress that laws may name."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+import dolfinx_impact as di
+from dolfinx_impact.assembly.inelastic_part import InelasticPart
+from dolfinx_impact.assembly.operators import InternalForce, cells_measure
+from dolfinx_impact.forms import inelastic
+
+ROUND_OFF = 1e-13  # relative to the largest force; sums of some hundred terms
+
+
+@pytest.fixture
+def u():
+    cube = mesh.create_unit_cube(MPI.COMM_SELF, 2, 2, 2, mesh.CellType.hexahedron)
+    rng = np.random.default_rng(3)
+    cube.geometry.x[:] += 0.05 * rng.uniform(-1.0, 1.0, cube.geometry.x.shape)  # averages differ from values at points
+    u = fem.Function(fem.functionspace(cube, ("Lagrange", 1, (3,))), name="u")
+    u.x.array[:] = 0.02 * rng.uniform(-1.0, 1.0, u.x.array.shape)
+    return u
+
+
+def force(u, change=None):
+    """Internal force of a material that yields, with a change of what its law returns."""
+    material = di.J2Plasticity(1e3, 0.3, 1.0, yield_stress=1.0, hardening=50.0)
+    dx, degree = cells_measure(u, material)
+    part = InelasticPart(u, material, dx, degree, None)
+    if change is not None:
+        respond = part.response.respond
+        part.response.respond = lambda *given: change(respond(*given))
+    form, law = part.force(ufl.TestFunction(u.function_space))
+    operator = InternalForce(form, law=law)
+    return operator.apply().array.copy()
+
+
+def difference(a, b):
+    return np.max(np.abs(a - b)) / np.max(np.abs(b))
+
+
+def test_a_mean_stress_saves_work_and_changes_nothing(u):
+    expected = force(u, lambda update: dataclasses.replace(update, mean=None))
+    assert difference(force(u), expected) < ROUND_OFF
+
+
+def test_a_mean_stress_that_varies_in_the_cell_is_averaged(u):
+    """The average must not be left out then."""
+    g = ufl.grad(u)
+
+    def varying(named):
+        def change(update):
+            pressure = 10.0 * ufl.tr(g)
+            mean = update.mean + pressure if named else None
+            return dataclasses.replace(update, stress=update.stress + pressure * ufl.Identity(3), mean=mean)
+
+        return change
+
+    with_average = force(u, varying(False))
+    assert difference(force(u, varying(True)), with_average) < ROUND_OFF
+    # What would come out without the check, from a law whose mean claims not to vary:
+    wrong = force(u, lambda update: dataclasses.replace(varying(False)(update), mean=update.mean))
+    assert difference(wrong, with_average) > 1e-5
+
+
+def test_same_in_cell(u):
+    g = ufl.grad(u)
+    constant = fem.Constant(u.function_space.mesh, 2.0)
+    assert inelastic.same_in_cell(3 * constant * ufl.cell_avg(ufl.tr(g)))
+    x = ufl.SpatialCoordinate(u.function_space.mesh)
+    for varies in (ufl.tr(g), ufl.cell_avg(ufl.tr(g)) + ufl.tr(g), constant * x[0]):
+        assert not inelastic.same_in_cell(varies)
+
+
+def test_parts_of_an_averaged_strain():
+    """At a point, with numbers: trace and deviator are those that UFL gives."""
+    rng = np.random.default_rng(1)
+    g, theta = ufl.as_tensor(rng.normal(size=(3, 3)).tolist()), 0.7
+    averaged = ufl.dev(ufl.sym(g)) + theta / 3 * ufl.Identity(3)
+    for strain in (averaged, ufl.sym(g)):
+        assert inelastic.trace(strain)(()) == pytest.approx(ufl.tr(strain)(()), abs=1e-14)
+        for i, j in np.ndindex(3, 3):
+            expected = ufl.dev(strain)[i, j](())
+            assert inelastic.deviator(strain)[i, j](()) == pytest.approx(expected, abs=1e-14)
