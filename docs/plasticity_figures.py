@@ -44,9 +44,9 @@ def taylor_bar():
     figure.colorbar(cells, label="equivalent plastic strain [1]")
     shape.plot([-9, 9], [0, 0], "k", linewidth=1)
     shape.plot([-7.22, 7.22], [-0.4, -0.4], "C3", linewidth=2, label="face, published")
-    shape.plot([-1, 1], [21.42, 21.42], "C3:", linewidth=2, label="length, published")
-    shape.set(aspect="equal", xlabel="r [mm]", ylabel="z [mm]", xlim=(-9, 9), ylim=(-1, 23.5))
-    shape.legend(loc="upper right", fontsize=7)
+    shape.plot([-5, 5], [21.42, 21.42], "C3:", linewidth=2, label="length, published")
+    shape.set(aspect="equal", xlabel="r [mm]", ylabel="z [mm]", xlim=(-9, 9), ylim=(-1, 27))
+    shape.legend(loc="upper center", fontsize=7)
     for column, name in enumerate(("radius of the face", "length")):
         curves.plot(times, np.array(history)[:, column], f"C{column}", label=f"{name}, 8 by 80 cells")
         curves.plot(PUBLISHED[:, 0], PUBLISHED[:, 1 + column], f"C{column}o", fillstyle="none", label="published")
