@@ -62,7 +62,7 @@ right = ExplicitProblem.energy_history.fget
 def energy_history(self):
     n = self.num_owned
     part = n / self.comm.allreduce(n)
-    return right(self) * ([1.0] + 8 * [part])
+    return right(self) * ([1.0] + 9 * [part])
 ExplicitProblem.energy_history = property(energy_history)
 """
 
