@@ -17,6 +17,7 @@ def few_rounds(monkeypatch):
     monkeypatch.setattr(plastic, "STEPS", 3)
 
 
+@pytest.mark.alone
 def test_rows_of_speed():
     rows = plastic.speed_rows(5)
     assert [r["name"].split(", ")[1] for r in rows] == ["all points yield", "no point yields"]
