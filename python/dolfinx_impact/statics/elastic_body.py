@@ -23,7 +23,14 @@ class ElasticBody:
         tangent: derivative of the residual.
         linear: whether the tangent is constant.
         symmetric: whether the tangent is symmetric, as far as is known.
+        inelastic: False.
+        has_inertia: False.
+        origin: None: forces are measured from zero displacement.
     """
+
+    inelastic = False
+    has_inertia = False
+    origin = None
 
     def __init__(self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form) -> None:
         self._residual = fem.form(residual)

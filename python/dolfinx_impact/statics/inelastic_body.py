@@ -29,12 +29,18 @@ class InelasticBody:
         tangent: derivative of the residual.
         linear: False.
         symmetric: False: kinematic hardening with recovery and finite strain make it unsymmetric.
+        inelastic: True.
+        has_inertia: False.
+        origin: None: forces are measured from zero displacement.
         force: operator of the internal forces, which keeps the history.
         history: internal variables by name.
     """
 
     linear = False
     symmetric = False
+    inelastic = True
+    has_inertia = False
+    origin = None
 
     def __init__(
         self, u: fem.Function, parts: InelasticParts, residual: ufl.Form | None, tangent: ufl.Form | None
