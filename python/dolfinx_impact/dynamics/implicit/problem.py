@@ -25,7 +25,7 @@ from ...common.types import ArrayLike, FilePath, FloatArray
 from ...common.unique import Unique, claim
 from ...forms import materials as laws
 from ...io.mesh_check import check_cells
-from ...loads import Load
+from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
 from ...statics.inelastic_body import InelasticBody
@@ -41,6 +41,7 @@ from .inertia import Inertia
 from .loads_in_time import LoadsInTime
 from .motion import State
 from .moving_body import MovingBody
+from .restart import ImplicitRestart
 from .scheme import ImplicitScheme
 from .step_control import StepControl
 from .step_equations import StepEquations
@@ -94,6 +95,17 @@ class NewmarkProblem(Unique):
         impact: as given.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
         num_owned: number of degrees of freedom that this rank owns [1].
+        functions: functions of time of loads, supports and obstacles.
+        supports: prescribed owned degrees of freedom, their values [L] and the column of their function of time
+            (-1: constant), for every support.
+        mass: lumped mass per degree of freedom, by which a checkpoint recognises the bodies [M].
+        body: bodies without inertia.
+        moving_body: bodies with inertia.
+        equations: equations of a step.
+        stepper: time stepping.
+        account: forces and works.
+        run_history: energies and contact forces of all steps.
+        start_displacement: displacement at the start, over owned degrees of freedom [L].
         linear_solver: solver of the linear systems.
 
     Raises:
@@ -183,6 +195,7 @@ class NewmarkProblem(Unique):
         surface = ContactNodes(V, pairs) if pairs and impact == "mass_redistribution" else None
         self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface)
         self.inertia.hold(self.fixed[: self.num_owned])
+        self.mass = self.inertia.total
         self._external = external_work(u, material, self.loads)
         self._external_form = None if self._external is None else fem.form(self._external)
         self.moving_body = MovingBody(
@@ -197,10 +210,11 @@ class NewmarkProblem(Unique):
         self._stored = self._stored_energy()
         self.start_displacement: FloatArray = u.x.array[: self.num_owned].copy()
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
-        self._account = EnergyAccount(self.comm)
-        self._stepper = ImplicitStepper(self, self._start())
+        self.account = EnergyAccount(self.comm)
+        self.stepper = ImplicitStepper(self, self._start())
+        self._restart = ImplicitRestart(self)
         self._places = self.obstacle_places(0.0)
-        self._account.forces = self._forces(self._stepper.state, 0.0)
+        self.account.forces = self._forces(self.stepper.state, 0.0)
         self.add_row()
 
     # --- set-up ----------------------------------------------------------------------------------------------------
@@ -337,7 +351,7 @@ class NewmarkProblem(Unique):
             contact.accept_step()
         forces = self._forces(state, time)
         self.body.accept_step()
-        self._account.add_step(forces, state.displacement - self._stepper.state.displacement, places - self._places)
+        self.account.add_step(forces, state.displacement - self.stepper.state.displacement, places - self._places)
         self._places = places
         self.set_motion(state)
 
@@ -367,14 +381,7 @@ class NewmarkProblem(Unique):
 
     def add_row(self) -> None:
         """Add the present energies and contact forces to the history. Collective."""
-        state = self._stepper.state
-        kinetic = 0.5 * self.comm.allreduce(float(state.velocity @ self.inertia.times(state.velocity)))
-        stored: float | None = None
-        if self.material is not None:
-            stored = 0.0 if self._stored is None else self._stored.value()
-            if isinstance(self.body, InelasticBody):
-                stored += self.body.force.sum(ELASTIC_ENERGY)
-        values = energies(kinetic, stored, self._account.works, self.contact, self.has_history)
+        values = self._energies()
         row = np.zeros(1, dtype=self.run_history.step_type)
         for name, value in values.items():
             row[name] = value
@@ -382,8 +389,28 @@ class NewmarkProblem(Unique):
             if contact.force is not None:
                 row["force"][0, k, : len(contact.force)] = contact.force
         rows = self.run_history.add(np.array([self.time]), row)
-        for recorder in self._stepper.recorders:
+        for recorder in self.stepper.recorders:
             recorder.add(rows)
+        self._set_energy(values)
+
+    def _energies(self) -> dict[str, float]:
+        """Energies of the present state [F L]. Collective."""
+        state = self.stepper.state
+        kinetic = 0.5 * self.comm.allreduce(float(state.velocity @ self.inertia.times(state.velocity)))
+        stored: float | None = None
+        if self.material is not None:
+            stored = 0.0 if self._stored is None else self._stored.value()
+            if isinstance(self.body, InelasticBody):
+                stored += self.body.force.sum(ELASTIC_ENERGY)
+        return energies(kinetic, stored, self.account.works, self.contact, self.has_history)
+
+    def _set_energy(self, values: dict[str, float] | None = None) -> None:
+        """Set the energies that `energy` shows. Collective.
+
+        Args:
+            values: energies, if they are known [F L].
+        """
+        values = self._energies() if values is None else values
         self._energy = {**values, "total": total_energy(values), "drift": self.run_history.drift(values)}
 
     # --- running ---------------------------------------------------------------------------------------------------
@@ -450,22 +477,22 @@ class NewmarkProblem(Unique):
             contact.check_parameters()
         if until == self.time:
             return
-        known = self._stepper.control
+        known = self.stepper.control
         length = known.length if known is not None and known.largest == dt and known.tolerance == tolerance else None
         control = StepControl(dt, smallest, tolerance, length)
         limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
-        self._stepper.advance(until, control, limits, callback, progress, verbose)
+        self.stepper.advance(until, control, limits, callback, progress, verbose)
         self.linear_solver.warn_of_unused()
 
     @property
     def time(self) -> float:
         """Present time [T]."""
-        return self._stepper.time
+        return self.stepper.time
 
     @property
     def step(self) -> int:
         """Number of the present step [1]."""
-        return self._stepper.step
+        return self.stepper.step
 
     @property
     def energy(self) -> dict[str, float]:
@@ -499,6 +526,23 @@ class NewmarkProblem(Unique):
         if not isinstance(self.body, InelasticBody):
             raise ValueError("no material of the problem has internal variables")
         return self.body.history
+
+    # What a checkpoint asks of a problem in time, and implicit ones do not have.
+    mass_scaling = None
+    bulk_viscosity = (0.0, 0.0)
+
+    @property
+    def dead_loads(self) -> list[DeadLoad]:
+        """None: all loads are forms."""
+        return []
+
+    def resume(self) -> None:
+        """Compute what follows from a restored state. Collective."""
+        self.set_motion(self.stepper.state)
+        self._places = self.obstacle_places(self.time)
+        with self.loads_in_time.at(self.time):
+            self._body_residual()  # stresses and energies of the restored history
+        self._set_energy()
 
     # --- files -----------------------------------------------------------------------------------------------------
 
@@ -534,8 +578,40 @@ class NewmarkProblem(Unique):
             names, places = check_arguments(self, path, fields, every, points, points_every)
             moments = [arguments.number("times", t, unit=" [T]") for t in times]
             ranks.same(points=places, times=moments)
-        output = self._stepper.recorders, lambda: self.set_motion(self._stepper.state)
+        output = self.stepper.recorders, lambda: self.set_motion(self.stepper.state)
         return Recorder(self, *output, path, names, every, places, points_every, moments, name="implicit")
+
+    def save(self, path: FilePath) -> None:
+        """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.
+
+        The file is written as PATH.part and then renamed. If writing fails, an earlier file at `path` is not changed.
+        Afterwards, recorders write their histories up to the present time.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the folder cannot be written, or no space is left; on all ranks.
+        """
+        self._restart.save(path)
+
+    def restore(self, path: FilePath) -> None:
+        """Continue from a checkpoint of the same problem, written on any number of ranks. Collective.
+
+        The problem must have the same mesh, materials, damping, scheme, supports, loads and contacts, and the same
+        functions of time up to the time of the checkpoint. On the number of ranks that wrote the file, the run
+        continues bit for bit if DOLFINx numbers the mesh in the same way; otherwise to the solver's tolerance.
+
+        Args:
+            path: file that `save` has written.
+
+        Raises:
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the file cannot be read, or is damaged; on all ranks.
+            ValueError: the file belongs to another mesh, material, ...; on all ranks. The problem is then unchanged.
+        """
+        self._restart.restore(path)
 
 
 def _scheme(beta: float | None, gamma: float | None, rho_inf: float | None, hht: float | None) -> ImplicitScheme:

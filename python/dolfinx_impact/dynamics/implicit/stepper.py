@@ -56,6 +56,17 @@ class ImplicitStepper:
         self.largest_displacement = 0.0
         self._advancing = False
 
+    def set_control(self, length: float, largest: float, smallest: float, tolerance: float | None) -> None:
+        """Set the lengths of steps from a checkpoint.
+
+        Args:
+            length: wanted length of the next step; not a number: there was no step [T].
+            largest: largest step [T].
+            smallest: smallest step [T].
+            tolerance: local error, or None [1].
+        """
+        self.control = None if math.isnan(length) else StepControl(largest, smallest, tolerance, length)
+
     def advance(
         self,
         until: float,
