@@ -57,7 +57,7 @@ MovingBodies::MovingBodies(std::unique_ptr<BodyForces> internal, Csr mass, doubl
 
 void MovingBodies::set_motion(StepMotion motion)
 {
-  for (const Vector* v : {&motion.a_slope, &motion.a_rest, &motion.v_slope, &motion.v_rest})
+  for (const Vector* v : {&motion.start, &motion.a_slope, &motion.a_rest, &motion.v_slope, &motion.v_rest})
     if (v->size() != mass_.size or not v->allFinite())
       throw std::invalid_argument("the motion of a step needs " + std::to_string(mass_.size) + " finite values");
   motion_ = std::move(motion);
@@ -65,12 +65,12 @@ void MovingBodies::set_motion(StepMotion motion)
 
 Vector MovingBodies::acceleration(const Vector& u) const
 {
-  return motion_.a_slope.cwiseProduct(u) + motion_.a_rest;
+  return motion_.a_slope.cwiseProduct(u - motion_.start) + motion_.a_rest;
 }
 
 Vector MovingBodies::velocity(const Vector& u) const
 {
-  return motion_.v_slope.cwiseProduct(u) + motion_.v_rest;
+  return motion_.v_slope.cwiseProduct(u - motion_.start) + motion_.v_rest;
 }
 
 Vector MovingBodies::damping_force(const Vector& u, const Vector& v) const
@@ -105,7 +105,7 @@ Csr MovingBodies::tangent(const Vector& u) const
 
 double MovingBodies::size(const Vector& u, const Vector& force) const
 {
-  return mass_.dot(motion_.a_slope.cwiseProduct(u)).norm() + mass_.dot(motion_.a_rest).norm() +
+  return mass_.dot(motion_.a_slope.cwiseProduct(u - motion_.start)).norm() + mass_.dot(motion_.a_rest).norm() +
          internal_->force(u).norm() + force.norm();
 }
 

@@ -6,9 +6,10 @@
 namespace impact_reference
 {
 /// Acceleration and velocity at the end of a step as functions of the displacement there, each degree of freedom by
-/// itself: a = a_slope u + a_rest, v = v_slope u + v_rest.
+/// itself: a = a_slope (u - start) + a_rest, v = v_slope (u - start) + v_rest.
 struct StepMotion
 {
+  Vector start;           ///< displacement at the start of the step [L]
   Vector a_slope, a_rest; ///< [1/T^2], [L/T^2]
   Vector v_slope, v_rest; ///< [1/T], [L/T]
 };

@@ -236,7 +236,7 @@ void bind_contact(nb::module_& m)
            {
              return s.tuple(solve_penalty(s.pair_, bodies, {points, weights}, chi, chi_t, s.state(state),
                                           s.loads(fixed, values, load, displacement),
-                                          {1, iterations, tolerance, false, false}));
+                                          {1, iterations, tolerance, false, false, 2}));
            })
       .def("step_lagrange",
            [](const Bound& s, const MovingBodies& bodies, P points, V weights, const std::string& basis,
@@ -244,7 +244,7 @@ void bind_contact(nb::module_& m)
            {
              return s.tuple(solve_lagrange(s.pair_, bodies, {points, weights}, basis_of(basis), s.state(state),
                                            s.loads(fixed, values, load, displacement),
-                                           {1, iterations, tolerance, false, false}));
+                                           {1, iterations, tolerance, false, false, 2}));
            })
       .def("slave_nodes", [](const Bound& s) { return field_nodes(s.pair_.slave); })
       .def("master_nodes", [](const Bound& s) { return field_nodes(s.pair_.master); });

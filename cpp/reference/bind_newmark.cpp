@@ -30,8 +30,8 @@ void bind_newmark(nb::module_& m)
             new (self) MovingBodies(std::move(internal), mass, alpha, beta);
           },
           nb::keep_alive<1, 2>(), nb::keep_alive<1, 5>())
-      .def("set_motion", [](MovingBodies& s, V a_slope, V a_rest, V v_slope, V v_rest)
-           { s.set_motion({a_slope, a_rest, v_slope, v_rest}); })
+      .def("set_motion", [](MovingBodies& s, V start, V a_slope, V a_rest, V v_slope, V v_rest)
+           { s.set_motion({start, a_slope, a_rest, v_slope, v_rest}); })
       .def("acceleration", &MovingBodies::acceleration)
       .def("velocity", &MovingBodies::velocity)
       .def("internal_force", &MovingBodies::internal_force)
@@ -44,7 +44,7 @@ void bind_newmark(nb::module_& m)
               double tolerance)
            {
              const FreeSolution r =
-                 solve_free(model, s, u, {fixed, values, load, {}}, {1, iterations, tolerance, false, false});
+                 solve_free(model, s, u, {fixed, values, load, {}}, {1, iterations, tolerance, false, false, 2});
              return nb::make_tuple(r.u, r.reactions, r.iterations, r.residual);
            });
 }

@@ -153,6 +153,7 @@ private:
     Vector change = system_.missing(state.u, target.values);
     double correction = std::numeric_limits<double>::infinity();
     std::set<std::int64_t> active = active_;
+    int met = 0;
     for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
     {
       Mortar m = mortar(pair, rule_, basis_, state.u, before, state.z);
@@ -167,8 +168,9 @@ private:
       const Vector right = assemble(pair, m, state, before, active, change, residual, status, relative);
       if (not std::isfinite(relative))
         return false;
-      if (iteration > 0 and same and status == status_ and
-          (relative <= options_.tolerance or correction <= options_.tolerance))
+      const bool meets = relative <= options_.tolerance or correction <= options_.tolerance;
+      met = same and status == status_ and meets ? met + 1 : 0;
+      if (iteration > 0 and met >= options_.in_a_row)
       {
         finish(m, state, before, pair, solution, status);
         solution.iterations.push_back(iteration);

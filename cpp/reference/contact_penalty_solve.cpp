@@ -112,6 +112,7 @@ private:
     Vector change = system_.missing(state.u, target.values);
     double correction = std::numeric_limits<double>::infinity();
     const Vector lambda = corners_ * state.multiplier;
+    int met = 0;
     for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
     {
       const Penalty contact = penalty(pair, rule_, state.u, chi_, chi_t, before, lambda);
@@ -121,7 +122,8 @@ private:
       const double relative = scale > 0 ? system_.free(residual).norm() / scale : 0;
       if (not std::isfinite(relative))
         return false;
-      if (iteration > 0 and (relative <= options_.tolerance or correction <= options_.tolerance))
+      met = relative <= options_.tolerance or correction <= options_.tolerance ? met + 1 : 0;
+      if (iteration > 0 and met >= options_.in_a_row)
       {
         solution.residuals.back() = relative;
         solution.contact_force = contact.force;

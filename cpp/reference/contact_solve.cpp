@@ -137,6 +137,7 @@ FreeSolution solve_free(const Model& model, const BodyForces& bodies, Vector u, 
   const detail::System system(model, bodies, loads);
   Vector change = system.missing(u, loads.values);
   double correction = std::numeric_limits<double>::infinity();
+  int met = 0;
   for (int iteration = 0; iteration <= options.max_iterations; ++iteration)
   {
     const Vector force = system.body_force(u);
@@ -145,7 +146,8 @@ FreeSolution solve_free(const Model& model, const BodyForces& bodies, Vector u, 
     const double relative = scale > 0 ? residual.norm() / scale : 0;
     if (not std::isfinite(relative))
       break;
-    if (iteration > 0 and (relative <= options.tolerance or correction <= options.tolerance))
+    met = relative <= options.tolerance or correction <= options.tolerance ? met + 1 : 0;
+    if (iteration > 0 and met >= options.in_a_row)
       return {u, system.reactions(u, loads.load, Vector::Zero(u.size())), iteration, relative};
     Entries entries;
     Vector right = residual;

@@ -23,6 +23,7 @@ struct ContactOptions
   double tolerance = 1e-12; ///< on the residual over the forces, or on the correction over the displacement
   bool augmented = false;   ///< Uzawa's method on multipliers at the corners of the slave's facets
   bool halve = true;        ///< false: a step that fails is an error
+  int in_a_row = 1;         ///< iterations in a row that must meet the tolerance
 };
 
 /// A converged state; another analysis may start from it.

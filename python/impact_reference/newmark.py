@@ -22,7 +22,7 @@ import numpy as np
 
 from . import _reference
 from .array_types import ArrayLike, BoolArray, FloatArray, IntArray, TimeValues
-from .contact import Contact, _State
+from .contact import Contact, History, _State
 from .explicit import Load, _loads, _time_levels
 from .model import Model, _vector
 
@@ -274,23 +274,23 @@ class _Run:
         """From level `number` - 1 to level `number`."""
         s, h = self.scheme, float(self.times[number] - self.times[number - 1])
         values, speeds, accelerations = self.prescribed(number, old.u)
-        # A1 = (u1 - predictor) / (beta h^2); a1 and v1 follow.
+        # A1 = (u1 - u0)/(beta h^2) + A_rest; a1 and v1 follow.
         A_slope = 1 / (s.beta * h**2)
-        A_rest = -A_slope * (old.u + h * old.v) - (0.5 - s.beta) / s.beta * old.A
+        A_rest = -old.v / (s.beta * h) - (0.5 - s.beta) / s.beta * old.A
         a_rest = ((1 - s.alpha_m) * A_rest + s.alpha_m * old.A - s.alpha_f * old.a) / (1 - s.alpha_f)
         a_slope = np.full(old.u.size, (1 - s.alpha_m) / (1 - s.alpha_f) * A_slope)
         v_rest = old.v + h * ((1 - s.gamma) * old.A + s.gamma * A_rest)
         v_slope = np.full(old.u.size, s.gamma * h * A_slope)
         loose = self.massless
-        a_slope[loose], a_rest[loose], v_slope[loose], v_rest[loose] = 0.0, 0.0, 1 / h, -old.u[loose] / h
+        a_slope[loose], a_rest[loose], v_slope[loose], v_rest[loose] = 0.0, 0.0, 1 / h, 0.0
         f = self.fixed
         a_slope[f], a_rest[f], v_slope[f], v_rest[f] = 0.0, accelerations, 0.0, speeds
-        self.bodies.set_motion(a_slope, a_rest, v_slope, v_rest)
+        self.bodies.set_motion(old.u, a_slope, a_rest, v_slope, v_rest)
         load, place = self.load(number), self.obstacle[number]
         solved = self._solve(old, state, values, load, place)
         u, support, contact_force, iterations, springs, points, state = solved
         v, a = self.bodies.velocity(u), self.bodies.acceleration(u)
-        A = A_slope * u + A_rest
+        A = A_slope * (u - old.u) + A_rest
         A[loose | self.is_fixed] = a[loose | self.is_fixed]
         internal, damping = self.bodies.internal_force(u), self.bodies.damping_force(u, v)
         inertia = self.bodies.inertia_force(a)
@@ -322,8 +322,25 @@ class _Run:
         before = replace(c.no_history(), u=state[2], displacement=state[3])
         m = c.mortar(after[0], self.contact.basis, z, before)
         traction = z - pressure[:, None] * m.normals
-        self.friction_work -= float(np.sum(traction * m.moved))
+        slip = m.moved - np.sum(m.moved * m.normals, axis=1)[:, None] * m.normals
+        if c.friction > 0.0:
+            slip = self._part_after_closing(old, state, before, slip, m.cover)[:, None] * slip
+        self.friction_work -= float(np.sum(traction * slip))
         return after[0], support, force, iterations[-1], 0.0, (pressure, traction, gap, status), after
+
+    def _part_after_closing(
+        self, old: _Level, state: _State, before: History, slip: FloatArray, cover: FloatArray
+    ) -> FloatArray:
+        """Part of a node's motion that is slip: one that was open slides freely over friction times its gap."""
+        assert self.contact is not None
+        c, z = self.contact.contact, state[8]
+        self._place(old.obstacle)
+        m = c.mortar(old.u, self.contact.basis, z, before)
+        touched = (np.sum(z * m.normals, axis=1) > 0.0) | (m.gap <= 1e-12)
+        free = np.where(touched, 0.0, c.friction * m.gap)
+        covered = np.where(cover > 0.0, cover, 1.0)
+        length = np.linalg.norm(slip, axis=1) / covered
+        return np.where(length > free, 1.0 - free / np.where(length > 0.0, length, 1.0), 0.0)
 
 
 def _work(old: _Level, new: _Level, force: str) -> float:
@@ -354,7 +371,8 @@ def run_newmark(
 
     Energies: "contact" is that of penalty springs, "friction" the sum of end traction times slip of the steps,
     "damping" and "external" the trapezoidal rule over the steps (external: loads, supports, and the obstacle's force
-    on the slave times its motion), "plastic" the plastic work of a `PlasticBody`.
+    on the slave times its motion), "plastic" what the work of the internal forces of a `PlasticBody`, by the same
+    rule, leaves beside the stored energy.
 
     Args:
         model: the bodies.
@@ -411,17 +429,16 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
     model, plastic, times = run.model, run.plastic, run.times
     level, state = run.start(u0, v0)
     levels, iterations = [level], []
-    works = {name: [0.0] for name in ("friction", "damping", "external")}
-    stored, plastic_work, strains = [], [], []
+    works = {name: [0.0] for name in ("internal", "friction", "damping", "external")}
+    stored: list[float] = []
+    strains: list[FloatArray] = []
 
     def record(level: _Level) -> None:
         if plastic is None:
             stored.append(model.energy(level.u))
-            plastic_work.append(0.0)
             return
         trial = plastic.evaluate(level.u, False)
         stored.append(trial.energy)
-        plastic_work.append(trial.work)
         plastic.commit(trial)
         strains.append(np.array(plastic.history[1]))
 
@@ -433,6 +450,7 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
         iterations.append(count)
         record(level)
         works["friction"].append(run.friction_work)
+        works["internal"].append(works["internal"][-1] + _work(old, level, "internal"))
         works["damping"].append(works["damping"][-1] + _work(old, level, "damping"))
         outside = _work(old, level, "load") + _work(old, level, "support")
         outside += float((old.total + level.total) @ (level.obstacle - old.obstacle)) / 2
@@ -441,8 +459,8 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
         "kinetic": np.array([x.v @ run.bodies.inertia_force(x.v) / 2 for x in levels]),
         "internal": np.array(stored),
         "contact": np.array([x.springs for x in levels]),
-        **{name: np.array(values) for name, values in works.items()},
-        "plastic": np.array(plastic_work),
+        **{name: np.array(works[name]) for name in ("friction", "damping", "external")},
+        "plastic": np.zeros(len(levels)) if plastic is None else np.array(works["internal"]) - np.array(stored),
     }
     energies["total"] = sum(values for name, values in energies.items() if name != "external") - energies["external"]
     history = None

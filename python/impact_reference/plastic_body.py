@@ -221,7 +221,7 @@ class PlasticBody:
     def run_newmark(self, dt: ArrayLike, num_steps: int | None = None, **arguments: Any) -> NewmarkResult:
         """Implicit dynamics from the committed history, which is committed at the end of every step.
 
-        Energy "internal" is the stored elastic one, "plastic" the plastic work.
+        Energy "internal" is the stored elastic one, "plastic" what the work of the internal forces leaves.
 
         Args:
             dt: time step; or all steps, shape (num_steps) [T].
