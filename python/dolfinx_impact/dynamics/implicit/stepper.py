@@ -284,4 +284,5 @@ class ImplicitStepper:
         p.u.x.array[:] = before
         for contact, state in zip(p.contact, states):
             contact.restore_state(state)
+            contact.update_gap(before)
         p.set_motion(self.state)
