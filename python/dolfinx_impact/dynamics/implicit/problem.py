@@ -69,8 +69,8 @@ class NewmarkProblem(Unique):
         residual: UFL residual of your own in u (rank 1): internal minus external forces. If it contains the function
             given as `velocity`, that function stands for the velocity at the end of a step.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression [M/L^3].
-        velocity: initial velocity, a function on u's space; the problem keeps it unless the residual contains it
-            [L/T].
+        velocity: initial velocity, a function on u's space; where motion is prescribed, its own velocity counts. The
+            function is not changed unless the residual contains it [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
         loads: loads; their `amplitude` is a function of time.
         contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters move by `motion`.
@@ -285,7 +285,8 @@ class NewmarkProblem(Unique):
         n = self.num_owned
         self.u.x.scatter_forward()
         self.velocity.x.scatter_forward()
-        state = State(self.u.x.array[:n].copy(), self.velocity.x.array[:n].copy(), np.zeros(n), np.zeros(n))
+        velocity = np.where(self.fixed[:n], start.prescribed.velocity, self.velocity.x.array[:n])
+        state = State(self.u.x.array[:n].copy(), velocity, np.zeros(n), np.zeros(n))
         with self.loads_in_time.scaled(start.factors):
             forces = -(self._body_residual() + self.moving_body.damping_forces(state))
         for contact in self.contact:
@@ -523,7 +524,11 @@ class NewmarkProblem(Unique):
             return
         if self.step == 0 and any(column >= 0 for _, _, column in self.supports):
             # Only now is there a step over which prescribed motion can be differentiated.
-            self.stepper.state = self._start(self.stepper.sample(dt, 0.0))
+            start = self.stepper.sample(dt, 0.0)
+            self.stepper.state = self._start(start)
+            self.account.forces = self._forces(self.stepper.state, start)
+            self.run_history.begin_anew()
+            self.add_row()
         known = self.stepper.control
         length = known.length if known is not None and known.largest == dt and known.tolerance == tolerance else None
         control = StepControl(dt, smallest, tolerance, length)

@@ -235,7 +235,7 @@ class ImplicitStepper:
             Displacement, velocity and acceleration of the prescribed degrees of freedom.
         """
         p, small = self.problem, DIFFERENCE * (step or 0.0)
-        middle = max(time, small)
+        middle = max(time, small)  # there is no time before the start
         table = p.functions.table(np.array([middle - small, middle, middle + small, time]))
         mask = np.zeros(p.num_owned, dtype=bool)
         u, v, a = np.zeros(p.num_owned), np.zeros(p.num_owned), np.zeros(p.num_owned)
