@@ -100,7 +100,8 @@ class PlasticBodies:
         rule: TheirRule = f"gauss_jacobi:{used}"
         if cell in quadrature.SIMPLICES:
             rule = basix.make_quadrature(getattr(basix.CellType, cell), used)
-        self.body = bodies.Body(domain, degree, self.steel, "linear_elastic", rule)
+        rules: dict[str, TheirRule] = {"stiffness": rule, "finite_strain": rule}  # masses keep their default rule
+        self.body = bodies.Body(domain, degree, self.steel, "linear_elastic", rules)
         self.other = ref.PlasticBody(
             self.body.model, ref.J2Parameters(E, NU, **theirs), "simo" if finite else "small", average
         )  # fmt: skip
