@@ -149,6 +149,7 @@ class PenaltyContact(ContactOutput):
         self._cpp.parameters.friction = self.pair.friction
         self.displacement, self.start_displacement = np.zeros(3), np.zeros(3)
         self.start, self.penalty, self.tangential = np.zeros_like(problem.u.x.array), spec.penalty, spec.tangential
+        self._known_status: IntArray | None = None  # that of a checkpoint, until the next evaluation
         self.uzawa, self.fault = Uzawa(V, self.slave, self._rule), ""
         num = self._points.size
         self._status: IntArray = np.zeros(num, dtype=np.int8)  # of the last iteration
@@ -220,7 +221,7 @@ class PenaltyContact(ContactOutput):
     def save_history(self) -> SavedHistory:
         """What the next increment starts from, for a checkpoint."""
         h, per_facet = self.history, len(self._rule[1])
-        rows = {"multiplier": h.multiplier, "touched": self._touched.astype(float)}
+        rows = {"multiplier": h.multiplier, "touched": self._touched.astype(float), "status": self.status.astype(float)}
         vectors = {"traction": h.traction, "slip": h.slip}
         columns = {name: v.reshape(-1, per_facet) for name, v in rows.items()}
         columns |= {name: v.reshape(-1, per_facet * self.gdim) for name, v in vectors.items()}
@@ -248,6 +249,8 @@ class PenaltyContact(ContactOutput):
         self.displacement = self.start_displacement = saved.totals["master"].copy()
         self.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
         self.update_gap(u)
+        # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
+        self._known_status = rows["status"].ravel().astype(np.int8)
         self._slip_before = np.array(self.slip)
         self.restore_totals(saved.totals)
 
@@ -313,6 +316,7 @@ class PenaltyContact(ContactOutput):
             u: displacements, owned and ghost dofs [L].
         """
         self._u = np.array(u)
+        self._known_status = None
         self._locate(self._u)
         self._seen = True
         self._cpp.parameters.touch = self._touch
@@ -531,7 +535,7 @@ class PenaltyContact(ContactOutput):
     @property
     def status(self) -> IntArray:
         """ContactStatus numbers, (n)."""
-        return self._cpp.state.status
+        return self._cpp.state.status if self._known_status is None else self._known_status
 
     @property
     def weight(self) -> FloatArray:

@@ -81,7 +81,7 @@ class EnergyAccount:
             before.external + forces.external + before.support + forces.support,
             before.damping + forces.damping,
         ]
-        sums = self.comm.allreduce(np.array([0.5 * float(pair @ moved) for pair in pairs]), MPI.SUM)
+        sums = self.comm.allreduce(np.array([0.5 * float(pair @ moved) for pair in pairs]), MPI.SUM).tolist()
         self.works.internal += sums[0]
         # Forces of obstacles are sums over all ranks already.
         self.works.external += sums[1] + 0.5 * float(np.sum((before.obstacles + forces.obstacles) * obstacles))

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...amplitude import Amplitude
+from ...common.types import FloatArray
 from ...loads import Load
 
 
@@ -19,31 +20,37 @@ class LoadsInTime:
         loads: loads whose forms have been made.
 
     Attributes:
-        amplitudes: load and function of time of the loads that have one.
-
-    Raises:
-        ValueError: a load that follows the body has an amplitude.
+        loads: those that have an amplitude.
+        amplitudes: their functions of time.
     """
 
     def __init__(self, loads: Sequence[Load]) -> None:
-        self.amplitudes = [
-            (load, Amplitude(load.amplitude, f"amplitude of {type(load).__name__}"))
-            for load in loads
-            if getattr(load, "amplitude", None) is not None
-        ]
+        self.loads = [load for load in loads if getattr(load, "amplitude", None) is not None]
+        self.amplitudes = [Amplitude(load.amplitude, f"amplitude of {type(load).__name__}") for load in self.loads]
 
-    @contextlib.contextmanager
-    def at(self, time: float) -> Iterator[None]:
-        """Inside a `with` block the loads have the values of a time.
+    def factors(self, time: float) -> FloatArray:
+        """Amplitudes at a time.
 
         Args:
             time: time [T].
+
+        Returns:
+            Factors of `loads`, (num_loads) [1].
         """
-        given = [np.copy(load.constant.value) for load, _ in self.amplitudes]
-        for (load, amplitude), value in zip(self.amplitudes, given):
-            load.constant.value = value * amplitude.sample([time])[0, 0]
+        return np.array([amplitude.sample([time])[0, 0] for amplitude in self.amplitudes])
+
+    @contextlib.contextmanager
+    def scaled(self, factors: FloatArray) -> Iterator[None]:
+        """Inside a `with` block the loads are multiplied with factors.
+
+        Args:
+            factors: factors of `loads`, (num_loads) [1].
+        """
+        given = [np.copy(load.constant.value) for load in self.loads]
+        for load, value, factor in zip(self.loads, given, factors):
+            load.constant.value = value * factor
         try:
             yield
         finally:
-            for (load, _), value in zip(self.amplitudes, given):
+            for load, value in zip(self.loads, given):
                 load.constant.value = value

@@ -49,6 +49,23 @@ class Prescribed:
     acceleration: FloatArray
 
 
+@dataclass
+class TimeValues:
+    """What functions of time prescribe at the end of a step.
+
+    Attributes:
+        time: time there [T].
+        prescribed: motion of prescribed degrees of freedom.
+        factors: amplitudes of loads, (num_loads) [1].
+        places: displacements of rigid masters, (num_contacts, 3) [L].
+    """
+
+    time: float
+    prescribed: Prescribed
+    factors: FloatArray
+    places: FloatArray
+
+
 class StepMotion:
     """Acceleration a_1 = acceleration_factor (u_1 - u_0) + acceleration_rest of a step, and the velocity likewise.
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -39,10 +41,11 @@ from .damping import DampingForce
 from .energies import EnergyAccount, Forces, energies
 from .inertia import Inertia
 from .loads_in_time import LoadsInTime
-from .motion import State
+from .motion import State, TimeValues
 from .moving_body import MovingBody
 from .restart import ImplicitRestart
 from .scheme import ImplicitScheme
+from .stable_step import highest_frequency
 from .step_control import StepControl
 from .step_equations import StepEquations
 from .stepper import MOST_STEPS, ImplicitStepper
@@ -66,8 +69,8 @@ class NewmarkProblem(Unique):
         residual: UFL residual of your own in u (rank 1): internal minus external forces. If it contains the function
             given as `velocity`, that function stands for the velocity at the end of a step.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression [M/L^3].
-        velocity: initial velocity, a function on u's space; the problem keeps it unless the residual contains it
-            [L/T].
+        velocity: initial velocity, a function on u's space; where motion is prescribed, its own velocity counts. The
+            function is not changed unless the residual contains it [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
         loads: loads; their `amplitude` is a function of time.
         contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters move by `motion`.
@@ -187,7 +190,7 @@ class NewmarkProblem(Unique):
         self.body = make_body(u, material, moving, self.loads)
         self.functions = FunctionsOfTime()
         self.loads_in_time = LoadsInTime(self.loads)
-        for _, amplitude in self.loads_in_time.amplitudes:
+        for amplitude in self.loads_in_time.amplitudes:
             self.functions.add(amplitude)
         motion = Supports(bcs, u, self.functions)
         self.supports, self.fixed = motion.parts, motion.mask
@@ -211,11 +214,15 @@ class NewmarkProblem(Unique):
         self.start_displacement: FloatArray = u.x.array[: self.num_owned].copy()
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
         self.account = EnergyAccount(self.comm)
-        self.stepper = ImplicitStepper(self, self._start())
+        self.stepper = ImplicitStepper(self)
         self._restart = ImplicitRestart(self)
-        self._places = self.obstacle_places(0.0)
-        self.account.forces = self._forces(self.stepper.state, 0.0)
+        start = self.stepper.sample(None, 0.0)
+        self._enter_contact(start)
+        self.stepper.state = self._start(start)
+        self._places = start.places
+        self.account.forces = self._forces(self.stepper.state, start)
         self.add_row()
+        self._warn_of_small_steps()
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 
@@ -268,27 +275,67 @@ class NewmarkProblem(Unique):
         form = operators.strain_energy_form(self.u, self.material)
         return operators.Energy(form) if isinstance(form, ufl.Form) else None
 
-    def _start(self) -> State:
+    def _start(self, start: TimeValues) -> State:
         """Motion at the start, with accelerations in equilibrium with the forces of bodies, loads and springs of
-        contact. Collective."""
+        contact. Collective.
+
+        Args:
+            start: what functions of time prescribe there.
+        """
         n = self.num_owned
         self.u.x.scatter_forward()
         self.velocity.x.scatter_forward()
-        state = State(self.u.x.array[:n].copy(), self.velocity.x.array[:n].copy(), np.zeros(n), np.zeros(n))
-        with self.loads_in_time.at(0.0):
+        velocity = np.where(self.fixed[:n], start.prescribed.velocity, self.velocity.x.array[:n])
+        state = State(self.u.x.array[:n].copy(), velocity, np.zeros(n), np.zeros(n))
+        with self.loads_in_time.scaled(start.factors):
             forces = -(self._body_residual() + self.moving_body.damping_forces(state))
-        for contact, place in zip(self.contact, self.obstacle_places(0.0)):
+        for contact in self.contact:
+            if not contact.has_multipliers:
+                forces += contact.contact_forces()
+        state.acceleration = self.inertia.accelerations(forces, self.fixed[:n], start.prescribed.acceleration)
+        state.mean = state.acceleration.copy()
+        self.set_motion(state)
+        return state
+
+    def _enter_contact(self, start: TimeValues) -> None:
+        """Evaluate contacts at the start. Collective.
+
+        Args:
+            start: what functions of time prescribe there.
+        """
+        self.u.x.scatter_forward()
+        for contact, place in zip(self.contact, start.places):
             contact.begin_step(self.u.x.array, place if contact.pair.rigid else None)
             contact.update_gap(self.u.x.array)
             if not contact.has_multipliers:
                 contact.update_active_set(True)
-                forces += contact.contact_forces()
             contact.accept_step()
-        given = np.zeros(n)
-        state.acceleration = self.inertia.accelerations(forces, self.fixed[:n], given)
-        state.mean = state.acceleration.copy()
-        self.set_motion(state)
-        return state
+
+    def stable_step(self) -> float:
+        """Largest stable step at the present displacement, of a scheme with beta < gamma/2; others have none.
+        Collective.
+
+        Returns:
+            Step; infinite for schemes that are stable with any step [T].
+
+        Raises:
+            RuntimeError: the eigenvalue solver does not converge.
+        """
+        product = self.scheme.stable_frequency()
+        if math.isinf(product):
+            return product
+        held = self.fixed[: self.num_owned] | self.inertia.massless
+        omega = highest_frequency(self.tangent.assemble(), self.inertia.matrix, held)
+        return product / omega if omega > 0.0 else math.inf
+
+    def _warn_of_small_steps(self) -> None:
+        step = self.stable_step()
+        if math.isfinite(step) and self.comm.rank == 0:
+            warnings.warn(
+                f"beta = {self.scheme.beta:g} is less than gamma/2 = {0.5 * self.scheme.gamma:g}: the scheme is stable "
+                f"only with steps up to {step:.4g} (at the start, without damping)",
+                stacklevel=4,
+            )
 
     # --- forces and energies -----------------------------------------------------------------------------------------
 
@@ -318,14 +365,14 @@ class NewmarkProblem(Unique):
         b.destroy()
         return values
 
-    def _forces(self, state: State, time: float) -> Forces:
+    def _forces(self, state: State, values: TimeValues) -> Forces:
         """Forces at the present displacement. Collective.
 
         Args:
             state: motion.
-            time: its time [T].
+            values: what functions of time prescribe at its time.
         """
-        with self.loads_in_time.at(time):
+        with self.loads_in_time.scaled(values.factors):
             residual, external = self._body_residual(), self._external_forces()
         damping = self.moving_body.damping_forces(state)
         balance = self.inertia.times(state.acceleration) + damping + residual
@@ -337,22 +384,20 @@ class NewmarkProblem(Unique):
         support = np.where(self.fixed[: self.num_owned], balance, 0.0)
         return Forces(residual + external, external, damping, support, obstacles)
 
-    def accept_step(self, state: State, time: float) -> None:
+    def accept_step(self, state: State, values: TimeValues) -> None:
         """Take over the state at the end of a converged step: history, contacts, works, functions. Collective.
 
         Args:
             state: motion at the end of the step.
-            time: time there [T].
+            values: what functions of time prescribe there.
         """
-        places = self.obstacle_places(time)
-        with self.loads_in_time.at(time):
-            self._body_residual()  # internal variables of the accepted displacement
         for contact in self.contact:
             contact.accept_step()
-        forces = self._forces(state, time)
+        forces = self._forces(state, values)
         self.body.accept_step()
-        self.account.add_step(forces, state.displacement - self.stepper.state.displacement, places - self._places)
-        self._places = places
+        moved = state.displacement - self.stepper.state.displacement
+        self.account.add_step(forces, moved, values.places - self._places)
+        self._places = values.places
         self.set_motion(state)
 
     def set_motion(self, state: State) -> None:
@@ -477,6 +522,13 @@ class NewmarkProblem(Unique):
             contact.check_parameters()
         if until == self.time:
             return
+        if self.step == 0 and any(column >= 0 for _, _, column in self.supports):
+            # Only now is there a step over which prescribed motion can be differentiated.
+            start = self.stepper.sample(dt, 0.0)
+            self.stepper.state = self._start(start)
+            self.account.forces = self._forces(self.stepper.state, start)
+            self.run_history.begin_anew()
+            self.add_row()
         known = self.stepper.control
         length = known.length if known is not None and known.largest == dt and known.tolerance == tolerance else None
         control = StepControl(dt, smallest, tolerance, length)
@@ -539,8 +591,9 @@ class NewmarkProblem(Unique):
     def resume(self) -> None:
         """Compute what follows from a restored state. Collective."""
         self.set_motion(self.stepper.state)
-        self._places = self.obstacle_places(self.time)
-        with self.loads_in_time.at(self.time):
+        now = self.stepper.sample(None, self.time)
+        self._places = now.places
+        with self.loads_in_time.scaled(now.factors):
             self._body_residual()  # stresses and energies of the restored history
         self._set_energy()
 

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...common.collective import attempt
+from ...common.collective import agree, attempt
 from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
 from ...statics.load_steps import Increment, StepLog
 from ...statics.snes import Solver
 from ..progress import ProgressBar
 from ..step_schedule import StepSchedule
-from .motion import Prescribed, State, StepMotion
+from .motion import Prescribed, State, StepMotion, TimeValues
 from .step_control import StepControl
 
 if TYPE_CHECKING:
@@ -33,13 +33,12 @@ class ImplicitStepper:
     """Steps an implicit problem in time.
 
     Args:
-        problem: NewmarkProblem, completely set up except for its stepper.
-        state: motion at the start.
+        problem: NewmarkProblem.
 
     Attributes:
         time: present time [T].
         step: number of the present step [1].
-        state: motion at the present time.
+        state: motion at the present time; the problem sets that at the start.
         control: lengths of steps; None before the first `advance`.
         recorders: Recorders that write during the run.
         iterations: Newton iterations of the last step [1].
@@ -47,9 +46,11 @@ class ImplicitStepper:
         rejected: number of steps so far that were repeated because of their error [1].
     """
 
-    def __init__(self, problem: NewmarkProblem, state: State) -> None:
+    state: State
+
+    def __init__(self, problem: NewmarkProblem) -> None:
         self.problem, self.comm = problem, problem.comm
-        self.time, self.step, self.state = 0.0, 0, state
+        self.time, self.step = 0.0, 0
         self.control: StepControl | None = None
         self.recorders: list[Recorder] = []
         self.iterations, self.cut_backs, self.rejected = 0, 0, 0
@@ -144,8 +145,9 @@ class ImplicitStepper:
         p, u = self.problem, self.problem.u.x
         before, states = u.array.copy(), [c.save_state() for c in p.contact]
         error: float | None = None
+        values = self.sample(step, end)
         try:
-            increment, motion = self._attempt(step, end, solver, log)
+            increment, motion = self._attempt(step, values, solver, log)
             if not increment.fault:
                 overlaps = [text for text in [c.prescribed_overlap() for c in p.contact] if text]
                 if overlaps:
@@ -158,7 +160,7 @@ class ImplicitStepper:
             state = motion.end(u.array[: p.num_owned])
             error = self._error(state, step)
             if control.accepts(step, error):
-                self._accept(state, end, step, control, error)
+                self._accept(state, values, step, control, error)
                 return
             self.rejected += 1
             log(f"  the local error is {error:.1e}: repeated with a step of {control.length:.3e}")
@@ -181,37 +183,59 @@ class ImplicitStepper:
         step, end = control.next(self.time, goal)
         self._take(step, end, control, solver, log)
 
-    def _attempt(self, step: float, end: float, solver: Solver, log: StepLog) -> tuple[Increment, StepMotion]:
-        """Solve the equations of one step. Collective."""
+    def sample(self, step: float | None, time: float) -> TimeValues:
+        """Sample all functions of time; an error on one rank is raised on all. Collective.
+
+        Args:
+            step: length of the step that ends or begins then; None: not known, velocities and accelerations are not
+                computed [T].
+            time: time [T].
+
+        Returns:
+            What they prescribe.
+        """
         p = self.problem
-        prescribed = self.prescribed(step, end)
+
+        def values() -> TimeValues:
+            factors, places = p.loads_in_time.factors(time), p.obstacle_places(time)
+            return TimeValues(time, self.prescribed(step, time), factors, places)
+
+        found, error = attempt(values)
+        agree(self.comm, error, "functions of time")
+        return found
+
+    def _attempt(
+        self, step: float, values: TimeValues, solver: Solver, log: StepLog
+    ) -> tuple[Increment, StepMotion]:
+        """Solve the equations of one step. Collective."""
+        p, prescribed = self.problem, values.prescribed
         motion = StepMotion(p.scheme, step, self.state, p.inertia.massless, prescribed)
         target = p.u.x.array.copy()
         target[: p.num_owned] = np.where(prescribed.mask, prescribed.displacement, target[: p.num_owned])
         target = p.with_ghosts(target)
-        with p.loads_in_time.at(end):
-            for contact, place in zip(p.contact, p.obstacle_places(end)):
+        with p.loads_in_time.scaled(values.factors):
+            for contact, place in zip(p.contact, values.places):
                 contact.begin_step(p.u.x.array, place if contact.pair.rigid else None, target)
             p.moving_body.begin_step(motion)
-            # Free bodies begin where they fly to; what is not smooth there (contact) is left to Newton's method.
-            guess = np.where(prescribed.mask, p.u.x.array[: p.num_owned], motion.predictor())
-            p.u.x.array[: p.num_owned] = guess
-            p.u.x.scatter_forward()
+            if not p.contact:  # bodies that may touch begin where they are: contact is searched for from there
+                guess = np.where(prescribed.mask, p.u.x.array[: p.num_owned], motion.predictor())
+                p.u.x.array[: p.num_owned] = guess
+                p.u.x.scatter_forward()
             increment = solver.run(target, log)
         return increment, motion
 
-    def prescribed(self, step: float, time: float) -> Prescribed:
+    def prescribed(self, step: float | None, time: float) -> Prescribed:
         """Prescribed motion at a time; derivatives by central differences over a small part of a step.
 
         Args:
-            step: length of the step that ends then [T].
+            step: length of the step that ends or begins then; None: not known, the derivatives are zero [T].
             time: time [T].
 
         Returns:
             Displacement, velocity and acceleration of the prescribed degrees of freedom.
         """
-        p, small = self.problem, DIFFERENCE * step
-        middle = max(time, small)
+        p, small = self.problem, DIFFERENCE * (step or 0.0)
+        middle = max(time, small)  # there is no time before the start
         table = p.functions.table(np.array([middle - small, middle, middle + small, time]))
         mask = np.zeros(p.num_owned, dtype=bool)
         u, v, a = np.zeros(p.num_owned), np.zeros(p.num_owned), np.zeros(p.num_owned)
@@ -221,8 +245,9 @@ class ImplicitStepper:
             if column >= 0:
                 before, now, after, exact = table[:, column]
                 u[dofs] = values * exact
-                v[dofs] = values * (after - before) / (2.0 * small)
-                a[dofs] = values * (after - 2.0 * now + before) / small**2
+                if small > 0.0:
+                    v[dofs] = values * (after - before) / (2.0 * small)
+                    a[dofs] = values * (after - 2.0 * now + before) / small**2
         return Prescribed(mask, u, v, a)
 
     def _error(self, state: State, step: float) -> float | None:
@@ -244,10 +269,12 @@ class ImplicitStepper:
         sums = self.comm.allreduce(np.array([float(mass @ values**2), float(mass.sum())]))
         return math.sqrt(sums[0] / sums[1])
 
-    def _accept(self, state: State, end: float, step: float, control: StepControl, error: float | None) -> None:
+    def _accept(
+        self, state: State, values: TimeValues, step: float, control: StepControl, error: float | None
+    ) -> None:
         """Take over a converged step. Collective."""
-        self.problem.accept_step(state, end)
-        self.state, self.time, self.step = state, end, self.step + 1
+        self.problem.accept_step(state, values)
+        self.state, self.time, self.step = state, values.time, self.step + 1
         self.problem.add_row()
         control.done(step, self.iterations, error)
 
@@ -257,4 +284,5 @@ class ImplicitStepper:
         p.u.x.array[:] = before
         for contact, state in zip(p.contact, states):
             contact.restore_state(state)
+            contact.update_gap(before)
         p.set_motion(self.state)
