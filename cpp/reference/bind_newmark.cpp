@@ -45,7 +45,7 @@ void bind_newmark(nb::module_& m)
            {
              const FreeSolution r =
                  solve_free(model, s, u, {fixed, values, load, {}}, {1, iterations, tolerance, false, false, 2});
-             return nb::make_tuple(r.u, r.reactions, r.iterations, r.residual);
+             return std::make_tuple(r.u, r.reactions, r.iterations, r.residual);
            });
 }
 } // namespace impact_reference

@@ -144,7 +144,8 @@ void bind_plasticity(nb::module_& m)
 
   nb::class_<PlasticBody::Trial>(m, "PlasticTrial")
       .def_ro("force", &PlasticBody::Trial::force)
-      .def_prop_ro("tangent", [](const PlasticBody::Trial& t) { return arrays(t.tangent); })
+      .def_prop_ro(
+          "tangent", [](const PlasticBody::Trial& t) { return arrays(t.tangent); }, nb::rv_policy::move)
       .def_ro("energy", &PlasticBody::Trial::energy)
       .def_ro("work", &PlasticBody::Trial::work)
       .def_ro("dissipation", &PlasticBody::Trial::dissipation)
