@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "bindings.h"
 #include "MovingBodies.h"
+#include "bindings.h"
 #include "contact_solve.h"
 #include <set>
 
@@ -227,8 +227,7 @@ void bind_contact(nb::module_& m)
            {
              return s.tuple(solve_lagrange(s.pair_, ElasticForces(s.pair_.model, {points, weights}),
                                            {contact_points, contact_weights}, basis_of(basis), s.state(state),
-                                           s.loads(fixed, values, load, displacement),
-                                           {steps, iterations, tolerance}));
+                                           s.loads(fixed, values, load, displacement), {steps, iterations, tolerance}));
            })
       .def("step_penalty",
            [](const Bound& s, const MovingBodies& bodies, P points, V weights, double chi, double chi_t,

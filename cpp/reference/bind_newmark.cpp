@@ -13,8 +13,8 @@ void bind_newmark(nb::module_& m)
   using V = const Vector&;
   using Dofs = const std::vector<std::int64_t>&;
 
-  m.def("inertia_matrix", [](const Model& model, P points, V weights, const std::string& lumping,
-                             const std::vector<bool>& redistributed)
+  m.def("inertia_matrix",
+        [](const Model& model, P points, V weights, const std::string& lumping, const std::vector<bool>& redistributed)
         { return inertia_matrix(model, {points, weights}, lumping, redistributed); });
   nb::class_<MovingBodies>(m, "MovingBodies")
       .def(

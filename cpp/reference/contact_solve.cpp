@@ -10,8 +10,7 @@ namespace impact_reference
 namespace detail
 {
 System::System(const Model& model, const BodyForces& bodies, const ContactLoads& loads)
-    : loads_(loads), bodies_(bodies),
-      numbers_(free_numbers(model.elimination_order(), model.gdim(), loads.fixed_dofs)),
+    : loads_(loads), bodies_(bodies), numbers_(free_numbers(model.elimination_order(), model.gdim(), loads.fixed_dofs)),
       num_free_(std::count_if(numbers_.begin(), numbers_.end(), [](auto n) { return n >= 0; }))
 {
   if (loads.values.size() != std::int64_t(loads.fixed_dofs.size()) or loads.load.size() != model.num_dofs())

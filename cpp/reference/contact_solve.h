@@ -124,7 +124,7 @@ struct Target
 /// Runs `newton(pair, state, target)` from state to state; it returns false, and may spoil the state, if it fails. The
 /// pair it is given has the obstacle where the step wants it.
 using Step = std::function<bool(const ContactPair&, ContactState&, const Target&, ContactSolution&)>;
-ContactSolution solve_in_steps(const System& system, const ContactPair& pair, const ContactState& start, const ContactOptions& options,
-                               const Step& step);
+ContactSolution solve_in_steps(const System& system, const ContactPair& pair, const ContactState& start,
+                               const ContactOptions& options, const Step& step);
 } // namespace detail
 } // namespace impact_reference

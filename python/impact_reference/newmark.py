@@ -137,7 +137,9 @@ class NewmarkResult:
     energies: dict[str, FloatArray]  # by the names of ENERGIES, each (num_levels) [F L]
     iterations: list[int]  # Newton's, of every step
     contact: NewmarkContactHistory | None = None
-    plastic_strain: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))  # of a PlasticBody (num_levels, points)
+    plastic_strain: FloatArray = field(
+        default_factory=lambda: np.zeros((0, 0))
+    )  # of a PlasticBody (num_levels, points)
 
 
 @dataclass

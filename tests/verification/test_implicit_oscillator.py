@@ -26,13 +26,18 @@ class Rod:
     """
 
     def __init__(self, number=0, **options):
-        domain = mesh.create_rectangle(MPI.COMM_WORLD, [[0.0, 0.0], [1.0, 0.25]], [CELLS, 1], mesh.CellType.quadrilateral)
+        domain = mesh.create_rectangle(
+            MPI.COMM_WORLD, [[0.0, 0.0], [1.0, 0.25]], [CELLS, 1], mesh.CellType.quadrilateral
+        )
         V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
         x = V.tabulate_dof_coordinates()[:, 0]
         side = fem.locate_dofs_geometrical((V.sub(1), V.sub(1).collapse()[0]), lambda x: x[0] > -1.0)
         bcs = [
-            fem.dirichletbc(fem.Function(V.sub(0).collapse()[0]), fem.locate_dofs_geometrical(
-                (V.sub(0), V.sub(0).collapse()[0]), lambda x: np.isclose(x[0], 0.0)), V.sub(0)),
+            fem.dirichletbc(
+                fem.Function(V.sub(0).collapse()[0]),
+                fem.locate_dofs_geometrical((V.sub(0), V.sub(0).collapse()[0]), lambda x: np.isclose(x[0], 0.0)),
+                V.sub(0),
+            ),
             fem.dirichletbc(fem.Function(V.sub(1).collapse()[0]), side, V.sub(1)),
         ]
         # Linear elements on a uniform mesh have sines as modes; consistent mass: Hughes (2000), section 7.3.
@@ -87,7 +92,9 @@ def test_frequency_of_the_trapezoidal_rule(product, error):
     assert np.arccos(cosine) / product - 1.0 == pytest.approx(error, abs=5e-8)
 
 
-@pytest.mark.parametrize(("parameters", "radius"), [((0.25, 0.5), 1.0), ((0.3025, 0.6), 0.818182), ((0.49, 0.9), 0.428571)])
+@pytest.mark.parametrize(
+    ("parameters", "radius"), [((0.25, 0.5), 1.0), ((0.3025, 0.6), 0.818182), ((0.49, 0.9), 0.428571)]
+)
 def test_spectral_radius_at_infinity(parameters, radius):
     """Benchmark T-5; six digits are given. At w h = 1e5 the radius differs from its limit by 1e-10."""
     assert ImplicitScheme.newmark(*parameters).spectral_radius(1e5) == pytest.approx(radius, abs=1e-6)

@@ -71,8 +71,9 @@ class ConsistentMass:
                 w = np.zeros(sum(c["num_dofs"] for c in kernel.coefficients))
                 for c in kernel.coefficients:
                     f = compiled.coefficients[c["position"]]
-                    values = f.x.array.reshape(-1, f.function_space.dofmap.bs)
-                    w[c["offset"] : c["offset"] + c["num_dofs"]] = values[f.function_space.dofmap.cell_dofs(cell)].ravel()
+                    dofmap = f.function_space.dofmap
+                    values = f.x.array.reshape(-1, dofmap.bs)[dofmap.cell_dofs(cell)]
+                    w[c["offset"] : c["offset"] + c["num_dofs"]] = values.ravel()
                 matrix = np.zeros((size, size))
                 x = np.ascontiguousarray(mesh.geometry.x[mesh.geometry.dofmap[cell]])
                 kernel.tabulate(matrix.reshape(-1), w, constants, x.reshape(-1))

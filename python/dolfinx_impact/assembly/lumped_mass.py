@@ -23,6 +23,7 @@ from .jit import compile_form
 
 CellMasses: TypeAlias = Sequence[tuple[IntArray, FloatArray]]  # cells of each material, and their masses [M]
 
+
 def mass_measure(
     V: FunctionSpace,
     hypothesis: str,

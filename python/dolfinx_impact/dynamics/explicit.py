@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
-from dolfinx.mesh import Mesh
 from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
 from .. import _cpp
-from ..common import arguments
 from ..assembly import operators, problem_arguments
 from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
-from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
+from ..common.types import ArrayLike, FilePath, FloatArray
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.history import MaterialHistory
@@ -196,8 +194,8 @@ class ExplicitProblem(Unique):
         self._add_damping(v)
         self._functions = FunctionsOfTime()
         self._set_loads(self.loads, v)
-        motion = Supports(bcs, u, self._functions)
-        self.supports, self.prescribed = motion.parts, motion.mask
+        supports = Supports(bcs, u, self._functions)
+        self.supports, self.prescribed = supports.parts, supports.mask
         for dofs, values, column in self.supports:
             self._cpp_object.prescribe(dofs.astype(np.int32), values, column)
         self.contact: list[NodalResult] = [c._bind_explicit(self) for c in contact]

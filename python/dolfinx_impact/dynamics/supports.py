@@ -33,9 +33,7 @@ class Supports:
         ValueError: a prescribed displacement differs from u at the start; on all ranks.
     """
 
-    def __init__(
-        self, bcs: Sequence[DirichletBC | PrescribedMotion], u: Function, functions: FunctionsOfTime
-    ) -> None:
+    def __init__(self, bcs: Sequence[DirichletBC | PrescribedMotion], u: Function, functions: FunctionsOfTime) -> None:
         V = u.function_space
         num_owned, comm = V.dofmap.index_map.size_local * V.dofmap.index_map_bs, V.mesh.comm
         self.mask: BoolArray = np.zeros(len(u.x.array), dtype=bool)

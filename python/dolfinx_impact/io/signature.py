@@ -91,15 +91,27 @@ class Problem(Protocol):
     mass: la.Vector
     material: _Material | MaterialMap | None
     damping: Rayleigh
-    scheme: object
-    lumping: str | None
-    mass_scaling: float | None
     loads: list[Load]
-    dead_loads: list[DeadLoad]
     supports: list[tuple[IntArray, FloatArray, int]]
     bulk_viscosity: tuple[float, float]
     residual_form: ufl.Form | None
     given_density: float | ufl.core.expr.Expr | None
+
+    @property
+    def scheme(self) -> object:
+        """Scheme; its text is compared."""
+
+    @property
+    def lumping(self) -> str | None:
+        """Lumping scheme."""
+
+    @property
+    def mass_scaling(self) -> float | None:
+        """Step to which cells are scaled, or None [T]."""
+
+    @property
+    def dead_loads(self) -> Sequence[DeadLoad]:
+        """Loads that do not follow the body, as nodal forces."""
 
     @property
     def contact(self) -> Sequence[Contact]:

@@ -31,15 +31,17 @@ class Body(Protocol):
         symmetric: whether the tangent is symmetric, as far as is known.
         inelastic: whether a body has internal variables.
         has_inertia: whether inertia holds the bodies, so that they need no supports.
-        origin: displacements from which Newton's method measures how large forces are, over owned degrees of freedom;
-            None: from zero [L].
     """
 
     linear: bool
     symmetric: bool
     inelastic: bool
     has_inertia: bool
-    origin: FloatArray | None
+
+    @property
+    def origin(self) -> FloatArray | None:
+        """Displacements from which Newton's method measures how large forces are, over owned degrees of freedom; None:
+        from zero [L]."""
 
     @property
     def tangent(self) -> BodyTangent:

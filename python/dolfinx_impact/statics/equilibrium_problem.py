@@ -27,7 +27,6 @@ class EquilibriumProblem(Protocol):
         space: displacement space.
         material: material of the bodies; None for a residual of a user's own.
         axisymmetric: whether x is the radius.
-        body: residual of the bodies and its tangent.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
         num_owned: number of degrees of freedom that this rank owns [1].
         linear_solver: solver of the linear systems.
@@ -39,7 +38,6 @@ class EquilibriumProblem(Protocol):
     space: FunctionSpace
     material: _Material | MaterialMap | None
     axisymmetric: bool
-    body: Body
     fixed: BoolArray
     num_owned: int
     linear_solver: LinearSolver
@@ -49,6 +47,10 @@ class EquilibriumProblem(Protocol):
     @property
     def contact(self) -> Sequence[LagrangeContact | PenaltyContact]:
         """Contacts."""
+
+    @property
+    def body(self) -> Body:
+        """Residual of the bodies and its tangent."""
 
     @property
     def tangent(self) -> BodyTangent:

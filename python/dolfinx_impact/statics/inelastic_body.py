@@ -31,7 +31,6 @@ class InelasticBody:
         symmetric: False: kinematic hardening with recovery and finite strain make it unsymmetric.
         inelastic: True.
         has_inertia: False.
-        origin: None: forces are measured from zero displacement.
         force: operator of the internal forces, which keeps the history.
         history: internal variables by name.
     """
@@ -40,7 +39,6 @@ class InelasticBody:
     symmetric = False
     inelastic = True
     has_inertia = False
-    origin = None
 
     def __init__(
         self, u: fem.Function, parts: InelasticParts, residual: ufl.Form | None, tangent: ufl.Form | None
@@ -56,6 +54,11 @@ class InelasticBody:
         self.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._values: FloatArray = self.force.vector().array
         self._vector_form = fem.form(ufl.inner(u, ufl.TestFunction(self.space)) * ufl.dx)
+
+    @property
+    def origin(self) -> None:
+        """None: forces are measured from zero displacement."""
+        return None
 
     def vector(self) -> PETSc.Vec:
         """Make a vector for the residual, with ghosts."""

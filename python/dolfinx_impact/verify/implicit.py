@@ -181,9 +181,7 @@ def without_contact(cell: str, degree: int, variation: RandomVariation | None = 
         "damped block under a load, generalised-alpha", linear, shaken, **clamped, damping=(0.1, 0.004),
         gravity=gravity, parameters={"rho_inf": 0.6},
     )  # fmt: skip
-    yield Run(
-        "hinged block that swings, neo-Hookean", large, swinging, fixed_nodes=corner, parameters={"rho_inf": 0.8}
-    )
+    yield Run("hinged block that swings, neo-Hookean", large, swinging, fixed_nodes=corner, parameters={"rho_inf": 0.8})
     if not plane:
         return
     yield Run("shaken block, HHT, lumped", linear, shaken, **clamped, lumping="auto", parameters={"hht": -0.1})

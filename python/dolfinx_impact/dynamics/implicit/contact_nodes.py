@@ -38,7 +38,8 @@ class ContactNodes:
         index_map = V.dofmap.index_map
         mask = la.vector(index_map, 1)
         for pair in pairs:
-            for tag in [pair.slave] if pair.rigid else [pair.slave, pair.master]:
+            tagged = [pair.slave, pair.master] if isinstance(pair.master, int) else [pair.slave]
+            for tag in tagged:
                 tags = pair.facet_tags
                 V.mesh.topology.create_connectivity(tags.dim, V.mesh.topology.dim)
                 mask.array[fem.locate_dofs_topological(V, tags.dim, tags.find(tag))] = 1.0

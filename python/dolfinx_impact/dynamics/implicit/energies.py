@@ -11,11 +11,11 @@ import numpy as np
 from mpi4py import MPI
 
 from ...common.types import FloatArray
+from ...contact.penalty.penalty import PenaltyContact
 from ..run_history import ENERGIES
 
 if TYPE_CHECKING:
     from ...contact.mortar.lagrange import LagrangeContact
-    from ...contact.penalty.penalty import PenaltyContact
 
 
 @dataclass
@@ -97,7 +97,7 @@ def stored_in_contact(contact: LagrangeContact | PenaltyContact) -> float:
     Returns:
         Energy [F L].
     """
-    if contact.has_multipliers or contact.penalty is None:
+    if not isinstance(contact, PenaltyContact) or contact.penalty is None or contact.tangential is None:
         return 0.0
     normal = contact.pressure
     tangential = contact.traction - normal[:, None] * contact.normal

@@ -29,6 +29,7 @@ class MovingBody:
         body: bodies without inertia.
         inertia: mass matrix.
         tangent: this object.
+        origin: displacements at the start of the step, over owned degrees of freedom [L].
         matrix: the matrix [F/L].
         linear: whether the tangent is constant within a step.
         symmetric: whether the tangent is symmetric, as far as is known.
@@ -55,6 +56,7 @@ class MovingBody:
         self.tangent = self
         self._num_owned = len(inertia.massless)
         self._step: StepMotion | None = None
+        self.origin: FloatArray | None = None
         self._mass: PETSc.Mat | None = None  # mass and its damping, scaled by the factors of the step
         self._factors: list[FloatArray] = []  # that `_mass` and the tangent of linear bodies were made with
         self._linear_tangent: PETSc.Mat | None = None

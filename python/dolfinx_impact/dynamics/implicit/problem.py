@@ -304,8 +304,8 @@ class NewmarkProblem(Unique):
             start: what functions of time prescribe there.
         """
         self.u.x.scatter_forward()
-        for contact, place in zip(self.contact, start.places):
-            contact.begin_step(self.u.x.array, place if contact.pair.rigid else None)
+        for k, contact in enumerate(self.contact):
+            contact.begin_step(self.u.x.array, start.places[k] if contact.pair.rigid else None)
             contact.update_gap(self.u.x.array)
             if not contact.has_multipliers:
                 contact.update_active_set(True)
@@ -580,7 +580,7 @@ class NewmarkProblem(Unique):
         return self.body.history
 
     # What a checkpoint asks of a problem in time, and implicit ones do not have.
-    mass_scaling = None
+    mass_scaling: float | None = None
     bulk_viscosity = (0.0, 0.0)
 
     @property
@@ -669,8 +669,8 @@ class NewmarkProblem(Unique):
 
 def _scheme(beta: float | None, gamma: float | None, rho_inf: float | None, hht: float | None) -> ImplicitScheme:
     """Scheme of the arguments of a problem; TypeError or ValueError if they do not fit."""
-    families = [("beta, gamma", beta, gamma), ("rho_inf", rho_inf), ("hht", hht)]
-    given = [name for name, *values in families if any(v is not None for v in values)]
+    families = {"beta, gamma": (beta, gamma), "rho_inf": (rho_inf,), "hht": (hht,)}
+    given = [name for name, values in families.items() if any(v is not None for v in values)]
     if len(given) > 1:
         raise ValueError(f"{' and '.join(given)} are given: each of them determines all parameters, give one")
     if rho_inf is not None:

@@ -11,7 +11,7 @@ import numpy as np
 from ...common import arguments
 from ...common.collective import agree, attempt, guard
 from ...common.interrupts import Interrupts
-from ...common.types import FilePath, FloatArray
+from ...common.types import FilePath, FloatArray, IntArray
 from ...contact.saved_history import SavedHistory
 from ...io import checkpoint
 from ...io.signature import functions_of_time, supports
@@ -85,7 +85,9 @@ class ImplicitRestart:
         values |= {f"force {name}": getattr(account.forces, name) for name in FORCES}
         values["start"] = p.start_displacement
         arrays = {name: v.reshape(-1, bs) for name, v in values.items()}
-        nodal, facets, totals = {}, {}, {}
+        nodal: dict[str, tuple[IntArray, FloatArray]] = {}
+        facets: dict[str, tuple[IntArray, FloatArray]] = {}
+        totals: dict[str, FloatArray] = {}
         for k, contact in enumerate(p.contact):
             saved = contact.save_history()
             (facets if saved.on_facets else nodal)[f"contact{k}"] = (saved.keys, saved.table())
@@ -207,7 +209,8 @@ class ImplicitRestart:
         for name, value in zip(WORKS, a["works"]):
             setattr(account.works, name, float(value))
         obstacles = np.asarray(a["obstacles"]).reshape(-1, 3)
-        account.forces = Forces(*(arrays[f"force {name}"].copy() for name in FORCES), obstacles=obstacles)
+        internal, external, damping, support = (arrays[f"force {name}"].copy() for name in FORCES)
+        account.forces = Forces(internal, external, damping, support, obstacles)
         p.run_history.resume(float(a["total_start"]), float(a["largest"]))
         p.linear_solver.reset()
         p.resume()

@@ -140,9 +140,7 @@ class ImplicitScheme:
         w2, c = product**2, 2.0 * damping * product
         m, f = self.alpha_m, self.alpha_f
         # Rows: the two formulas of Newmark, then the mean of the accelerations with a = -c v - w2 u.
-        left = np.array(
-            [[1.0, 0.0, -self.beta], [0.0, 1.0, -self.gamma], [(1.0 - f) * w2, (1.0 - f) * c, 1.0 - m]]
-        )
+        left = np.array([[1.0, 0.0, -self.beta], [0.0, 1.0, -self.gamma], [(1.0 - f) * w2, (1.0 - f) * c, 1.0 - m]])
         right = np.array([[1.0, 1.0, 0.5 - self.beta], [0.0, 1.0, 1.0 - self.gamma], [-f * w2, -f * c, -m]])
         return np.linalg.solve(left, right)
 

@@ -47,6 +47,9 @@ class ImplicitStepper:
     """
 
     state: State
+    time: float
+    step: int
+    largest_displacement: float
 
     def __init__(self, problem: NewmarkProblem) -> None:
         self.problem, self.comm = problem, problem.comm
@@ -204,9 +207,7 @@ class ImplicitStepper:
         agree(self.comm, error, "functions of time")
         return found
 
-    def _attempt(
-        self, step: float, values: TimeValues, solver: Solver, log: StepLog
-    ) -> tuple[Increment, StepMotion]:
+    def _attempt(self, step: float, values: TimeValues, solver: Solver, log: StepLog) -> tuple[Increment, StepMotion]:
         """Solve the equations of one step. Collective."""
         p, prescribed = self.problem, values.prescribed
         motion = StepMotion(p.scheme, step, self.state, p.inertia.massless, prescribed)
@@ -214,8 +215,8 @@ class ImplicitStepper:
         target[: p.num_owned] = np.where(prescribed.mask, prescribed.displacement, target[: p.num_owned])
         target = p.with_ghosts(target)
         with p.loads_in_time.scaled(values.factors):
-            for contact, place in zip(p.contact, values.places):
-                contact.begin_step(p.u.x.array, place if contact.pair.rigid else None, target)
+            for k, contact in enumerate(p.contact):
+                contact.begin_step(p.u.x.array, values.places[k] if contact.pair.rigid else None, target)
             p.moving_body.begin_step(motion)
             if not p.contact:  # bodies that may touch begin where they are: contact is searched for from there
                 guess = np.where(prescribed.mask, p.u.x.array[: p.num_owned], motion.predictor())
@@ -269,9 +270,7 @@ class ImplicitStepper:
         sums = self.comm.allreduce(np.array([float(mass @ values**2), float(mass.sum())]))
         return math.sqrt(sums[0] / sums[1])
 
-    def _accept(
-        self, state: State, values: TimeValues, step: float, control: StepControl, error: float | None
-    ) -> None:
+    def _accept(self, state: State, values: TimeValues, step: float, control: StepControl, error: float | None) -> None:
         """Take over a converged step. Collective."""
         self.problem.accept_step(state, values)
         self.state, self.time, self.step = state, values.time, self.step + 1
