@@ -49,7 +49,7 @@ Matrix lumped_cell(const Vector& lumped, const Eigen::MatrixXd& T, int d)
 } // namespace
 
 MovingBodies::MovingBodies(std::unique_ptr<BodyForces> internal, Csr mass, double alpha, double beta)
-    : internal_(std::move(internal)), mass_(std::move(mass)), alpha_(alpha), beta_(beta)
+    : internal_(std::move(internal)), mass_(std::move(mass)), alpha_(alpha), beta_(beta), unit_size_(internal_->unit_size())
 {
   if (not(alpha >= 0) or not(beta >= 0) or not std::isfinite(alpha) or not std::isfinite(beta))
     throw std::invalid_argument("the factors of Rayleigh's damping must not be negative");
@@ -79,7 +79,7 @@ Vector MovingBodies::damping_force(const Vector& u, const Vector& v) const
   if (alpha_ > 0)
     result += alpha_ * mass_.dot(v);
   if (beta_ > 0)
-    result += beta_ * internal_->tangent(u).dot(v);
+    result += beta_ * internal_->damping_stiffness(u).dot(v);
   return result;
 }
 
@@ -93,12 +93,13 @@ Csr MovingBodies::tangent(const Vector& u) const
   Csr result = internal_->tangent(u);
   if (result.indices != mass_.indices)
     throw std::logic_error("mass and stiffness have different patterns");
+  const Csr damping = beta_ > 0 ? internal_->damping_stiffness(u) : Csr{};
   for (std::int64_t i = 0; i < result.size; ++i)
     for (std::int64_t k = result.indptr[i]; k < result.indptr[i + 1]; ++k)
     {
       const std::int64_t j = result.indices[k];
-      const double K = result.data[k], M = mass_.data[k];
-      result.data[k] = K + M * motion_.a_slope(j) + (alpha_ * M + beta_ * K) * motion_.v_slope(j);
+      const double M = mass_.data[k], C = alpha_ * M + (beta_ > 0 ? beta_ * damping.data[k] : 0);
+      result.data[k] += M * motion_.a_slope(j) + C * motion_.v_slope(j);
     }
   return result;
 }
@@ -106,7 +107,7 @@ Csr MovingBodies::tangent(const Vector& u) const
 double MovingBodies::size(const Vector& u, const Vector& force) const
 {
   return mass_.dot(motion_.a_slope.cwiseProduct(u - motion_.start)).norm() + mass_.dot(motion_.a_rest).norm() +
-         internal_->force(u).norm() + force.norm();
+         internal_->force(u).norm() + force.norm() + 0.1 * unit_size_;
 }
 
 Csr inertia_matrix(const Model& model, const Rule& rule, const std::string& lumping,

@@ -41,7 +41,7 @@ public:
 private:
   std::unique_ptr<BodyForces> internal_;
   Csr mass_;
-  double alpha_, beta_;
+  double alpha_, beta_, unit_size_;
   StepMotion motion_;
 };
 

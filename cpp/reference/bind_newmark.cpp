@@ -26,7 +26,7 @@ void bind_newmark(nb::module_& m)
             if (plastic.empty())
               internal = std::make_unique<ElasticForces>(model, Rule{points, weights});
             else
-              internal = std::make_unique<PlasticForces>(*plastic[0]);
+              internal = std::make_unique<PlasticForces>(*plastic[0], Rule{points, weights});
             new (self) MovingBodies(std::move(internal), mass, alpha, beta);
           },
           nb::keep_alive<1, 2>(), nb::keep_alive<1, 5>())

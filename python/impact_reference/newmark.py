@@ -387,7 +387,8 @@ def run_newmark(
         motion: their displacements [L], velocities [L/T] and accelerations [L/T^2] at the time levels, shape
             (num_levels, num_fixed) or (num_levels, 1) each; None: they rest at u0.
         loads: an array, shape (num_dofs); or a list of vectors and of pairs (vector, amplitude over time) [F].
-        damping: Rayleigh damping, factors of the mass [1/T] and of the tangent stiffness [T].
+        damping: Rayleigh damping, factors of the mass [1/T] and of the tangent stiffness, of a `PlasticBody` the elastic
+            one in small strain [T].
         lumping: "consistent", or how the mass is lumped, as in `element_lumped_mass`.
         contact: contact; None for none.
         redistribute: whether the nodes of contact surfaces pass on their mass, cell by cell, to the cell's nodes off
