@@ -30,7 +30,7 @@ CONTACTS = {
     "penalty": functools.partial(di.Penalty, penalty=1e5),
     "augmented": functools.partial(di.Penalty, penalty=1e4, augmented=True, tolerance=1e-6),
 }
-DT = 2e-3
+DT = 4e-3  # the blocks touch in the second step
 
 
 @functools.cache
@@ -81,6 +81,24 @@ def folder():
         made.cleanup()
 
 
+def warned():
+    """Context in which rank 0, which speaks for all, must warn of a scheme that is stable with small steps only."""
+    if COMM.rank == 0:
+        return pytest.warns(UserWarning, match="stable only with steps up to")
+    return contextlib.nullcontext()
+
+
+def assert_same(found, expected, name=""):
+    """Bit for bit on one or two ranks. MUMPS sums in the order in which messages of more ranks come in."""
+    if COMM.size <= 2:
+        np.testing.assert_array_equal(found, expected, name)
+    else:
+        known = np.isfinite(expected)
+        np.testing.assert_array_equal(np.isfinite(found), known)
+        scale = COMM.allreduce(np.abs(expected[known]).max(initial=0.0), MPI.MAX)
+        np.testing.assert_allclose(found[known], expected[known], atol=1e-8 * scale, err_msg=name)
+
+
 def motion(problem):
     """Motion, and totals of the contact."""
     parts = [f.x.array for f in (problem.u, problem.velocity, problem.acceleration)]
@@ -105,38 +123,41 @@ VARIANTS = [
     {"contact": "penalty", "law": "J2", "lumping": "auto"},
 ]
 
+# On several ranks one of each kind of contact is enough.
+SOME = VARIANTS if COMM.size == 1 else [VARIANTS[0], VARIANTS[4]]
+
 
 def check_a_restored_run_is_the_uninterrupted_one():
     """Bit for bit, contact, friction and plastic flow included; `save` changes nothing but the solver's factors, which
     a restored run does not have either."""
     with folder() as path:
-        for k, variant in enumerate(VARIANTS):
+        for k, variant in enumerate(SOME):
             whole, again = block_on_block(**variant), block_on_block(**variant)
-            whole.advance(20 * DT, DT, progress=False)
+            whole.advance(8 * DT, DT, progress=False)
             assert whole.contact[0].force[1] > 0.0, variant  # in the middle of the contact
             whole.save(path / f"{k}.h5")
             again.restore(path / f"{k}.h5")
             # Points between two facets of the master are projected anew: their gaps may differ until the next step.
-            np.testing.assert_array_equal(motion(again), motion(whole), str(variant))
+            assert_same(motion(again), motion(whole), str(variant))
             assert again.time == whole.time and again.step == whole.step
             for problem in (whole, again):
-                problem.advance(30 * DT, DT, progress=False)
+                problem.advance(12 * DT, DT, progress=False)
             if variant["contact"] == "augmented":  # without friction, open points keep facets from step to step
                 np.testing.assert_allclose(motion(again), motion(whole), atol=1e-9 * np.abs(motion(whole)).max())
             else:
-                np.testing.assert_array_equal(state(again), state(whole), str(variant))
+                assert_same(state(again), state(whole), str(variant))
 
 
 def check_adaptive_runs_continue_with_their_step():
     with folder() as path:
         whole, again = block_on_block(), block_on_block()
-        whole.advance(10 * DT, DT, tolerance=1e-4, progress=False)
+        whole.advance(4 * DT, DT, tolerance=1e-4, progress=False)
         whole.save(path / "a.h5")
         again.restore(path / "a.h5")
         for problem in (whole, again):
-            problem.advance(20 * DT, DT, tolerance=1e-4, progress=False)
-        assert again.step == whole.step > 20
-        np.testing.assert_array_equal(state(again), state(whole))
+            problem.advance(8 * DT, DT, tolerance=1e-4, progress=False)
+        assert again.step == whole.step > 8
+        assert_same(state(again), state(whole))
 
 
 def check_checkpoints_of_other_problems_are_refused():
@@ -158,17 +179,6 @@ def check_checkpoints_of_other_problems_are_refused():
         still = fem.dirichletbc(np.zeros(2), np.zeros(0, dtype=np.int32), written.space)
         with pytest.raises(ValueError, match="supports|functions of time"):
             block_on_block(bcs=[still]).restore(path / "a.h5")
-
-
-def check_runs_are_those_of_one_rank():
-    """Energies and contact forces of all steps, to 1e-10 of the largest: Newton's method stops there."""
-    for variant in VARIANTS:
-        # The tolerance of Newton's method is relative to forces in a step, which are larger than those that act.
-        runs = [block_on_block(comm, **variant) for comm in (COMM, MPI.COMM_SELF)]
-        for problem in runs:
-            problem.advance(25 * DT, DT, progress=False, rtol=1e-12)
-        for values in ([p.energy_history for p in runs], [p.force_history[0] for p in runs]):
-            assert np.abs(values[0] - values[1]).max() <= 1e-10 * np.abs(values[1]).max(), variant
 
 
 def check_energy_balances():
@@ -240,7 +250,7 @@ def check_a_run_that_fails_keeps_its_last_state():
     problem = block_on_block(law="neo-Hookean")
     problem.advance(3 * DT, DT, progress=False)
     before = state(problem)
-    with pytest.raises(RuntimeError, match="the problem is at the time 0.006"):
+    with pytest.raises(RuntimeError, match="the problem is at the time 0.012"):
         problem.advance(1.0, 0.5, smallest=0.4, max_iterations=1, progress=False)
     np.testing.assert_array_equal(state(problem), before)
     problem.advance(6 * DT, DT, progress=False)  # and goes on
@@ -257,7 +267,7 @@ def check_parameters():
             bar(**options)
     with pytest.raises(TypeError, match="rho_inf must be a number"):
         bar(rho_inf="0.8")
-    with pytest.warns(UserWarning, match="stable only with steps up to"):
+    with warned():
         small = bar(beta=0.2, gamma=0.5)
     assert 0.0 < small.stable_step() < np.inf and bar().stable_step() == np.inf
 
@@ -266,13 +276,13 @@ def check_the_stable_step_is_the_limit():
     """A little below it nothing grows, a little above the highest mode does."""
     sizes = []
     for part in (0.99, 1.01):
-        with pytest.warns(UserWarning, match="stable only"):
-            problem = bar(beta=1 / 6)
+        problem = bar()
         rng = np.random.default_rng(1)
         points = problem.space.tabulate_dof_coordinates()[:, :2]
         noise = rng.uniform(-1e-3, 1e-3, 2)
         problem.u.x.array[:] = (1e-3 * np.sin(1e3 * points + noise)).ravel()
-        rough = di.NewmarkProblem(problem.u, LAWS["linear"](), velocity=fem.Function(problem.space), beta=1 / 6)
+        with warned():
+            rough = di.NewmarkProblem(problem.u, LAWS["linear"](), velocity=fem.Function(problem.space), beta=1 / 6)
         step = part * rough.stable_step()
         start = rough.energy["total"]
         rough.advance(200 * step, step, progress=False)
