@@ -48,11 +48,15 @@ class Run(history.Run):
         parameters: beta, gamma, rho_inf or hht of the scheme; empty for the trapezoidal rule [1].
         lumping: lumping scheme of the mass; None: consistent.
         dt: time step of a run without variation; others take step_fraction / 0.8 of it [T].
+        impact: what is done about the mass of contact surfaces, of NewmarkProblem.
+        error: local error by which our side chooses its steps, dt at most; None: they are equal [1].
     """
 
     parameters: dict[str, Any] = field(default_factory=dict)
     lumping: str | None = None
     dt: float = 0.05
+    impact: str = "mass_redistribution"
+    error: float | None = None
 
 
 def run(report: Report) -> None:
@@ -185,6 +189,10 @@ def without_contact(cell: str, degree: int, variation: RandomVariation | None = 
     yield Run("hinged block that swings, neo-Hookean", large, swinging, fixed_nodes=corner, parameters={"rho_inf": 0.8})
     if not plane:
         return
+    yield Run(
+        "block under a load, steps by their error", large, shaken, **clamped, gravity=gravity,
+        parameters={"rho_inf": 0.7}, dt=0.06, error=1e-4,
+    )  # fmt: skip
     yield Run("shaken block, HHT, lumped", linear, shaken, **clamped, lumping="auto", parameters={"hht": -0.1})
     yield Run(
         "support that moves, first order", linear, shaken, **clamped, motion=lambda t: 0.02 * np.sin(3 * t),
@@ -207,12 +215,13 @@ def bars(cell: str, degree: int, variation: RandomVariation = RandomVariation())
     Yields:
         Runs.
     """
-    for kind in ("penalty", "lagrange"):
+    for kind, impact in (("penalty", "mass_redistribution"), ("penalty", "none"), ("lagrange", "mass_redistribution")):
         domain, tags = two_bodies(cell, (2, 8), (2, 5), start=(0.04,), length=(0.92,))  # no edges coincide
         history._open_gap(domain, 0.003)
         variation.rotate_upper_body(domain)
         body = history._body(domain, tags, degree, "plane_strain")
-        yield Run(f"two bars, {kind}", body, falling(0.02), kind, parameters={"rho_inf": 0.8})
+        name = f"two bars, {kind}{'' if impact != 'none' else ', masses kept'}"
+        yield Run(name, body, falling(0.02), kind, parameters={"rho_inf": 0.8}, impact=impact)
 
 
 def disc(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Run]:
@@ -324,13 +333,14 @@ class States:
     a: FloatArray  # (num_levels, num_dofs) [L/T^2]
 
 
-def advance(problem: NewmarkProblem, dt: float, steps: int) -> States:
+def advance(problem: NewmarkProblem, dt: float, steps: int, error: float | None = None) -> States:
     """Advance a problem and keep its states.
 
     Args:
         problem: problem at its start.
         dt: time step [T].
-        steps: number of steps.
+        steps: number of steps, if all are equal.
+        error: local error by which steps are chosen, dt at most; None: all are equal [1].
 
     Returns:
         States of all time levels.
@@ -338,7 +348,7 @@ def advance(problem: NewmarkProblem, dt: float, steps: int) -> States:
     rows: list[tuple[Any, ...]] = []
     with patch.object(newton, "VIOLATION", VIOLATION):
         problem.advance(
-            steps * dt, dt=dt, progress=False, rtol=1e-13, max_iterations=40,
+            steps * dt, dt=dt, tolerance=error, progress=False, rtol=1e-13, max_iterations=40,
             callback=lambda p: rows.append((p.time, *(f.x.array.copy() for f in (p.u, p.velocity, p.acceleration)))),
         )  # fmt: skip
     return States(*(np.array(values) for values in zip(*rows)))
@@ -378,9 +388,10 @@ def ours(case: Run, steps: int) -> tuple[NewmarkProblem, States]:
             contacts = [contact.Lagrange(pair, quadrature_degree=3 * body.degree + 4)]
     problem = NewmarkProblem(
         u, cast(_Material, body.material), velocity=v, bcs=bcs, loads=loads, contact=contacts, lumping=case.lumping,
-        damping=materials.Rayleigh(*case.damping) if any(case.damping) else None, **case.parameters,
+        damping=materials.Rayleigh(*case.damping) if any(case.damping) else None, impact=case.impact,
+        **case.parameters,
     )  # fmt: skip
-    return problem, advance(problem, time_step(case), steps)
+    return problem, advance(problem, time_step(case), steps, case.error)
 
 
 def time_step(case: Run) -> float:
@@ -470,6 +481,7 @@ def theirs(case: Run, time: FloatArray) -> NewmarkResult:
     return body.model.run_newmark(
         np.diff(time), scheme=their_scheme(case.parameters), v0=v0, fixed_dofs=body.order[fixed], motion=motion,
         loads=loads, damping=case.damping, lumping=case.lumping or "consistent", contact=touching,
+        redistribute=case.impact != "none",
     )  # fmt: skip
 
 
@@ -488,7 +500,8 @@ def compare(report: Report, case: Run, steps: int = STEPS) -> None:
     if case.contact and other.contact is not None:
         force = problem.force_history[0], other.contact.total
     form = f"implicit.{case.contact or 'free'}"
-    add_rows(report, form, element, case.name, steps, (problem, states), other, case.body.order, force)
+    expected = steps if case.error is None else len(states.time) - 1
+    add_rows(report, form, element, case.name, expected, (problem, states), other, case.body.order, force)
 
 
 def add_rows(
