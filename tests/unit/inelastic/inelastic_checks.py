@@ -11,7 +11,7 @@ import pytest
 from dolfinx import fem, mesh
 from mpi4py import MPI
 from on_ranks import on_rank_0
-from own_laws import Limited
+from own_laws import LargestOfCell, Limited
 
 import dolfinx_impact as di
 
@@ -385,6 +385,26 @@ def check_a_yield_stress_that_has_fallen_to_zero_is_an_error():
         run = thrown(material=steel(-0.2), n=2, speed=1.0)
         with pytest.raises(RuntimeError, match="local equations"):
             run.advance(5.0, progress=False)
+
+
+def check_a_law_with_the_maximum_of_a_cell():
+    """The largest value of the points of a cell at all of them; of static problems in the history only."""
+    run = thrown(material=LargestOfCell(0.5), n=3)
+    plain = thrown(material=LargestOfCell(), n=3)
+    problem, _, pull = pulled(material=LargestOfCell(), n=3)
+    pull.value[:] = (0.02, 0.05)
+    problem.solve(rtol=1e-12)
+    run.advance(0.2, progress=False)
+    plain.advance(0.2, progress=False)
+    for body in (problem, run):
+        point, cell = (body.history[name].values.reshape(-1, 4) for name in ("of_point", "of_cell"))
+        if body is problem:
+            assert np.abs(cell - point.max(axis=1, keepdims=True)).max(initial=0.0) < SAME
+        assert np.all(cell >= point) and np.all(np.ptp(cell, axis=1) == 0.0)
+        assert COMM.allreduce(np.ptp(point, axis=1).max(initial=0.0), op=MPI.MAX) > 1e-4
+    change = np.abs(everywhere(run.u) - everywhere(plain.u)).max()
+    assert change > 1e-6
+    raises(ValueError, "maximum over a cell, which has no derivative", lambda: pulled(material=LargestOfCell(0.5), n=3))
 
 
 def check_cells_that_lock_are_warned_of():
