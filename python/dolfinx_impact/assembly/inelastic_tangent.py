@@ -27,6 +27,7 @@ from dolfinx.fem import Function
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from ..forms.cell_maximum import has_maximum
 from ..forms.materials import weight
 from .inelastic_part import HistoryFunctions, InelasticPart
 
@@ -83,6 +84,11 @@ class _PartForms:
         averaged = theta if kinematics.average else None
         strain = kinematics.strain(part.u, averaged)
         self.update = part.response.respond(strain, dict(functions.history), functions.unknown)
+        if any(has_maximum(e) for e in (self.update.stress, self.update.residual) if e is not None):
+            raise ValueError(
+                "the stress of a law has a maximum over a cell, which has no derivative: static problems need one. "
+                "Take ufl.cell_avg, or use the maximum of the committed history, or an ExplicitProblem"
+            )
 
     def force(self, v: Any) -> Any:
         """Virtual work that goes with the virtual displacement v, at a fixed mean dilatation."""

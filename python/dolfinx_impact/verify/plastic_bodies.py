@@ -42,6 +42,8 @@ BODIES = (
     ("quadrilateral", 2, "plane_strain", True, False, "linear"),
     ("hexahedron", 1, "3d", False, True, "armstrong_frederick"),
     ("hexahedron", 1, "3d", True, True, "voce"),
+    ("hexahedron", 1, "3d", True, True, "armstrong_frederick"),
+    ("quadrilateral", 1, "axisymmetric", True, True, "prager"),
     ("hexahedron", 2, "3d", False, False, "voce"),
 )
 
