@@ -101,7 +101,9 @@ def default_average(cell: str, degree: int) -> bool | str:
         cell: name of the cell.
         degree: degree of the displacement [1].
     """
-    return degree == 1 and cell in ("quadrilateral", "hexahedron")
+    if cell not in ("quadrilateral", "hexahedron"):
+        return False
+    return {1: True, 2: "linear"}.get(degree, False)
 
 
 class PointResponse(Protocol):

@@ -32,8 +32,8 @@ class InelasticMaterial(_Material):
         history: shape of every internal variable by name; all are zero in the virgin state.
         unknown: shape of the unknown of the local equations, () or (n,); None for a law in closed form.
         average: whether the law sees the mean dilatation of each cell (B-bar, F-bar): True, False; "linear", the
-            projection on linear functions of each cell, on quadrilaterals and hexahedra of degree 2; or "auto", the
-            mean on linear quadrilaterals and hexahedra, which lock without.
+            projection of the dilatation on linear functions of each cell; or "auto", the mean on quadrilaterals and
+            hexahedra of degree 1 and the projection on those of degree 2, which lock without.
 
     Raises:
         TypeError: a value that is not a number.

@@ -120,8 +120,8 @@ class J2Plasticity(InelasticMaterial):
             only.
         finite_strain: whether strains are finite: the multiplicative law, exact under rotations of any size.
         average: whether the dilatation is averaged over each cell (B-bar, in finite strain F-bar); "linear": projected
-            on the linear functions of each cell, for quadrilaterals and hexahedra of degree 2 near collapse; "auto":
-            averaged on linear quadrilaterals and hexahedra, which lock without.
+            on the linear functions of each cell; "auto": averaged on quadrilaterals and hexahedra of degree 1,
+            projected on those of degree 2, which lock without.
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress" (small strain), "axisymmetric".
 
     Raises:

@@ -28,7 +28,7 @@ NAN = float("nan")
         ({"kinematic": "Prager"}, TypeError, "modulus must be a number"),
         ({"finite_strain": True, "kinematic": 1e9}, ValueError, "isotropic hardening only"),
         ({"finite_strain": True, "hypothesis": "plane_stress"}, ValueError, "no plane stress.*small strain"),
-        ({"average": "always"}, ValueError, "average is 'always'.*True, False or 'auto'"),
+        ({"average": "always"}, ValueError, "average is 'always'.*True, False, 'linear' or 'auto'"),
         ({"hypothesis": "plain_strain"}, ValueError, "plain_strain.*plane_strain"),
     ],
     ids=str,
