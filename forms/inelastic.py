@@ -12,6 +12,10 @@ Linear quadrilaterals and hexahedra lock where plastic flow keeps the volume, be
 With `average` a law sees the mean dilatation of the cell instead: B-bar (Hughes 1980), eps - tr(eps)/3 I + theta/3 I
 with theta the mean of tr(eps), and F-bar, (theta/J)^(1/3) F with theta the mean of J = det F. The virtual strain is the
 derivative of the same expression, so that the internal forces are those of a potential where the law has one.
+
+On quadrilaterals and hexahedra of degree 2 the mean would be too coarse. There theta is the L2 projection on the linear
+functions of each cell, as in the mixed element of displacements of degree 2 and discontinuous linear pressures (Boffi,
+Brezzi, Fortin 2013, chapter 8).
 """
 
 from dataclasses import dataclass, field
@@ -277,7 +281,13 @@ class Symbols:
 
 
 def force_and_law(
-    u: Any, v: Any, response: PointResponse, kinematics: Kinematics, symbols: Symbols, dx: Any, with_stress: bool = False
+    u: Any,
+    v: Any,
+    response: PointResponse,
+    kinematics: Kinematics,
+    symbols: Symbols,
+    dx: Any,
+    with_stress: bool = False,
 ) -> tuple[ufl.Form, PointLaw]:
     """Internal virtual work of a law with internal variables, and the point law of its kernel.
 

@@ -2,9 +2,9 @@
 """The forms by name, and the one table of what is compiled ahead of time.
 
 `build` gives any form of the catalogue for any cell, degree, geometry degree and hypothesis, with the names of its
-coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue without internal
-variables (those that `verify` compares with the hand-written solver element by element). TABLE lists the rows that are compiled with the package: what the demos
-and C++ users need. Everything else takes the run-time route.
+coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue that have no
+internal variables (those that `verify` compares with the hand-written solver element by element). TABLE lists the rows
+that are compiled with the package: what the demos and C++ users need. Everything else takes the run-time route.
 """
 
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Bodies that yield: restart during contact, cells of degree 2, collapse; on the ranks of COMM_WORLD, see on_ranks.py."""
+"""Restart of bodies that yield in contact, cells of degree 2, collapse; on the ranks of COMM_WORLD, see on_ranks.py."""
 
 import numpy as np
 from dolfinx import fem, mesh
@@ -47,7 +47,7 @@ def bar_mesh():
 
 
 def check_a_restart_of_a_bar_that_yields_on_a_wall_is_bit_exact():
-    """Saved while the foot is in contact and yields; the restored run makes the same history, contact force included."""
+    """Saved while the foot is in contact and yields; the restored run goes on with the same state and force."""
     for make in (di.Kinematic, di.Penalty):
         with folder() as path:
             domain = bar_mesh()
