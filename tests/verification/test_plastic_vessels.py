@@ -4,9 +4,10 @@
 
 Found, relative to the closed form, for the front at 100, 120, 150 and 180 mm:
 
-    sphere, linear with B-bar, 32 by 32    u_b -.04, -.12, -.11, -.36 %    limit -.04 %
-    sphere, degree 2, 8 by 8               u_b -.00, +.10, -.01, -.22 %    none: degree 2 has full integration
-    cylinder, linear with B-bar, 16 by 16  u_b       -.12, +.04 %          limit +.06 %
+    sphere, linear with B-bar, 32 by 32    u_b -.04, -.12, -.11, -.36 %    limit +.09 % (16 by 16)
+    sphere, degree 2, 8 by 8               u_b -.00, +.11, -.00, -.17 %    limit -.07 %
+    cylinder, linear with B-bar, 16 by 16  u_b       -.12, +.04 %          limit +.08 %
+    cylinder, degree 2, 8 by 8             u_b       +.10, +.27 %          limit -.01 %
 """
 
 import numpy as np
