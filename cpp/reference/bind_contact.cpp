@@ -112,15 +112,15 @@ public:
     return {u, vec(displacement, gdim_), traction, slip, touched};
   }
 
-  nb::tuple tuple(const ContactHistory& h) const
+  auto tuple(const ContactHistory& h) const
   {
-    return nb::make_tuple(h.u, vector(h.displacement, gdim_), h.traction, h.slip, h.touched);
+    return std::make_tuple(h.u, vector(h.displacement, gdim_), h.traction, h.slip, h.touched);
   }
 
-  nb::tuple tuple(const ContactPoints& p) const
+  auto tuple(const ContactPoints& p) const
   {
-    return nb::make_tuple(p.gap, p.normal, integers(p.facet), p.xi, p.position, p.weight, p.pressure, p.traction,
-                          integers(p.status));
+    return std::make_tuple(p.gap, p.normal, integers(p.facet), p.xi, p.position, p.weight, p.pressure, p.traction,
+                           integers(p.status));
   }
 
   ContactState state(const State& s) const
@@ -130,13 +130,13 @@ public:
     return {u, load, history(history_u, displacement, traction, slip, touched), multiplier, z};
   }
 
-  nb::tuple tuple(const ContactSolution& s) const
+  auto tuple(const ContactSolution& s) const
   {
     const ContactState& t = s.state;
-    return nb::make_tuple(nb::make_tuple(t.u, t.load, t.history.u, vector(t.history.displacement, gdim_),
-                                         t.history.traction, t.history.slip, t.history.touched, t.multiplier, t.z),
-                          s.contact_force, s.reactions, s.iterations, s.residuals, tuple(s.points), s.pressure, s.gap,
-                          integers(s.status));
+    return std::make_tuple(std::make_tuple(t.u, t.load, t.history.u, vector(t.history.displacement, gdim_),
+                                           t.history.traction, t.history.slip, t.history.touched, t.multiplier, t.z),
+                           s.contact_force, s.reactions, s.iterations, s.residuals, tuple(s.points), s.pressure, s.gap,
+                           integers(s.status));
   }
 
   ContactLoads loads(const std::vector<std::int64_t>& fixed, const Vector& values, const Vector& load,
@@ -177,7 +177,7 @@ void bind_contact(nb::module_& m)
              s.check(u);
              const Penalty r = penalty(s.at(displacement), {points, weights}, u, chi, chi_t,
                                        s.history(history_u, history_displacement, traction, slip, touched), multiplier);
-             return nb::make_tuple(r.force, csr(r.tangent, u.size()), s.tuple(r.points), s.tuple(r.history));
+             return std::make_tuple(r.force, csr(r.tangent, u.size()), s.tuple(r.points), s.tuple(r.history));
            })
       .def("mortar",
            [](const Bound& s, P points, V weights, V displacement, const std::string& basis, V u, V history_u,
@@ -198,8 +198,8 @@ void bind_contact(nb::module_& m)
                cover(number) = node.cover;
                part(number) = node.part;
              }
-             return nb::make_tuple(csr(r.D, n), csr(r.M, n), gamma, normal, moved, cover, part, r.force,
-                                   csr(r.tangent, u.size()));
+             return std::make_tuple(csr(r.D, n), csr(r.M, n), gamma, normal, moved, cover, part, r.force,
+                                    csr(r.tangent, u.size()));
            })
       .def("solve_penalty",
            [](const Bound& s, P points, V weights, P contact_points, V contact_weights, double chi, double chi_t,

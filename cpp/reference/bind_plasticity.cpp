@@ -58,6 +58,7 @@ std::vector<J2History> histories(const Histories& from)
                                 "each of its " +
                                 std::to_string(n) + " points");
   std::vector<J2History> out;
+  out.reserve(n);
   for (Eigen::Index p = 0; p < n; ++p)
     out.push_back({tensor(plastic, p), equivalent(p), tensor(back_stress, p), tensor(stress, p), work(p)});
   return out;
@@ -120,7 +121,7 @@ void bind_plasticity(nb::module_& m)
             dissipation(p) = a.dissipation;
             next.push_back(a.history);
           }
-          return nb::make_tuple(stress, tangent, arrays_of(next), energy, dissipation);
+          return std::make_tuple(stress, tangent, arrays_of(next), energy, dissipation);
         });
 
   // Force, tangent, new history, stress, elastic energy, plastic work, dissipation of one cell.
@@ -138,7 +139,7 @@ void bind_plasticity(nb::module_& m)
           Matrix stress(Eigen::Index(r.answers.size()), 9);
           for (std::size_t p = 0; p < r.answers.size(); ++p)
             set(stress, Eigen::Index(p), r.answers[p].stress);
-          return nb::make_tuple(r.force, r.tangent, arrays_of(r.history), stress, r.energy, r.work, r.dissipation);
+          return std::make_tuple(r.force, r.tangent, arrays_of(r.history), stress, r.energy, r.work, r.dissipation);
         });
 
   nb::class_<PlasticBody::Trial>(m, "PlasticTrial")
@@ -166,7 +167,7 @@ void bind_plasticity(nb::module_& m)
               double tolerance, int max_iterations)
            {
              const PlasticStates r = solve_plastic(b, fixed, u0, load0, values, loads, tolerance, max_iterations);
-             return nb::make_tuple(r.u, r.force, r.energy, r.work, r.iterations, r.residuals);
+             return std::make_tuple(r.u, r.force, r.energy, r.work, r.iterations, r.residuals);
            });
 }
 } // namespace impact_reference

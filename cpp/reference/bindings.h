@@ -10,18 +10,18 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
+#include <tuple>
 
 namespace impact_reference
 {
 using Integers = Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>;
 
 /// indptr, indices, data of a matrix as arrays.
-inline nanobind::tuple arrays(const Csr& m)
+inline std::tuple<Integers, Integers, Vector> arrays(const Csr& m)
 {
   const auto integers = [](const std::vector<std::int64_t>& v)
   { return Integers(Eigen::Map<const Integers>(v.data(), v.size())); };
-  return nanobind::make_tuple(integers(m.indptr), integers(m.indices),
-                              Vector(Eigen::Map<const Vector>(m.data.data(), m.data.size())));
+  return {integers(m.indptr), integers(m.indices), Eigen::Map<const Vector>(m.data.data(), m.data.size())};
 }
 
 /// Matrix of arrays.
