@@ -108,6 +108,15 @@ def test_a_history_committed_twice_is_seen(finite, monkeypatch, own_cache):
     assert difference("linear", finite=finite) > 1e3 * material.TOLERANCE
 
 
+@pytest.mark.parametrize("name", (law.PLASTIC_STRAIN, law.PLASTIC_TENSOR, law.BACK_STRESS))
+def test_each_internal_variable_has_a_row_that_sees_it(name, monkeypatch, own_cache):
+    """Increments too large by 1e-8: a hundred tolerances."""
+    right = material.compare(case_of("armstrong_frederick"), "3d", False, num=NUM)
+    wrong_law(monkeypatch, stretched(1 + 1e-8, [name]))
+    wrong = material.compare(case_of("armstrong_frederick"), "3d", False, num=NUM)
+    assert right[name] <= material.TOLERANCE and wrong[name] > 10 * material.TOLERANCE
+
+
 class YieldsLate(law.J2):
     """Whether a point yields is decided by the strain at the start of the step."""
 
