@@ -319,6 +319,25 @@ def test_a_dilatation_that_is_not_averaged_is_seen_in_bodies(monkeypatch, own_ca
         assert names_of(report.failures()) == names
 
 
+def test_a_mean_in_the_place_of_the_linear_fit_is_seen(monkeypatch, own_cache):
+    """Cells of degree 2: the projection on linear functions is the right one, and matters."""
+    case = ("quadrilateral", 2, "plane_strain", False, "linear", "prager")
+    report = Report()
+    plastic_bodies.static(report, *case)
+    assert report.passed
+    right = J2Plasticity.kinematics
+
+    def wrong(self, mesh, degree):
+        found = right(self, mesh, degree)
+        found.linear = False
+        return found
+
+    monkeypatch.setattr(J2Plasticity, "kinematics", wrong)
+    report = Report()
+    plastic_bodies.static(report, *case)
+    assert names_of(report.failures()) == ROWS_OF_BODIES[0]
+
+
 def test_a_wrong_stored_energy_is_seen(monkeypatch, own_cache):
     """Energies only: the motion is right. What is not stored counts as plastic."""
 
