@@ -181,8 +181,8 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
     mean = P * dilatations;
     m = mean.cwiseInverse().asDiagonal() * P * dilatations.asDiagonal() * t;
     if (not(mean.minCoeff() > 0))
-      throw std::domain_error("the deformation turns cell " + std::to_string(cell) + " inside out: the fit of det F is " +
-                              std::to_string(mean.minCoeff()));
+      throw std::domain_error("the deformation turns cell " + std::to_string(cell) +
+                              " inside out: the fit of det F is " + std::to_string(mean.minCoeff()));
     for (std::size_t r = 0; r < points.size() and with_tangent; ++r)
     {
       const Eigen::RowVectorXd tr = t.row(Eigen::Index(r));

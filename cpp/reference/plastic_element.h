@@ -28,7 +28,8 @@ struct PlasticKinematics
   /// Dilatation of all three components of the strain in every hypothesis, written here for the mean over the cell.
   /// Small strain, B-bar (Hughes 1980): eps_bar = dev eps + <tr eps> / 3 I.
   /// Finite strain, F-bar: F_bar = (<J> / J)^(1/3) F (Simo, Taylor & Pister 1985; Bonet & Wood ch. 8.6.5).
-  /// <.> is the mean, or the fit, by the reference volumes of the points. Forces are conjugate in work to the varied eps_bar, F_bar.
+  /// <.> is the mean, or the fit, by the reference volumes of the points. Forces are conjugate in work to the varied
+  /// eps_bar, F_bar.
   Dilatation dilatation = Dilatation::pointwise;
 };
 

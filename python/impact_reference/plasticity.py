@@ -243,8 +243,8 @@ def element_plastic(
 
     Mean dilatation is B-bar in small strain, eps_bar = dev eps + <tr eps>/3 I (Hughes 1980), and F-bar in finite
     strain, F_bar = (<J>/J)^(1/3) F (Simo, Taylor & Pister 1985), with all three components in every hypothesis. <.> is
-    the mean by the reference volumes of the points (2 pi r det J times weight if axisymmetric), or their fit by a linear
-    function of position. Forces are conjugate to the variation of eps_bar or F_bar.
+    the mean by the reference volumes of the points (2 pi r det J times weight if axisymmetric), or the linear function
+    of position that fits best. Forces are conjugate to the variation of eps_bar or F_bar.
 
     Args:
         cell_type: cell, "triangle", "quadrilateral", "tetrahedron" or "hexahedron".

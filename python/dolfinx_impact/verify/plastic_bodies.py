@@ -128,7 +128,7 @@ def static(report: Report, *arguments: Any) -> None:
         warnings.filterwarnings("ignore", "(tetrahedra|triangles) of degree 1 lock")
         problem = StaticProblem(both.u, both.steel, bcs=bcs)
     finite, average = arguments[3:5]
-    # A linear fit of J is soon negative at a point on the way to a solution: increments that are cut back end elsewhere.
+    # A linear fit of J is soon negative on the way to a solution: increments that are cut back end elsewhere.
     size = 0.02 if not finite else 0.05 if average == "linear" else 0.2
     way = [size * np.eye(dim)[-1], size * (np.eye(dim)[-1] + 0.5 * np.eye(dim)[0]), 0.6 * size * np.eye(dim)[-1]]
     fixed = np.concatenate([(dim * e[:, None] + np.arange(dim)).ravel() for e in ends])
