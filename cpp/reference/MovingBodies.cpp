@@ -49,7 +49,8 @@ Matrix lumped_cell(const Vector& lumped, const Eigen::MatrixXd& T, int d)
 } // namespace
 
 MovingBodies::MovingBodies(std::unique_ptr<BodyForces> internal, Csr mass, double alpha, double beta)
-    : internal_(std::move(internal)), mass_(std::move(mass)), alpha_(alpha), beta_(beta), unit_size_(internal_->unit_size())
+    : internal_(std::move(internal)), mass_(std::move(mass)), alpha_(alpha), beta_(beta),
+      unit_size_(internal_->unit_size())
 {
   if (not(alpha >= 0) or not(beta >= 0) or not std::isfinite(alpha) or not std::isfinite(beta))
     throw std::invalid_argument("the factors of Rayleigh's damping must not be negative");

@@ -235,7 +235,8 @@ class _Run:
         u[self.fixed], v[self.fixed], a[self.fixed] = values, speeds, accelerations
         load = self.load(0)
         state: _State | None = None
-        contact_force, springs, points = np.zeros(u.size), 0.0, None
+        contact_force: FloatArray = np.zeros(u.size)
+        springs, points = 0.0, None
         if self.contact is not None:
             c = self.contact.contact
             place = self.obstacle[0]
@@ -387,8 +388,8 @@ def run_newmark(
         motion: their displacements [L], velocities [L/T] and accelerations [L/T^2] at the time levels, shape
             (num_levels, num_fixed) or (num_levels, 1) each; None: they rest at u0.
         loads: an array, shape (num_dofs); or a list of vectors and of pairs (vector, amplitude over time) [F].
-        damping: Rayleigh damping, factors of the mass [1/T] and of the tangent stiffness, of a `PlasticBody` the elastic
-            one in small strain [T].
+        damping: Rayleigh damping, factors of the mass [1/T] and of the tangent stiffness, of a `PlasticBody` the
+            elastic one in small strain [T].
         lumping: "consistent", or how the mass is lumped, as in `element_lumped_mass`.
         contact: contact; None for none.
         redistribute: whether the nodes of contact surfaces pass on their mass, cell by cell, to the cell's nodes off
@@ -471,8 +472,8 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
         rows = [np.array(values) for values in zip(*(x.points for x in levels if x.points is not None))]
         total, force = (np.array([getattr(x, name) for x in levels]) for name in ("total", "contact_force"))
         history = NewmarkContactHistory(total, force, *rows)
-    states = (np.array([getattr(x, name) for x in levels]) for name in ("u", "v", "a", "support"))
-    result = NewmarkResult(times, *states, energies, iterations, history)
+    u, v, a, support = (np.array([getattr(x, name) for x in levels]) for name in ("u", "v", "a", "support"))
+    result = NewmarkResult(times, u, v, a, support, energies, iterations, history)
     if plastic is not None:
         result.plastic_strain = np.array(strains)
     return result

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias, cast
+from unittest.mock import patch
 
 import impact_reference
 import numpy as np
@@ -49,7 +50,7 @@ class Run(history.Run):
         dt: time step of a run without variation; others take step_fraction / 0.8 of it [T].
     """
 
-    parameters: dict[str, float] = field(default_factory=dict)
+    parameters: dict[str, Any] = field(default_factory=dict)
     lumping: str | None = None
     dt: float = 0.05
 
@@ -335,14 +336,11 @@ def advance(problem: NewmarkProblem, dt: float, steps: int) -> States:
         States of all time levels.
     """
     rows: list[tuple[Any, ...]] = []
-    default, newton.VIOLATION = newton.VIOLATION, VIOLATION
-    try:
+    with patch.object(newton, "VIOLATION", VIOLATION):
         problem.advance(
             steps * dt, dt=dt, progress=False, rtol=1e-13, max_iterations=40,
             callback=lambda p: rows.append((p.time, *(f.x.array.copy() for f in (p.u, p.velocity, p.acceleration)))),
         )  # fmt: skip
-    finally:
-        newton.VIOLATION = default
     return States(*(np.array(values) for values in zip(*rows)))
 
 
@@ -397,7 +395,7 @@ def time_step(case: Run) -> float:
     return case.dt * case.step_fraction / 0.8
 
 
-def their_scheme(parameters: dict[str, float]) -> NewmarkScheme:
+def their_scheme(parameters: dict[str, Any]) -> NewmarkScheme:
     """Scheme of the other side.
 
     Args:
@@ -427,10 +425,10 @@ def motion_tables(motion: Callable[[float], float], time: FloatArray) -> tuple[F
     steps = np.diff(time, prepend=time[0] - (time[1] - time[0]))
     rows = []
     for t, h in zip(time, steps):
-        d = h / 100
-        middle = max(t, d)
+        d = float(h) / 100
+        middle = max(float(t), d)
         before, now, after = motion(middle - d), motion(middle), motion(middle + d)
-        rows.append((motion(t), (after - before) / (2 * d), (after - 2 * now + before) / d**2))
+        rows.append((motion(float(t)), (after - before) / (2 * d), (after - 2 * now + before) / d**2))
     u, v, a = (np.array(column)[:, None] for column in zip(*rows))
     return u, v, a
 
