@@ -9,7 +9,7 @@ void bind_model(nb::module_& m)
 {
   m.def("csr_dot", [](const Integers& indptr, const Integers& indices, const Vector& data, const Vector& x)
         { return csr(indptr, indices, data).dot(x); });
-  nb::class_<Csr>(m, "Csr").def_prop_ro("arrays", &arrays);
+  nb::class_<Csr>(m, "Csr").def_prop_ro("arrays", &arrays, nb::rv_policy::move);
 
   using P = const Matrix&;
   using W = const Vector&;

@@ -20,6 +20,7 @@ from .contact import (
     RigidSurface,
 )
 from .dynamics.explicit import ExplicitProblem
+from .dynamics.implicit.problem import NewmarkProblem
 from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
@@ -47,6 +48,7 @@ __all__ = [
     "MaterialMap",
     "MaterialUpdate",
     "NeoHookean",
+    "NewmarkProblem",
     "PointValues",
     "PrescribedMotion",
     "Rayleigh",

@@ -115,8 +115,9 @@ class J2Plasticity(InelasticMaterial):
         kinematic: kinematic hardening: None; a number C, the linear law [F/L^2]; or ArmstrongFrederick. In finite
             strain the history "back_stress" is turned back by the rotation of the deformation gradient.
         finite_strain: whether strains are finite: the multiplicative law, exact under rotations of any size.
-        average: whether the dilatation is averaged over each cell (B-bar, in finite strain F-bar); "auto": on linear
-            quadrilaterals and hexahedra, which lock without.
+        average: whether the dilatation is averaged over each cell (B-bar, in finite strain F-bar); "linear": projected
+            on the linear functions of each cell; "auto": averaged on quadrilaterals and hexahedra of degree 1,
+            projected on those of degree 2, which lock without.
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress" (small strain), "axisymmetric".
 
     Attributes:
@@ -167,8 +168,8 @@ class J2Plasticity(InelasticMaterial):
         self.finite_strain = bool(finite_strain)
         if self.finite_strain and hypothesis == "plane_stress":
             raise ValueError("J2 plasticity of finite strain has no plane stress: use small strain, or a 3D mesh")
-        if average not in (True, False, "auto"):
-            raise ValueError(f"average is {average!r}: use True, False or 'auto'")
+        if average not in (True, False, "linear", "auto"):
+            raise ValueError(f"average is {average!r}: use True, False, 'linear' or 'auto'")
         self.average = average
 
     def __repr__(self) -> str:
@@ -206,6 +207,8 @@ class J2Plasticity(InelasticMaterial):
         def constant(name: str, value: float) -> Any:
             return self.constant(mesh, name, value)
 
+        # The order of the constants is that of forms/catalogue/plasticity.py, whose kernels come with the package.
+        E, nu = constant("E", self.E), constant("nu", self.nu)
         Y = constant("yield_stress", self.yield_stress)
         isotropic: Any
         if isinstance(self.hardening, Voce):
@@ -227,5 +230,5 @@ class J2Plasticity(InelasticMaterial):
         if self.kinematic is not None:
             recovery = constant("recovery", self.kinematic.recovery) if self.kinematic.recovery > 0.0 else None
             kinematic = laws.KinematicHardening(constant("back_modulus", self.kinematic.modulus), recovery)
-        E, nu, plane_stress = constant("E", self.E), constant("nu", self.nu), self.hypothesis == "plane_stress"
+        plane_stress = self.hypothesis == "plane_stress"
         return laws.J2(E, nu, mesh.geometry.dim, isotropic, kinematic, self.finite_strain, plane_stress)

@@ -13,7 +13,8 @@ from . import _reference
 from .array_types import ArrayLike, FloatArray
 from .explicit import ExplicitResult, run_explicit
 from .model import Model, _floats, _integers, _vector
-from .plasticity import J2History, J2Parameters
+from .newmark import NewmarkResult, run_newmark
+from .plasticity import J2History, J2Parameters, dilatation_name
 from .sparse import Csr
 
 
@@ -52,7 +53,7 @@ class PlasticBody:
         model: Model,
         laws: J2Parameters | Mapping[int, J2Parameters],
         strain: str = "small",
-        mean_dilatation: bool = False,
+        mean_dilatation: bool | str = False,
     ) -> None:
         self.model, self.strain, self.mean_dilatation = model, strain, mean_dilatation
         if isinstance(laws, J2Parameters):
@@ -60,7 +61,8 @@ class PlasticBody:
         self.laws = dict(laws)
         self.points, self.weights = model._rule("stiffness" if strain == "small" else "finite_strain")
         by_tag = {int(tag): law._parameters for tag, law in self.laws.items()}
-        self._body = _reference.PlasticBody(model._model, self.points, self.weights, by_tag, strain, mean_dilatation)
+        theta = dilatation_name(mean_dilatation)
+        self._body = _reference.PlasticBody(model._model, self.points, self.weights, by_tag, strain, theta)
 
     @property
     def history(self) -> J2History:
@@ -216,3 +218,22 @@ class PlasticBody:
             RuntimeError: the run overflows.
         """
         return run_explicit(self.model, dt, num_steps, plastic=self._body, **arguments)
+
+    def run_newmark(self, dt: ArrayLike, num_steps: int | None = None, **arguments: Any) -> NewmarkResult:
+        """Implicit dynamics from the committed history, which is committed at the end of every step.
+
+        Energy "internal" is the stored elastic one, "plastic" what the work of the internal forces leaves.
+
+        Args:
+            dt: time step; or all steps, shape (num_steps) [T].
+            num_steps: number of steps; None where `dt` has all steps.
+            arguments: as in `impact_reference.newmark.run_newmark`.
+
+        Returns:
+            States, energies, contact history and plastic strains of all time levels.
+
+        Raises:
+            ValueError: data that do not fit.
+            RuntimeError: Newton's method does not converge.
+        """
+        return run_newmark(self.model, dt, num_steps, plastic=self._body, **arguments)

@@ -29,7 +29,7 @@ NAN = float("nan")
         ({"kinematic": -1e9}, ValueError, "modulus is -1.*greater than 0"),
         ({"kinematic": "Prager"}, TypeError, "modulus must be a number"),
         ({"finite_strain": True, "hypothesis": "plane_stress"}, ValueError, "no plane stress.*small strain"),
-        ({"average": "always"}, ValueError, "average is 'always'.*True, False or 'auto'"),
+        ({"average": "always"}, ValueError, "average is 'always'.*True, False, 'linear' or 'auto'"),
         ({"hypothesis": "plain_strain"}, ValueError, "plain_strain.*plane_strain"),
     ],
     ids=str,
