@@ -112,7 +112,8 @@ class J2Plasticity(InelasticMaterial):
         hardening: isotropic hardening: a number, the slope of yield stress over equivalent plastic strain [F/L^2];
             Voce; or Table, whose first stress is the yield stress. Slopes below zero soften: problems warn that the
             result depends on the mesh, and a yield stress that has fallen to zero is an error of the run.
-        kinematic: kinematic hardening: None; a number C, the linear law [F/L^2]; or ArmstrongFrederick.
+        kinematic: kinematic hardening: None; a number C, the linear law [F/L^2]; or ArmstrongFrederick. In finite
+            strain the history "back_stress" is turned back by the rotation of the deformation gradient.
         finite_strain: whether strains are finite: the multiplicative law, exact under rotations of any size.
         average: whether the dilatation is averaged over each cell (B-bar, in finite strain F-bar); "linear": projected
             on the linear functions of each cell; "auto": averaged on quadrilaterals and hexahedra of degree 1,
