@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "MovingBodies.h"
 #include "bindings.h"
 #include "contact_solve.h"
+#include <set>
 
 namespace nb = nanobind;
 
@@ -30,6 +32,13 @@ Integers integers(const std::vector<E>& values)
   return result;
 }
 
+Integers field_nodes(const Surface& surface)
+{
+  std::set<std::int64_t> nodes;
+  for (const Facet& facet : surface.facets)
+    nodes.insert(facet.nodes.begin(), facet.nodes.end());
+  return integers(std::vector<std::int64_t>(nodes.begin(), nodes.end()));
+}
 } // namespace
 
 Rigid rigid(const Obstacle& o, int gdim)
@@ -206,8 +215,9 @@ void bind_contact(nb::module_& m)
               const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
               double tolerance, bool augmented)
            {
-             return s.tuple(solve_penalty(s.pair_, {points, weights}, {contact_points, contact_weights}, chi, chi_t,
-                                          s.state(state), s.loads(fixed, values, load, displacement),
+             return s.tuple(solve_penalty(s.pair_, ElasticForces(s.pair_.model, {points, weights}),
+                                          {contact_points, contact_weights}, chi, chi_t, s.state(state),
+                                          s.loads(fixed, values, load, displacement),
                                           {steps, iterations, tolerance, augmented}));
            })
       .def("solve_lagrange",
@@ -215,9 +225,27 @@ void bind_contact(nb::module_& m)
               const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
               double tolerance)
            {
-             return s.tuple(solve_lagrange(s.pair_, {points, weights}, {contact_points, contact_weights},
-                                           basis_of(basis), s.state(state), s.loads(fixed, values, load, displacement),
-                                           {steps, iterations, tolerance}));
-           });
+             return s.tuple(solve_lagrange(s.pair_, ElasticForces(s.pair_.model, {points, weights}),
+                                           {contact_points, contact_weights}, basis_of(basis), s.state(state),
+                                           s.loads(fixed, values, load, displacement), {steps, iterations, tolerance}));
+           })
+      .def("step_penalty",
+           [](const Bound& s, const MovingBodies& bodies, P points, V weights, double chi, double chi_t,
+              const State& state, Dofs fixed, V values, V load, V displacement, int iterations, double tolerance)
+           {
+             return s.tuple(solve_penalty(s.pair_, bodies, {points, weights}, chi, chi_t, s.state(state),
+                                          s.loads(fixed, values, load, displacement),
+                                          {1, iterations, tolerance, false, false, 2}));
+           })
+      .def("step_lagrange",
+           [](const Bound& s, const MovingBodies& bodies, P points, V weights, const std::string& basis,
+              const State& state, Dofs fixed, V values, V load, V displacement, int iterations, double tolerance)
+           {
+             return s.tuple(solve_lagrange(s.pair_, bodies, {points, weights}, basis_of(basis), s.state(state),
+                                           s.loads(fixed, values, load, displacement),
+                                           {1, iterations, tolerance, false, false, 2}));
+           })
+      .def("slave_nodes", [](const Bound& s) { return field_nodes(s.pair_.slave); })
+      .def("master_nodes", [](const Bound& s) { return field_nodes(s.pair_.master); });
 }
 } // namespace impact_reference

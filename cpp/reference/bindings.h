@@ -47,5 +47,6 @@ void bind_elements(nanobind::module_& m);
 void bind_model(nanobind::module_& m);
 void bind_contact(nanobind::module_& m);
 void bind_explicit(nanobind::module_& m);
+void bind_newmark(nanobind::module_& m);
 void bind_plasticity(nanobind::module_& m);
 } // namespace impact_reference

@@ -96,15 +96,15 @@ class Saddle
 {
 public:
   Saddle(const detail::System& system, const Rule& rule, Basis basis, const ContactOptions& options,
-         const ContactState& start)
-      : system_(system), rule_(rule), basis_(basis), options_(options), d_(system.pair_.slave.gdim)
+         const ContactState& start, const ContactPair& pair)
+      : system_(system), rule_(rule), basis_(basis), options_(options), d_(pair.slave.gdim)
   {
     // Only to give rows and columns of the system one size: the largest stiffness over a length.
     double largest = 0;
     for (const auto& e : system.stiffness(start.u))
       largest = std::max(largest, std::abs(e.value()));
-    stress_ = largest / std::pow(system.pair_.size(), d_ - 2);
-    const Mortar m = mortar(system.pair_, rule, basis, start.u, start.history, start.z);
+    stress_ = largest / std::pow(pair.size(), d_ - 2);
+    const Mortar m = mortar(pair, rule, basis, start.u, start.history, start.z);
     for (const auto& [number, node] : m.nodes)
       if (dot(row(start.z, number), node.normal.value) > 0)
         active_.insert(number);
@@ -153,22 +153,24 @@ private:
     Vector change = system_.missing(state.u, target.values);
     double correction = std::numeric_limits<double>::infinity();
     std::set<std::int64_t> active = active_;
+    int met = 0;
     for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
     {
       Mortar m = mortar(pair, rule_, basis_, state.u, before, state.z);
       if (drop_idle(m, state.z))
         m = mortar(pair, rule_, basis_, state.u, before, state.z);
       const bool same = update(m, state.z, active, size);
-      const Vector internal = system_.internal_force(state.u);
+      const Vector internal = system_.body_force(state.u);
       const Vector residual = target.load + m.force - internal;
-      const double scale = internal.norm() + target.load.norm() + m.force.norm();
+      const double scale = system_.size(state.u, internal) + target.load.norm() + m.force.norm();
       double relative = scale > 0 ? system_.free(residual).norm() / scale : 0;
       std::vector<ContactStatus> status(state.z.rows(), ContactStatus::open);
       const Vector right = assemble(pair, m, state, before, active, change, residual, status, relative);
       if (not std::isfinite(relative))
         return false;
-      if (iteration > 0 and same and status == status_ and
-          (relative <= options_.tolerance or correction <= options_.tolerance))
+      const bool meets = relative <= options_.tolerance or correction <= options_.tolerance;
+      met = same and status == status_ and meets ? met + 1 : 0;
+      if (iteration > 0 and met >= options_.in_a_row)
       {
         finish(m, state, before, pair, solution, status);
         solution.iterations.push_back(iteration);
@@ -348,12 +350,12 @@ private:
 };
 } // namespace
 
-ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, Basis basis,
+ContactSolution solve_lagrange(const ContactPair& pair, const BodyForces& bodies, const Rule& contact_rule, Basis basis,
                                const ContactState& start, const ContactLoads& loads, const ContactOptions& options)
 {
-  const detail::System system(pair, rule, loads);
-  Saddle saddle(system, contact_rule, basis, options, start);
-  return detail::solve_in_steps(system, start, options,
+  const detail::System system(pair.model, bodies, loads);
+  Saddle saddle(system, contact_rule, basis, options, start, pair);
+  return detail::solve_in_steps(system, pair, start, options,
                                 [&](const ContactPair& now, ContactState& state, const detail::Target& target,
                                     ContactSolution& solution) { return saddle.step(now, state, target, solution); });
 }

@@ -10,9 +10,10 @@ namespace
 class PenaltySolver
 {
 public:
-  PenaltySolver(const detail::System& system, const Rule& rule, double chi, double chi_t, const ContactOptions& options)
+  PenaltySolver(const detail::System& system, const Surface& slave, const Rule& rule, double chi, double chi_t,
+                const ContactOptions& options)
       : system_(system), rule_(rule), chi_(chi), chi_t_(chi_t), options_(options),
-        corners_(corner_functions(system.pair_.slave, rule))
+        corners_(corner_functions(slave, rule))
   {
   }
 
@@ -111,16 +112,18 @@ private:
     Vector change = system_.missing(state.u, target.values);
     double correction = std::numeric_limits<double>::infinity();
     const Vector lambda = corners_ * state.multiplier;
+    int met = 0;
     for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
     {
       const Penalty contact = penalty(pair, rule_, state.u, chi_, chi_t, before, lambda);
-      const Vector internal = system_.internal_force(state.u);
+      const Vector internal = system_.body_force(state.u);
       const Vector residual = target.load + contact.force - internal;
-      const double scale = internal.norm() + target.load.norm() + contact.force.norm();
+      const double scale = system_.size(state.u, internal) + target.load.norm() + contact.force.norm();
       const double relative = scale > 0 ? system_.free(residual).norm() / scale : 0;
       if (not std::isfinite(relative))
         return false;
-      if (iteration > 0 and (relative <= options_.tolerance or correction <= options_.tolerance))
+      met = relative <= options_.tolerance or correction <= options_.tolerance ? met + 1 : 0;
+      if (iteration > 0 and met >= options_.in_a_row)
       {
         solution.residuals.back() = relative;
         solution.contact_force = contact.force;
@@ -158,13 +161,13 @@ private:
 };
 } // namespace
 
-ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, double chi,
+ContactSolution solve_penalty(const ContactPair& pair, const BodyForces& bodies, const Rule& contact_rule, double chi,
                               double chi_t, const ContactState& start, const ContactLoads& loads,
                               const ContactOptions& options)
 {
-  const detail::System system(pair, rule, loads);
-  PenaltySolver solver(system, contact_rule, chi, chi_t, options);
-  return detail::solve_in_steps(system, start, options,
+  const detail::System system(pair.model, bodies, loads);
+  PenaltySolver solver(system, pair.slave, contact_rule, chi, chi_t, options);
+  return detail::solve_in_steps(system, pair, start, options,
                                 [&](const ContactPair& now, ContactState& state, const detail::Target& target,
                                     ContactSolution& solution) { return solver.step(now, state, target, solution); });
 }

@@ -9,15 +9,14 @@ namespace impact_reference
 {
 namespace detail
 {
-System::System(const ContactPair& pair, const Rule& rule, const ContactLoads& loads)
-    : pair_(pair), rule_(rule), loads_(loads),
-      numbers_(free_numbers(pair.model.elimination_order(), pair.model.gdim(), loads.fixed_dofs)),
+System::System(const Model& model, const BodyForces& bodies, const ContactLoads& loads)
+    : loads_(loads), bodies_(bodies), numbers_(free_numbers(model.elimination_order(), model.gdim(), loads.fixed_dofs)),
       num_free_(std::count_if(numbers_.begin(), numbers_.end(), [](auto n) { return n >= 0; }))
 {
-  if (loads.values.size() != std::int64_t(loads.fixed_dofs.size()) or loads.load.size() != pair.model.num_dofs())
+  if (loads.values.size() != std::int64_t(loads.fixed_dofs.size()) or loads.load.size() != model.num_dofs())
     throw std::invalid_argument(
         "a contact solution needs one value per fixed degree of freedom (" + std::to_string(loads.fixed_dofs.size()) +
-        ", found " + std::to_string(loads.values.size()) + ") and a load of " + std::to_string(pair.model.num_dofs()) +
+        ", found " + std::to_string(loads.values.size()) + ") and a load of " + std::to_string(model.num_dofs()) +
         " entries (found " + std::to_string(loads.load.size()) + ")");
   if (not loads.values.allFinite() or not loads.load.allFinite())
     throw std::invalid_argument("a prescribed value or load is NaN or infinite");
@@ -25,8 +24,7 @@ System::System(const ContactPair& pair, const Rule& rule, const ContactLoads& lo
 
 Entries System::stiffness(const Vector& u) const
 {
-  const Model& model = pair_.model;
-  const Csr K = model.linear() ? model.stiffness(rule_) : model.tangent(rule_, u);
+  const Csr K = bodies_.tangent(u);
   Entries entries;
   entries.reserve(K.data.size());
   for (std::int64_t i = 0; i < K.size; ++i)
@@ -60,7 +58,7 @@ Vector System::missing(const Vector& u, const Vector& values) const
 
 Vector System::reactions(const Vector& u, const Vector& load, const Vector& contact) const
 {
-  const Vector r = internal_force(u) - load - contact;
+  const Vector r = body_force(u) - load - contact;
   Vector result = Vector::Zero(u.size());
   for (auto dof : loads_.fixed_dofs)
     result(dof) = r(dof);
@@ -81,8 +79,8 @@ std::optional<Vector> solve(const Entries& entries, const Vector& right)
   return x;
 }
 
-ContactSolution solve_in_steps(const System& system, const ContactState& start, const ContactOptions& options,
-                               const Step& step)
+ContactSolution solve_in_steps(const System& system, const ContactPair& bodies, const ContactState& start,
+                               const ContactOptions& options, const Step& step)
 {
   if (options.steps < 1 or options.max_iterations < 1 or not(options.tolerance > 0))
     throw std::invalid_argument("steps and max_iterations must be at least 1 and tolerance positive");
@@ -92,13 +90,13 @@ ContactSolution solve_in_steps(const System& system, const ContactState& start, 
   ContactSolution solution;
   solution.state = start;
   double factor = 0, size = 1.0 / options.steps;
-  const double smallest = size / 300;
+  const double smallest = options.halve ? size / 300 : size;
   std::string why = "the iteration did not converge";
   while (factor < 1 - 1e-12)
   {
     const double next = factor + size > 1 - 1e-12 ? 1 : factor + size;
     const Target target{(1 - next) * values_n + next * loads.values, (1 - next) * start.load + next * loads.load};
-    ContactPair pair = system.pair_;
+    ContactPair pair = bodies;
     if (pair.rigid)
       pair.rigid->displacement = (1 - next) * displacement_n + next * loads.displacement;
     ContactSolution trial = solution;
@@ -131,4 +129,42 @@ ContactSolution solve_in_steps(const System& system, const ContactState& start, 
   return solution;
 }
 } // namespace detail
+
+FreeSolution solve_free(const Model& model, const BodyForces& bodies, Vector u, const ContactLoads& loads,
+                        const ContactOptions& options)
+{
+  const detail::System system(model, bodies, loads);
+  Vector change = system.missing(u, loads.values);
+  double correction = std::numeric_limits<double>::infinity();
+  int met = 0;
+  for (int iteration = 0; iteration <= options.max_iterations; ++iteration)
+  {
+    const Vector force = system.body_force(u);
+    const double scale = system.size(u, force) + loads.load.norm();
+    const Vector residual = system.free(loads.load - force);
+    const double relative = scale > 0 ? residual.norm() / scale : 0;
+    if (not std::isfinite(relative))
+      break;
+    met = relative <= options.tolerance or correction <= options.tolerance ? met + 1 : 0;
+    if (iteration > 0 and met >= options.in_a_row)
+      return {u, system.reactions(u, loads.load, Vector::Zero(u.size())), iteration, relative};
+    Entries entries;
+    Vector right = residual;
+    const auto& number = system.numbers();
+    for (const auto& e : system.stiffness(u))
+      if (number[e.row()] >= 0 and number[e.col()] >= 0)
+        entries.emplace_back(int(number[e.row()]), int(number[e.col()]), e.value());
+      else if (number[e.row()] >= 0)
+        right(number[e.row()]) -= e.value() * change(e.col());
+    const auto x = detail::solve(entries, right);
+    if (not x)
+      break;
+    system.correct(u, change, *x);
+    const double largest = u.cwiseAbs().maxCoeff();
+    correction = std::max(x->size() ? x->cwiseAbs().maxCoeff() : 0, change.cwiseAbs().maxCoeff());
+    correction /= largest > 0 ? largest : 1;
+    change.setZero();
+  }
+  throw std::runtime_error("Newton's method did not converge in a step without contact: use smaller steps");
+}
 } // namespace impact_reference

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "BodyForces.h"
 #include "contact_mortar.h"
 #include "solve.h"
 #include <functional>
@@ -21,6 +22,8 @@ struct ContactOptions
   int max_iterations = 60;  ///< of Newton's method in a step
   double tolerance = 1e-12; ///< on the residual over the forces, or on the correction over the displacement
   bool augmented = false;   ///< Uzawa's method on multipliers at the corners of the slave's facets
+  bool halve = true;        ///< false: a step that fails is an error
+  int in_a_row = 1;         ///< iterations in a row that must meet the tolerance
 };
 
 /// A converged state; another analysis may start from it.
@@ -47,16 +50,32 @@ struct ContactSolution
 };
 
 /// Penalty method: Newton's method with the full tangent and sparse LU.
-/// @param rule of the model's cells, `contact_rule` of the slave's facets
+/// @param bodies forces of the bodies
+/// @param contact_rule of the slave's facets
 /// @throws std::runtime_error if it does not converge
-ContactSolution solve_penalty(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, double chi,
+ContactSolution solve_penalty(const ContactPair& pair, const BodyForces& bodies, const Rule& contact_rule, double chi,
                               double chi_t, const ContactState& start, const ContactLoads& loads,
                               const ContactOptions& options);
 
 /// Multipliers at the slave's nodes: semismooth Newton method on the saddle-point system.
 /// @param contact_rule of segments, or of the slave's facets if the master is rigid
-ContactSolution solve_lagrange(const ContactPair& pair, const Rule& rule, const Rule& contact_rule, Basis basis,
+ContactSolution solve_lagrange(const ContactPair& pair, const BodyForces& bodies, const Rule& contact_rule, Basis basis,
                                const ContactState& start, const ContactLoads& loads, const ContactOptions& options);
+
+/// A step without contact.
+struct FreeSolution
+{
+  Vector u;         ///< [L]
+  Vector reactions; ///< on fixed degrees of freedom, zero elsewhere [F]
+  int iterations = 0;
+  double residual = 0; ///< relative
+};
+
+/// Newton's method for bodies without contact.
+/// @param u where it starts
+/// @throws std::runtime_error if it does not converge
+FreeSolution solve_free(const Model& model, const BodyForces& bodies, Vector u, const ContactLoads& loads,
+                        const ContactOptions& options);
 
 namespace detail
 {
@@ -64,9 +83,10 @@ namespace detail
 class System
 {
 public:
-  System(const ContactPair& pair, const Rule& rule, const ContactLoads& loads);
+  System(const Model& model, const BodyForces& bodies, const ContactLoads& loads);
 
-  Vector internal_force(const Vector& u) const { return pair_.model.internal_force(rule_, u); }
+  Vector body_force(const Vector& u) const { return bodies_.force(u); }
+  double size(const Vector& u, const Vector& force) const { return bodies_.size(u, force); }
   Entries stiffness(const Vector& u) const;
   std::int64_t num_free() const { return num_free_; }
   const std::vector<std::int64_t>& numbers() const { return numbers_; } ///< -1 where fixed
@@ -77,11 +97,10 @@ public:
   Vector missing(const Vector& u, const Vector& values) const;
   Vector reactions(const Vector& u, const Vector& load, const Vector& contact) const;
 
-  const ContactPair& pair_;
-  const Rule& rule_;
   const ContactLoads& loads_;
 
 private:
+  const BodyForces& bodies_;
   std::vector<std::int64_t> numbers_;
   std::int64_t num_free_;
 };
@@ -105,7 +124,7 @@ struct Target
 /// Runs `newton(pair, state, target)` from state to state; it returns false, and may spoil the state, if it fails. The
 /// pair it is given has the obstacle where the step wants it.
 using Step = std::function<bool(const ContactPair&, ContactState&, const Target&, ContactSolution&)>;
-ContactSolution solve_in_steps(const System& system, const ContactState& start, const ContactOptions& options,
-                               const Step& step);
+ContactSolution solve_in_steps(const System& system, const ContactPair& pair, const ContactState& start,
+                               const ContactOptions& options, const Step& step);
 } // namespace detail
 } // namespace impact_reference

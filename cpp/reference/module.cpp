@@ -77,7 +77,8 @@ NB_MODULE(_reference, m)
         });
   bind_elements(m);
   bind_model(m);
-  bind_contact(m);
   bind_plasticity(m);
+  bind_newmark(m);
+  bind_contact(m);
   bind_explicit(m);
 }

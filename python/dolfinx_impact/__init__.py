@@ -20,10 +20,12 @@ from .contact import (
     RigidSurface,
 )
 from .dynamics.explicit import ExplicitProblem
+from .dynamics.implicit.problem import NewmarkProblem
 from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .assembly.lumped_mass import lumped_mass
+from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
@@ -46,6 +48,7 @@ __all__ = [
     "MaterialMap",
     "MaterialUpdate",
     "NeoHookean",
+    "NewmarkProblem",
     "PointValues",
     "PrescribedMotion",
     "Rayleigh",
@@ -66,6 +69,7 @@ __all__ = [
     "RigidSurface",
     "_cpp",
     "cache_folder",
+    "cell_max",
     "check_mesh",
     "compile_expression",
     "compile_form",

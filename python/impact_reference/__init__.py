@@ -6,7 +6,7 @@ generated from UFL. `reference_nodes` states the node order; degrees of freedom 
 fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, explicit, model, plastic_body, plasticity, rules, sparse
+from . import contact, elements, explicit, model, newmark, plastic_body, plasticity, rules, sparse
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .elements import (
@@ -32,6 +32,7 @@ from .elements import (
 )
 from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
 from .model import Model, StaticSolution
+from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .plastic_body import PlasticBody, PlasticStates
 from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic
 from .rules import (
@@ -50,12 +51,16 @@ __all__ = [
     "ContactSolution",
     "Csr",
     "ExplicitResult",
+    "ImplicitContact",
     "J2Answer",
     "J2History",
     "J2Parameters",
     "J2Point",
     "Material",
     "Model",
+    "NewmarkContactHistory",
+    "NewmarkResult",
+    "NewmarkScheme",
     "NodalKinematic",
     "NodalPenalty",
     "PlasticBody",
@@ -92,6 +97,7 @@ __all__ = [
     "facet_type",
     "facets",
     "model",
+    "newmark",
     "plastic_body",
     "plasticity",
     "quadrature",

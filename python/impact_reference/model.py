@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from .sparse import Csr
 
 if TYPE_CHECKING:
     from .explicit import ExplicitResult, Load, NodalKinematic, NodalPenalty
+    from .newmark import NewmarkResult
 
 
 @dataclass
@@ -468,6 +469,25 @@ class Model:
             lumping=lumping,
             every=every,
         )
+
+    def run_newmark(self, dt: ArrayLike, num_steps: int | None = None, **arguments: Any) -> NewmarkResult:
+        """Implicit dynamics by Newmark's method or generalised-alpha.
+
+        Args:
+            dt: time step; or all steps, shape (num_steps) [T].
+            num_steps: number of steps; None where `dt` has all steps.
+            arguments: as in `impact_reference.newmark.run_newmark`.
+
+        Returns:
+            States, energies and contact history of all time levels.
+
+        Raises:
+            ValueError: data that do not fit.
+            RuntimeError: Newton's method does not converge.
+        """
+        from . import newmark
+
+        return newmark.run_newmark(self, dt, num_steps, **arguments)
 
     def stable_step(
         self,

@@ -13,6 +13,7 @@ from . import _reference
 from .array_types import ArrayLike, FloatArray
 from .explicit import ExplicitResult, run_explicit
 from .model import Model, _floats, _integers, _vector
+from .newmark import NewmarkResult, run_newmark
 from .plasticity import J2History, J2Parameters, dilatation_name
 from .sparse import Csr
 
@@ -217,3 +218,22 @@ class PlasticBody:
             RuntimeError: the run overflows.
         """
         return run_explicit(self.model, dt, num_steps, plastic=self._body, **arguments)
+
+    def run_newmark(self, dt: ArrayLike, num_steps: int | None = None, **arguments: Any) -> NewmarkResult:
+        """Implicit dynamics from the committed history, which is committed at the end of every step.
+
+        Energy "internal" is the stored elastic one, "plastic" what the work of the internal forces leaves.
+
+        Args:
+            dt: time step; or all steps, shape (num_steps) [T].
+            num_steps: number of steps; None where `dt` has all steps.
+            arguments: as in `impact_reference.newmark.run_newmark`.
+
+        Returns:
+            States, energies, contact history and plastic strains of all time levels.
+
+        Raises:
+            ValueError: data that do not fit.
+            RuntimeError: Newton's method does not converge.
+        """
+        return run_newmark(self.model, dt, num_steps, plastic=self._body, **arguments)

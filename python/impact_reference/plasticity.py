@@ -5,12 +5,12 @@ Yield function f = sqrt(3/2) |dev sigma - beta| - Y(a) with associated flow; a i
 the back stress of Armstrong and Frederick, d beta = 2/3 C d eps_p - gamma beta da (gamma = 0: Prager). The strain is
 
 - "small": history is the plastic strain, the answer Cauchy's stress and its derivative by the strain;
-- "simo": finite, Simo's multiplicative law (Simo & Hughes Box 9.1, but with det(be_bar) = 1), isotropic hardening only;
-- "hencky": finite, logarithmic strain and exponential map (de Souza Neto et al. ch. 14); the back stress turns with the
-  rotation of F.
+- "simo": finite, Simo's multiplicative law (Simo & Hughes Box 9.1, but with det(be_bar) = 1);
+- "hencky": finite, logarithmic strain and exponential map (de Souza Neto et al. ch. 14).
 
-Both finite laws take F and answer with the 1st Piola-Kirchhoff stress and its derivative by F; their history is C_p^-1.
-Evaluations are trials: they leave the history they start from as it is.
+Both finite laws take F and answer with the 1st Piola-Kirchhoff stress and its derivative by F; their history is C_p^-1,
+and the back stress turns with the rotation of F. Evaluations are trials: they leave the history they start from as it
+is.
 """
 
 from __future__ import annotations

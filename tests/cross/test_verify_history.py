@@ -9,7 +9,7 @@ import pytest
 
 import dolfinx_impact as di
 from dolfinx_impact.contact.explicit.nodal import NodalResult
-from dolfinx_impact.verify import cross_check, history
+from dolfinx_impact.verify import cross_check, history, implicit
 from dolfinx_impact.verify.report import Report
 
 STEPS = 150  # a fault shows soon
@@ -26,6 +26,7 @@ def case_of(cell, name):
 @pytest.mark.parametrize("steps", (STEPS, pytest.param(history.STEPS, marks=pytest.mark.slow)))
 def test_rows_of_a_cell_pass(steps, monkeypatch):
     """Bars, a disc that comes to roll, rigid masters, bodies without contact; both kinds of contact."""
+    monkeypatch.setattr(implicit, "run", lambda report: None)  # test_verify_implicit.py
     right = history.compare
     monkeypatch.setattr(history, "compare", lambda r, case, most=history.STEPS: right(r, case, min(most, steps)))
     report = cross_check(cells=["quadrilateral"], degrees=[1], levels=["history"])

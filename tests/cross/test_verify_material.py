@@ -10,7 +10,7 @@ from dolfinx_impact.assembly.inelastic_tangent import InelasticTangent
 from dolfinx_impact.assembly.operators import InternalForce
 from dolfinx_impact.assembly.projected_dilatation import ProjectedDilatation
 from dolfinx_impact.forms import plasticity as law
-from dolfinx_impact.plasticity import J2Plasticity
+from dolfinx_impact.plasticity import ArmstrongFrederick, J2Plasticity
 from dolfinx_impact.statics.inelastic_body import InelasticBody
 from dolfinx_impact.verify import cross_check, material, material_tangent, plastic_bodies
 from dolfinx_impact.verify.report import Report
@@ -165,6 +165,71 @@ def test_a_history_that_stays_behind_a_rotation_is_seen(monkeypatch, own_cache):
     assert max(material.objectivity(case_of("linear"), "3d", num=NUM).values()) <= material.TOLERANCE
     wrong_law(monkeypatch, change)
     assert max(material.objectivity(case_of("linear"), "3d", num=NUM).values()) > 1e3 * material.TOLERANCE
+
+
+@pytest.mark.parametrize("name", ("prager", "armstrong_frederick"))
+def test_a_back_stress_that_is_not_turned_is_seen(name, monkeypatch, own_cache):
+    """The return in the frame of the reference configuration, with F in the place of U."""
+    assert max(material.objectivity(case_of(name), "plane_strain", num=NUM).values()) <= material.TOLERANCE
+    monkeypatch.setattr(law, "plane_stretch", lambda F: F)
+    assert max(material.objectivity(case_of(name), "plane_strain", num=NUM).values()) > 1e3 * material.TOLERANCE
+
+
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+def test_a_trace_of_the_stretch_that_is_too_large_is_seen(hypothesis, monkeypatch, own_cache):
+    """R is no rotation then."""
+    right, plane = law.stretch, law.plane_stretch
+    monkeypatch.setattr(law, "stretch", lambda C, x: right(C, 1.0001 * x))
+    monkeypatch.setattr(law, "plane_stretch", lambda F: 1.0001 * plane(F))
+    assert difference("prager", hypothesis, finite=True) > 1e3 * material.TOLERANCE
+
+
+# --- limits of the law with kinematic hardening in finite strain ------------------------------------------------------
+
+
+def results(ours, finite, hypothesis, path):
+    """Stress and history at the end of a path of displacement gradients."""
+    points = material.Points(material.Case("", ours, {}), hypothesis, finite, path.shape[1])
+    for gradient in path:
+        stress = points.step(gradient)
+    return stress, points
+
+
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+def test_without_kinematic_modulus_it_is_the_isotropic_law(hypothesis):
+    """C of 1e-12 Y: to round-off, 1e-10."""
+    path = material.strain_paths(np.random.default_rng(1), NUM, 3 if hypothesis == "3d" else 2, True)
+    Y = material.Y
+    isotropic, one = results({"hardening": 0.5 * Y}, True, hypothesis, path)
+    for kinematic in (1e-12 * Y, ArmstrongFrederick(1e-12 * Y, 10.0)):
+        stress, two = results({"hardening": 0.5 * Y, "kinematic": kinematic}, True, hypothesis, path)
+        assert np.abs(stress - isotropic).max() < material.TOLERANCE * Y
+        for name in one.names:
+            assert np.abs(two.variable(name) - one.variable(name)).max() < material.TOLERANCE
+
+
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+@pytest.mark.parametrize("name", ("prager", "armstrong_frederick"))
+def test_small_strains_are_the_limit(name, hypothesis, monkeypatch):
+    """Strains and yield stress over n: the stress over the yield stress goes to that of small strain with order 1."""
+    path = material.stretch_paths(np.random.default_rng(2), NUM, 3 if hypothesis == "3d" else 2, False)[:10]
+    Y, errors = material.Y, []
+    for n in (1, 2, 4):
+        monkeypatch.setattr(material, "Y", Y / n)
+        kinematic = {"prager": 20e9, "armstrong_frederick": ArmstrongFrederick(60e9, 300.0 * n)}[name]
+        small, finite = (results({"kinematic": kinematic}, f, hypothesis, path / n)[0] for f in (False, True))
+        errors.append(np.abs(small - finite).max() * n / Y)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[0] > 1e-3 and np.all(np.abs(orders - 1.0) < 0.25), (errors, orders)
+
+
+@pytest.mark.parametrize("name", ("voce", "armstrong_frederick"))
+def test_flow_keeps_the_volume(name):
+    """det C_p = 1 after 50 steps: 1e-13, the tolerance of the local equations and round-off of its nine factors."""
+    path = material.strain_paths(np.random.default_rng(1), NUM, 3, True)
+    _, points = results(case_of(name).ours, True, "3d", path)
+    assert points.variable(law.PLASTIC_STRAIN).max() > 0.5
+    assert np.abs(np.linalg.det(points.variable(law.PLASTIC_TENSOR)) - 1.0).max() < 1e-13 * 50
 
 
 # --- faults of the tangent and of commits -----------------------------------------------------------------------------

@@ -29,6 +29,7 @@ FILES = {
         "cases.csv", "errors_penalty.csv", "errors_kinematic.h5", "impact_bars.png", "impact_bars_convergence.png",
         "two_bars.bp",
     ),
+    "implicit_or_explicit": ("implicit_or_explicit.png", "methods.csv", "methods.h5"),
     "rail_joint": (
         "energy.csv", "energy.h5", "force.csv", "force.h5", "rail_joint_0.bp", "rail_joint_5.bp",
         "rail_joint_energy.png", "rail_joint_force.png", "rail_joint_sequence.png",

@@ -46,6 +46,11 @@ class Impact(Model):
             self.u, self.law, velocity=self.velocity, bcs=self.bcs, loads=self.loads, contact=list(contacts), **options
         )
 
+    def implicit(self, *contacts, **options):
+        return di.NewmarkProblem(
+            self.u, self.law, velocity=self.velocity, bcs=self.bcs, loads=self.loads, contact=list(contacts), **options
+        )
+
 
 def momentum(problem, nodes):
     """Sum of mass times velocity over nodes, (gdim)."""

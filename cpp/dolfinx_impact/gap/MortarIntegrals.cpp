@@ -91,6 +91,13 @@ MortarIntegrals::MortarIntegrals(std::shared_ptr<const surface::FunctionSpace> V
 {
 }
 
+// PETSc's layouts keep the communicator without duplicating it: that of the search ends with the next exchange, while
+// matrices whose places stay the same are kept.
+MPI_Comm MortarIntegrals::comm() const
+{
+  return _space->mesh()->comm();
+}
+
 std::vector<double> MortarIntegrals::summed(std::vector<double> values, int block, bool forward_only) const
 {
   return over_ranks(_map, std::move(values), block, forward_only);
@@ -152,7 +159,7 @@ void MortarIntegrals::update(std::span<const double> u, std::span<const double> 
   for (std::size_t k = 0; k < _mortar.D.values.size(); ++k)
     if (_mortar.D.rows[k] != _mortar.D.cols[k])
       entries.add(PetscInt(global[_mortar.D.rows[k]]), PetscInt(global[_mortar.D.cols[k]]), -_mortar.D.values[k]);
-  _mortar_matrix.assign(_map->comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
+  _mortar_matrix.assign(comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
 }
 
 void MortarIntegrals::update_gap(std::span<const std::int8_t> locked, double symmetry)
@@ -195,7 +202,7 @@ Mat MortarIntegrals::jump_matrix()
     entries.add(PetscInt(global[_mortar.D.rows[k]]), PetscInt(global[_mortar.D.cols[k]]), _mortar.D.values[k]);
   for (std::size_t k = 0; k < _mortar.M.values.size(); ++k)
     entries.add(PetscInt(global[_mortar.M.rows[k]]), PetscInt(global[_mortar.M.cols[k]]), -_mortar.M.values[k]);
-  _jump.assign(_map->comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
+  _jump.assign(comm(), _map->size_local(), _map->size_local(), 1, std::move(entries));
   return _jump.matrix();
 }
 
@@ -313,7 +320,7 @@ Mat MortarIntegrals::tangent(std::span<const double> multiplier, std::span<const
     for (std::size_t k = 0; k < in.values.size(); ++k)
       entries.add(PetscInt(gdim * global[in.rows[k] / gdim] + in.rows[k] % gdim),
                   PetscInt(gdim * global[in.cols[k] / gdim] + in.cols[k] % gdim), in.values[k]);
-    out.assign(_map->comm(), owned, owned, gdim, std::move(entries));
+    out.assign(comm(), owned, owned, gdim, std::move(entries));
   };
   assign(sliding_tangent(slave, master, _segments, _mortar, z), _sliding);
   assign(turning_tangent(slave, _sums, force), _turning);
@@ -328,7 +335,7 @@ Mat MortarIntegrals::tangent(std::span<const double> multiplier, std::span<const
       for (std::int64_t p = facing.pointers[k]; p < facing.pointers[k + 1]; ++p)
         jump.add(row, PetscInt(gdim * facing.columns[p] + c), -facing.values[p]);
     }
-  _facing.assign(_map->comm(), owned, owned, gdim, std::move(jump));
+  _facing.assign(comm(), owned, owned, gdim, std::move(jump));
   Mat both = nullptr;
   check(MatTransposeMatMult(_facing.matrix(), _turning.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &both),
         "matrices are multiplied");

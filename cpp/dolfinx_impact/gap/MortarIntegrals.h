@@ -87,6 +87,7 @@ public:
               std::span<const std::int8_t> active);
 
 private:
+  MPI_Comm comm() const; ///< for matrices
   std::vector<double> summed(std::vector<double> values, int block, bool forward_only = false) const;
 
   std::shared_ptr<const surface::FunctionSpace> _space;

@@ -112,7 +112,8 @@ def set_values(f: Function, cells: IntArray, values: FloatArray) -> None:
         values: values at their points, (n, num_points, num_components).
     """
     dofmap = f.function_space.dofmap
-    f.x.array.reshape(-1, dofmap.bs)[dofmap.list[cells]] = np.asarray(values).reshape(len(cells), -1, dofmap.bs)
+    num = dofmap.list.shape[1]  # not -1: a rank may have no cells
+    f.x.array.reshape(-1, dofmap.bs)[dofmap.list[cells]] = np.asarray(values).reshape(len(cells), num, dofmap.bs)
 
 
 class InelasticParts:

@@ -27,6 +27,7 @@ from dolfinx.fem import Function
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from ..forms.cell_maximum import has_maximum
 from ..forms.materials import weight
 from .inelastic_part import HistoryFunctions, InelasticPart
 from .projected_dilatation import ProjectedDilatation
@@ -90,6 +91,11 @@ class _PartForms:
         self.mean = self.value(theta) if kinematics.average else None
         strain = kinematics.strain(part.u, self.mean)
         self.update = part.response.respond(strain, dict(functions.history), functions.unknown)
+        if any(has_maximum(e) for e in (self.update.stress, self.update.residual) if e is not None):
+            raise ValueError(
+                "the stress of a law has a maximum over a cell, which has no derivative: static problems need one. "
+                "Take ufl.cell_avg, or use the maximum of the committed history, or an ExplicitProblem"
+            )
 
     def value(self, coefficients: Any) -> Any:
         """Projected dilatation of these coefficients."""

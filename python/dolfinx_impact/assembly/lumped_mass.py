@@ -3,6 +3,7 @@
 
 import functools
 from collections.abc import Iterable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 import ufl
@@ -20,8 +21,10 @@ from ..forms import inertia, quadrature
 from ..materials import Material
 from .jit import compile_form
 
+CellMasses: TypeAlias = Sequence[tuple[IntArray, FloatArray]]  # cells of each material, and their masses [M]
 
-def _mass_measure(
+
+def mass_measure(
     V: FunctionSpace,
     hypothesis: str,
     cell_tags: MeshTags | None = None,
@@ -64,7 +67,7 @@ def lumped_mass(V: FunctionSpace, material: Material, scheme: str = "auto") -> l
     scheme = _lumping_scheme(V, material.hypothesis_on(mesh), scheme)
     if scheme == "row_sum":
         v, hypothesis = ufl.TestFunction(V), material.hypothesis_on(mesh)
-        dx = _mass_measure(V, hypothesis, material.cell_tags)
+        dx = mass_measure(V, hypothesis, material.cell_tags)
         parts = [(tag, m.mass_density(mesh)) for tag, m in material.parts()]
         total = sum(inertia.row_sum(v, density, hypothesis, dx if t is None else dx(t)) for t, density in parts)
         return _positive(operators.InternalForce(total).apply(), scheme, mesh.comm)
@@ -110,7 +113,7 @@ def cell_masses(
     """
     scheme = _lumping_scheme(V, hypothesis, scheme)
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
-    dx, degree = _mass_measure(V, hypothesis, cell_tags), V.element.basix_element.degree
+    dx, degree = mass_measure(V, hypothesis, cell_tags), V.element.basix_element.degree
     errors: list[str] = []
     out = []
     num_dofs = V.dofmap.dof_layout.num_dofs * V.dofmap.bs  # of a cell; a rank may have no cell of a material
@@ -121,7 +124,7 @@ def cell_masses(
             lump = functools.partial(_cpp.operators.cell_masses_hrz, mass[1], coefficients=mass[2])
         else:
             rule = ("GLL", 2 * degree - 1) if scheme == "nodal" else (None, None)
-            nodal = integral(inertia.row_sum(v, density, hypothesis, _mass_measure(V, hypothesis, cell_tags, *rule)))
+            nodal = integral(inertia.row_sum(v, density, hypothesis, mass_measure(V, hypothesis, cell_tags, *rule)))
             mass = integral(inertia.row_sum(v, density, hypothesis, dx))
             lump = functools.partial(_cpp.operators.cell_masses_nodal, nodal[1], mass[1], coefficients=mass[2])
         try:
@@ -134,7 +137,7 @@ def cell_masses(
     return out
 
 
-def assemble_masses(V: FunctionSpace, masses: Sequence[tuple[IntArray, FloatArray]], scheme: str = "auto") -> la.Vector:
+def assemble_masses(V: FunctionSpace, masses: CellMasses, scheme: str = "auto") -> la.Vector:
     """Assemble the lumped mass from the masses of cells. Collective.
 
     Args:
@@ -148,12 +151,25 @@ def assemble_masses(V: FunctionSpace, masses: Sequence[tuple[IntArray, FloatArra
     Raises:
         ValueError: an entry is not positive; on all ranks.
     """
+    return _positive(sum_masses(V, masses), scheme, V.mesh.comm)
+
+
+def sum_masses(V: FunctionSpace, masses: CellMasses) -> la.Vector:
+    """Sum the masses of cells at the nodes. Collective.
+
+    Args:
+        V: blocked Lagrange space.
+        masses: cells and their masses, as cell_masses returns them [M].
+
+    Returns:
+        Mass vector, ghosts up to date [M].
+    """
     b, bs = la.vector(V.dofmap.index_map, V.dofmap.index_map_bs), V.dofmap.index_map_bs
     for cells, values in masses:
         np.add.at(b.array.reshape(-1, bs), V.dofmap.list[cells].ravel(), values.reshape(-1, bs))
     b.scatter_reverse(la.InsertMode.add)
     b.scatter_forward()
-    return _positive(b, scheme, V.mesh.comm)
+    return b
 
 
 def _positive(b: la.Vector, scheme: str, comm: MPI.Comm) -> la.Vector:

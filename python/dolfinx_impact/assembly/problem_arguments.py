@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Checks of the arguments that static and explicit problems have in common, on one rank, without communication, for use
+"""Checks of the arguments that problems have in common, on one rank, without communication, for use
 under a guard (common/collective.py)."""
 
 from typing import Any
@@ -37,6 +37,7 @@ def problem(
     contact: Any,
     axisymmetric: bool = False,
     explicit: bool = False,
+    implicit: bool = False,
 ) -> dict[str, Any]:
     """Check the arguments of a problem.
 
@@ -49,6 +50,7 @@ def problem(
         contact: contacts.
         axisymmetric: whether the residual is that of an axisymmetric body.
         explicit: whether the problem is an explicit one.
+        implicit: whether it is an implicit one in time; static if neither.
 
     Returns:
         Values that must be the same on all ranks, by name.
@@ -59,6 +61,7 @@ def problem(
     """
     if (given_material is None) == (residual is None):
         raise ValueError("give either a material or a residual of your own")
+    in_time = explicit or implicit
     contact = arguments.sequence("contact", contact, "contacts")
     arguments.displacement(u, solid=residual is None or bool(contact))
     V, mesh = u.function_space, u.function_space.mesh
@@ -72,13 +75,13 @@ def problem(
         check_residual(residual, u)
         arguments.radii("axisymmetric" if axisymmetric else None, mesh)
     for bc in arguments.sequence("bcs", bcs, "DirichletBC"):
-        arguments.boundary_values("bcs", getattr(bc, "bc", bc) if explicit else bc, V)
+        arguments.boundary_values("bcs", getattr(bc, "bc", bc) if in_time else bc, V)
     for load in arguments.sequence("loads", loads, "loads"):
         if not hasattr(load, "form"):
             raise TypeError(f"loads must hold Traction, BodyForce, FollowerPressure, found {type(load).__name__}")
-        if not explicit and getattr(load, "amplitude", None) is not None:
+        if not in_time and getattr(load, "amplitude", None) is not None:
             raise ValueError(
-                f"{type(load).__name__} has an amplitude, a function of time: that is for explicit problems; static "
+                f"{type(load).__name__} has an amplitude, a function of time: that is for problems in time; static "
                 "ones go to the present value of the load in steps"
             )
         if hasattr(load, "facet_tags"):

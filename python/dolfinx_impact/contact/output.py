@@ -141,6 +141,27 @@ class ContactOutput:
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
         self.dissipated += float(sums[-1])
 
+    def save_totals(self) -> dict[str, FloatArray]:
+        """Totals of `update_totals` for a checkpoint.
+
+        Returns:
+            Vectors by name; not a number where there are none yet.
+        """
+        gdim = self.points.shape[1]
+        unknown = np.full(gdim, np.nan), np.full(1 if gdim == 2 else 3, np.nan)
+        force, moment = (f if v is None else v for v, f in zip((self.force, self.moment), unknown))
+        return {"force": force, "moment": moment, "area": np.array([self.area, self.dissipated])}
+
+    def restore_totals(self, totals: dict[str, FloatArray]) -> None:
+        """Restore totals from a checkpoint.
+
+        Args:
+            totals: as save_totals returned them.
+        """
+        known = not np.any(np.isnan(totals["force"]))
+        self.force, self.moment = (totals["force"], totals["moment"]) if known else (None, None)
+        self.area, self.dissipated = (float(value) for value in totals["area"])
+
     def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
         """Values of the contact points by nodes. Collective.
 

@@ -10,22 +10,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
-from dolfinx.mesh import Mesh
 from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
 from .. import _cpp
-from ..common import arguments
 from ..assembly import operators, problem_arguments
 from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
-from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
+from ..common.types import ArrayLike, FilePath, FloatArray
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.history import MaterialHistory
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
+from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..forms import materials as laws
 from ..loads import DeadLoad, Load
@@ -41,6 +40,8 @@ from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
 from .stable_step import METHODS, CellMasses, Frequencies, cell_sizes, damped
+from .start_values import check_velocity, density_expression
+from .supports import Supports
 from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
 
@@ -125,7 +126,7 @@ class ExplicitProblem(Unique):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
-            velocity = self._check_velocity(velocity, u)
+            velocity = check_velocity(velocity, u)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
@@ -142,6 +143,7 @@ class ExplicitProblem(Unique):
         claim(u, self, explicit=True)
         if material is not None:
             warn_of_locking(u, material)
+            warn_of_softening(u, material)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         resisting = damping_tangent = laws_at_points = None
         self._parts: InelasticParts | None = None
@@ -163,7 +165,7 @@ class ExplicitProblem(Unique):
                         "the residual contains the velocity: scheme 'classical' takes mass-proportional damping only"
                     )
                 damping_tangent = expand_derivatives(ufl.derivative(resisting, velocity, du))
-            parts, tags = [(None, self._density(density, mesh))], None
+            parts, tags = [(None, density_expression(density, mesh))], None
         self.axisymmetric = hypothesis == "axisymmetric"
         self._frequencies = Frequencies(
             u, tangent, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
@@ -194,7 +196,10 @@ class ExplicitProblem(Unique):
         self._add_damping(v)
         self._functions = FunctionsOfTime()
         self._set_loads(self.loads, v)
-        self._set_motion(bcs)
+        supports = Supports(bcs, u, self._functions)
+        self.supports, self.prescribed = supports.parts, supports.mask
+        for dofs, values, column in self.supports:
+            self._cpp_object.prescribe(dofs.astype(np.int32), values, column)
         self.contact: list[NodalResult] = [c._bind_explicit(self) for c in contact]
         for c in self.contact:
             motion = c.motion
@@ -217,25 +222,6 @@ class ExplicitProblem(Unique):
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
         return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
-
-    @staticmethod
-    def _check_velocity(velocity: fem.Function | None, u: fem.Function) -> fem.Function:
-        if velocity is None:
-            raise ValueError("give the velocity at the start: a Function on u's space (zero: fem.Function(V))")
-        arguments.function("velocity", velocity)
-        if velocity is u:
-            raise ValueError("displacement and velocity are one function: give two")
-        V, W = u.function_space, velocity.function_space
-        if W.element != V.element or W.mesh != V.mesh:
-            raise ValueError("the velocity is on another space than the displacement")
-        if not all(np.all(np.isfinite(f.x.array)) for f in (u, velocity)):
-            raise ValueError("displacement or velocity at the start is not a number")
-        return velocity
-
-    def _density(self, density: float | ufl.core.expr.Expr, mesh: Mesh) -> ufl.core.expr.Expr:
-        if isinstance(density, ufl.core.expr.Expr):
-            return density
-        return fem.Constant(mesh, default_scalar_type(number("density", density, 0.0, " [M/L^3]")))
 
     def _frequencies_masses(self) -> CellMasses:
         masses = self._frequencies.masses()
@@ -309,30 +295,6 @@ class ExplicitProblem(Unique):
             dead = DeadLoad(load, form, self.space)
             self._cpp_object.add_load(dead.dofs, dead.values(), self._functions.add(amplitude)[0])
             self.dead_loads.append(dead)
-
-    def _set_motion(self, bcs: Sequence[fem.DirichletBC | PrescribedMotion]) -> None:
-        taken = np.zeros(len(self.u.x.array), dtype=bool)
-        self.supports: list[tuple[IntArray, FloatArray, int]] = []
-        for given in bcs:
-            amplitude = given.amplitude if isinstance(given, PrescribedMotion) else None
-            bc = given.bc if isinstance(given, PrescribedMotion) else given
-            dofs = bc.dof_indices()[0]
-            dofs = dofs[(dofs < self.num_owned) & ~taken[dofs]]
-            taken[dofs] = True
-            values = np.zeros(len(self.u.x.array))
-            bc.set(values)
-            column = -1 if amplitude is None else self._functions.add(amplitude)[0]
-            start = values[dofs] * (1.0 if amplitude is None else amplitude.sample(np.zeros(1))[0, 0])
-            jump = float(np.max(np.abs(start - self.u.x.array[dofs]), initial=0.0))
-            size = self.comm.allreduce(float(np.max(np.abs(start), initial=0.0)), MPI.MAX)
-            if self.comm.allreduce(jump, MPI.MAX) > 1e-12 * size:
-                raise ValueError(
-                    "a prescribed displacement jumps at the start: let u have its value, or use PrescribedMotion with "
-                    "an amplitude that begins where u is"
-                )
-            self._cpp_object.prescribe(dofs.astype(np.int32), values[dofs], column)
-            self.supports.append((dofs, values[dofs], column))
-        self.prescribed = taken
 
     # --- running ---------------------------------------------------------------------------------------------------
 
@@ -485,7 +447,8 @@ class ExplicitProblem(Unique):
         with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
             names, places = check_arguments(self, path, fields, every, points, points_every)
             ranks.same(points=places)
-        return Recorder(self, self._stepper, self._state, path, names, every, places, points_every)
+        output = self._stepper.recorders, self._state.update_functions
+        return Recorder(self, *output, path, names, every, places, points_every)
 
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.

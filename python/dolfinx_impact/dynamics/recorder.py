@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Output of an explicit run while it runs: fields for ParaView, histories in HDF5."""
+"""Output of a run while it runs: fields for ParaView, histories in HDF5."""
 
 from __future__ import annotations
 
 import contextlib
+import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,15 +19,13 @@ from ..assembly.inelastic_stress import STRESS, VON_MISES
 from ..io import hdf5
 from ..io.frames import Frames
 from ..io.run_folder import RunFolder
-from .current_state import CurrentState
 from .material_frames import MaterialFrames
 from .run_history import ENERGIES
 
 if TYPE_CHECKING:
     import h5py
 
-    from .explicit import ExplicitProblem
-    from .time_stepper import TimeStepper
+    from .problem_in_time import ProblemInTime
 
 UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
 FIELDS = ("displacement", "velocity", "acceleration")
@@ -35,7 +34,7 @@ INTERVAL = 1.0  # s of wall-clock time: opening the file takes milliseconds, as 
 
 
 def check_arguments(
-    problem: ExplicitProblem,
+    problem: ProblemInTime,
     path: FilePath | None,
     fields: Iterable[str],
     every: int,
@@ -45,7 +44,7 @@ def check_arguments(
     """Check the arguments of a Recorder on this rank.
 
     Args:
-        problem: ExplicitProblem.
+        problem: problem in time.
         path: folder, or None.
         fields: some of FIELDS, and of `material_fields`.
         every: steps between frames [1].
@@ -83,17 +82,17 @@ def check_arguments(
     return tuple(fields), x
 
 
-def material_fields(problem: ExplicitProblem) -> tuple[str, ...]:
+def material_fields(problem: ProblemInTime) -> tuple[str, ...]:
     """Names of fields of the materials that a Recorder can write; none without internal variables.
 
     Args:
-        problem: ExplicitProblem.
+        problem: problem in time.
     """
     return (*problem.history, STRESS, VON_MISES) if problem.has_history else ()
 
 
 class Recorder:
-    """Writes frames and histories of an ExplicitProblem into a folder; made by ExplicitProblem.record.
+    """Writes frames and histories of a problem in time into a folder; made by the problem's `record`.
 
     Files: fields.bp has the fields (ParaView 5.12 or newer), materials.bp those of materials, averaged at the vertices:
     a scalar for each component, stress_xx, ... and back_stress_0, ... history.h5 has `time`, energies and contact
@@ -106,14 +105,16 @@ class Recorder:
     then be read, and the rows that are missing in them are kept and written when there is room.
 
     Args:
-        problem: ExplicitProblem.
-        stepper: its TimeStepper.
-        state: its CurrentState.
+        problem: problem in time.
+        recorders: recorders that its time stepper runs; this one is appended.
+        update_functions: sets the problem's functions to the present time.
         path: folder; None as for RunFolder.
         fields: some of FIELDS, and of `material_fields`.
         every: steps between frames [1].
         points: points whose nearest nodes are sampled, (n, gdim); None: no points [L].
         points_every: steps between samples of points [1].
+        times: times of frames, if there are any in place of `every`; the stepper must meet them [T].
+        name: beginning of the folder's name if `path` is None.
 
     Attributes:
         folder: RunFolder with the files.
@@ -125,19 +126,22 @@ class Recorder:
 
     def __init__(
         self,
-        problem: ExplicitProblem,
-        stepper: TimeStepper,
-        state: CurrentState,
+        problem: ProblemInTime,
+        recorders: list[Recorder],
+        update_functions: Callable[[], None],
         path: FilePath | None,
         fields: Sequence[str],
         every: int,
         points: FloatArray | None,
         points_every: int,
+        times: Sequence[float] = (),
+        name: str = "explicit",
     ) -> None:
+        self._times = sorted(times)
         self.problem, self.every, self.points_every = problem, int(every), int(points_every)
-        self._stepper, self._state = stepper, state
+        self._recorders, self._update_functions = recorders, update_functions
         self._nodes = [] if points is None else self._nearest(points)
-        self.folder = RunFolder(path, comm=problem.comm, name="explicit")
+        self.folder = RunFolder(path, comm=problem.comm, name=name)
         functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
         self._fields = [functions[f] for f in fields if f in functions]
         self._materials: MaterialFrames | None = None
@@ -156,7 +160,7 @@ class Recorder:
         self._flushed = time.monotonic()
         self.seconds = 0.0
         self.after()
-        stepper.recorders.append(self)
+        recorders.append(self)
 
     def _nearest(self, points: FloatArray) -> list[tuple[int, int]]:
         """Rank and local number of the node nearest to each point. Collective."""
@@ -202,6 +206,16 @@ class Recorder:
             waits.append(self.points_every - step % self.points_every)
         return min(waits)
 
+    @property
+    def next_time(self) -> float:
+        """Time of the next frame that is given by a time; infinite if there is none [T]."""
+        return next((t for t in self._times if t > self.problem.time), math.inf)
+
+    def _frame_is_due(self) -> bool:
+        """Whether a frame is written at the present step."""
+        p = self.problem
+        return p.time in self._times if self._times else p.step % self.every == 0
+
     def add(self, rows: npt.NDArray[np.void]) -> None:
         """Add rows that the next `flush` writes.
 
@@ -218,9 +232,9 @@ class Recorder:
             RuntimeError: no room; on all ranks.
         """
         p, begin = self.problem, time.perf_counter()
-        frame, sample = p.step % self.every == 0, bool(self._nodes) and p.step % self.points_every == 0
+        frame, sample = self._frame_is_due(), bool(self._nodes) and p.step % self.points_every == 0
         if (frame or sample) and p.step != self._frame:
-            self._state.update_functions()
+            self._update_functions()
             self._frame = p.step
             if sample:
                 self._sample()
@@ -279,8 +293,8 @@ class Recorder:
         try:
             self.flush()
         finally:
-            if self in self._stepper.recorders:
-                self._stepper.recorders.remove(self)
+            if self in self._recorders:
+                self._recorders.remove(self)
             writers: list[Frames | MaterialFrames | None] = [self._writer, self._materials]
             self._writer = self._materials = None
             with contextlib.ExitStack() as stack:  # closes both, whatever the first one raises

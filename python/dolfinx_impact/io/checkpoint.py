@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Checkpoints of explicit runs in one HDF5 file, written by all ranks together, readable on any number of ranks.
+"""Checkpoints of runs in one HDF5 file, written by all ranks together, readable on any number of ranks.
 
 Nodal values are stored by the global numbers that the nodes have when the file is written. A table has the nodes of
 each cell by the cell's number in the mesh's input, which does not depend on the ranks. A file is written under another
@@ -135,17 +135,20 @@ def write(
     cellwise: Mapping[str, FloatArray],
     ranks: Mapping[str, FloatArray],
     attributes: Mapping[str, Attribute],
+    facets: Mapping[str, tuple[IntArray, FloatArray]] | None = None,
 ) -> None:
     """Write a checkpoint. Collective.
 
     Args:
         path: file to write.
-        problem: ExplicitProblem.
+        problem: problem in time.
         arrays: values at all owned nodes by name, rows by node.
         nodal: some owned nodes and the values at them by name, rows by node.
         cellwise: values of all owned cells by name, rows by cell.
         ranks: vector of this rank by name.
         attributes: numbers, texts and arrays by name, the same on all ranks.
+        facets: some facets, by numbers that do not depend on the ranks (surface.Facets.id), and the values at them by
+            name, rows by facet; None: there are none.
 
     Raises:
         RuntimeError: the folder cannot be written, or no space is left; on all ranks. An earlier file is as it was.
@@ -159,6 +162,9 @@ def write(
     for name, (nodes, rows) in {"supports": supports(problem), **nodal}.items():
         mine[f"some/{name}/nodes"] = np.asarray(nodes, dtype=np.int64) + begin
         mine[f"some/{name}/values"] = rows
+    for name, (numbers, rows) in (facets or {}).items():
+        mine[f"facets/{name}/numbers"] = np.asarray(numbers, dtype=np.int64)
+        mine[f"facets/{name}/values"] = rows
     mine |= {f"cells/values/{name}": rows for name, rows in cellwise.items()}
     mine |= {f"ranks/{name}": np.asarray(row)[None] for name, row in ranks.items()}
     mine = {name: np.ascontiguousarray(rows) for name, rows in mine.items()}
@@ -227,17 +233,19 @@ class Reader:
 
     Args:
         path: file to read.
-        problem: ExplicitProblem.
+        problem: problem in time.
         arrays: number of columns by name of the values at all nodes.
         nodal: number of columns by name of the values at some nodes.
         cellwise: number of columns by name of the values of all cells.
         ranks: length by name of the ranks' vectors.
         attributes: names of the attributes.
+        facets: number of columns by name of the values at some facets; None: there are none.
 
     Attributes:
         attributes: attributes by name.
         arrays: values at this rank's owned nodes by name, rows by node.
         nodal: nodes, by their numbers in the file, and the values at them by name, of all ranks.
+        facets: facets, by their numbers, and the values at them by name, of all ranks.
         cellwise: values of this rank's owned cells by name, rows by cell.
         ranks: vectors of all ranks that wrote the file by name, rows by rank.
 
@@ -255,7 +263,9 @@ class Reader:
         cellwise: Mapping[str, int],
         ranks: Mapping[str, int],
         attributes: Iterable[str],
+        facets: Mapping[str, int] | None = None,
     ) -> None:
+        self._facet_columns = dict(facets or {})
         self.problem, self.comm, self.path = problem, problem.comm, Path(path)
         self._nodal_columns = {"supports": 3 * problem.space.dofmap.index_map_bs, **nodal}
         self._cell_columns = dict(cellwise)
@@ -424,6 +434,12 @@ class Reader:
             if len(np.unique(nodes)) < len(nodes) or (len(nodes) and not 0 <= nodes.min() <= nodes.max() < num_nodes):
                 raise seal.Damaged(f"the table some/{name}/nodes has nodes twice or nodes that do not exist")
             self.nodal[name] = (nodes, values)
+        self.facets: dict[str, tuple[IntArray, FloatArray]] = {}
+        for name, columns in self._facet_columns.items():
+            numbers = self._table(f"facets/{name}/numbers", np.int64)
+            if len(np.unique(numbers)) < len(numbers):
+                raise seal.Damaged(f"the table facets/{name}/numbers has facets twice")
+            self.facets[name] = (numbers, self._table(f"facets/{name}/values", np.float64, columns, len(numbers)))
         self.cellwise: dict[str, FloatArray] = {}
         first, last = int(self._rows.min(initial=int(a["num_cells"]))), int(self._rows.max(initial=-1)) + 1
         for name, columns in self._cell_columns.items():
@@ -438,6 +454,7 @@ class Reader:
         wanted = {*CELLS, *(f"nodes/{n}" for n in self._array_columns), *(f"ranks/{n}" for n in self._rank_columns)}
         wanted |= {f"cells/values/{n}" for n in self._cell_columns}
         wanted |= {f"some/{n}/{part}" for n in self._nodal_columns for part in ("nodes", "values")}
+        wanted |= {f"facets/{n}/{part}" for n in self._facet_columns for part in ("numbers", "values")}
         unknown = sorted(set(self._tables) - wanted)
         if unknown:
             raise seal.Damaged(f"it has tables that the problem does not know: {', '.join(unknown)}")
@@ -484,6 +501,31 @@ class Reader:
                 f"which {missing} are others"
             )
         return values
+
+    def at_facets(self, name: str, numbers: IntArray) -> FloatArray:
+        """Values at facets of this rank, if the file has values at the facets of all ranks and no others. Collective.
+
+        Args:
+            name: name of the values.
+            numbers: numbers of the facets, (n).
+
+        Returns:
+            Values, (n, columns).
+
+        Raises:
+            ValueError: the file has values at other facets; on all ranks.
+        """
+        known, values = self.facets[name]
+        order = np.argsort(known)
+        place = np.minimum(np.searchsorted(known[order], numbers), max(len(known) - 1, 0))
+        found = known[order][place] == numbers if len(known) else np.zeros(len(numbers), dtype=bool)
+        here, missing = self.comm.allreduce(np.array([len(numbers), np.count_nonzero(~found)]), MPI.SUM)
+        if missing or here != len(known):
+            raise ValueError(
+                f"{self.path} is of another problem: {name} has {len(known)} facets, here {here}, of which {missing} "
+                "are others"
+            )
+        return values[order[place]]
 
     def rank(self, name: str, additive: bool) -> FloatArray:
         """Vector of this rank.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Signature of an explicit problem: a checkpoint is accepted by problems with the same signature.
+"""Signature of a problem in time: a checkpoint is accepted by problems with the same signature.
 
 The signature does not depend on the number of ranks. Texts and integers are compared exactly. Sums over nodes are
 compared to round-off, as the order of the summation depends on the ranks.
@@ -55,8 +55,6 @@ class Pair(Protocol):
 class Contact(Protocol):
     """What a signature reads of a contact; see contact.explicit.nodal.NodalResult."""
 
-    _law: type
-
     @property
     def pair(self) -> Pair:
         """Contact pair."""
@@ -64,6 +62,10 @@ class Contact(Protocol):
     @property
     def options(self) -> Mapping[str, object]:
         """Options of the contact by name."""
+
+    @property
+    def kind(self) -> str:
+        """Name of the method that enforces the contact."""
 
 
 class Functions(Protocol):
@@ -81,7 +83,7 @@ class Functions(Protocol):
 
 
 class Problem(Protocol):
-    """What a checkpoint reads of an explicit problem; see dynamics.explicit.ExplicitProblem."""
+    """What a checkpoint reads of a problem in time, explicit or implicit."""
 
     comm: MPI.Intracomm
     space: fem.FunctionSpace
@@ -89,15 +91,27 @@ class Problem(Protocol):
     mass: la.Vector
     material: _Material | MaterialMap | None
     damping: Rayleigh
-    scheme: str
-    lumping: str
-    mass_scaling: float | None
     loads: list[Load]
-    dead_loads: list[DeadLoad]
     supports: list[tuple[IntArray, FloatArray, int]]
     bulk_viscosity: tuple[float, float]
     residual_form: ufl.Form | None
     given_density: float | ufl.core.expr.Expr | None
+
+    @property
+    def scheme(self) -> object:
+        """Scheme; its text is compared."""
+
+    @property
+    def lumping(self) -> str | None:
+        """Lumping scheme."""
+
+    @property
+    def mass_scaling(self) -> float | None:
+        """Step to which cells are scaled, or None [T]."""
+
+    @property
+    def dead_loads(self) -> Sequence[DeadLoad]:
+        """Loads that do not follow the body, as nodal forces."""
 
     @property
     def contact(self) -> Sequence[Contact]:
@@ -108,7 +122,7 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
     """Signature of a problem. Collective.
 
     Args:
-        problem: ExplicitProblem.
+        problem: problem in time.
         x: undeformed coordinates of this rank's owned nodes, (num_nodes, gdim) [L].
 
     Returns:
@@ -128,7 +142,7 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
         "bulk viscosity": repr(problem.bulk_viscosity),
         "lumping": repr(problem.lumping),
         "mass scaling": repr(problem.mass_scaling),
-        "scheme": problem.scheme,
+        "scheme": str(problem.scheme),
         "loads": "; ".join(_load(load, mesh) for load in problem.loads),
         "contact": "; ".join(_contact(c, mesh) for c in problem.contact),
         "sums of masses": comm.allreduce(np.concatenate([[mass.sum()], mass @ x, mass @ x**2]), MPI.SUM),
@@ -148,7 +162,7 @@ def supports(problem: Problem) -> tuple[IntArray, FloatArray]:
     """Prescribed degrees of freedom.
 
     Args:
-        problem: ExplicitProblem.
+        problem: problem in time.
 
     Returns:
         Owned nodes with prescribed components, (n); and rows (n, 3 * components) that have, for all components, whether
@@ -269,4 +283,4 @@ def _contact(contact: Contact, mesh: Mesh) -> str:
     slave = f"slave {pair.slave}, {_facets(mesh, pair.facet_tags, pair.slave)}"
     options = ", ".join(f"{name} {value!r}" for name, value in sorted(contact.options.items()))
     limits = f"friction {pair.friction!r}, search distance {pair.search_distance!r}"
-    return f"{slave}, {master}, {limits}, {contact._law.__name__}, {options}"
+    return f"{slave}, {master}, {limits}, {contact.kind}, {options}"

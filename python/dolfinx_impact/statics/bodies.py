@@ -40,10 +40,7 @@ def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | N
         _check_measures(residual)
         return ElasticBody(u, residual, ufl.derivative(residual, u, du))
     assert material is not None  # checked by the problem
-    external: Any = None
-    for load in loads:
-        form = load.form(u, v, material)
-        external = form if external is None else external + form
+    external = external_work(u, material, loads)
     follows = external is not None and u in external.coefficients()
     stiffness = ufl.derivative(external, u, du) if follows else None
     inelastic = any(isinstance(m, InelasticMaterial) for _, m in material.parts())
@@ -57,6 +54,24 @@ def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | N
         _check_measures(rest)
     tangent = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
     return InelasticBody(u, InelasticParts(u, material), rest, tangent)
+
+
+def external_work(u: fem.Function, material: Material | None, loads: Sequence[Load]) -> Any:
+    """Virtual work of the loads.
+
+    Args:
+        u: displacement function [L].
+        material: material of the bodies; None without loads.
+        loads: loads.
+
+    Returns:
+        UFL form of rank 1; None without loads.
+    """
+    v, external = ufl.TestFunction(u.function_space), None
+    for load in loads:
+        form = load.form(u, v, material)
+        external = form if external is None else external + form
+    return external
 
 
 def _sum(*forms: Any) -> Any:

@@ -7,6 +7,8 @@ from typing import Protocol
 
 from petsc4py import PETSc
 
+from ..common.types import FloatArray
+
 
 class BodyTangent(Protocol):
     """Matrix of the bodies, made once."""
@@ -22,15 +24,24 @@ class BodyTangent(Protocol):
 
 
 class Body(Protocol):
-    """Bodies of a static problem.
+    """Bodies of a problem.
 
     Attributes:
         linear: whether the tangent is constant.
         symmetric: whether the tangent is symmetric, as far as is known.
+        inelastic: whether a body has internal variables.
+        has_inertia: whether inertia holds the bodies, so that they need no supports.
     """
 
     linear: bool
     symmetric: bool
+    inelastic: bool
+    has_inertia: bool
+
+    @property
+    def origin(self) -> FloatArray | None:
+        """Displacements from which Newton's method measures how large forces are, over owned degrees of freedom; None:
+        from zero [L]."""
 
     @property
     def tangent(self) -> BodyTangent:

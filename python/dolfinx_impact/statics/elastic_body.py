@@ -23,7 +23,12 @@ class ElasticBody:
         tangent: derivative of the residual.
         linear: whether the tangent is constant.
         symmetric: whether the tangent is symmetric, as far as is known.
+        inelastic: False.
+        has_inertia: False.
     """
+
+    inelastic = False
+    has_inertia = False
 
     def __init__(self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form) -> None:
         self._residual = fem.form(residual)
@@ -32,6 +37,11 @@ class ElasticBody:
         self.symmetric = True
         # A tangent that does not contain u is constant.
         self.linear = not any(c is u for c in tangent.coefficients())
+
+    @property
+    def origin(self) -> None:
+        """None: forces are measured from zero displacement."""
+        return None
 
     def vector(self) -> PETSc.Vec:
         """Make a vector for the residual, with ghosts."""

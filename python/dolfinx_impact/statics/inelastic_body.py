@@ -30,12 +30,16 @@ class InelasticBody:
         tangent: derivative of the residual.
         linear: False.
         symmetric: False: kinematic hardening with recovery and finite strain make it unsymmetric.
+        inelastic: True.
+        has_inertia: False.
         force: operator of the internal forces, which keeps the history.
         history: internal variables by name.
     """
 
     linear = False
     symmetric = False
+    inelastic = True
+    has_inertia = False
 
     def __init__(
         self, u: fem.Function, parts: InelasticParts, residual: ufl.Form | None, tangent: ufl.Form | None
@@ -51,6 +55,11 @@ class InelasticBody:
         self.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._values: FloatArray = self.force.vector().array
         self._vector_form = fem.form(ufl.inner(u, ufl.TestFunction(self.space)) * ufl.dx)
+
+    @property
+    def origin(self) -> None:
+        """None: forces are measured from zero displacement."""
+        return None
 
     def vector(self) -> PETSc.Vec:
         """Make a vector for the residual, with ghosts."""

@@ -171,6 +171,12 @@ class LinearSolver:
                 stacklevel=3,
             )
 
+    def reset(self) -> None:
+        """Forget the preconditioner, so that the next solution does not depend on earlier systems. Collective."""
+        if self._matrix is not None:
+            self._matrix.destroy()
+        self._matrix, self._own, self._spent = None, None, 0
+
     @property
     def direct(self) -> bool:
         """Does it factorise?"""

@@ -20,7 +20,6 @@ from petsc4py import PETSc
 
 from ..assembly import rigid_body_modes
 from .. import _cpp
-from .inelastic_body import InelasticBody
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
@@ -32,7 +31,7 @@ from ..contact.protocol import MultiplierContact
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import LagrangeContact
     from ..contact.penalty.penalty import PenaltyContact
-    from .problem import StaticProblem
+    from .equilibrium_problem import EquilibriumProblem
 
 LOOSE_DIGITS = 1e-3  # relative tolerance of linear solutions while the active set changes
 MAX_CHANGES = 60  # updates of the active set in one linearised problem
@@ -44,10 +43,10 @@ SEARCHES, STEEP = 8, 0.5  # evaluations of a line search; slope at its end relat
 
 
 class Newton:
-    """Solves one increment of a StaticProblem.
+    """Solves one increment of a problem.
 
     Args:
-        problem: StaticProblem.
+        problem: problem.
         rtol: relative tolerance of the residual, as in StaticProblem.solve [1].
         atol: absolute tolerance of the residual, as in StaticProblem.solve [F].
         max_iterations: largest number of iterations [1].
@@ -60,7 +59,7 @@ class Newton:
 
     def __init__(
         self,
-        problem: StaticProblem,
+        problem: EquilibriumProblem,
         rtol: float,
         atol: float,
         max_iterations: int,
@@ -78,7 +77,7 @@ class Newton:
         self.rough = bool(problem.contact) and not self.multipliers
         # Perfect plasticity near collapse: the tangents of two iterations may be far apart. The body's residual
         # is the gradient of the increment's energy, or nearly so (recovery of the back stress, finite strain).
-        self.inelastic = isinstance(problem.body, InelasticBody)
+        self.inelastic = problem.body.inelastic
         searches = self.inelastic and not self.multipliers
         self.plain = INELASTIC_PLAIN if searches else PLAIN
         self.rough = self.rough or searches
@@ -151,7 +150,7 @@ class Newton:
                 break
             period = result.cycle() if iteration - round_start > PLAIN else 0
             K = self._stiffness()
-            if iteration == 0 and p.contact:
+            if iteration == 0 and p.contact and not p.body.has_inertia:
                 loose = self.unconstrained_modes(K)
                 if loose:
                     return result.failed(loose, hopeless=True)
@@ -325,9 +324,11 @@ class Newton:
         return self._K
 
     def tangent_force(self, K: PETSc.Mat) -> float:
-        """Norm of the free entries of tangent times u [F]: the size of internal forces that balance each other.
-        Collective."""
-        forces = self._product([K], self.problem.u.x.array[: self.num_owned])
+        """Norm of the free entries of tangent times u [F]: the size of internal forces that balance each other. With
+        inertia, u is the displacement of the step. Collective."""
+        origin = self.problem.body.origin
+        moved = self.problem.u.x.array[: self.num_owned]
+        forces = self._product([K], moved if origin is None else moved - origin)
         forces[self.fixed] = 0.0
         return self.norm(forces)
 

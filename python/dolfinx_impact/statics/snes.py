@@ -20,7 +20,7 @@ from .newton import LOOSE_DIGITS, Newton
 from .load_steps import Increment, StepLog
 
 if TYPE_CHECKING:
-    from .problem import StaticProblem
+    from .equilibrium_problem import EquilibriumProblem
 
 OWN = "python"  # SNES's type of methods that are not PETSc's
 
@@ -28,10 +28,10 @@ T = TypeVar("T")
 
 
 class Solver:
-    """Solves the increments of a StaticProblem by the SNES that its options choose.
+    """Solves the increments of a problem by the SNES that its options choose.
 
     Args:
-        problem: StaticProblem; options are read with the prefix of its linear solver.
+        problem: problem; options are read with the prefix of its linear solver.
         rtol: relative tolerance, as in StaticProblem.solve; -snes_rtol takes precedence [1].
         atol: absolute tolerance, as in StaticProblem.solve; -snes_atol takes precedence [F].
         max_iterations: largest number of iterations; -snes_max_it takes precedence [1].
@@ -46,7 +46,7 @@ class Solver:
     """
 
     def __init__(
-        self, problem: StaticProblem, rtol: float, atol: float, max_iterations: int, interrupts: Interrupts
+        self, problem: EquilibriumProblem, rtol: float, atol: float, max_iterations: int, interrupts: Interrupts
     ) -> None:
         self.problem, self._interrupts, space = problem, interrupts, problem.space
         self.snes = PETSc.SNES().create(space.mesh.comm)

@@ -44,6 +44,8 @@ BODIES = (
     ("quadrilateral", 2, "axisymmetric", True, "linear", "linear"),
     ("hexahedron", 1, "3d", False, True, "armstrong_frederick"),
     ("hexahedron", 1, "3d", True, True, "voce"),
+    ("hexahedron", 1, "3d", True, True, "armstrong_frederick"),
+    ("quadrilateral", 1, "axisymmetric", True, True, "prager"),
     ("hexahedron", 2, "3d", False, "linear", "voce"),
 )
 
@@ -102,7 +104,8 @@ class PlasticBodies:
         rule: TheirRule = f"gauss_jacobi:{used}"
         if cell in quadrature.SIMPLICES:
             rule = basix.make_quadrature(getattr(basix.CellType, cell), used)
-        self.body = bodies.Body(domain, degree, self.steel, "linear_elastic", rule)
+        rules: dict[str, TheirRule] = {"stiffness": rule, "finite_strain": rule}  # masses keep their default rule
+        self.body = bodies.Body(domain, degree, self.steel, "linear_elastic", rules)
         self.other = ref.PlasticBody(
             self.body.model, ref.J2Parameters(E, NU, **theirs), "simo" if finite else "small", average
         )  # fmt: skip

@@ -16,6 +16,7 @@ from . import (
     element,
     history,
     html,
+    implicit,
     material,
     order,
     plastic_bodies,
@@ -121,6 +122,7 @@ def _run_bodies(report: Report, levels: Collection[str], progress: bool = True, 
             plastic_bodies.solution_rows(report)
         elif level == "history":
             plastic_bodies.history_rows(report)
+            implicit.run(report)
 
 
 def _check(cells: Collection[str] | None, degrees: Collection[int] | None, levels: Collection[str]) -> None:

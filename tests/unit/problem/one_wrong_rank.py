@@ -47,8 +47,12 @@ class Setting:
         self.run = self.explicit()
         load = di.BodyForce((0, 1), amplitude=self._amplitude)
         self.driven = di.ExplicitProblem(fem.Function(self.V, name="u"), law(), velocity=self.velocity, loads=[load])
+        self.implicit = self.newmark()
+        driving = di.BodyForce((0, 1), amplitude=self._amplitude)
+        self.driven_implicit = self.newmark(bcs=[], loads=[driving])
         self.folder = COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None)
         self.run.save(f"{self.folder}/good.h5")
+        self.implicit.save(f"{self.folder}/implicit.h5")
 
     def _amplitude(self, t):
         if self.spoilt == "raises":
@@ -69,6 +73,10 @@ class Setting:
     def explicit(self, **changes):
         given = dict(material=law(), velocity=self.velocity, bcs=[self.bc]) | changes
         return di.ExplicitProblem(given.pop("u", None) or fem.Function(self.V, name="u"), **given)
+
+    def newmark(self, **changes):
+        given = dict(material=law(), velocity=self.velocity, bcs=[self.bc]) | changes
+        return di.NewmarkProblem(given.pop("u", None) or fem.Function(self.V, name="u"), **given)
 
 
 def law(E=1.0, **changes):
@@ -154,6 +162,49 @@ def calls_of_problems(s):
     ]  # fmt: skip
 
 
+def calls_of_implicit_problems(s):
+    """As calls_of_problems."""
+
+    def advance(until=1.0, dt=0.5, **options):
+        s.implicit.advance(until, dt, progress=False, **options)
+
+    return [
+        ("NewmarkProblem, u", lambda u: s.newmark(u=u), s.u, 3.0, TypeError, "Function"),
+        ("NewmarkProblem, velocity", lambda v: s.newmark(velocity=v), s.velocity, None, ValueError, "velocity"),
+        ("NewmarkProblem, nan", lambda v: s.newmark(velocity=v), s.velocity, s.not_finite, ValueError, "not a number"),
+        ("NewmarkProblem, beta", lambda b: s.newmark(beta=b), 0.25, 0.3, ValueError, "scheme differs"),
+        ("NewmarkProblem, beta 0", lambda b: s.newmark(beta=b), 0.25, 0.0, ValueError, "beta is 0"),
+        ("NewmarkProblem, gamma", lambda g: s.newmark(gamma=g), 0.5, 0.4, ValueError, "gamma"),
+        ("NewmarkProblem, rho_inf", lambda r: s.newmark(rho_inf=r), 0.8, NAN, ValueError, "finite"),
+        ("NewmarkProblem, hht", lambda a: s.newmark(hht=a), -0.1, "a", TypeError, "number"),
+        ("NewmarkProblem, damping", lambda d: s.newmark(damping=d), None, (0.1, 0.0), TypeError, "Rayleigh"),
+        ("NewmarkProblem, lumping", lambda x: s.newmark(lumping=x), None, "hrz", ValueError, "lumping differs"),
+        ("NewmarkProblem, impact", lambda x: s.newmark(impact=x), "none", "some", ValueError, "impact is 'some'"),
+        ("NewmarkProblem, options", lambda o: s.newmark(options=o), None, {"ksp_rtol": 1e-8}, ValueError, "options"),
+        ("NewmarkProblem, contact", lambda f: s.newmark(contact=[di.Lagrange(di.ContactPair(s.tags, 3, s.plane, f))]),
+         0.1, 0.2, ValueError, "friction differs"),
+        ("advance implicit, until", lambda t: advance(until=t), 1.0, 2.0, ValueError, "until differs"),
+        ("advance implicit, dt", lambda dt: advance(dt=dt), 0.5, 0.0, ValueError, "dt"),
+        ("advance implicit, tolerance", lambda x: advance(tolerance=x), None, 1e-3, ValueError, "tolerance differs"),
+        ("advance implicit, smallest", lambda x: advance(smallest=x), 0.1, 1.0, ValueError, "smallest"),
+        ("advance implicit, rtol", lambda x: advance(rtol=x), 1e-8, 2.0, ValueError, "rtol"),
+        ("advance implicit, max_iterations", lambda n: advance(max_iterations=n), 25, 0, ValueError, "positive"),
+        ("advance implicit, callback", lambda f: advance(callback=f), None, len, ValueError, "callback differs"),
+        ("advance implicit, callback raises", lambda k: s.implicit.advance(
+            s.implicit.time + 1.0, 0.5, callback=lambda p: {}[k] if k else None, progress=False), None, "key",
+         KeyError, "key"),
+        ("advance implicit, function of time", lambda w: spoilt_amplitude(s, w, True), False, "nan", ValueError, "nan"),
+        ("advance implicit, function of time raises", lambda w: spoilt_amplitude(s, w, True), False, "raises",
+         KeyError, "such time"),
+        ("save implicit, path", s.implicit.save, f"{s.folder}/a.h5", None, TypeError, "path"),
+        ("restore implicit, path", s.implicit.restore, f"{s.folder}/implicit.h5", f"{s.folder}/none.h5", ValueError,
+         "path differs"),
+        ("record implicit, fields", lambda f: s.implicit.record(s.folder, fields=f), ("displacement",), ("stress",),
+         ValueError, "unknown"),
+        ("record implicit, times", lambda t: s.implicit.record(s.folder, times=[t]), 1.0, NAN, ValueError, "finite"),
+    ]  # fmt: skip
+
+
 def calls_of_parts(s):
     tensor = ufl.inner(ufl.TrialFunction(s.V), s.v) * ufl.dx
     middle = [[0.5, 0.5]]
@@ -219,10 +270,13 @@ def spoilt_start(s, value):
         s.static.u.x.array[:] = 0.0
 
 
-def spoilt_amplitude(s, how):
+def spoilt_amplitude(s, how, implicit=False):
     s.spoilt = how
     try:
-        s.driven.advance(s.driven.time + 1.0, progress=False)
+        if implicit:
+            s.driven_implicit.advance(s.driven_implicit.time + 1.0, 0.5, progress=False)
+        else:
+            s.driven.advance(s.driven.time + 1.0, progress=False)
     finally:
         s.spoilt = False
 
@@ -237,7 +291,7 @@ def outcome(call, argument):
 
 def main():
     s, failed = Setting(), []
-    table = calls_of_problems(s) + calls_of_parts(s)
+    table = calls_of_problems(s) + calls_of_implicit_problems(s) + calls_of_parts(s)
     for name, call, right, wrong, kind, word in table:
         faulthandler.dump_traceback_later(SECONDS, exit=True)
         if COMM.rank == 0:

@@ -126,6 +126,11 @@ class NodalResult(ContactOutput):
             moving = Amplitude(motion, f"motion of the rigid master of {pair.name}", size=3)
             self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)
 
+    @property
+    def kind(self) -> str:
+        """Name of the method that enforces the contact."""
+        return self._law.__name__
+
     def make(self, law: type[_cpp.nodal.NodeToSurface], **options: Any) -> _cpp.nodal.NodeToSurface:
         """Make a C++ contact of this pair. Collective.
 

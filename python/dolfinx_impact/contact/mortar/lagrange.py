@@ -17,7 +17,9 @@ from .prescribed_overlap import prescribed_overlap
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..initial_penetration import InitialPenetration
 from ..output import ContactOutput
+from ..saved_history import SavedHistory
 
+NO_MASTER = -1.0  # stands for an infinite opening in checkpoints; openings are not negative
 BASES = ("dual", "standard", "linear")
 
 
@@ -69,6 +71,8 @@ class LagrangeContact(ContactOutput):
         multiplier: (n) [F/L^2]. friction_traction: (n, gdim) [F/L^2]; traction_n: that of the last converged state.
         total_slip: (n, gdim) since a node last stuck [L].
         opening: (n) gap at the start of the increment where a node is open then, else zero [L]; None before the first.
+        basis: basis of the multipliers.
+        quadrature_degree: degree of the quadrature; None: exact on flat, affine facets.
         coulomb: tractions that no equilibrium of a node tells: CoulombFriction (C++).
         nodal_stiffness, facing_stiffness: (n) of the bodies at the slave's nodes and opposite to them [F/L].
     """
@@ -91,6 +95,7 @@ class LagrangeContact(ContactOutput):
 
     def __init__(self, spec: Lagrange, problem: Any) -> None:
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
+        self.basis, self.quadrature_degree = spec.basis, spec.quadrature_degree
         where = spec, problem.space, problem.axisymmetric, problem.fixed
         self.geometry: SurfaceGeometry = (
             RigidGeometry(*where) if self.pair.rigid else MortarGeometry(*where, basis=spec.basis)
@@ -137,6 +142,48 @@ class LagrangeContact(ContactOutput):
                 self.coulomb.imposed = value
             else:
                 setattr(self, name, copy.copy(value))
+
+    @property
+    def kind(self) -> str:
+        """Name of the method that enforces the contact."""
+        return "multipliers"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options by name, for the signature of a checkpoint."""
+        return {"basis": self.basis, "quadrature_degree": self.quadrature_degree}
+
+    def save_history(self) -> SavedHistory:
+        """What the next increment starts from, for a checkpoint."""
+        n, opening = len(self.nodes), np.zeros(len(self.nodes)) if self.opening is None else self.opening
+        scalars = {"active": self.active, "sliding": self.sliding, "multiplier": self.multiplier, "opening": opening}
+        vectors = {
+            "direction": self.direction, "friction_traction": self.friction_traction, "traction_n": self.traction_n,
+            "total_slip": self.total_slip, "imposed": np.reshape(self.coulomb.imposed, (n, self.gdim)),
+        }  # fmt: skip
+        columns = {name: np.asarray(v, dtype=float).reshape(n, 1) for name, v in scalars.items()} | vectors
+        # Gaps without a master are infinite, which a table of numbers must not be.
+        columns["opening"] = np.where(np.isfinite(columns["opening"]), columns["opening"], NO_MASTER)
+        return SavedHistory(False, self.nodes, columns, self.save_totals() | {"master": self.displacement})
+
+    def restore_history(self, saved: SavedHistory, u: FloatArray) -> None:
+        """Continue from a checkpoint. Collective.
+
+        Args:
+            saved: as save_history returned it.
+            u: displacements of the checkpoint, owned and ghost dofs [L].
+        """
+        rows = saved.columns
+        self.geometry.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
+        self.update_gap(u)
+        self.active, self.sliding = (rows[name][:, 0] != 0.0 for name in ("active", "sliding"))
+        self.multiplier, opening = rows["multiplier"][:, 0].copy(), rows["opening"][:, 0]
+        self.opening = np.where(opening == NO_MASTER, np.inf, opening)
+        for name in ("direction", "friction_traction", "traction_n", "total_slip"):
+            setattr(self, name, rows[name].copy())
+        self.coulomb.imposed = rows["imposed"]
+        self._slip_before = self.total_slip.copy()
+        self.restore_totals(saved.totals)
 
     def begin_step(self, u: FloatArray, displacement: Any, target: FloatArray | None = None) -> None:
         """An increment starts. Collective.

@@ -21,6 +21,7 @@ from ..output import ContactOutput
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..body_size import body_size
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
+from ..saved_history import SavedHistory
 from ..protocol import ExplicitContactProblem, StaticContactProblem
 from .uzawa import Uzawa
 
@@ -148,6 +149,7 @@ class PenaltyContact(ContactOutput):
         self._cpp.parameters.friction = self.pair.friction
         self.displacement, self.start_displacement = np.zeros(3), np.zeros(3)
         self.start, self.penalty, self.tangential = np.zeros_like(problem.u.x.array), spec.penalty, spec.tangential
+        self._known_status: IntArray | None = None  # that of a checkpoint, until the next evaluation
         self.uzawa, self.fault = Uzawa(V, self.slave, self._rule), ""
         num = self._points.size
         self._status: IntArray = np.zeros(num, dtype=np.int8)  # of the last iteration
@@ -204,6 +206,53 @@ class PenaltyContact(ContactOutput):
         self.start, self.uzawa.multiplier = state["start"].copy(), state["corners"].copy()
         self._touched = state["touched"].copy()
         self.start_displacement, self.displacement = (d.copy() for d in state["displacements"])
+
+    @property
+    def kind(self) -> str:
+        """Name of the method that enforces the contact."""
+        return "penalty at quadrature points"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options by name, for the signature of a checkpoint."""
+        names = ("penalty", "tangential", "augmented", "tolerance", "quadrature_degree", "max_augmentations")
+        return {name: getattr(self.spec, name) for name in names}
+
+    def save_history(self) -> SavedHistory:
+        """What the next increment starts from, for a checkpoint."""
+        h, per_facet = self.history, len(self._rule[1])
+        rows = {"multiplier": h.multiplier, "touched": self._touched.astype(float), "status": self.status.astype(float)}
+        vectors = {"traction": h.traction, "slip": h.slip}
+        columns = {name: v.reshape(-1, per_facet) for name, v in rows.items()}
+        columns |= {name: v.reshape(-1, per_facet * self.gdim) for name, v in vectors.items()}
+        places = {"master": self.displacement, "penalties": np.array([self.penalty or 0.0, self.tangential or 0.0])}
+        num_owned = self.V.dofmap.index_map.size_local
+        corners = self.uzawa.multiplier[:num_owned, None].copy() if self.spec.augmented else None
+        return SavedHistory(True, self.slave.id, columns, self.save_totals() | places, corners)
+
+    def restore_history(self, saved: SavedHistory, u: FloatArray) -> None:
+        """Continue from a checkpoint. Collective.
+
+        Args:
+            saved: as save_history returned it.
+            u: displacements of the checkpoint, owned and ghost dofs [L].
+        """
+        rows, penalties = saved.columns, saved.totals["penalties"]
+        self.penalty, self.tangential = (float(value) or None for value in penalties)
+        for name in ("multiplier", "traction", "slip"):
+            setattr(self.history, name, rows[name].ravel())
+        self._touched = rows["touched"].ravel() != 0.0
+        if saved.corners is not None:
+            values = np.zeros_like(self.uzawa.multiplier)
+            values[: len(saved.corners)] = saved.corners[:, 0]
+            self.uzawa.multiplier = NodalSum(self.V.dofmap.index_map, 1).forward(values).ravel()
+        self.displacement = self.start_displacement = saved.totals["master"].copy()
+        self.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
+        self.update_gap(u)
+        # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
+        self._known_status = rows["status"].ravel().astype(np.int8)
+        self._slip_before = np.array(self.slip)
+        self.restore_totals(saved.totals)
 
     def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
         """Begin an increment. Collective.
@@ -267,6 +316,7 @@ class PenaltyContact(ContactOutput):
             u: displacements, owned and ghost dofs [L].
         """
         self._u = np.array(u)
+        self._known_status = None
         self._locate(self._u)
         self._seen = True
         self._cpp.parameters.touch = self._touch
@@ -485,7 +535,7 @@ class PenaltyContact(ContactOutput):
     @property
     def status(self) -> IntArray:
         """ContactStatus numbers, (n)."""
-        return self._cpp.state.status
+        return self._cpp.state.status if self._known_status is None else self._known_status
 
     @property
     def weight(self) -> FloatArray:

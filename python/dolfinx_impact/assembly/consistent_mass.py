@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""Consistent mass: its matrix, and its cell matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import ufl
+from dolfinx.fem import Constant, FunctionSpace
+from dolfinx.mesh import MeshTags
+from petsc4py import PETSc
+
+from ..common.types import FloatArray, IntArray
+from ..forms import inertia
+from . import operators
+from .jit import compile_form
+from .lumped_mass import mass_measure
+
+Densities = Sequence[tuple[int | None, Constant | ufl.core.expr.Expr]]  # by cell tag; None: all cells [M/L^3]
+
+
+class ConsistentMass:
+    """Consistent mass of bodies.
+
+    Args:
+        V: displacement space.
+        densities: density by cell tag; the tag None stands for all cells [M/L^3].
+        hypothesis: hypothesis of the materials.
+        cell_tags: cell tags of the densities; None: one density.
+    """
+
+    def __init__(
+        self, V: FunctionSpace, densities: Densities, hypothesis: str, cell_tags: MeshTags | None = None
+    ) -> None:
+        self.space, self.cell_tags = V, cell_tags
+        v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
+        dx = mass_measure(V, hypothesis, cell_tags)
+        self._forms = [
+            (tag, inertia.mass(trial, v, density, hypothesis, dx if tag is None else dx(tag)))
+            for tag, density in densities
+        ]
+
+    def assemble(self) -> PETSc.Mat:
+        """Assemble the matrix. Collective.
+
+        Returns:
+            A new matrix [M].
+        """
+        return operators.Tangent(sum(form for _, form in self._forms)).assemble()
+
+    def of_cells(self, cells: IntArray) -> Iterator[tuple[int, FloatArray]]:
+        """Mass matrices of some cells. Collective.
+
+        Args:
+            cells: owned cells, sorted.
+
+        Yields:
+            Cell, and its matrix over the cell's degrees of freedom, node by node [M].
+        """
+        mesh, V = self.space.mesh, self.space
+        size = V.dofmap.dof_layout.num_dofs * V.dofmap.bs
+        for tag, form in self._forms:
+            compiled = compile_form(form)
+            for f in compiled.coefficients:
+                f.x.scatter_forward()
+            (kernel,) = compiled.kernels
+            constants = operators._constants(compiled, kernel)
+            there = operators.entities_of(mesh._cpp_object, "cell", -1 if tag is None else tag, self.cell_tags)
+            for cell in np.intersect1d(there, cells):
+                w = np.zeros(sum(c["num_dofs"] for c in kernel.coefficients))
+                for c in kernel.coefficients:
+                    f = compiled.coefficients[c["position"]]
+                    dofmap = f.function_space.dofmap
+                    values = f.x.array.reshape(-1, dofmap.bs)[dofmap.cell_dofs(cell)]
+                    w[c["offset"] : c["offset"] + c["num_dofs"]] = values.ravel()
+                matrix = np.zeros((size, size))
+                x = np.ascontiguousarray(mesh.geometry.x[mesh.geometry.dofmap[cell]])
+                kernel.tabulate(matrix.reshape(-1), w, constants, x.reshape(-1))
+                yield int(cell), matrix

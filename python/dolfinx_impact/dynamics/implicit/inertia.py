@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: MIT
+"""Mass matrix of an implicit problem: consistent or lumped, with or without mass on contact surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+from dolfinx.fem import FunctionSpace
+from dolfinx.mesh import MeshTags
+from petsc4py import PETSc
+
+from ...assembly import lumped_mass
+from ...assembly.consistent_mass import ConsistentMass, Densities
+from ...common.types import BoolArray, FloatArray
+from .contact_nodes import ContactNodes
+
+SOLVED = 1e-14  # relative residual that conjugate gradients aim at: round-off of a well-conditioned matrix
+ENOUGH = 1e-9  # relative residual that is accepted where round-off does not let them get there
+MOST = 2000  # iterations of conjugate gradients; meshes whose cells differ by 10^6 in volume need some hundred
+
+
+class Inertia:
+    """Mass matrix M of bodies.
+
+    Args:
+        V: displacement space.
+        densities: density by cell tag; the tag None stands for all cells [M/L^3].
+        hypothesis: hypothesis of the materials.
+        cell_tags: cell tags of the densities; None: one density.
+        lumping: lumping scheme, as for lumped_mass; None: consistent mass.
+        surface: contact nodes whose mass goes to the nodes behind them; None: all nodes keep theirs.
+
+    Attributes:
+        matrix: M [M].
+        massless: mask of owned degrees of freedom without mass.
+        lumping: lumping scheme, or None.
+
+    Raises:
+        ValueError: a density is not positive, or the lumping scheme does not fit; on all ranks.
+    """
+
+    def __init__(
+        self,
+        V: FunctionSpace,
+        densities: Densities,
+        hypothesis: str,
+        cell_tags: MeshTags | None,
+        lumping: str | None,
+        surface: ContactNodes | None,
+    ) -> None:
+        self.space, self.lumping = V, lumping
+        bs = V.dofmap.index_map_bs
+        self._num_owned: int = V.dofmap.index_map.size_local * bs
+        nodes = np.zeros(V.dofmap.index_map.size_local, dtype=bool) if surface is None else surface.massless
+        self.massless: BoolArray = np.repeat(nodes[: V.dofmap.index_map.size_local], bs)
+        # The lumped mass is made in any case: it finds densities that are not positive.
+        masses = lumped_mass.cell_masses(V, densities, hypothesis, cell_tags, lumping or "auto")
+        self.total = lumped_mass.assemble_masses(V, masses, lumping or "auto")
+        consistent = ConsistentMass(V, densities, hypothesis, cell_tags)
+        if lumping is None:
+            self.matrix: PETSc.Mat = consistent.assemble()
+            if surface is not None:
+                self._redistribute(consistent, surface)
+        else:
+            diagonal = self.total.array[: self._num_owned]
+            if surface is not None:
+                diagonal = self._redistributed(masses, surface)
+            self.matrix = PETSc.Mat().createAIJ([(self._num_owned, None)] * 2, bsize=bs, nnz=1, comm=V.mesh.comm)
+            at = np.arange(self._num_owned + 1, dtype=np.int32)
+            first = self.matrix.getOwnershipRange()[0]
+            self.matrix.setValuesCSR(at, at[:-1] + np.int32(first), diagonal)
+            self.matrix.assemble()
+        self._x, self._y = self.matrix.createVecs()
+
+    def hold(self, fixed: BoolArray) -> None:
+        """Prescribed degrees of freedom follow their functions of time, with or without mass.
+
+        Args:
+            fixed: mask of them, owned.
+        """
+        self.massless = self.massless & ~fixed
+
+    def _redistribute(self, consistent: ConsistentMass, surface: ContactNodes) -> None:
+        """Replace the matrix M_e of each cell at the surface by T^T M_e T; see ContactNodes. Collective."""
+        dofmap = self.space.dofmap
+        identity = np.eye(dofmap.bs)
+        for cell, matrix in consistent.of_cells(surface.cells):
+            T = np.kron(surface.weights(cell), identity)
+            dofs = (dofmap.bs * dofmap.cell_dofs(cell)[:, None] + np.arange(dofmap.bs)).ravel().astype(np.int32)
+            self.matrix.setValuesLocal(dofs, dofs, T.T @ matrix @ T - matrix, PETSc.InsertMode.ADD_VALUES)
+        self.matrix.assemble()
+
+    def _redistributed(self, masses: lumped_mass.CellMasses, surface: ContactNodes) -> FloatArray:
+        """Lumped masses of owned degrees of freedom after redistribution [M]. Collective."""
+        moved, wanted = [], np.zeros(self.space.mesh.topology.index_map(self.space.mesh.topology.dim).size_local, bool)
+        wanted[surface.cells] = True
+        for cells, values in masses:
+            values = values.copy()
+            for row in np.flatnonzero(wanted[cells]):
+                by_node = values[row].reshape(-1, self.space.dofmap.bs)
+                by_node[:] = surface.weights(cells[row]).T @ by_node
+            moved.append((cells, values))
+        return lumped_mass.sum_masses(self.space, moved).array[: self._num_owned]
+
+    def times(self, values: FloatArray) -> FloatArray:
+        """Product M x. Collective.
+
+        Args:
+            values: x over owned degrees of freedom.
+
+        Returns:
+            Product over owned degrees of freedom.
+        """
+        self._x.array[:] = values
+        self.matrix.mult(self._x, self._y)
+        return self._y.array.copy()
+
+    def accelerations(self, forces: FloatArray, fixed: BoolArray, given: FloatArray) -> FloatArray:
+        """Solve M a = f for the free accelerations; those of massless nodes are zero. Collective.
+
+        Args:
+            forces: f over owned degrees of freedom [F].
+            fixed: mask of owned degrees of freedom with given accelerations.
+            given: accelerations, over owned degrees of freedom, of which those of `fixed` are read [L/T^2].
+
+        Returns:
+            Accelerations over owned degrees of freedom [L/T^2].
+
+        Raises:
+            RuntimeError: conjugate gradients do not converge.
+        """
+        a = np.where(fixed, given, 0.0)
+        rest = forces - self.times(a)
+        pinned = fixed | self.massless
+        rest[pinned] = 0.0
+        matrix = self.matrix.copy()
+        rows = matrix.getOwnershipRange()[0] + np.flatnonzero(pinned).astype(np.int32)
+        matrix.zeroRowsColumns(rows, 1.0)
+        solver = PETSc.KSP().create(matrix.comm)
+        solver.setType("cg")
+        solver.getPC().setType("jacobi")
+        solver.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        solver.setTolerances(rtol=SOLVED, max_it=MOST)
+        solver.setOperators(matrix)
+        self._x.array[:] = rest
+        solver.solve(self._x, self._y)
+        iterations = solver.getIterationNumber()
+        a += np.where(pinned, 0.0, self._y.array)
+        solver.destroy()
+        matrix.destroy()
+        left = forces - self.times(a)
+        left[pinned] = 0.0
+        comm = self.space.mesh.comm
+        norms = np.sqrt(comm.allreduce(np.array([left @ left, rest @ rest])))
+        if not norms[0] <= ENOUGH * norms[1]:
+            raise RuntimeError(
+                f"the accelerations at the start were not found in {iterations} iterations: the residual is "
+                f"{norms[0]:.1e}, the forces {norms[1]:.1e}"
+            )
+        return a

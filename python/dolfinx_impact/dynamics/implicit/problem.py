@@ -1,0 +1,682 @@
+# SPDX-License-Identifier: MIT
+"""Composes material, inertia, loads, prescribed motion and contact into an implicit problem; seed (3.81), corrected."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import dolfinx.fem.petsc as petsc
+import numpy as np
+import ufl
+from dolfinx import default_scalar_type, fem
+from petsc4py import PETSc
+
+from ...amplitude import Amplitude, PrescribedMotion
+from ...assembly import operators, problem_arguments
+from ...assembly.body_forms import stiffness_damping
+from ...assembly.history import MaterialHistory
+from ...assembly.inelastic_part import ELASTIC_ENERGY
+from ...assembly.locking import warn_of_locking
+from ...assembly.residual import split
+from ...common import arguments
+from ...common.collective import comm_of, guard
+from ...common.types import ArrayLike, FilePath, FloatArray
+from ...common.unique import Unique, claim
+from ...forms import materials as laws
+from ...io.mesh_check import check_cells
+from ...loads import DeadLoad, Load
+from ...materials import MaterialMap, Rayleigh, _Material
+from ...statics.bodies import external_work, make_body
+from ...statics.inelastic_body import InelasticBody
+from ..functions_of_time import FunctionsOfTime
+from ..start_values import check_velocity, density_expression
+from ..recorder import Recorder, check_arguments
+from ..run_history import RunHistory, total_energy
+from ..supports import Supports
+from .contact_nodes import ContactNodes
+from .damping import DampingForce
+from .energies import EnergyAccount, Forces, energies
+from .inertia import Inertia
+from .loads_in_time import LoadsInTime
+from .motion import State, TimeValues
+from .moving_body import MovingBody
+from .restart import ImplicitRestart
+from .scheme import ImplicitScheme
+from .stable_step import highest_frequency
+from .step_control import StepControl
+from .step_equations import StepEquations
+from .stepper import MOST_STEPS, ImplicitStepper
+
+if TYPE_CHECKING:
+    from ...assembly.operators import Energy
+    from ...contact.mortar.lagrange import Lagrange, LagrangeContact
+    from ...contact.penalty.penalty import Penalty, PenaltyContact
+    from ...statics.body import BodyTangent
+
+IMPACT = ("mass_redistribution", "none")
+SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten cut-backs
+
+
+class NewmarkProblem(Unique):
+    """Motion of bodies by Newmark's method or generalised-alpha, in contact or not; docs/implicit/scheme.md.
+
+    Args:
+        u: displacement function. Its value is the initial displacement; the problem updates it [L].
+        material: material or MaterialMap with densities; or give `residual` and `density`.
+        residual: UFL residual of your own in u (rank 1): internal minus external forces. If it contains the function
+            given as `velocity`, that function stands for the velocity at the end of a step.
+        density: density per undeformed volume for a residual of your own: number, function or UFL expression [M/L^3].
+        velocity: initial velocity, a function on u's space; where motion is prescribed, its own velocity counts. The
+            function is not changed unless the residual contains it [L/T].
+        bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
+        loads: loads; their `amplitude` is a function of time.
+        contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters move by `motion`.
+        beta: Newmark's beta, positive; None: 1/4 [1].
+        gamma: Newmark's gamma, at least 1/2; None: 1/2 [1].
+        rho_inf: spectral radius at infinite frequency, 0 to 1: the parameters of Chung and Hulbert; None: Newmark [1].
+        hht: alpha of Hilber, Hughes and Taylor, -1/3 to 0; None: Newmark [1].
+        damping: Rayleigh(alpha, beta) or None.
+        lumping: lumping scheme, as for lumped_mass; None: consistent mass.
+        impact: what is done about the mass of contact surfaces. "mass_redistribution": nodes of contact surfaces pass
+            it on to the nodes behind them, so that they neither rattle nor take up kinetic energy at impact; "none":
+            they keep it. Without contact it makes no difference.
+        options: PETSc options for KSP and SNES by name, without prefix, as for StaticProblem.
+        prefix: prefix of PETSc options on the command line, which take precedence over `options`.
+        hypothesis: for a residual of your own: "axisymmetric" if its integrals contain 2 pi r, otherwise None or
+            another hypothesis.
+
+    Attributes:
+        u: displacement at the present time [L].
+        velocity: velocity at the present time [L/T].
+        acceleration: acceleration at the present time [L/T^2].
+        contact: contacts with results.
+        scheme: parameters of the scheme.
+        inertia: mass matrix.
+        impact: as given.
+        fixed: mask of prescribed degrees of freedom, owned and ghosts.
+        num_owned: number of degrees of freedom that this rank owns [1].
+        functions: functions of time of loads, supports and obstacles.
+        supports: prescribed owned degrees of freedom, their values [L] and the column of their function of time
+            (-1: constant), for every support.
+        mass: lumped mass per degree of freedom, by which a checkpoint recognises the bodies [M].
+        body: bodies without inertia.
+        moving_body: bodies with inertia.
+        equations: equations of a step.
+        stepper: time stepping.
+        account: forces and works.
+        run_history: energies and contact forces of all steps.
+        start_displacement: displacement at the start, over owned degrees of freedom [L].
+        linear_solver: solver of the linear systems.
+
+    Raises:
+        TypeError: an argument is of the wrong type; on all ranks.
+        ValueError: a value does not fit, or differs between ranks; on all ranks.
+
+    Warns:
+        UserWarning: beta is less than gamma/2, so that the scheme is stable with small steps only; an ExplicitProblem
+            with the same u exists; or materials with internal variables are on cells that lock.
+    """
+
+    _instead = "use save and restore, or make another one on a displacement function of its own"
+
+    def __init__(
+        self,
+        u: fem.Function,
+        material: _Material | MaterialMap | None = None,
+        residual: ufl.Form | None = None,
+        density: float | ufl.core.expr.Expr | None = None,
+        velocity: fem.Function | None = None,
+        bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
+        loads: Sequence[Load] = (),
+        contact: Sequence[Lagrange | Penalty] = (),
+        beta: float | None = None,
+        gamma: float | None = None,
+        rho_inf: float | None = None,
+        hht: float | None = None,
+        damping: Rayleigh | None = None,
+        lumping: str | None = None,
+        impact: str = "mass_redistribution",
+        options: dict[str, Any] | None = None,
+        prefix: str = "impact_implicit_",
+        hypothesis: str | None = None,
+    ) -> None:
+        with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "NewmarkProblem") as ranks:
+            if residual is not None and (loads or density is None):
+                what = "write the loads into your own residual" if loads else "a residual of your own needs a density"
+                raise ValueError(what)
+            if material is not None and (density is not None or hypothesis is not None):
+                raise ValueError("density and hypothesis are those of the material: give them there")
+            axisymmetric = hypothesis == "axisymmetric"
+            given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, implicit=True)
+            velocity = check_velocity(velocity, u)
+            if damping is not None and not isinstance(damping, Rayleigh):
+                raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
+            if impact not in IMPACT:
+                raise ValueError(f"impact is {impact!r}: use one of {', '.join(IMPACT)}")
+            if damping is not None and damping.beta > 0.0 and material is None:
+                raise ValueError("stiffness-proportional damping needs a material: write it into your own residual")
+            self.scheme = _scheme(beta, gamma, rho_inf, hht)
+            arguments.options(options)
+            ranks.same(**given, density=density, damping=damping, scheme=str(self.scheme), lumping=lumping,
+                       impact=impact, hypothesis=hypothesis, options=options, prefix=prefix)  # fmt: skip
+        self.u, self.space, self.material = u, u.function_space, material
+        V, mesh = self.space, self.space.mesh
+        self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
+        self.damping, self.lumping, self.impact = damping or Rayleigh(), lumping, impact
+        self.loads, self.residual_form, self.given_density = list(loads), residual, density
+        check_cells(mesh)
+        claim(u, self)
+        moving = residual
+        resisting: ufl.Form | None = None
+        if residual is None:
+            assert material is not None  # checked above
+            warn_of_locking(u, material)
+            hypothesis = material.hypothesis_on(mesh)
+            densities, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
+        else:
+            if hypothesis is not None:
+                laws.check_hypothesis(hypothesis, mesh.geometry.dim)
+            moving, resisting = split(residual, velocity)
+            densities, tags = [(None, density_expression(density, mesh))], None
+        self.axisymmetric = hypothesis == "axisymmetric"
+        self.velocity = velocity
+        if resisting is None:
+            self.velocity = fem.Function(V, name="velocity")
+            self.velocity.x.array[:] = velocity.x.array
+        self.acceleration = fem.Function(V, name="acceleration")
+        self.body = make_body(u, material, moving, self.loads)
+        self.functions = FunctionsOfTime()
+        self.loads_in_time = LoadsInTime(self.loads)
+        for amplitude in self.loads_in_time.amplitudes:
+            self.functions.add(amplitude)
+        motion = Supports(bcs, u, self.functions)
+        self.supports, self.fixed = motion.parts, motion.mask
+        pairs = [c.pair for c in contact]
+        surface = ContactNodes(V, pairs) if pairs and impact == "mass_redistribution" else None
+        self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface)
+        self.inertia.hold(self.fixed[: self.num_owned])
+        self.mass = self.inertia.total
+        self._external = external_work(u, material, self.loads)
+        self._external_form = None if self._external is None else fem.form(self._external)
+        self.moving_body = MovingBody(
+            self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting)
+        )
+        self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
+        self._motions = self._obstacle_motions()
+        self.equations = StepEquations(
+            u, material, self.axisymmetric, self.moving_body, self.contact, self.fixed, options, prefix
+        )
+        self.linear_solver = self.equations.linear_solver
+        self._stored = self._stored_energy()
+        self.start_displacement: FloatArray = u.x.array[: self.num_owned].copy()
+        self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
+        self.account = EnergyAccount(self.comm)
+        self.stepper = ImplicitStepper(self)
+        self._restart = ImplicitRestart(self)
+        start = self.stepper.sample(None, 0.0)
+        self._enter_contact(start)
+        self.stepper.state = self._start(start)
+        self._places = start.places
+        self.account.forces = self._forces(self.stepper.state, start)
+        self.add_row()
+        self._warn_of_small_steps()
+
+    # --- set-up ----------------------------------------------------------------------------------------------------
+
+    def __repr__(self) -> str:
+        size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
+        what = "residual of its own" if self.material is None else repr(self.material)
+        parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
+        now = f"step {self.step}, time {self.time:g}"
+        return f"NewmarkProblem({size} unknowns, {what}, {parts}, {self.scheme}, {now})"
+
+    def _damping_force(self, resisting: ufl.Form | None) -> DampingForce | None:
+        form = resisting
+        if self.damping.beta > 0.0:
+            assert self.material is not None  # checked with the arguments
+            beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
+            form = stiffness_damping(self.u, self.velocity, ufl.TestFunction(self.space), self.material, beta)
+        return None if form is None else DampingForce(form, self.u, self.velocity)
+
+    def _obstacle_motions(self) -> list[Amplitude | None]:
+        """Functions of time of the rigid masters' motions, in the order of the contacts."""
+        found: list[Amplitude | None] = []
+        for contact in self.contact:
+            motion = None
+            if contact.pair.rigid:
+                name = f"motion of the rigid master of {contact.pair.name}"
+                motion = Amplitude(contact.pair.rigid_master.motion, name, size=3)
+                self.functions.add(motion)
+            found.append(motion)
+        return found
+
+    def obstacle_places(self, time: float) -> FloatArray:
+        """Displacements of the rigid masters at a time.
+
+        Args:
+            time: time [T].
+
+        Returns:
+            Displacements, (num_contacts, 3), zero for deformable masters [L].
+        """
+        places = np.zeros((len(self.contact), 3))
+        for row, contact, motion in zip(places, self.contact, self._motions):
+            if motion is not None:
+                row[:] = contact.pair.rigid_master.displacement + motion.sample([time])[0]
+        return places
+
+    def _stored_energy(self) -> Energy | None:
+        """Strain energy of the elastic materials; None if there are none."""
+        if self.material is None:
+            return None
+        form = operators.strain_energy_form(self.u, self.material)
+        return operators.Energy(form) if isinstance(form, ufl.Form) else None
+
+    def _start(self, start: TimeValues) -> State:
+        """Motion at the start, with accelerations in equilibrium with the forces of bodies, loads and springs of
+        contact. Collective.
+
+        Args:
+            start: what functions of time prescribe there.
+        """
+        n = self.num_owned
+        self.u.x.scatter_forward()
+        self.velocity.x.scatter_forward()
+        velocity = np.where(self.fixed[:n], start.prescribed.velocity, self.velocity.x.array[:n])
+        state = State(self.u.x.array[:n].copy(), velocity, np.zeros(n), np.zeros(n))
+        with self.loads_in_time.scaled(start.factors):
+            forces = -(self._body_residual() + self.moving_body.damping_forces(state))
+        for contact in self.contact:
+            if not contact.has_multipliers:
+                forces += contact.contact_forces()
+        state.acceleration = self.inertia.accelerations(forces, self.fixed[:n], start.prescribed.acceleration)
+        state.mean = state.acceleration.copy()
+        self.set_motion(state)
+        return state
+
+    def _enter_contact(self, start: TimeValues) -> None:
+        """Evaluate contacts at the start. Collective.
+
+        Args:
+            start: what functions of time prescribe there.
+        """
+        self.u.x.scatter_forward()
+        for k, contact in enumerate(self.contact):
+            contact.begin_step(self.u.x.array, start.places[k] if contact.pair.rigid else None)
+            contact.update_gap(self.u.x.array)
+            if not contact.has_multipliers:
+                contact.update_active_set(True)
+            contact.accept_step()
+
+    def stable_step(self) -> float:
+        """Largest stable step at the present displacement, of a scheme with beta < gamma/2; others have none.
+        Collective.
+
+        Returns:
+            Step; infinite for schemes that are stable with any step [T].
+
+        Raises:
+            RuntimeError: the eigenvalue solver does not converge.
+        """
+        product = self.scheme.stable_frequency()
+        if math.isinf(product):
+            return product
+        held = self.fixed[: self.num_owned] | self.inertia.massless
+        omega = highest_frequency(self.tangent.assemble(), self.inertia.matrix, held)
+        return product / omega if omega > 0.0 else math.inf
+
+    def _warn_of_small_steps(self) -> None:
+        step = self.stable_step()
+        if math.isfinite(step) and self.comm.rank == 0:
+            warnings.warn(
+                f"beta = {self.scheme.beta:g} is less than gamma/2 = {0.5 * self.scheme.gamma:g}: the scheme is stable "
+                f"only with steps up to {step:.4g} (at the start, without damping)",
+                stacklevel=4,
+            )
+
+    # --- forces and energies -----------------------------------------------------------------------------------------
+
+    @property
+    def tangent(self) -> BodyTangent:
+        """Derivative of the bodies' residual without inertia, at the present u [F/L]."""
+        return self.body.tangent
+
+    def _body_residual(self) -> FloatArray:
+        """Internal minus external forces at u, over owned degrees of freedom [F]. Collective."""
+        b = self.body.vector()
+        with b.localForm() as local:
+            local.set(0.0)
+        self.body.add_residual(b)
+        b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+        values = np.array(b.array_r)
+        b.destroy()
+        return values
+
+    def _external_forces(self) -> FloatArray:
+        """Forces of the loads at u, over owned degrees of freedom [F]. Collective."""
+        if self._external_form is None:
+            return np.zeros(self.num_owned)
+        b = petsc.assemble_vector(self._external_form)
+        b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+        values = np.array(b.array_r)
+        b.destroy()
+        return values
+
+    def _forces(self, state: State, values: TimeValues) -> Forces:
+        """Forces at the present displacement. Collective.
+
+        Args:
+            state: motion.
+            values: what functions of time prescribe at its time.
+        """
+        with self.loads_in_time.scaled(values.factors):
+            residual, external = self._body_residual(), self._external_forces()
+        damping = self.moving_body.damping_forces(state)
+        balance = self.inertia.times(state.acceleration) + damping + residual
+        obstacles = np.zeros((len(self.contact), 3))
+        for row, contact in zip(obstacles, self.contact):
+            balance -= contact.contact_forces()
+            if contact.pair.rigid and contact.force is not None:
+                row[: len(contact.force)] = contact.force
+        support = np.where(self.fixed[: self.num_owned], balance, 0.0)
+        return Forces(residual + external, external, damping, support, obstacles)
+
+    def accept_step(self, state: State, values: TimeValues) -> None:
+        """Take over the state at the end of a converged step: history, contacts, works, functions. Collective.
+
+        Args:
+            state: motion at the end of the step.
+            values: what functions of time prescribe there.
+        """
+        for contact in self.contact:
+            contact.accept_step()
+        forces = self._forces(state, values)
+        self.body.accept_step()
+        moved = state.displacement - self.stepper.state.displacement
+        self.account.add_step(forces, moved, values.places - self._places)
+        self._places = values.places
+        self.set_motion(state)
+
+    def set_motion(self, state: State) -> None:
+        """Set the functions of velocity and acceleration, ghosts included. Collective.
+
+        Args:
+            state: motion.
+        """
+        for f, values in ((self.velocity, state.velocity), (self.acceleration, state.acceleration)):
+            f.x.array[: self.num_owned] = values
+            f.x.scatter_forward()
+
+    def with_ghosts(self, values: FloatArray) -> FloatArray:
+        """Values whose ghosts are those of their owners. Collective.
+
+        Args:
+            values: over owned and ghost degrees of freedom.
+
+        Returns:
+            A new array.
+        """
+        f = fem.Function(self.space)
+        f.x.array[:] = values
+        f.x.scatter_forward()
+        return f.x.array.copy()
+
+    def add_row(self) -> None:
+        """Add the present energies and contact forces to the history. Collective."""
+        values = self._energies()
+        row = np.zeros(1, dtype=self.run_history.step_type)
+        for name, value in values.items():
+            row[name] = value
+        for k, contact in enumerate(self.contact):
+            if contact.force is not None:
+                row["force"][0, k, : len(contact.force)] = contact.force
+        rows = self.run_history.add(np.array([self.time]), row)
+        for recorder in self.stepper.recorders:
+            recorder.add(rows)
+        self._set_energy(values)
+
+    def _energies(self) -> dict[str, float]:
+        """Energies of the present state [F L]. Collective."""
+        state = self.stepper.state
+        kinetic = 0.5 * self.comm.allreduce(float(state.velocity @ self.inertia.times(state.velocity)))
+        stored: float | None = None
+        if self.material is not None:
+            stored = 0.0 if self._stored is None else self._stored.value()
+            if isinstance(self.body, InelasticBody):
+                stored += self.body.force.sum(ELASTIC_ENERGY)
+        return energies(kinetic, stored, self.account.works, self.contact, self.has_history)
+
+    def _set_energy(self, values: dict[str, float] | None = None) -> None:
+        """Set the energies that `energy` shows. Collective.
+
+        Args:
+            values: energies, if they are known [F L].
+        """
+        values = self._energies() if values is None else values
+        self._energy = {**values, "total": total_energy(values), "drift": self.run_history.drift(values)}
+
+    # --- running ---------------------------------------------------------------------------------------------------
+
+    def advance(
+        self,
+        until: float,
+        dt: float,
+        tolerance: float | None = None,
+        smallest: float | None = None,
+        callback: Callable[[NewmarkProblem], object] | None = None,
+        progress: bool = True,
+        rtol: float = 1e-10,
+        atol: float = 0.0,
+        max_iterations: int = 25,
+        verbose: bool = False,
+    ) -> None:
+        """Advance to a time. Collective.
+
+        A step that does not converge is repeated with half its length, and so on down to `smallest`; later steps are
+        longer again. An exception of the callback on one rank is raised on all ranks; after it, and after
+        KeyboardInterrupt, the problem has the state of the last step.
+
+        Args:
+            until: time to advance to; a step ends there [T].
+            dt: largest step; without `tolerance` all steps are equal unless one fails [T].
+            tolerance: local error of a step's displacement, relative to the largest displacement so far, by which steps
+                are chosen; None: they are not [1].
+            smallest: smallest step; None: a thousandth of dt [T].
+            callback: function that is called as callback(problem) after each step and before the first step of a run
+                (at step 0).
+            progress: whether rank 0 shows a progress bar.
+            rtol: tolerance of the free residual, relative to the largest force in the step [1].
+            atol: tolerance of the free residual [F].
+            max_iterations: largest number of Newton iterations per step [1].
+            verbose: whether rank 0 prints every iteration.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: the time has passed, or a value is out of its range; an argument differs between ranks; on all
+                ranks.
+            RuntimeError: the call came from a callback of `advance`, or a step did not converge with the smallest
+                length; on all ranks. The problem is then in its last converged state.
+            KeyboardInterrupt: Ctrl-C, on all ranks.
+        """
+        with guard(self.comm, "advance", callback=callback) as ranks:
+            until, dt = arguments.number("until", until, unit=" [T]"), arguments.number("dt", dt, 0.0, " [T]")
+            if until < self.time:
+                raise ValueError(f"until is {until:g}, but the time is {self.time:g} already")
+            if callback is not None and not callable(callback):
+                raise TypeError(f"callback must be a function of the problem, found {type(callback).__name__}")
+            if tolerance is not None:
+                tolerance = arguments.number("tolerance", tolerance, 0.0)
+            smallest = SMALLEST * dt if smallest is None else arguments.number("smallest", smallest, 0.0, " [T]")
+            if smallest > dt:
+                raise ValueError(f"smallest is {smallest:g}: it must not be greater than dt = {dt:g}")
+            if (until - self.time) / dt > MOST_STEPS or dt < np.spacing(until):
+                raise ValueError(f"a step of {dt:g} takes too many steps to the time {until:g}; take a larger dt")
+            max_iterations = arguments.integer("max_iterations", max_iterations, 1)
+            rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
+            ranks.same(until=until, dt=dt, tolerance=tolerance, smallest=smallest, rtol=rtol, atol=atol,
+                       max_iterations=max_iterations)  # fmt: skip
+        for contact in self.contact:
+            contact.check_parameters()
+        if until == self.time:
+            return
+        if self.step == 0 and any(column >= 0 for _, _, column in self.supports):
+            # Only now is there a step over which prescribed motion can be differentiated.
+            start = self.stepper.sample(dt, 0.0)
+            self.stepper.state = self._start(start)
+            self.account.forces = self._forces(self.stepper.state, start)
+            self.run_history.begin_anew()
+            self.add_row()
+        known = self.stepper.control
+        length = known.length if known is not None and known.largest == dt and known.tolerance == tolerance else None
+        control = StepControl(dt, smallest, tolerance, length)
+        limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
+        self.stepper.advance(until, control, limits, callback, progress, verbose)
+        self.linear_solver.warn_of_unused()
+
+    @property
+    def time(self) -> float:
+        """Present time [T]."""
+        return self.stepper.time
+
+    @property
+    def step(self) -> int:
+        """Number of the present step [1]."""
+        return self.stepper.step
+
+    @property
+    def energy(self) -> dict[str, float]:
+        """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, plastic,
+        external, total [F L] and drift [1]; docs/implicit/energies.md."""
+        return dict(self._energy)
+
+    @property
+    def energy_history(self) -> FloatArray:
+        """Time and energies at the start and after every step, (num_steps + 1, 10): time [T], then the energies of
+        `energy` in its order, up to external [F L]."""
+        return self.run_history.energies
+
+    @property
+    def force_history(self) -> list[FloatArray]:
+        """Forces on the slaves at the times of `energy_history`, for each contact (num_steps + 1, gdim) [F]."""
+        return self.run_history.forces
+
+    @property
+    def has_history(self) -> bool:
+        """Whether a material has internal variables."""
+        return isinstance(self.body, InelasticBody)
+
+    @property
+    def history(self) -> MaterialHistory:
+        """Internal variables of the materials by name, at the present time.
+
+        Raises:
+            ValueError: no material has any.
+        """
+        if not isinstance(self.body, InelasticBody):
+            raise ValueError("no material of the problem has internal variables")
+        return self.body.history
+
+    # What a checkpoint asks of a problem in time, and implicit ones do not have.
+    mass_scaling: float | None = None
+    bulk_viscosity = (0.0, 0.0)
+
+    @property
+    def dead_loads(self) -> list[DeadLoad]:
+        """None: all loads are forms."""
+        return []
+
+    def resume(self) -> None:
+        """Compute what follows from a restored state. Collective."""
+        self.set_motion(self.stepper.state)
+        now = self.stepper.sample(None, self.time)
+        self._places = now.places
+        with self.loads_in_time.scaled(now.factors):
+            self._body_residual()  # stresses and energies of the restored history
+        self._set_energy()
+
+    # --- files -----------------------------------------------------------------------------------------------------
+
+    def record(
+        self,
+        path: FilePath | None = None,
+        fields: Sequence[str] = ("displacement", "velocity"),
+        every: int = 1,
+        points: ArrayLike | None = None,
+        points_every: int = 1,
+        times: Sequence[float] = (),
+    ) -> Recorder:
+        """Write fields and histories into a folder from now on; see Recorder. Collective.
+
+        Args:
+            path: folder; None as for RunFolder.
+            fields: some of displacement, velocity, acceleration; and of materials with internal variables their names,
+                stress and von_mises.
+            every: steps between frames [1].
+            points: points, (n, gdim); the motion of their nearest nodes is sampled [L].
+            points_every: steps between samples of points [1].
+            times: times of frames, in place of `every`; steps end at these times exactly [T].
+
+        Returns:
+            Recorder; call its `close()` at the end.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: a field is unknown, an interval is no positive integer, or a time no number; on all ranks.
+            RuntimeError: the folder cannot be written; on all ranks.
+        """
+        with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
+            names, places = check_arguments(self, path, fields, every, points, points_every)
+            moments = [arguments.number("times", t, unit=" [T]") for t in times]
+            ranks.same(points=places, times=moments)
+        output = self.stepper.recorders, lambda: self.set_motion(self.stepper.state)
+        return Recorder(self, *output, path, names, every, places, points_every, moments, name="implicit")
+
+    def save(self, path: FilePath) -> None:
+        """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.
+
+        The file is written as PATH.part and then renamed. If writing fails, an earlier file at `path` is not changed.
+        Afterwards, recorders write their histories up to the present time.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the folder cannot be written, or no space is left; on all ranks.
+        """
+        self._restart.save(path)
+
+    def restore(self, path: FilePath) -> None:
+        """Continue from a checkpoint of the same problem, written on any number of ranks. Collective.
+
+        The problem must have the same mesh, materials, damping, scheme, supports, loads and contacts, and the same
+        functions of time up to the time of the checkpoint. On the number of ranks that wrote the file, the run
+        continues bit for bit if DOLFINx numbers the mesh in the same way; otherwise to the solver's tolerance.
+
+        Args:
+            path: file that `save` has written.
+
+        Raises:
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the file cannot be read, or is damaged; on all ranks.
+            ValueError: the file belongs to another mesh, material, ...; on all ranks. The problem is then unchanged.
+        """
+        self._restart.restore(path)
+
+
+def _scheme(beta: float | None, gamma: float | None, rho_inf: float | None, hht: float | None) -> ImplicitScheme:
+    """Scheme of the arguments of a problem; TypeError or ValueError if they do not fit."""
+    families = {"beta, gamma": (beta, gamma), "rho_inf": (rho_inf,), "hht": (hht,)}
+    given = [name for name, values in families.items() if any(v is not None for v in values)]
+    if len(given) > 1:
+        raise ValueError(f"{' and '.join(given)} are given: each of them determines all parameters, give one")
+    if rho_inf is not None:
+        return ImplicitScheme.generalised_alpha(arguments.number("rho_inf", rho_inf))
+    if hht is not None:
+        return ImplicitScheme.hht(arguments.number("hht", hht))
+    gamma = 0.5 if gamma is None else arguments.number("gamma", gamma)
+    beta = 0.25 if beta is None else arguments.number("beta", beta)
+    return ImplicitScheme.newmark(beta, gamma)

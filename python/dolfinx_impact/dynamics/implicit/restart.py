@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: MIT
+"""Saving and restoring implicit runs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...common import arguments
+from ...common.collective import agree, attempt, guard
+from ...common.interrupts import Interrupts
+from ...common.types import FilePath, FloatArray, IntArray
+from ...contact.saved_history import SavedHistory
+from ...io import checkpoint
+from ...io.signature import functions_of_time, supports
+from .energies import Forces
+from .motion import State
+
+if TYPE_CHECKING:
+    from .problem import NewmarkProblem
+
+MOTION = ("displacement", "velocity", "acceleration", "mean")
+FORCES = ("internal", "external", "damping", "support")
+WORKS = ("internal", "external", "damping")
+NUMBERS = ("time", "step", "largest", "total_start", "largest_displacement")
+SAME = 1e-12  # relative tolerance of values of functions of time, as for explicit runs
+
+
+class ImplicitRestart:
+    """Saves and restores an implicit problem; see NewmarkProblem.save and restore.
+
+    Args:
+        problem: NewmarkProblem.
+    """
+
+    def __init__(self, problem: NewmarkProblem) -> None:
+        self.problem, self.comm = problem, problem.comm
+
+    def save(self, path: FilePath) -> None:
+        """Write a checkpoint. Collective.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            KeyboardInterrupt: a rank was interrupted; the file is complete.
+            RuntimeError: the file cannot be written; on all ranks.
+            TypeError: `path` is no name of a file.
+        """
+        with guard(self.comm, "save", path=path):
+            arguments.path("path", path)
+        with Interrupts(self.comm) as interrupts:
+            self._save(path)
+            for recorder in self.problem.stepper.recorders:
+                recorder.flush()
+            # The run goes on as a restored one would: with factors of the next matrix.
+            self.problem.linear_solver.reset()
+            interrupts.check()
+
+    def restore(self, path: FilePath) -> None:
+        """Set the problem to the state of a checkpoint. Collective.
+
+        Args:
+            path: file that `save` has written.
+
+        Raises:
+            KeyboardInterrupt: a rank was interrupted; the problem is restored.
+            RuntimeError: the file cannot be read, or is damaged; on all ranks.
+            TypeError: `path` is no name of a file.
+            ValueError: the file belongs to another problem; on all ranks.
+        """
+        with guard(self.comm, "restore", path=path):
+            arguments.path("path", path)
+        with Interrupts(self.comm) as interrupts:
+            self._restore(path)
+            interrupts.check()
+
+    def _save(self, path: FilePath) -> None:
+        p = self.problem
+        stepper, account, bs = p.stepper, p.account, p.space.dofmap.index_map_bs
+        assert account.forces is not None  # the start has set it
+        values = {name: getattr(stepper.state, name) for name in MOTION}
+        values |= {f"force {name}": getattr(account.forces, name) for name in FORCES}
+        values["start"] = p.start_displacement
+        arrays = {name: v.reshape(-1, bs) for name, v in values.items()}
+        nodal: dict[str, tuple[IntArray, FloatArray]] = {}
+        facets: dict[str, tuple[IntArray, FloatArray]] = {}
+        totals: dict[str, FloatArray] = {}
+        for k, contact in enumerate(p.contact):
+            saved = contact.save_history()
+            (facets if saved.on_facets else nodal)[f"contact{k}"] = (saved.keys, saved.table())
+            totals[f"contact{k}"] = saved.flat_totals()
+            if saved.corners is not None:
+                arrays[f"corners{k}"] = saved.corners
+        table, error = attempt(functions_of_time, p.functions, stepper.time, stepper.time)
+        agree(self.comm, error, "functions of time")
+        history = p.run_history
+        length = math.nan if stepper.control is None else stepper.control.length
+        limits = [math.nan] * 3
+        if stepper.control is not None:
+            c = stepper.control
+            limits = [c.largest, c.smallest, math.nan if c.tolerance is None else c.tolerance]
+        attributes: dict[str, checkpoint.Attribute] = {
+            **totals,
+            "time": stepper.time, "step": stepper.step, "largest": history.largest,
+            "total_start": 0.0 if history.total_start is None else history.total_start,
+            "largest_displacement": stepper.largest_displacement,
+            "works": np.array([getattr(account.works, name) for name in WORKS]),
+            "obstacles": account.forces.obstacles.ravel(),
+            "control": np.array([length, *limits]), "functions of time": table,
+        }  # fmt: skip
+        checkpoint.write(path, p, arrays, nodal, self._material_history(), {}, attributes, facets)
+
+    def _material_history(self) -> dict[str, FloatArray]:
+        """Internal variables by name, a row of all points of a cell for each owned cell; empty without any."""
+        p = self.problem
+        if not p.has_history:
+            return {}
+        return {name: field.values.reshape(len(field.values), -1) for name, field in p.history.items()}
+
+    def _restore(self, path: FilePath) -> None:
+        p = self.problem
+        bs = p.space.dofmap.index_map_bs
+        known = [contact.save_history() for contact in p.contact]
+        names = {f"contact{k}": saved for k, saved in enumerate(known)}
+        vectors = [*MOTION, *(f"force {name}" for name in FORCES), "start"]
+        file = checkpoint.Reader(
+            path,
+            p,
+            arrays={name: bs for name in vectors}
+            | {f"corners{k}": 1 for k, saved in enumerate(known) if saved.corners is not None},
+            nodal={name: saved.width() for name, saved in names.items() if not saved.on_facets},
+            cellwise={name: values.shape[1] for name, values in self._material_history().items()},
+            ranks={},
+            attributes=[*NUMBERS, "works", "obstacles", "control", "functions of time", *names],
+            facets={name: saved.width() for name, saved in names.items() if saved.on_facets},
+        )
+        nodes, wanted = supports(p)
+        found = file.all_at("supports", nodes)
+        other = np.flatnonzero(np.any(found != wanted, axis=1))
+        error = None
+        if len(other):
+            place = checkpoint.places(p.space)[nodes[other[0]]].tolist()
+            error = ValueError(f"{path} is of another problem: supports differ, the first at {place}")
+        agree(self.comm, error, "restore")
+        rows = [
+            file.at_facets(name, saved.keys) if saved.on_facets else file.all_at(name, saved.keys)
+            for name, saved in names.items()
+        ]
+        _, error = attempt(self._check, path, file)
+        agree(self.comm, error, "restore")
+        self._apply(file, known, rows)
+
+    def _check(self, path: FilePath, file: checkpoint.Reader) -> None:
+        """Raise ValueError unless the attributes are those of a run of this problem."""
+        p, a = self.problem, file.attributes
+
+        def want(right: bool | np.bool_, what: str) -> None:
+            if not right:
+                raise ValueError(f"{path} is of no run: {what}")
+
+        for name in NUMBERS:
+            value = a[name]
+            want(np.ndim(value) == 0 and np.issubdtype(np.asarray(value).dtype, np.number), f"{name} is {value!r}")
+            want(bool(np.isfinite(value)), f"{name} is {value!r}")
+        time, step = float(a["time"]), int(a["step"])
+        want(time >= 0.0 and step == a["step"] and 0 <= step < 2**53 and (step > 0) == (time > 0.0),
+             f"time is {time}, step {a['step']}")  # fmt: skip
+        want(a["largest"] >= 0.0 and a["largest_displacement"] >= 0.0, "largest values are negative")
+        sizes = {"works": 3, "obstacles": 3 * len(p.contact), "control": 4}
+        for k, contact in enumerate(p.contact):
+            sizes[f"contact{k}"] = len(contact.save_history().flat_totals())
+        for name, size in sizes.items():
+            values = np.asarray(a[name])
+            want(values.shape == (size,) and values.dtype == float, f"{name} is {a[name]!r}")
+            want(name not in ("works", "obstacles") or bool(np.all(np.isfinite(values))), f"{name} is {a[name]!r}")
+        here, there = functions_of_time(p.functions, time, time), np.asarray(a["functions of time"])
+        scale = np.abs(here).max(initial=0.0)
+        if there.shape != here.shape or not np.all(np.abs(here - there) <= SAME * scale):
+            raise ValueError(
+                f"{path} is of another problem: functions of time (of loads, supports, obstacles) have other values up "
+                f"to the time {time:g}"
+            )
+
+    def _apply(self, file: checkpoint.Reader, known: list[SavedHistory], rows: list[FloatArray]) -> None:
+        """Set the problem to the state that was read. Collective."""
+        p, a = self.problem, file.attributes
+        arrays = {name: np.ascontiguousarray(values).ravel() for name, values in file.arrays.items()}
+        p.start_displacement = arrays["start"]
+        p.u.x.array[: p.num_owned] = arrays["displacement"]
+        p.u.x.scatter_forward()
+        for name, table in file.cellwise.items():
+            field = p.history[name]
+            field.values = table.reshape(field.values.shape)
+        stepper = p.stepper
+        stepper.state = State(*(arrays[name].copy() for name in MOTION))
+        stepper.time, stepper.step = float(a["time"]), int(a["step"])
+        stepper.largest_displacement = float(a["largest_displacement"])
+        length, largest, smallest, tolerance = (float(value) for value in a["control"])
+        stepper.set_control(length, largest, smallest, None if math.isnan(tolerance) else tolerance)
+        for k, (contact, saved, table) in enumerate(zip(p.contact, known, rows)):
+            saved.columns = saved.split(table)
+            saved.totals = saved.split_totals(np.asarray(a[f"contact{k}"]))
+            saved.corners = file.arrays.get(f"corners{k}")
+            contact.restore_history(saved, p.u.x.array)
+        account = p.account
+        for name, value in zip(WORKS, a["works"]):
+            setattr(account.works, name, float(value))
+        obstacles = np.asarray(a["obstacles"]).reshape(-1, 3)
+        internal, external, damping, support = (arrays[f"force {name}"].copy() for name in FORCES)
+        account.forces = Forces(internal, external, damping, support, obstacles)
+        p.run_history.resume(float(a["total_start"]), float(a["largest"]))
+        p.linear_solver.reset()
+        p.resume()

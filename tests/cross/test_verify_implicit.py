@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: MIT
+"""Implicit runs of `verify`: both sides agree, and every kind of fault on one side is seen."""
+
+import copy
+import dataclasses
+import functools
+import itertools
+
+import numpy as np
+import pytest
+from fault_injection import scaled
+
+from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
+from dolfinx_impact.contact.penalty.penalty import PenaltyContact
+from dolfinx_impact.dynamics.implicit.inertia import Inertia
+from dolfinx_impact.dynamics.implicit.motion import StepMotion
+from dolfinx_impact.dynamics.implicit.moving_body import MovingBody
+from dolfinx_impact.verify import cross_check, history, implicit
+from dolfinx_impact.verify.report import Report
+
+STEPS = 60  # a fault shows soon
+SMALL = 1 + 1e-6
+
+
+@functools.cache
+def cases(make, cell="quadrilateral", degree=1):
+    return {case.name: case for case in make(cell, degree)}
+
+
+def case_of(name):
+    makes = (implicit.without_contact, implicit.bars, implicit.disc, implicit.rigid)
+    return next(cases(make)[name] for make in makes if name in cases(make))
+
+
+def report_of(case, steps=STEPS):
+    report = Report()
+    implicit.compare(report, case, steps)
+    return report
+
+
+def failed(case, steps=STEPS, **changes):
+    """What a comparison sees when our side runs a changed case."""
+    mine, ours = copy.copy(case), implicit.ours
+    for name, value in changes.items():
+        setattr(mine, name, value)
+    report = Report()
+    try:
+        implicit.ours = lambda _, steps: ours(mine, steps)
+        implicit.compare(report, case, steps)
+    finally:
+        implicit.ours = ours
+    return {row.name.split(" of the ")[0] for row in report.rows if not row.passed}
+
+
+@pytest.mark.parametrize("make", (implicit.without_contact, implicit.bars, implicit.disc, implicit.rigid))
+def test_rows_pass(make):
+    """Schemes, masses, damping, loads, supports that move; penalty and multipliers, friction, two bodies, obstacles."""
+    for case in cases(make).values():
+        report = report_of(case, 100)
+        assert report.passed and len(report.rows) >= 5, (case.name, [(r.name, r.note) for r in report.failures()])
+        assert {r.level for r in report.rows} == {"history"}
+        if case.contact:
+            assert any(r.name.startswith("contact force") for r in report.rows)
+
+
+def test_rows_of_other_cells_pass():
+    report = Report()
+    implicit.compare(report, next(iter(implicit.without_contact("tetrahedron", 2))), 30)
+    for case in implicit.blocks("hexahedron", 1):
+        implicit.compare(report, case, 15)
+    for case in implicit.varied_runs("triangle", 1, implicit.bars, (7,)):  # a variation that the level has not
+        implicit.compare(report, case, 100)
+    assert report.passed and len(report.rows) > 25
+
+
+@pytest.mark.slow
+def test_all_rows_pass():
+    report = Report()
+    implicit.run(report)
+    assert report.passed and len(report.rows) > 250
+
+
+def test_runs_belong_to_the_level(monkeypatch):
+    """`cross_check` runs them with the level history."""
+    called = []
+    monkeypatch.setattr(history, "run", lambda *a: None)
+    monkeypatch.setattr("dolfinx_impact.verify.plastic_bodies.history_rows", lambda *a: None)
+    monkeypatch.setattr(implicit, "run", called.append)
+    assert cross_check(levels=["history"]) is called[0]
+
+
+def yielding(steps=STEPS):
+    report = Report()
+    implicit.compare_yielding(report, *implicit.YIELDING[0], steps=steps)
+    return report
+
+
+def test_yielding_rows_pass():
+    report = yielding()
+    assert report.passed
+    assert {"plastic energy", "damping energy"} <= {row.name.split(" of the ")[0] for row in report.rows}
+
+
+# --- faults ----------------------------------------------------------------------------------------------------------
+
+
+def test_exchanged_parameters_are_seen(monkeypatch):
+    """beta in the velocity and gamma in the displacement, as seed (3.81) may be read."""
+    right = StepMotion.__init__
+
+    def wrong(self, scheme, *arguments):
+        right(self, dataclasses.replace(scheme, beta=scheme.gamma, gamma=scheme.beta), *arguments)
+
+    monkeypatch.setattr(StepMotion, "__init__", wrong)
+    for name in ("shaken block", "support that moves, first order"):
+        assert {"displacement", "velocity", "acceleration", "kinetic energy"} <= failed(case_of(name))
+
+
+def test_inertia_of_the_mean_acceleration_is_seen(monkeypatch):
+    """M A in place of M a: without alphas they are the same."""
+    right = StepMotion.__init__
+
+    def wrong(self, scheme, *arguments):
+        right(self, scheme, *arguments)
+        free = self.acceleration_factor > 0.0
+        self.acceleration_factor[free] = self._mean_factor
+        self.acceleration_rest[free] = self._mean_rest[free]
+
+    monkeypatch.setattr(StepMotion, "__init__", wrong)
+    assert not failed(case_of("shaken block"))
+    assert "displacement" in failed(case_of("damped block under a load, generalised-alpha"))
+    assert "displacement" in failed(case_of("shaken block, HHT, lumped"))
+
+
+@pytest.mark.parametrize("name", ("two bars, lagrange", "two bars, penalty", "ring on a rigid plane, lagrange"))
+def test_contact_mass_that_is_kept_is_seen(name, monkeypatch):
+    monkeypatch.setattr(implicit, "NewmarkProblem", functools.partial(implicit.NewmarkProblem, impact="none"))
+    assert {"displacement", "contact force"} <= failed(case_of(name))
+
+
+def test_history_that_is_committed_too_soon_is_seen(monkeypatch):
+    """After every residual in place of the end of the step. (Twice at the end would be no fault: a return mapping from
+    its own result does nothing.)"""
+    right = MovingBody.add_residual
+
+    def wrong(self, b):
+        right(self, b)
+        self.body.accept_step()
+
+    monkeypatch.setattr(MovingBody, "add_residual", wrong)
+    report = yielding()
+    assert {"displacement", "plastic energy"} <= {row.name.split(" of the ")[0] for row in report.failures()}
+
+
+def test_friction_that_is_committed_twice_is_seen(monkeypatch):
+    right = LagrangeContact.accept_step
+
+    def wrong(self):
+        right(self)
+        right(self)
+
+    monkeypatch.setattr(LagrangeContact, "accept_step", wrong)
+    assert "friction energy" in failed(case_of("disc on a block, lagrange"))
+
+
+def test_friction_that_is_not_committed_is_seen(monkeypatch):
+    """In every other step. (Twice would be no fault with penalty: it takes over the state of the last residual.)"""
+    right, count = PenaltyContact.accept_step, itertools.count()
+    monkeypatch.setattr(PenaltyContact, "accept_step", lambda self: right(self) if next(count) % 2 else None)
+    assert {"displacement", "friction energy"} <= failed(case_of("disc on a block, penalty"))
+
+
+def test_damping_at_the_old_velocity_is_seen(monkeypatch):
+    right = MovingBody.damping_forces
+
+    def wrong(self, state):
+        if self._step is not None:
+            state = dataclasses.replace(state, velocity=self._step.start.velocity)
+        return right(self, state)
+
+    monkeypatch.setattr(MovingBody, "damping_forces", wrong)
+    assert {"displacement", "velocity", "damping energy"} <= failed(case_of("damped block under a load, generalised-alpha"))
+
+
+def test_damping_with_the_stiffness_at_rest_is_seen():
+    """What differs between a neo-Hookean body and a linear one that moves little."""
+    case = case_of("damped block under a load, neo-Hookean, lumped")
+    assert "displacement" in failed(case, damping=(0.1, 0.004 * SMALL))
+
+
+def test_another_mass_is_seen(monkeypatch):
+    monkeypatch.setattr(Inertia, "times", scaled(Inertia.times, SMALL))
+    assert {"displacement", "kinetic energy"} <= failed(case_of("shaken block"))
+
+
+def test_velocity_of_massless_nodes_is_seen(monkeypatch):
+    """Newmark's velocity at nodes without mass in place of the mean of the step."""
+    right = StepMotion.__init__
+
+    def wrong(self, scheme, step, start, massless, prescribed):
+        right(self, scheme, step, start, massless, prescribed)
+        self.velocity_factor[massless] *= SMALL
+
+    monkeypatch.setattr(StepMotion, "__init__", wrong)
+    assert "velocity" in failed(case_of("two bars, lagrange"))
+
+
+@pytest.mark.parametrize(
+    "name, changes, seen",
+    (
+        ("shaken block", {"damping": (1e-6, 0.0)}, {"displacement", "velocity", "damping energy"}),
+        ("damped block under a load, generalised-alpha", {"parameters": {"rho_inf": 0.6 * SMALL}}, {"displacement"}),
+        ("shaken block, HHT, lumped", {"parameters": {"hht": -0.1 * SMALL}}, {"displacement"}),
+        ("shaken block, HHT, lumped", {"lumping": None}, {"displacement", "kinetic energy"}),
+        ("support that moves, first order", {"motion": lambda t: 0.02 * SMALL * np.sin(3 * t)}, {"external energy"}),
+        ("shaken block", {"gravity": (np.array([0.0, -1e-6]), lambda t: 1.0)}, {"external energy"}),
+        (
+            "block under a rigid cylinder that moves, lagrange",
+            {"obstacle": lambda t: np.array([0.01 * t, -0.03 * SMALL * np.sin(t / 4)])},
+            {"contact force", "external energy"},
+        ),
+    ),
+)
+def test_a_fault_in_what_is_given_is_seen(name, changes, seen):
+    assert seen <= failed(case_of(name), **changes)
+
+
+@pytest.mark.parametrize("method", ("penalty", "lagrange"))
+def test_another_friction_is_seen(method):
+    case = case_of(f"disc on a block, {method}")
+    changed = copy.copy(case.body)
+    changed.friction *= SMALL
+    assert {"contact force", "friction energy"} <= failed(case, body=changed)
+
+
+def test_another_number_of_steps_is_seen():
+    """A step that our side cuts in half does not go unnoticed."""
+    case, ours = case_of("shaken block"), implicit.ours
+    report = Report()
+    try:
+        implicit.ours = lambda case, steps: ours(case, steps + 1)
+        implicit.compare(report, case, 5)
+    finally:
+        implicit.ours = ours
+    assert not any(row.passed for row in report.rows) and "steps" in report.rows[0].note
