@@ -12,14 +12,24 @@ Linear quadrilaterals and hexahedra lock where plastic flow keeps the volume, be
 With `average` a law sees the mean dilatation of the cell instead: B-bar (Hughes 1980), eps - tr(eps)/3 I + theta/3 I
 with theta the mean of tr(eps), and F-bar, (theta/J)^(1/3) F with theta the mean of J = det F. The virtual strain is the
 derivative of the same expression, so that the internal forces are those of a potential where the law has one.
+
+On quadrilaterals and hexahedra of degree 2 the mean would be too coarse. There theta is the L2 projection on the linear
+functions of each cell, as in the mixed element of displacements of degree 2 and discontinuous linear pressures (Boffi,
+Brezzi, Fortin 2013, chapter 8).
 """
 
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+import basix.ufl
 import ufl
 
-from .materials import gradient, weight
+from . import elasticity
+from .materials import Law, gradient, weight
+from .point_law import PointLaw
+
+UNKNOWN = "local_unknown"  # output of the kernels: solution of the local equations
+ELASTIC_ENERGY = "elastic"  # sum of the kernels; cpp/dolfinx_impact/integrators reads it by this name
 
 
 @dataclass
@@ -71,6 +81,35 @@ def same_in_cell(expression: Any) -> bool:
     return bool(expression.ufl_operands) and all(same_in_cell(o) for o in expression.ufl_operands)
 
 
+def in_span(expression: Any, theta: Any) -> bool:
+    """Is an expression a sum of multiples of theta and of 1, whose factors are the same at all points of a cell?"""
+    if same_in_cell(expression) or expression == theta:
+        return True
+    operands = expression.ufl_operands
+    if isinstance(expression, ufl.classes.Sum):
+        return all(in_span(o, theta) for o in operands)
+    if isinstance(expression, ufl.classes.Product):
+        a, b = operands
+        return (same_in_cell(a) and in_span(b, theta)) or (same_in_cell(b) and in_span(a, theta))
+    if isinstance(expression, ufl.classes.Division):
+        return in_span(operands[0], theta) and same_in_cell(operands[1])
+    if isinstance(expression, (ufl.classes.Trace, ufl.classes.ComponentTensor, ufl.classes.Indexed)):
+        return in_span(operands[0], theta)
+    return False
+
+
+def default_average(cell: str, degree: int) -> bool | str:
+    """Projection of the dilatation of an inelastic body unless told otherwise: `average` of Kinematics.
+
+    Args:
+        cell: name of the cell.
+        degree: degree of the displacement [1].
+    """
+    if cell not in ("quadrilateral", "hexahedron"):
+        return False
+    return {1: True, 2: "linear"}.get(degree, False)
+
+
 class PointResponse(Protocol):
     """What a body asks of a law with internal variables.
 
@@ -99,13 +138,18 @@ class Kinematics:
     Args:
         hypothesis: one of materials.HYPOTHESES.
         finite_strain: whether the law sees the deformation gradient instead of the small strain.
-        average: whether the dilatation is averaged over each cell. Plane stress has no constraint on the dilatation, so
-            that nothing locks: there it is not averaged.
+        average: whether the dilatation is averaged over each cell; "linear": projected on the linear functions of each
+            cell. Plane stress has no constraint on the dilatation, so that nothing locks: there it is left alone.
+
+    Attributes:
+        average: whether the law sees a projection of the dilatation.
+        linear: whether it is that on linear functions.
     """
 
-    def __init__(self, hypothesis: str, finite_strain: bool = False, average: bool = False) -> None:
+    def __init__(self, hypothesis: str, finite_strain: bool = False, average: bool | str = False) -> None:
         self.hypothesis, self.finite_strain = hypothesis, finite_strain
-        self.average = average and hypothesis != "plane_stress"
+        self.average = bool(average) and hypothesis != "plane_stress"
+        self.linear = self.average and average == "linear"
 
     def gradient(self, u: Any) -> Any:
         """Displacement gradient, 3 x 3; in plane stress with zeros across the plane."""
@@ -115,11 +159,25 @@ class Kinematics:
         return ufl.as_tensor([[g[0, 0], g[0, 1], 0], [g[1, 0], g[1, 1], 0], [0, 0, 0]])
 
     def _mean(self, e: Any) -> Any:
-        """Mean of a scalar over the volume of a cell."""
+        """Mean over the volume of a cell."""
         if self.hypothesis != "axisymmetric":
             return ufl.cell_avg(e)
         r = ufl.SpatialCoordinate(ufl.domain.extract_unique_domain(e))[0]
         return ufl.cell_avg(r * e) / ufl.cell_avg(r)
+
+    def _projected(self, e: Any) -> Any:
+        """Mean of a scalar over a cell, or its L2 projection on the linear functions of the cell, which are orthogonal
+        to the mean when their origin is the centre."""
+        if not self.linear:
+            return self._mean(e)
+        x = ufl.SpatialCoordinate(ufl.domain.extract_unique_domain(e))
+        y = x - self._mean(x)
+        slope = ufl.inv(self._mean(ufl.outer(y, y))) * self._mean(e * y)
+        return self._mean(e) + ufl.dot(y, slope)
+
+    def projection(self, u: Any) -> Any:
+        """What the law sees of `dilatation`."""
+        return self._projected(self.dilatation(u))
 
     def dilatation(self, u: Any) -> Any:
         """What is averaged: tr(eps), or J."""
@@ -138,11 +196,11 @@ class Kinematics:
 
         Args:
             u: displacement [L].
-            theta: mean dilatation of the cell, where it is given as a field of its own; None: it follows from u.
+            theta: projected dilatation, where it is given as a field of its own; None: it follows from u.
         """
         g = self.gradient(u)
         if self.average and theta is None:
-            theta = self._mean(self.dilatation(u))
+            theta = self.projection(u)
         if not self.finite_strain:
             return ufl.dev(ufl.sym(g)) + theta / 3 * ufl.Identity(3) if self.average else ufl.sym(g)
         F = ufl.Identity(3) + g
@@ -159,8 +217,8 @@ class Kinematics:
         """
         g = self.gradient(v)
         if self.average and theta is None:
-            theta = self._mean(self.dilatation(u))
-            theta_v = self._mean(self.dilatation_derivative(u, v))
+            theta = self.projection(u)
+            theta_v = self._projected(self.dilatation_derivative(u, v))
         if not self.finite_strain:
             return ufl.dev(ufl.sym(g)) + theta_v / 3 * ufl.Identity(3) if self.average else ufl.sym(g)
         if not self.average:
@@ -181,26 +239,109 @@ def internal_force(u: Any, v: Any, kinematics: Kinematics, update: Update, dx: A
     """Internal virtual work, integral of stress : virtual strain."""
     mesh = ufl.domain.extract_unique_domain(u)
     virtual = kinematics.virtual_strain(u, v)
-    if kinematics.average and not kinematics.finite_strain and update.mean is not None and same_in_cell(update.mean):
-        # The work of a mean stress that does not vary in the cell is the same with and without the average.
+    small = kinematics.average and not kinematics.finite_strain
+    if small and update.mean is not None and in_span(update.mean, kinematics.projection(u)):
+        # The work of a mean stress that is among the functions projected on is the same with and without projection.
         virtual = ufl.sym(kinematics.gradient(v))
     return ufl.inner(update.stress, virtual) * weight(mesh, kinematics.hypothesis) * dx
 
 
-def elastic_tangent(u: Any, du: Any, v: Any, lmbda: Any, mu: Any, kinematics: Kinematics, dx: Any) -> Any:
+def quadrature_element(cell: Any, shape: tuple[int, ...], degree: int) -> Any:
+    """Element with values at the points of the rule that forms of a quadrature degree have.
+
+    Args:
+        cell: name of the cell, or Basix's type.
+        shape: shape of a value, () or (n,).
+        degree: quadrature degree [1].
+    """
+    return basix.ufl.quadrature_element(cell, value_shape=shape, degree=degree, scheme="default")
+
+
+class Symbols:
+    """What stands for history and unknowns of a law in forms; kernels keep the values themselves.
+
+    Args:
+        response: the law.
+        mesh: UFL mesh.
+        degree: quadrature degree [1].
+
+    Attributes:
+        history: coefficients by name.
+        unknown: coefficient of the local unknowns, or None.
+    """
+
+    def __init__(self, response: PointResponse, mesh: Any, degree: int) -> None:
+        cell = mesh.ufl_cell().cellname()
+
+        def symbol(shape: tuple[int, ...]) -> ufl.Coefficient:
+            return ufl.Coefficient(ufl.FunctionSpace(mesh, quadrature_element(cell, shape, degree)))
+
+        self.history = {name: symbol(shape) for name, shape in response.history.items()}
+        self.unknown = None if response.unknown is None else symbol(response.unknown)
+
+
+def force_and_law(
+    u: Any,
+    v: Any,
+    response: PointResponse,
+    kinematics: Kinematics,
+    symbols: Symbols,
+    dx: Any,
+    with_stress: bool = False,
+) -> tuple[ufl.Form, PointLaw]:
+    """Internal virtual work of a law with internal variables, and the point law of its kernel.
+
+    Args:
+        u: displacement [L].
+        v: test function.
+        response: the law.
+        kinematics: strains that the law sees.
+        symbols: its history and unknowns.
+        dx: measure of the cells, of the symbols' quadrature degree.
+        with_stress: whether the Cauchy stress is an output, "stress".
+    """
+    mesh = ufl.domain.extract_unique_domain(u)
+    strain = kinematics.strain(u)
+    update = response.respond(strain, dict(symbols.history), symbols.unknown)
+    outputs = {name: ufl.as_ufl(update.outputs[name]) for name in symbols.history}
+    if symbols.unknown is not None:
+        outputs[UNKNOWN] = symbols.unknown
+    if with_stress:
+        stress = update.stress * strain.T / ufl.det(strain) if kinematics.finite_strain else update.stress
+        space = u.ufl_shape[0] == 3
+        axes = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))[: 6 if space else 4]
+        outputs["stress"] = ufl.as_vector([stress[i, j] for i, j in axes])
+    law = PointLaw(
+        outputs=outputs,
+        history=symbols.history,
+        unknown=symbols.unknown,
+        residual=update.residual,
+        start=update.start,
+        scale=update.scale,
+        sums={ELASTIC_ENERGY: update.stored * weight(mesh, kinematics.hypothesis)},
+    )
+    return internal_force(u, v, kinematics, update, dx), law
+
+
+def elastic_tangent(u: Any, du: Any, v: Any, law: Law, kinematics: Kinematics, dx: Any) -> Any:
     """Stiffness of the elastic solid in the deformed shape, an upper bound of that of the inelastic one.
 
     In finite strain the gradients are those with respect to the deformed position, and the volume is the deformed one:
     cells that have been flattened by plastic flow have higher frequencies.
+
+    Args:
+        u: displacement [L].
+        du: trial function.
+        v: test function.
+        law: linear elastic law of the hypothesis.
+        kinematics: strains that the inelastic law sees.
+        dx: measure of the cells.
     """
+    if not kinematics.finite_strain:
+        return elasticity.tangent(u, du, v, law, dx)
     mesh = ufl.domain.extract_unique_domain(v)
-    a, b, volume = kinematics.gradient(du), kinematics.gradient(v), 1
-    if kinematics.finite_strain:
-        F = ufl.Identity(3) + kinematics.gradient(u)
-        inverse = ufl.inv(F)
-        a, b, volume = a * inverse, b * inverse, ufl.det(F)
-    a, b = ufl.sym(a), ufl.sym(b)
-    if kinematics.hypothesis == "plane_stress":
-        lmbda = 2 * lmbda * mu / (lmbda + 2 * mu)
-    work = lmbda * ufl.tr(a) * ufl.tr(b) + 2 * mu * ufl.inner(a, b)
-    return work * volume * weight(mesh, kinematics.hypothesis) * dx
+    F = ufl.Identity(3) + kinematics.gradient(u)
+    inverse = ufl.inv(F)
+    a, b = (ufl.sym(kinematics.gradient(w) * inverse) for w in (du, v))
+    work = law.lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)
+    return work * ufl.det(F) * weight(mesh, kinematics.hypothesis) * dx

@@ -7,7 +7,9 @@ Small strain (Simo & Hughes 1998, chapter 3): strain splits into an elastic and 
 
 Finite strain (Simo & Hughes 1998, box 9.1): the deformation gradient splits into an elastic and a plastic factor; the
 elastic left Cauchy-Green tensor follows from F and the inverse of the plastic right Cauchy-Green tensor, which is kept
-in the reference configuration, so that the law is exact under rotations of any size.
+in the reference configuration, so that the law is exact under rotations of any size. With kinematic hardening the same
+return is made in the frame of the rotation R of F = R U, in which the back stress is kept: its rate is that of Green
+and Naghdi (Dienes 1979; Johnson & Bammann 1984), and a rotation of the body leaves the history alone.
 
 Both are integrated by the backward Euler method with a radial return: the flow direction is that of the trial stress,
 and what is left is one scalar equation for the increment of the equivalent plastic strain. It is solved in closed form
@@ -28,7 +30,7 @@ from .materials import lame
 
 PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
 PLASTIC_TENSOR = "plastic_strain_tensor"  # deviatoric tensor; in finite strain the inverse of C_p minus I [1]
-BACK_STRESS = "back_stress"  # deviatoric tensor [F/L^2]
+BACK_STRESS = "back_stress"  # deviatoric tensor; in finite strain R^T beta R with the rotation R of F [F/L^2]
 ROUND_OFF = 1e-14  # of the trial stress against the yield stress: keeps the direction of a zero stress finite
 
 
@@ -72,6 +74,39 @@ def unimodular_mean(d: Any) -> Any:
     return x
 
 
+# --- polar decomposition F = R U of a deformation gradient with det F = 1 ---------------------------------------------
+
+
+def plane_stretch(F: Any) -> Any:
+    """U where the rotation is about the normal of the plane, 3 x 3 [1]."""
+    c, s = F[0, 0] + F[1, 1], F[1, 0] - F[0, 1]
+    size = ufl.sqrt(c**2 + s**2)
+    c, s = c / size, s / size
+    shear = c * F[0, 1] + s * F[1, 1]
+    return ufl.as_tensor(
+        [[c * F[0, 0] + s * F[1, 0], shear, 0], [shear, c * F[1, 1] - s * F[0, 1], 0], [0, 0, F[2, 2]]]
+    )
+
+
+def next_trace(C: Any, x: Any = None) -> Any:
+    """Fixed point at tr U, of C = U^2; without x an upper bound of it [1].
+
+    The invariants of U follow from those of C by I_U^2 = I_C + 2 II_U and II_U^2 = II_C + 2 I_U (Franca 1989), without
+    a case of equal stretches. The slope at the fixed point is 1/(I_U II_U), 1/9 at most. The bound is II_U^2 <= 3 II_C.
+    """
+    first = ufl.tr(C)
+    second = (first**2 - ufl.tr(C * C)) / 2
+    return ufl.sqrt(first + 2 * ufl.sqrt(3 * second if x is None else second + 2 * x))
+
+
+def stretch(C: Any, x: Any) -> tuple[Any, Any]:
+    """U and its inverse from C = U^2 and x = tr U by Cayley and Hamilton (Hoger & Carlson 1984) [1]."""
+    one = ufl.Identity(3)
+    second = (x**2 - ufl.tr(C)) / 2
+    U = (x * one + (x**2 - second) * C - C * C) / (x * second - 1)
+    return U, C - x * U + second * one
+
+
 # --- hardening -------------------------------------------------------------------------------------------------------
 
 
@@ -82,12 +117,17 @@ class LinearHardening:
     Attributes:
         yield_stress: Y0 [F/L^2].
         modulus: H [F/L^2].
+        falls_to_zero: whether H is negative, so that the yield stress ends at zero.
     """
 
     yield_stress: Any
     modulus: Any
+    falls_to_zero: bool = False
 
-    linear = True
+    @property
+    def linear(self) -> bool:
+        """Does a step have a closed form? Not if it must be refused because nothing of the yield stress is left."""
+        return not self.falls_to_zero
 
     def stress(self, alpha: Any) -> Any:
         """Yield stress at the equivalent plastic strain alpha [1]."""
@@ -107,12 +147,14 @@ class VoceHardening:
         saturation: Y_s [F/L^2].
         rate: rate [1].
         modulus: H [F/L^2].
+        falls_to_zero: whether H is negative, so that the yield stress ends at zero.
     """
 
     yield_stress: Any
     saturation: Any
     rate: Any
     modulus: Any
+    falls_to_zero: bool = False
 
     linear = False
 
@@ -139,6 +181,7 @@ class TableHardening:
     stresses: Any
 
     linear = False
+    falls_to_zero = False  # stresses are positive
 
     @property
     def yield_stress(self) -> Any:
@@ -198,8 +241,9 @@ class KinematicHardening:
 class J2:
     """J2 plasticity (forms/inelastic.py: PointResponse).
 
-    The unknown is the increment of the equivalent plastic strain; in plane stress a vector of it and the strain across
-    the plane. Linear hardening has none, except in plane stress.
+    The unknown is the increment of the equivalent plastic strain. In plane stress it is a vector of it and the strain
+    across the plane; in finite strain in space with kinematic hardening of it, the trace of the stretch U and the mean
+    of the elastic left Cauchy-Green tensor, whose expressions would be large. Otherwise linear hardening has none.
 
     Args:
         E: Young's modulus [F/L^2].
@@ -211,7 +255,7 @@ class J2:
         plane_stress: whether the stress across the plane is zero.
 
     Raises:
-        ValueError: finite strain in plane stress or with kinematic hardening.
+        ValueError: finite strain in plane stress.
     """
 
     def __init__(
@@ -226,8 +270,6 @@ class J2:
     ) -> None:
         if finite_strain and plane_stress:
             raise ValueError("J2 plasticity of finite strain has no plane stress: use small strain, or a 3D mesh")
-        if finite_strain and kinematic is not None:
-            raise ValueError("J2 plasticity of finite strain has isotropic hardening only: use small strain")
         self.isotropic, self.kinematic, self.gdim = isotropic, kinematic, gdim
         self.finite_strain, self.plane_stress = finite_strain, plane_stress
         self.nu = nu
@@ -241,11 +283,19 @@ class J2:
         if kinematic is not None:
             self.history[BACK_STRESS] = deviator
         closed = isotropic.linear and (kinematic is None or kinematic.linear)
-        self.unknown: tuple[int, ...] | None = (2,) if plane_stress else None if closed else ()
+        self._turns = finite_strain and kinematic is not None and gdim == 3
+        vector = 2 if plane_stress else 3 if self._turns else 0
+        self.unknown: tuple[int, ...] | None = (vector,) if vector else None if closed else ()
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any = None) -> Update:
         """Stress and new history; see PointResponse."""
         return (self._finite if self.finite_strain else self._small)(strain, history, unknown)
+
+    def _with_strength(self, residual: Any, alpha: Any) -> Any:
+        """A residual that has no root where the yield stress has fallen to zero: kernels then report the point."""
+        if not self.isotropic.falls_to_zero:
+            return residual
+        return ufl.conditional(ufl.gt(self.isotropic.stress(alpha), 0), residual, 1 + residual**2)
 
     def _small(self, eps: Any, history: dict[str, Any], unknown: Any) -> Update:
         iso, kin, mu = self.isotropic, self.kinematic, self.mu
@@ -275,7 +325,8 @@ class J2:
                 relative = trial - fading * back
                 size = equivalent(relative, floor)
             flow = (3 * mu + C * fading) * multiplier + iso.stress(alpha + multiplier)
-            residual = ufl.conditional(yields, (2 * mu * size - flow) / (3 * mu), multiplier)
+            excess = self._with_strength((2 * mu * size - flow) / (3 * mu), alpha + multiplier)
+            residual = ufl.conditional(yields, excess, multiplier)
         share = 1.5 * multiplier / size  # of the relative stress over 2 mu that becomes plastic strain
         step = share * relative
         elastic = (1 - share) * trial if back is None else trial - step
@@ -297,30 +348,63 @@ class J2:
         return Update(stress, outputs, stored, residual, None if residual is None else start, scale, mean)
 
     def _finite(self, F: Any, history: dict[str, Any], unknown: Any) -> Update:
-        iso, mu = self.isotropic, self.mu
+        iso, kin, mu = self.isotropic, self.kinematic, self.mu
         J, alpha = ufl.det(F), history[PLASTIC_STRAIN]
         inverse = ufl.Identity(3) + unpack_symmetric(history[PLASTIC_TENSOR], self.gdim)
-        elastic = J ** (-2 / 3) * F * inverse * F.T  # trial left Cauchy-Green tensor, without its volume change
+        multiplier, trace, mean = (unknown[0], unknown[1], unknown[2]) if self._turns else (unknown, None, None)
+        # Without back stress the return is made in space. With it, in the frame that R turns: U is in the place of F.
+        if kin is None:
+            volume, G, turned, back, C = J ** (-2 / 3), F, ufl.inv(F), None, 0
+        else:
+            volume, unimodular = 1, J ** (-1 / 3) * F
+            square = unimodular.T * unimodular
+            G, turned = stretch(square, trace) if self._turns else (plane_stretch(unimodular), None)
+            turned = ufl.inv(G) if turned is None else turned
+            back, C = unpack_deviator(history[BACK_STRESS], self.gdim), kin.modulus
+        elastic = volume * G * inverse * G.T  # trial left Cauchy-Green tensor, without its volume change
         trial, stiff = mu * ufl.dev(elastic), mu * ufl.tr(elastic)
-        q = equivalent(trial, ROUND_OFF * iso.yield_stress)
+        relative = trial if back is None else trial - back
+        floor = ROUND_OFF * iso.yield_stress
+        q = equivalent(relative, floor)
         excess = q - iso.stress(alpha)
         yields = ufl.gt(excess, 0)
-        start = ufl.conditional(yields, excess / (stiff + iso.slope(alpha)), 0)
+        start = ufl.conditional(yields, excess / (stiff + C + iso.slope(alpha)), 0)
         residual: Any = None
-        multiplier = start
-        if unknown is not None:
-            multiplier = unknown
-            flow = stiff * multiplier + iso.stress(alpha + multiplier)
-            residual = ufl.conditional(yields, (q - flow) / (3 * mu), multiplier)
-        s = (1 - stiff * multiplier / q) * trial
+        fading: Any = 1
+        if multiplier is None:
+            multiplier = start
+        else:
+            if back is not None:
+                fading = kin.fading(multiplier)
+                relative = trial - fading * back
+                q = equivalent(relative, floor)
+            flow = (stiff + C * fading) * multiplier + iso.stress(alpha + multiplier)
+            excess = self._with_strength((q - flow) / (3 * mu), alpha + multiplier)
+            residual = ufl.conditional(yields, excess, multiplier)
+        s = (1 - stiff * multiplier / q) * trial if back is None else trial - stiff * multiplier / q * relative
         tau = self.kappa / 2 * (J**2 - 1) * ufl.Identity(3) + s
-        turned, deviator = ufl.inv(F), s / mu
-        mean = unimodular_mean(deviator)
-        new = J ** (2 / 3) * turned * (deviator + mean * ufl.Identity(3)) * turned.T - ufl.Identity(3)
+        deviator = s / mu
+        scale = iso.yield_stress / (3 * mu)
+        if self._turns:
+            half, third = ufl.inner(deviator, deviator) / 2, ufl.det(deviator)
+            determinant = mean - 1 - (half * mean - third) / (mean**2 + mean + 1)  # (det be_bar - 1)/(mean^2 + ...)
+            # Of the order of 1: they are solved to 1e-14, where round-off of the terms of the first is a part of scale.
+            residual = ufl.as_vector(
+                [residual, 100 * scale * (trace - next_trace(square, trace)), 100 * scale * determinant]
+            )
+            start = ufl.as_vector([0, next_trace(square, next_trace(square, next_trace(square))), 1])
+        else:
+            mean = unimodular_mean(deviator)
+        new = turned * (deviator + mean * ufl.Identity(3)) * turned.T / volume - ufl.Identity(3)
         outputs = {
             PLASTIC_STRAIN: alpha + multiplier,
             PLASTIC_TENSOR: ufl.as_vector(pack_symmetric(new, self.gdim)),
         }
+        stress = tau * turned.T
+        if back is not None:
+            outputs[BACK_STRESS] = ufl.as_vector(
+                pack_deviator(fading * (back + C * multiplier / q * relative), self.gdim)
+            )
+            stress = J ** (-1 / 3) * unimodular * (turned * stress)  # R tau U^-1 with R = F U^-1
         stored = self.kappa / 2 * ((J**2 - 1) / 2 - ufl.ln(J)) + mu / 2 * (3 * mean - 3)
-        scale = iso.yield_stress / (3 * mu)
-        return Update(tau * turned.T, outputs, stored, residual, start if residual is not None else None, scale)
+        return Update(stress, outputs, stored, residual, start if residual is not None else None, scale)

@@ -60,6 +60,7 @@ class Setting:
         dx: measure of the cells, with the quadrature degree and rule in use.
         ds: measure of the exterior facets, with the same.
         rule: name of the quadrature rule, None: Basix's default.
+        quadrature_degree: quadrature degree in use.
         given_degree: quadrature degree that the caller of `build` asked for, or None.
     """
 
@@ -74,6 +75,7 @@ class Setting:
     dx: Any
     ds: Any
     rule: str | None
+    quadrature_degree: int
     given_degree: int | None
 
     def cells_measure(self, degree: DegreeRule) -> Any:
@@ -259,6 +261,7 @@ def build(
         ufl.dx(domain=mesh, metadata=metadata),
         ufl.ds(domain=mesh, metadata=metadata),
         rule,
+        used,
         quadrature_degree,
     )
     constants = {label: ufl.Constant(mesh, shape=shape_of(dim)) for label, shape_of in entry.constants.items()}

@@ -2,14 +2,15 @@
 """The forms by name, and the one table of what is compiled ahead of time.
 
 `build` gives any form of the catalogue for any cell, degree, geometry degree and hypothesis, with the names of its
-coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue (those that
-`verify` compares with the hand-written solver). TABLE lists the rows that are compiled with the package: what the demos
-and C++ users need. Everything else takes the run-time route.
+coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue that have no
+internal variables (those that `verify` compares with the hand-written solver element by element). TABLE lists the rows
+that are compiled with the package: what the demos and C++ users need. Everything else takes the run-time route.
 """
 
 from dataclasses import dataclass
 
 from . import catalogue, quadrature  # noqa: F401  (importing the catalogue registers its forms)
+from .catalogue import plasticity
 from .materials import LAWS
 from .registration import (
     AXIAL,
@@ -47,8 +48,17 @@ __all__ = [
     "registered",
 ]
 
-NAMES = tuple(FORMS)
+NAMES = tuple(name for name in FORMS if name not in plasticity.NAMES)
 LAW_FORMS = tuple(name for name in NAMES if name.split(".")[0] in LAWS)
+
+
+# Where J2Plasticity with its defaults has kernels that come with the package: cell, degree, hypothesis, laws.
+PLASTIC = (
+    ("hexahedron", 1, "3d", ("small.linear", "small.voce", "finite.linear", "finite.voce")),
+    ("quadrilateral", 1, "plane_strain", ("small.linear", "small.voce")),
+    ("quadrilateral", 1, "axisymmetric", ("finite.linear", "finite.voce")),
+    ("tetrahedron", 2, "3d", ("small.linear", "finite.linear")),
+)
 
 
 @dataclass(frozen=True)
@@ -95,6 +105,13 @@ def _table() -> tuple[Row, ...]:
         if CELLS[cell] == 2:
             for hypothesis in ("plane_stress", "axisymmetric"):
                 rows += [Row(n, cell, 1, 1, hypothesis) for n in ("linear_elastic.force", "linear_elastic.tangent")]
+    for cell, degree, hypothesis, laws in PLASTIC:
+        names = [f"j2.{law}" for law in laws]
+        if any(law.startswith("finite") for law in laws):
+            names.append(plasticity.STIFFNESS)
+        if hypothesis == "axisymmetric":
+            names.append("row_sum")  # the mass of explicit steps
+        rows += [Row(name, cell, degree, 1, hypothesis) for name in names]
     return tuple(rows)
 
 

@@ -9,10 +9,10 @@
 namespace impact_reference
 {
 PlasticBody::PlasticBody(const Model& model, const Rule& rule, const std::map<int, J2Parameters>& laws,
-                         PlasticStrain strain, bool mean_dilatation)
-    : model_(model), sampler_(model.sampler(rule)), kinematics_{model.hypothesis(), strain, mean_dilatation}
+                         PlasticStrain strain, Dilatation dilatation)
+    : model_(model), sampler_(model.sampler(rule)), kinematics_{model.hypothesis(), strain, dilatation}
 {
-  if (kinematics_.hypothesis == Hypothesis::plane_stress and (finite_strain() or mean_dilatation))
+  if (kinematics_.hypothesis == Hypothesis::plane_stress and (finite_strain() or dilatation != Dilatation::pointwise))
     throw std::invalid_argument("plane stress goes with small strain and without mean dilatation: it does not lock");
   if (not model.linear())
     throw std::invalid_argument("plasticity needs materials with the law linear_elastic: finite strain is an option of "

@@ -27,7 +27,7 @@ public:
   /// @param laws by tag; cells with other tags stay elastic
   /// @throws std::invalid_argument for what does not fit
   PlasticBody(const Model& model, const Rule& rule, const std::map<int, J2Parameters>& laws, PlasticStrain strain,
-              bool mean_dilatation);
+              Dilatation dilatation);
 
   const Model& model() const { return model_; }
   bool finite_strain() const { return kinematics_.strain != PlasticStrain::small; }

@@ -128,14 +128,14 @@ void bind_plasticity(nb::module_& m)
   m.def("element_plastic",
         [](const std::string& cell, int degree, int geometry_degree, P points, V weights, P X,
            const J2Parameters& parameters, const std::string& strain, const std::string& hypothesis_name,
-           bool mean_dilatation, V u, const Histories& given, bool with_tangent)
+           const std::string& theta, V u, const Histories& given, bool with_tangent)
         {
           const Hypothesis h = hypothesis(hypothesis_name);
           const Sampler sampler(cell_type(cell), degree, geometry_degree, {points, weights},
                                 h == Hypothesis::axisymmetric);
           const std::vector<J2History> history = histories(given);
           const PlasticInternal r = plastic_internal(
-              sampler, X, J2(parameters), {h, plastic_strain(strain), mean_dilatation}, u, history, with_tangent);
+              sampler, X, J2(parameters), {h, plastic_strain(strain), dilatation(theta)}, u, history, with_tangent);
           Matrix stress(Eigen::Index(r.answers.size()), 9);
           for (std::size_t p = 0; p < r.answers.size(); ++p)
             set(stress, Eigen::Index(p), r.answers[p].stress);
@@ -155,8 +155,8 @@ void bind_plasticity(nb::module_& m)
       .def(
           "__init__",
           [](PlasticBody* self, const Model& model, P points, V weights, const std::map<int, J2Parameters>& laws,
-             const std::string& strain, bool mean_dilatation)
-          { new (self) PlasticBody(model, {points, weights}, laws, plastic_strain(strain), mean_dilatation); },
+             const std::string& strain, const std::string& theta)
+          { new (self) PlasticBody(model, {points, weights}, laws, plastic_strain(strain), dilatation(theta)); },
           nb::keep_alive<1, 2>())
       .def("evaluate", &PlasticBody::evaluate)
       .def("commit", &PlasticBody::commit)

@@ -61,7 +61,8 @@ void check(const Sampler& sampler, const PlasticKinematics& k, const Vector& u, 
       (k.hypothesis == Hypothesis::axisymmetric) != sampler.axisymmetric())
     throw std::invalid_argument("the hypothesis does not go with the cell: solid cells need 3d, plane cells "
                                 "plane_strain, plane_stress or axisymmetric");
-  if (k.hypothesis == Hypothesis::plane_stress and (k.strain != PlasticStrain::small or k.mean_dilatation))
+  if (k.hypothesis == Hypothesis::plane_stress and
+      (k.strain != PlasticStrain::small or k.dilatation != Dilatation::pointwise))
     throw std::invalid_argument("plane stress goes with small strain and without mean dilatation: it does not lock");
   if (u.size() != sampler.gdim() * sampler.num_nodes() or not u.allFinite())
     throw std::invalid_argument("the element needs " + std::to_string(sampler.gdim() * sampler.num_nodes()) +
@@ -85,7 +86,33 @@ struct Point
   double weight;
   Matrix G;
 };
+
+// Matrix that makes of values at the points the values there of their mean or of their linear fit (least squares).
+Matrix fit(const std::vector<Point>& points, const Matrix& x, Dilatation dilatation)
+{
+  const Eigen::Index n = x.rows(), columns = dilatation == Dilatation::linear ? 1 + x.cols() : 1;
+  Matrix basis = Matrix::Ones(n, columns), weighted(columns, n);
+  if (dilatation == Dilatation::linear)
+    basis.rightCols(x.cols()) = x.rowwise() - x.row(0); // from the first point: digits of places far away are kept
+  for (Eigen::Index q = 0; q < n; ++q)
+    weighted.col(q) = points[std::size_t(q)].weight * basis.row(q).transpose();
+  const Eigen::FullPivLU<Matrix> normal(weighted * basis); // the normal equations
+  if (not normal.isInvertible())
+    throw std::invalid_argument("a linear dilatation needs more points than the cell has, not in one plane");
+  return basis * normal.solve(weighted);
+}
 } // namespace
+
+Dilatation dilatation(const std::string& name)
+{
+  if (name == "pointwise")
+    return Dilatation::pointwise;
+  if (name == "mean")
+    return Dilatation::mean;
+  if (name == "linear")
+    return Dilatation::linear;
+  throw std::invalid_argument("dilatation '" + name + "' is unknown: use pointwise, mean or linear");
+}
 
 PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const J2& law, const PlasticKinematics& k,
                                  const Vector& u, std::span<const J2History> committed, bool with_tangent,
@@ -94,28 +121,28 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
   check(sampler, k, u, committed);
   const Eigen::Index n = u.size();
   std::vector<Point> points;
-  double volume = 0;
+  Matrix x(sampler.num_points(), sampler.gdim());
   for (int q = 0; q < sampler.num_points(); ++q)
   {
     const Sample s = sampler.at(X, q, cell);
     points.push_back({s.weight, gradient_matrix(k.hypothesis, s)});
-    volume += s.weight;
+    x.row(q) = s.x.transpose();
   }
+  const bool replaced = k.dilatation != Dilatation::pointwise;
+  const Matrix P = replaced ? fit(points, x, k.dilatation) : Matrix();
   PlasticInternal result{0, 0, 0, Vector::Zero(n), with_tangent ? Matrix(Matrix::Zero(n, n)) : Matrix(), {}, {}};
 
   if (k.strain == PlasticStrain::small)
   {
     const Column identity = column(Tensor::Identity());
-    if (k.mean_dilatation)
+    if (replaced)
     {
-      Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(n); // <tr eps> = mean . u
-      for (const Point& p : points)
-        mean += p.weight / volume * identity.transpose() * p.G;
-      for (Point& p : points)
-      {
-        const Eigen::RowVectorXd change = (mean - identity.transpose() * p.G) / 3;
-        p.G += identity * change;
-      }
+      Matrix trace(x.rows(), n); // tr eps = trace . u at the points
+      for (Eigen::Index q = 0; q < x.rows(); ++q)
+        trace.row(q) = identity.transpose() * points[std::size_t(q)].G;
+      const Matrix change = (P * trace - trace) / 3;
+      for (Eigen::Index q = 0; q < x.rows(); ++q)
+        points[std::size_t(q)].G += identity * change.row(q);
     }
     for (std::size_t q = 0; q < points.size(); ++q)
     {
@@ -131,11 +158,10 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
     return result;
   }
 
-  // <J>, and with m its variation over <J>: d<J> = <J> m . du, dJ = J t . du with t = F^-T : G.
+  // <J>, and with m its variation over <J>: d<J> = <J> m . du, dJ = J t . du with t = F^-T : G, at each point.
   std::vector<Tensor> F;
-  std::vector<Eigen::RowVectorXd> t;
-  double mean = 0;
-  Eigen::RowVectorXd m = Eigen::RowVectorXd::Zero(n);
+  Vector dilatations(x.rows());
+  Matrix t(x.rows(), n);
   for (const Point& p : points)
   {
     F.push_back(Tensor::Identity() + tensor(p.G * u));
@@ -143,40 +169,51 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
     if (not(J > 0))
       throw std::domain_error("the deformation turns cell " + std::to_string(cell) + " inside out: det F is " +
                               std::to_string(J));
-    t.push_back(column(F.back().inverse().transpose()).transpose() * p.G);
-    mean += p.weight / volume * J;
-    m += p.weight / volume * J * t.back();
+    const Eigen::Index q = Eigen::Index(F.size()) - 1;
+    t.row(q) = column(F.back().inverse().transpose()).transpose() * p.G;
+    dilatations(q) = J;
   }
-  m /= mean;
-  Matrix dm; // derivative of m
-  if (k.mean_dilatation and with_tangent)
+  Vector mean = dilatations;
+  Matrix m = t;
+  std::vector<Matrix> second_J; // second derivatives of J
+  if (replaced)
   {
-    dm = -m.transpose() * m;
-    for (std::size_t q = 0; q < points.size(); ++q)
-      dm += points[q].weight * F[q].determinant() / (volume * mean) *
-            (t[q].transpose() * t[q] - trace_of_products(F[q].inverse(), points[q].G));
+    mean = P * dilatations;
+    m = mean.cwiseInverse().asDiagonal() * P * dilatations.asDiagonal() * t;
+    if (not(mean.minCoeff() > 0))
+      throw std::domain_error("the deformation turns cell " + std::to_string(cell) +
+                              " inside out: the fit of det F is " + std::to_string(mean.minCoeff()));
+    for (std::size_t r = 0; r < points.size() and with_tangent; ++r)
+    {
+      const Eigen::RowVectorXd tr = t.row(Eigen::Index(r));
+      second_J.push_back(dilatations(Eigen::Index(r)) *
+                         (tr.transpose() * tr - trace_of_products(F[r].inverse(), points[r].G)));
+    }
   }
   for (std::size_t q = 0; q < points.size(); ++q)
   {
     const auto& [weight, G] = points[q];
+    const Eigen::Index row = Eigen::Index(q);
     // F_bar = alpha F, d alpha = alpha change . du
-    const double alpha = k.mean_dilatation ? std::cbrt(mean / F[q].determinant()) : 1;
-    const Eigen::RowVectorXd change =
-        k.mean_dilatation ? Eigen::RowVectorXd((m - t[q]) / 3) : Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(n));
+    const double alpha = replaced ? std::cbrt(mean(row) / dilatations(row)) : 1;
+    const Eigen::RowVectorXd change = (m.row(row) - t.row(row)) / 3;
     const Matrix B = alpha * (G + column(F[q]) * change);
     const J2Answer answer = law.answer(k.strain, k.hypothesis, alpha * F[q], committed[q], with_tangent);
     add(result, weight, answer);
-    const Column P = column(answer.stress);
-    result.force.noalias() += weight * B.transpose() * P;
+    const Column stress = column(answer.stress);
+    result.force.noalias() += weight * B.transpose() * stress;
     if (not with_tangent)
       continue;
     result.tangent.noalias() += weight * B.transpose() * answer.tangent * B;
-    if (k.mean_dilatation) // P : d2 F_bar
+    if (replaced) // stress : d2 F_bar
     {
-      const Eigen::RowVectorXd work = P.transpose() * G;
+      Matrix dm = -m.row(row).transpose() * m.row(row); // derivative of m
+      for (std::size_t r = 0; r < points.size(); ++r)
+        dm += P(row, Eigen::Index(r)) / mean(row) * second_J[r];
+      const Eigen::RowVectorXd work = stress.transpose() * G;
       const Matrix second = change.transpose() * change + (dm + trace_of_products(F[q].inverse(), G)) / 3;
       result.tangent +=
-          weight * alpha * (change.transpose() * work + work.transpose() * change + P.dot(column(F[q])) * second);
+          weight * alpha * (change.transpose() * work + work.transpose() * change + stress.dot(column(F[q])) * second);
     }
   }
   return result;

@@ -181,6 +181,36 @@ double unimodular(const Tensor& a)
   return i;
 }
 
+// F = R U by the eigenvectors of F^T F.
+class Polar
+{
+public:
+  explicit Polar(const Tensor& F) : square_(F.transpose() * F), N_(square_.eigenvectors())
+  {
+    const Eigen::Vector3d u = square_.eigenvalues().cwiseSqrt();
+    R_ = F * N_ * u.cwiseInverse().asDiagonal() * N_.transpose();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        of_turn_(i, j) = 1 / (u(i) + u(j));
+  }
+
+  const Tensor& R() const { return R_; }
+  Tensor forward(const Tensor& a) const { return R_ * a * R_.transpose(); }
+  Tensor back(const Tensor& a) const { return R_.transpose() * a * R_; }
+
+  // Derivative of forward(a): dR = R W with the skew W of W U + U W = R^T dF - dF^T R.
+  Tensor forward_derivative(const Tensor& a, const Tensor& dF) const
+  {
+    const Tensor A = N_.transpose() * R_.transpose() * dF * N_;
+    const Tensor W = N_ * of_turn_.cwiseProduct(A - A.transpose()) * N_.transpose();
+    return forward(W * a - a * W);
+  }
+
+private:
+  Spectrum square_;
+  Tensor N_, R_, of_turn_;
+};
+
 // (ln a - ln b) / (a - b), 1/b where they agree.
 double log_slope(double a, double b)
 {
@@ -364,10 +394,9 @@ J2Answer J2::hencky(const Tensor& F, const J2History& history, bool with_tangent
   const Tensor strain = of_eigenvalues(trial, [](double x) { return 0.5 * std::log(x); });
 
   // F = R U: the frame that the back stress is kept in.
-  const Spectrum right(F.transpose() * F);
-  const Tensor R = F * of_eigenvalues(right, [](double x) { return 1 / std::sqrt(x); });
+  const Polar polar(F);
   J2History turned = history;
-  turned.back_stress = R * history.back_stress * R.transpose();
+  turned.back_stress = polar.forward(history.back_stress);
 
   const Return step(*this, shear_, 2 * shear_ * deviator(strain), turned);
   const Tensor elastic = strain - step.flow();
@@ -382,31 +411,24 @@ J2Answer J2::hencky(const Tensor& F, const J2History& history, bool with_tangent
     const Tensor plastic = inverse * b_e * inverse.transpose();
     answer.history.plastic = 0.5 * (plastic + plastic.transpose());
   }
-  answer.history.back_stress = step.x() > 0 ? R.transpose() * step.back_stress() * R : history.back_stress;
-  answer.history.stress = R.transpose() * tau * R;
-  finish(answer, *this, step, history, R.transpose() * step.flow() * R);
+  answer.history.back_stress = step.x() > 0 ? polar.back(step.back_stress()) : history.back_stress;
+  answer.history.stress = polar.back(tau);
+  finish(answer, *this, step, history, polar.back(step.flow()));
   if (not with_tangent)
     return answer;
 
   const Tensor& V = trial.eigenvectors();
-  const Tensor& N = right.eigenvectors();
-  Tensor of_log, of_turn; // factors in the eigenbases of b and U
+  Tensor of_log; // factors in the eigenbasis of b
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-    {
       of_log(i, j) = 0.5 * log_slope(trial.eigenvalues()(i), trial.eigenvalues()(j));
-      of_turn(i, j) = 1 / (std::sqrt(right.eigenvalues()(i)) + std::sqrt(right.eigenvalues()(j)));
-    }
   for (int k = 0; k < 3; ++k)
     for (int l = 0; l < 3; ++l)
     {
       const Tensor dF = unit(k, l);
       const Tensor half = dF * history.plastic * F.transpose();
       const Tensor d = V * of_log.cwiseProduct(V.transpose() * (half + half.transpose()) * V) * V.transpose();
-      // dR = R W with the skew W of W U + U W = R^T dF - dF^T R.
-      const Tensor A = N.transpose() * R.transpose() * dF * N;
-      const Tensor W = N * of_turn.cwiseProduct(A - A.transpose()) * N.transpose();
-      const Tensor d_back = R * (W * history.back_stress - history.back_stress * W) * R.transpose();
+      const Tensor d_back = polar.forward_derivative(history.back_stress, dF);
       const Tensor d_tau = bulk_ * d.trace() * Tensor::Identity() + step.derivative(2 * shear_ * deviator(d), d_back);
       answer.tangent.col(3 * k + l) = column((d_tau - answer.stress * dF.transpose()) * inverse.transpose());
     }
@@ -415,15 +437,15 @@ J2Answer J2::hencky(const Tensor& F, const J2History& history, bool with_tangent
 
 J2Answer J2::simo(const Tensor& F, const J2History& history, bool with_tangent) const
 {
-  if (parameters_.kinematic > 0)
-    throw std::invalid_argument("the law has kinematic hardening, but Simo's finite strain law has isotropic hardening "
-                                "only: leave it out, or use the strain hencky");
   check_orientation(F);
   const double J = F.determinant(), scale = std::pow(J, -2.0 / 3);
   const Tensor inverse = F.inverse();
   const Tensor b = scale * F * history.plastic * F.transpose(); // be_bar_tr
   const double third = b.trace() / 3;
-  const Return step(*this, shear_ * third, shear_ * deviator(b), history);
+  const Polar polar(F);
+  J2History turned = history;
+  turned.back_stress = polar.forward(history.back_stress);
+  const Return step(*this, shear_ * third, shear_ * deviator(b), turned);
   const Tensor s = step.stress();
   const Tensor tau = 0.5 * bulk_ * (J * J - 1) * Tensor::Identity() + s;
   J2Answer answer;
@@ -436,10 +458,9 @@ J2Answer J2::simo(const Tensor& F, const J2History& history, bool with_tangent) 
     const Tensor plastic = inverse * (s / shear_ + trace / 3 * Tensor::Identity()) * inverse.transpose() / scale;
     answer.history.plastic = 0.5 * (plastic + plastic.transpose());
   }
-  const Spectrum right(F.transpose() * F);
-  const Tensor R = F * of_eigenvalues(right, [](double x) { return 1 / std::sqrt(x); });
-  answer.history.stress = R.transpose() * tau * R;
-  finish(answer, *this, step, history, R.transpose() * step.flow() * R);
+  answer.history.back_stress = step.x() > 0 ? polar.back(step.back_stress()) : history.back_stress;
+  answer.history.stress = polar.back(tau);
+  finish(answer, *this, step, history, polar.back(step.flow()));
   if (not with_tangent)
     return answer;
 
@@ -450,7 +471,8 @@ J2Answer J2::simo(const Tensor& F, const J2History& history, bool with_tangent) 
       const double dJ = J * inverse(l, k);
       const Tensor half = scale * dF * history.plastic * F.transpose();
       const Tensor d = half + half.transpose() - 2.0 / 3 * dJ / J * b;
-      const Tensor d_s = step.derivative(shear_ * deviator(d), Tensor::Zero(), shear_ * d.trace() / 3);
+      const Tensor d_back = polar.forward_derivative(history.back_stress, dF);
+      const Tensor d_s = step.derivative(shear_ * deviator(d), d_back, shear_ * d.trace() / 3);
       const Tensor d_tau = bulk_ * J * dJ * Tensor::Identity() + d_s;
       answer.tangent.col(3 * k + l) = column((d_tau - answer.stress * dF.transpose()) * inverse.transpose());
     }

@@ -17,7 +17,7 @@ using Tensor4 = Eigen::Matrix<double, 9, 9>;
 enum class PlasticStrain
 {
   small,
-  simo,  ///< finite: Simo's multiplicative law (Simo & Hughes Box 9.1), isotropic hardening only
+  simo,  ///< finite: Simo's multiplicative law (Simo & Hughes Box 9.1)
   hencky ///< finite: logarithmic strain and exponential map (de Souza Neto et al. ch. 14)
 };
 
@@ -96,7 +96,9 @@ public:
   /// Simo's law: tau = K/2 (J^2 - 1) I + s, s = mu dev(be_bar), radial return of s with the modulus mu tr(be_bar_tr)/3
   /// (Simo & Hughes Box 9.1). Then be_bar = s/mu + i I with det(be_bar) = 1; the box keeps the trace of the trial
   /// instead, whose elastic energy K/2 ((J^2 - 1)/2 - ln J) + mu/2 (tr be_bar - 3) would grow by all plastic work.
-  /// @throws std::invalid_argument if the law has kinematic hardening
+  /// The back stress turns with the rotation of F (Green & Naghdi's rate; Johnson & Bammann 1984).
+  /// @param F deformation gradient
+  /// @throws std::domain_error if det F <= 0 or the material has softened to nothing
   J2Answer simo(const Tensor& F, const J2History& history, bool with_tangent = true) const;
 
   /// One of the above. `gradient`: the strain, or F.

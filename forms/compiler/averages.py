@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Averages over a cell, ufl.cell_avg, which FFCx does not know.
+"""Averages and maxima over a cell, ufl.cell_avg and cell_max of forms/cell_maximum.py, which FFCx does not know.
 
-    cell_avg(e) = sum_q w_q |det J_q| e(x_q) / sum_q w_q |det J_q|,
+    cell_avg(e) = sum_q w_q |det J_q| e(x_q) / sum_q w_q |det J_q|,    cell_max(e) = max_q e(x_q),
 
 with the points and weights of the form's own rule. With it, averaging is self-adjoint in every cell,
 
@@ -9,6 +9,7 @@ with the points and weights of the form's own rule. With it, averaging is self-a
 
 so that an average of the test function becomes an average of its factor. What is left are averages of values; each is
 replaced by a coefficient that stands for it, and a kernel computes them in loops over the points before its last one.
+Maxima are of values only, and take part as averages do: "average" in names means both.
 """
 
 from dataclasses import dataclass, field
@@ -20,6 +21,8 @@ from ufl.algorithms.apply_derivatives import apply_derivatives
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 from ufl.corealg.traversal import unique_pre_traversal
+
+from ..cell_maximum import CellMax, check_derivatives
 
 
 class WithoutVariables(MultiFunction):
@@ -42,8 +45,8 @@ def _nodes(expression):
 
 
 def has_averages(expression):
-    """Does an expression have an average over a cell?"""
-    return any(isinstance(o, ufl.classes.CellAvg) for o in _nodes(expression))
+    """Does an expression have an average or a maximum over a cell?"""
+    return any(isinstance(o, (ufl.classes.CellAvg, CellMax)) for o in _nodes(expression))
 
 
 @dataclass
@@ -53,12 +56,14 @@ class Average:
     Attributes:
         coefficient: stands for it in expressions.
         operand: what is averaged, without averages.
+        maximum: is it the maximum instead?
         loop: number of the loop over the points that sums it up.
         solved: does it depend on the solution of the local equations?
     """
 
     coefficient: ufl.Coefficient
     operand: ufl.core.expr.Expr
+    maximum: bool
     loop: int
     solved: bool
 
@@ -74,7 +79,7 @@ class Averages:
 
     mesh: object
     unknown: object = None
-    found: dict = field(default_factory=dict)  # operand -> Average
+    found: dict = field(default_factory=dict)  # (operand, is it a maximum?) -> Average
 
     def __bool__(self):
         return bool(self.found)
@@ -89,14 +94,15 @@ class Averages:
         element = basix.ufl.element("DG", self.mesh.ufl_cell().cellname(), 0, shape=shape)
         return ufl.Coefficient(ufl.FunctionSpace(self.mesh, element))
 
-    def of(self, operand):
-        """The coefficient that stands for the average of an expression without averages."""
-        if operand not in self.found:
+    def of(self, operand, maximum=False):
+        """The coefficient that stands for the average, or the maximum, of an expression without averages."""
+        if (operand, maximum) not in self.found:
             inner = self.needed([operand])
             solved = self.unknown in ufl.algorithms.extract_coefficients(operand) or any(a.solved for a in inner)
             loop = 1 + max((a.loop for a in inner), default=-1)
-            self.found[operand] = Average(self.placeholder(operand.ufl_shape), operand, loop, solved)
-        return self.found[operand].coefficient
+            coefficient = self.placeholder(operand.ufl_shape)
+            self.found[operand, maximum] = Average(coefficient, operand, maximum, loop, solved)
+        return self.found[operand, maximum].coefficient
 
     def needed(self, expressions):
         """Averages that expressions contain."""
@@ -106,25 +112,27 @@ class Averages:
     def select(self, coefficients):
         """The averages that stand among some coefficients, and those that they are made of."""
         chosen, wanted = {}, set(coefficients)
-        for operand, average in reversed(self.found.items()):  # an average is found after those it is made of
+        for key, average in reversed(self.found.items()):  # an average is found after those it is made of
             if average.coefficient in wanted:
-                chosen[operand] = average
-                wanted |= set(ufl.algorithms.extract_coefficients(operand))
+                chosen[key] = average
+                wanted |= set(ufl.algorithms.extract_coefficients(average.operand))
         return Averages(self.mesh, self.unknown, dict(reversed(chosen.items())))
 
     def read(self):
         """Coefficients that the averages are made of."""
-        found = {c for operand in self.found for c in ufl.algorithms.extract_coefficients(operand)}
+        found = {c for a in self.found.values() for c in ufl.algorithms.extract_coefficients(a.operand)}
         return found - set(self.coefficients) - {self.unknown}
 
     def replaced(self, expression):
         """An expression with its averages replaced by coefficients; it must have no test function."""
+        check_derivatives(expression)
         return map_expr_dag(_Replace(self), expression)
 
     def of_integrand(self, integrand):
         """An integrand of rank 0 or 1 without averages: those of the test function moved to their factors."""
+        check_derivatives(integrand)
         if any(isinstance(o, ufl.classes.CoefficientDerivative) for o in _nodes(integrand)):
-            integrand = lowered(integrand)
+            integrand = lowered(map_expr_dag(_ReplaceMaxima(self), integrand))
         separate = _Replace(self)
         integrand = map_expr_dag(separate, integrand)
         if not separate.arguments:
@@ -140,14 +148,31 @@ class Averages:
         return result
 
 
-class _Replace(MultiFunction):
-    """Averages -> coefficients, inner ones first. Those of a test function are kept apart, in `arguments`."""
+class _ReplaceMaxima(MultiFunction):
+    """Maxima -> coefficients."""
 
     expr = MultiFunction.reuse_if_untouched
 
     def __init__(self, averages):
         super().__init__()
-        self.averages, self.arguments = averages, {}
+        self.averages = averages
+
+    def cell_max(self, o, operand):
+        if operand.ufl_free_indices:
+            raise ValueError(f"cell_max of an expression with free indices is not supported: {o}")
+        if ufl.algorithms.extract_arguments(operand):
+            raise ValueError(f"cell_max of a test function is not linear in it: {o}")
+        if any(isinstance(n, ufl.classes.CellAvg) for n in _nodes(operand)):
+            operand = self.averages.replaced(operand)
+        return self.averages.of(operand, maximum=True)
+
+
+class _Replace(_ReplaceMaxima):
+    """Averages -> coefficients, inner ones first. Those of a test function are kept apart, in `arguments`."""
+
+    def __init__(self, averages):
+        super().__init__(averages)
+        self.arguments = {}
 
     def cell_avg(self, o, operand):
         if operand.ufl_free_indices:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Build driver: writes the C++ sources of the registry's table into a folder, and the table itself.
 
-Usage: python3 -m forms.compiler.build --list | --output DIR
+Usage: python3 -m forms.compiler.build --list | --list-vectors | --output DIR
 """
 
 import argparse
@@ -54,14 +54,17 @@ def generate(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--list", action="store_true", help="print the file names and stop")
+    parser.add_argument("--list-vectors", action="store_true", help="the same of kernels that have several lanes")
     parser.add_argument("--output", help="folder for the sources")
     args = parser.parse_args()
-    if args.list:
-        print(";".join(f"{row.symbol}.cpp" for row in TABLE), end="")
+    if args.list or args.list_vectors:
+        # Kernels of matrices are called for one cell at a time: with several lanes their files are empty.
+        rows = [row for row in TABLE if args.list or len(row.build().form.arguments()) < 2]
+        print(";".join(f"{row.symbol}.cpp" for row in rows), end="")
     elif args.output:
         generate(args.output)
     else:
-        parser.error("--list or --output is needed")
+        parser.error("--list, --list-vectors or --output is needed")
 
 
 if __name__ == "__main__":

@@ -422,7 +422,9 @@ def _averages(name, form, laws):
     """Averages of the cells of each law, and of those without one (None)."""
     for integral in form.integrals():
         if has_averages(integral.integrand()) and (integral.integral_type() != "cell" or len(form.arguments()) > 1):
-            raise ValueError(f"{name}: cell_avg is supported in integrals over cells, of forms of rank 0 and 1")
+            raise ValueError(
+                f"{name}: cell_avg and cell_max are supported in integrals over cells, of forms of rank 0 and 1"
+            )
     return {one: Averages(form.ufl_domain(), one.unknown if one else None) for one in [*laws.values(), None]}
 
 

@@ -76,7 +76,7 @@ class LocalPart:
         for part, components in self.values.items():
             if part.split()[0] == "sum":
                 self.values[part] = [multiply(volume, c) for c in components]
-            elif part.split()[0] == "average":
+            elif part.split()[0] == "average" and not self.law.averages[int(part.split()[1])].maximum:
                 self.values[part] = [self._weighted(volume, c) for c in components]
 
     def _weighted(self, volume, value):
@@ -147,17 +147,27 @@ class LocalPart:
             inner.append(L.AssignAdd(_array(VOLUME)[0], schedule.expression(self.values["volume"][0])))
         for i in numbers:
             for c, value in enumerate(self.values[f"average {i}"]):
-                inner.append(L.AssignAdd(_array(f"average_{i}")[c], schedule.expression(value)))
+                entry, value = _array(f"average_{i}")[c], schedule.expression(value)
+                larger = L.Assign(entry, L.MathFunction("max_value", [entry, value]))
+                inner.append(larger if self.law.averages[i].maximum else L.AssignAdd(entry, value))
         schedule.forget(alg.POINT)
         sizes = {i: len(self.values[f"average {i}"]) for i in numbers}
         declarations = [_zero(f"average_{i}", size) for i, size in sizes.items()]
+        lowest = L.LiteralFloat(float(np.finfo(float).min))
+        first = [
+            L.Assign(_array(f"average_{i}")[c], lowest)
+            for i, size in sizes.items()
+            if self.law.averages[i].maximum
+            for c in range(size)
+        ]
         divided = [
             L.Assign(_array(f"average_{i}")[c], L.Div(_array(f"average_{i}")[c], _array(VOLUME)[0]))
             for i, size in sizes.items()
+            if not self.law.averages[i].maximum
             for c in range(size)
         ]
         loops = self.writer.point_loops(self.rule, inner, always=True)
-        return [L.Section(f"averages over the cell, loop {loop}", loops + divided, declarations)]
+        return [L.Section(f"averages over the cell, loop {loop}", first + loops + divided, declarations)]
 
     def inside(self, factors):
         """Statements at a point of the last loop, in front of those of the element tensor, whose factors are declared

@@ -25,6 +25,7 @@ from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .assembly.lumped_mass import lumped_mass
+from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
@@ -68,6 +69,7 @@ __all__ = [
     "RigidSurface",
     "_cpp",
     "cache_folder",
+    "cell_max",
     "check_mesh",
     "compile_expression",
     "compile_form",

@@ -31,8 +31,9 @@ class InelasticMaterial(_Material):
         finite_strain: whether the law sees the deformation gradient instead of the small strain.
         history: shape of every internal variable by name; all are zero in the virgin state.
         unknown: shape of the unknown of the local equations, () or (n,); None for a law in closed form.
-        average: whether the law sees the mean dilatation of each cell (B-bar, F-bar): True, False, or "auto", which is
-            on linear quadrilaterals and hexahedra, which lock without.
+        average: whether the law sees the mean dilatation of each cell (B-bar, F-bar): True, False; "linear", the
+            projection of the dilatation on linear functions of each cell; or "auto", the mean on quadrilaterals and
+            hexahedra of degree 1 and the projection on those of degree 2, which lock without.
 
     Raises:
         TypeError: a value that is not a number.
@@ -94,8 +95,14 @@ class InelasticMaterial(_Material):
             mesh: mesh.
             degree: degree of the displacement space [1].
         """
-        linear = degree == 1 and mesh.topology.cell_name() in ("quadrilateral", "hexahedron")
-        average = linear if self.average == "auto" else bool(self.average)
+        cell, average = mesh.topology.cell_name(), self.average
+        if average == "auto":
+            average = inelastic.default_average(cell, degree)
+        elif average == "linear" and (degree != 2 or cell not in ("quadrilateral", "hexahedron")):
+            raise ValueError(
+                f'average="linear" is for quadrilaterals and hexahedra of degree 2, these are {cell} cells of degree '
+                f'{degree}: use "auto"'
+            )
         return inelastic.Kinematics(self.hypothesis_on(mesh), self.finite_strain, average)
 
     def constant(self, mesh: Mesh, name: str, value: float) -> Any:

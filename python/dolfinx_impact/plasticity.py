@@ -21,9 +21,9 @@ class Voce:
     """Isotropic hardening that saturates: Y(alpha) = Y0 + H alpha + (Y_s - Y0) (1 - exp(-rate alpha)).
 
     Args:
-        saturation: yield stress Y_s that the exponential term ends at, not less than Y0 [F/L^2].
+        saturation: yield stress Y_s that the exponential term ends at, positive; below Y0 the material softens [F/L^2].
         rate: its rate, positive [1].
-        modulus: H of a linear term, not negative [F/L^2].
+        modulus: H of a linear term; negative: the material softens in the end [F/L^2].
 
     Raises:
         TypeError: a value is not a number.
@@ -34,8 +34,6 @@ class Voce:
         self.saturation = number("saturation", saturation, 0.0, " [F/L^2]")
         self.rate = number("rate", rate, 0.0, " [1]")
         self.modulus = number("modulus", modulus, unit=" [F/L^2]")
-        if self.modulus < 0.0:
-            raise ValueError(f"modulus is {self.modulus}: give a hardening modulus that is not negative [F/L^2]")
 
     def __repr__(self) -> str:
         return f"Voce(saturation={self.saturation}, rate={self.rate}, modulus={self.modulus})"
@@ -46,12 +44,12 @@ class Table:
 
     Args:
         strains: equivalent plastic strains, ascending from 0, (n), at least two [1].
-        stresses: yield stresses at them, positive, not descending, (n); the first is the material's yield stress
-            [F/L^2].
+        stresses: yield stresses at them, positive, (n); the first is the material's yield stress. Where they descend
+            the material softens [F/L^2].
 
     Raises:
         TypeError: the values are not numbers.
-        ValueError: another shape, strains that do not ascend from 0, or stresses that descend.
+        ValueError: another shape, strains that do not ascend from 0, or stresses that are not positive.
     """
 
     def __init__(self, strains: Sequence[float], stresses: Sequence[float]) -> None:
@@ -63,11 +61,8 @@ class Table:
             )
         if self.strains[0] != 0.0 or np.any(np.diff(self.strains) <= 0.0):
             raise ValueError(f"strains are {self.strains.tolist()}: they must ascend from 0")
-        if self.stresses[0] <= 0.0 or np.any(np.diff(self.stresses) < 0.0):
-            raise ValueError(
-                f"stresses are {self.stresses.tolist()}: they must be positive and must not descend; a material that "
-                "softens has no solution that does not depend on the mesh"
-            )
+        if np.any(self.stresses <= 0.0):
+            raise ValueError(f"stresses are {self.stresses.tolist()}: they must be positive [F/L^2]")
 
     def __repr__(self) -> str:
         return f"Table({self.strains.tolist()}, {self.stresses.tolist()})"
@@ -115,13 +110,18 @@ class J2Plasticity(InelasticMaterial):
         density: None where no mass is asked for [M/L^3].
         yield_stress: yield stress of the virgin material, positive [F/L^2].
         hardening: isotropic hardening: a number, the slope of yield stress over equivalent plastic strain [F/L^2];
-            Voce; or Table, whose first stress is the yield stress.
-        kinematic: kinematic hardening: None; a number C, the linear law [F/L^2]; or ArmstrongFrederick. Small strain
-            only.
+            Voce; or Table, whose first stress is the yield stress. Slopes below zero soften: problems warn that the
+            result depends on the mesh, and a yield stress that has fallen to zero is an error of the run.
+        kinematic: kinematic hardening: None; a number C, the linear law [F/L^2]; or ArmstrongFrederick. In finite
+            strain the history "back_stress" is turned back by the rotation of the deformation gradient.
         finite_strain: whether strains are finite: the multiplicative law, exact under rotations of any size.
-        average: whether the dilatation is averaged over each cell (B-bar, in finite strain F-bar); "auto": on linear
-            quadrilaterals and hexahedra, which lock without.
+        average: whether the dilatation is averaged over each cell (B-bar, in finite strain F-bar); "linear": projected
+            on the linear functions of each cell; "auto": averaged on quadrilaterals and hexahedra of degree 1,
+            projected on those of degree 2, which lock without.
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress" (small strain), "axisymmetric".
+
+    Attributes:
+        steepest_softening: the least slope of the yield stress if it is negative, or 0 [F/L^2].
 
     Raises:
         TypeError: a value of another type.
@@ -152,29 +152,24 @@ class J2Plasticity(InelasticMaterial):
                 raise ValueError(
                     f"yield_stress is {self.yield_stress}, the table begins at {hardening.stresses[0]}: leave one out"
                 )
-        elif isinstance(hardening, Voce):
-            if hardening.saturation < self.yield_stress:
-                raise ValueError(
-                    f"Voce's saturation {hardening.saturation} is below the yield stress {self.yield_stress}: a "
-                    "material that softens has no solution that does not depend on the mesh"
-                )
-        else:
+        elif not isinstance(hardening, Voce):
             self.hardening = number("hardening", hardening, unit=" [F/L^2]")
-            if self.hardening < 0.0:
-                raise ValueError(
-                    f"hardening is {self.hardening}: a material that softens has no solution that does not depend on "
-                    "the mesh; give a modulus that is not negative [F/L^2]"
-                )
+        self.steepest_softening = self._steepest_softening()
+        _, mu = self.lame
+        if self.steepest_softening <= -3.0 * mu:
+            raise ValueError(
+                f"the yield stress falls with the slope {self.steepest_softening:.6g}: it must stay above "
+                f"-3 mu = {-3.0 * mu:.6g} [F/L^2], or the point itself snaps back and its stress is not unique, "
+                "whatever the mesh"
+            )
         if kinematic is not None and not isinstance(kinematic, ArmstrongFrederick):
             kinematic = ArmstrongFrederick(kinematic)
         self.kinematic = kinematic
         self.finite_strain = bool(finite_strain)
-        if self.finite_strain and self.kinematic is not None:
-            raise ValueError("J2 plasticity of finite strain has isotropic hardening only: leave `kinematic` out")
         if self.finite_strain and hypothesis == "plane_stress":
             raise ValueError("J2 plasticity of finite strain has no plane stress: use small strain, or a 3D mesh")
-        if average not in (True, False, "auto"):
-            raise ValueError(f"average is {average!r}: use True, False or 'auto'")
+        if average not in (True, False, "linear", "auto"):
+            raise ValueError(f"average is {average!r}: use True, False, 'linear' or 'auto'")
         self.average = average
 
     def __repr__(self) -> str:
@@ -183,6 +178,17 @@ class J2Plasticity(InelasticMaterial):
             f"hardening={self.hardening!r}, kinematic={self.kinematic!r}, finite_strain={self.finite_strain}, "
             f"average={self.average!r}, hypothesis={self.hypothesis!r})"
         )
+
+    def _steepest_softening(self) -> float:
+        """The least slope of the yield stress if it is negative, or 0 [F/L^2]."""
+        h = self.hardening
+        if isinstance(h, Table):
+            slopes = np.diff(h.stresses) / np.diff(h.strains)
+        elif isinstance(h, Voce):  # the slope is monotone: it is least at one of the ends
+            slopes = np.array([h.modulus, h.modulus + h.rate * (h.saturation - self.yield_stress)])
+        else:
+            slopes = np.array([h])
+        return min(0.0, float(slopes.min()))
 
     def _constants_of(self, mesh: Mesh, name: str, values: FloatArray) -> Constant:
         """A vector of constants of a mesh."""
@@ -201,6 +207,8 @@ class J2Plasticity(InelasticMaterial):
         def constant(name: str, value: float) -> Any:
             return self.constant(mesh, name, value)
 
+        # The order of the constants is that of forms/catalogue/plasticity.py, whose kernels come with the package.
+        E, nu = constant("E", self.E), constant("nu", self.nu)
         Y = constant("yield_stress", self.yield_stress)
         isotropic: Any
         if isinstance(self.hardening, Voce):
@@ -209,6 +217,7 @@ class J2Plasticity(InelasticMaterial):
                 constant("saturation", self.hardening.saturation),
                 constant("rate", self.hardening.rate),
                 constant("hardening", self.hardening.modulus),
+                self.hardening.modulus < 0.0,
             )
         elif isinstance(self.hardening, Table):
             isotropic = laws.TableHardening(
@@ -216,10 +225,10 @@ class J2Plasticity(InelasticMaterial):
                 self._constants_of(mesh, "table_stresses", self.hardening.stresses),
             )
         else:
-            isotropic = laws.LinearHardening(Y, constant("hardening", self.hardening))
+            isotropic = laws.LinearHardening(Y, constant("hardening", self.hardening), self.hardening < 0.0)
         kinematic = None
         if self.kinematic is not None:
             recovery = constant("recovery", self.kinematic.recovery) if self.kinematic.recovery > 0.0 else None
             kinematic = laws.KinematicHardening(constant("back_modulus", self.kinematic.modulus), recovery)
-        E, nu, plane_stress = constant("E", self.E), constant("nu", self.nu), self.hypothesis == "plane_stress"
+        plane_stress = self.hypothesis == "plane_stress"
         return laws.J2(E, nu, mesh.geometry.dim, isotropic, kinematic, self.finite_strain, plane_stress)

@@ -14,7 +14,7 @@ from .array_types import ArrayLike, FloatArray
 from .explicit import ExplicitResult, run_explicit
 from .model import Model, _floats, _integers, _vector
 from .newmark import NewmarkResult, run_newmark
-from .plasticity import J2History, J2Parameters
+from .plasticity import J2History, J2Parameters, dilatation_name
 from .sparse import Csr
 
 
@@ -53,7 +53,7 @@ class PlasticBody:
         model: Model,
         laws: J2Parameters | Mapping[int, J2Parameters],
         strain: str = "small",
-        mean_dilatation: bool = False,
+        mean_dilatation: bool | str = False,
     ) -> None:
         self.model, self.strain, self.mean_dilatation = model, strain, mean_dilatation
         if isinstance(laws, J2Parameters):
@@ -61,7 +61,8 @@ class PlasticBody:
         self.laws = dict(laws)
         self.points, self.weights = model._rule("stiffness" if strain == "small" else "finite_strain")
         by_tag = {int(tag): law._parameters for tag, law in self.laws.items()}
-        self._body = _reference.PlasticBody(model._model, self.points, self.weights, by_tag, strain, mean_dilatation)
+        theta = dilatation_name(mean_dilatation)
+        self._body = _reference.PlasticBody(model._model, self.points, self.weights, by_tag, strain, theta)
 
     @property
     def history(self) -> J2History:

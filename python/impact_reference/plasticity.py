@@ -5,12 +5,12 @@ Yield function f = sqrt(3/2) |dev sigma - beta| - Y(a) with associated flow; a i
 the back stress of Armstrong and Frederick, d beta = 2/3 C d eps_p - gamma beta da (gamma = 0: Prager). The strain is
 
 - "small": history is the plastic strain, the answer Cauchy's stress and its derivative by the strain;
-- "simo": finite, Simo's multiplicative law (Simo & Hughes Box 9.1, but with det(be_bar) = 1), isotropic hardening only;
-- "hencky": finite, logarithmic strain and exponential map (de Souza Neto et al. ch. 14); the back stress turns with the
-  rotation of F.
+- "simo": finite, Simo's multiplicative law (Simo & Hughes Box 9.1, but with det(be_bar) = 1);
+- "hencky": finite, logarithmic strain and exponential map (de Souza Neto et al. ch. 14).
 
-Both finite laws take F and answer with the 1st Piola-Kirchhoff stress and its derivative by F; their history is C_p^-1.
-Evaluations are trials: they leave the history they start from as it is.
+Both finite laws take F and answer with the 1st Piola-Kirchhoff stress and its derivative by F; their history is C_p^-1,
+and the back stress turns with the rotation of F. Evaluations are trials: they leave the history they start from as it
+is.
 """
 
 from __future__ import annotations
@@ -217,6 +217,13 @@ class PlasticElement:
     dissipation: float  # of the step [F L]
 
 
+def dilatation_name(mean_dilatation: bool | str) -> str:
+    """Name of what takes the place of the dilatation: False "pointwise", True "mean", others as they are."""
+    if isinstance(mean_dilatation, str):
+        return mean_dilatation
+    return "mean" if mean_dilatation else "pointwise"
+
+
 def element_plastic(
     cell_type: str,
     X: ArrayLike,
@@ -226,7 +233,7 @@ def element_plastic(
     *,
     hypothesis: str = "3d",
     strain: str = "small",
-    mean_dilatation: bool = False,
+    mean_dilatation: bool | str = False,
     degree: int = 1,
     geometry_degree: int = 1,
     rule: Rule = None,
@@ -236,8 +243,8 @@ def element_plastic(
 
     Mean dilatation is B-bar in small strain, eps_bar = dev eps + <tr eps>/3 I (Hughes 1980), and F-bar in finite
     strain, F_bar = (<J>/J)^(1/3) F (Simo, Taylor & Pister 1985), with all three components in every hypothesis. <.> is
-    the mean by the reference volumes of the points (2 pi r det J times weight if axisymmetric). Forces are conjugate to
-    the variation of eps_bar or F_bar.
+    the mean by the reference volumes of the points (2 pi r det J times weight if axisymmetric), or the linear function
+    of position that fits best. Forces are conjugate to the variation of eps_bar or F_bar.
 
     Args:
         cell_type: cell, "triangle", "quadrilateral", "tetrahedron" or "hexahedron".
@@ -247,7 +254,8 @@ def element_plastic(
         history: at the start of the step; None for points that never yielded.
         hypothesis: "3d", "plane_strain", "plane_stress" or "axisymmetric".
         strain: "small", "simo" or "hencky".
-        mean_dilatation: replace the dilatation by its mean over the cell.
+        mean_dilatation: replace the dilatation by its mean over the cell, or with "linear" by the linear function that
+            fits it best (least squares).
         degree: degree of the field, 1 or 2.
         geometry_degree: degree of the geometry, 1 or 2.
         rule: None (default), a name for `quadrature`, or a pair (points, weights).
@@ -273,7 +281,7 @@ def element_plastic(
         parameters._parameters,
         strain,
         hypothesis,
-        mean_dilatation,
+        dilatation_name(mean_dilatation),
         _floats(u).reshape(-1),
         before._arrays(),
         with_tangent,

@@ -7,8 +7,10 @@ import ufl
 from fault_injection import assert_healthy
 
 from dolfinx_impact.assembly.inelastic_tangent import InelasticTangent
+from dolfinx_impact.assembly.operators import InternalForce
+from dolfinx_impact.assembly.projected_dilatation import ProjectedDilatation
 from dolfinx_impact.forms import plasticity as law
-from dolfinx_impact.plasticity import J2Plasticity
+from dolfinx_impact.plasticity import ArmstrongFrederick, J2Plasticity
 from dolfinx_impact.statics.inelastic_body import InelasticBody
 from dolfinx_impact.verify import cross_check, material, material_tangent, plastic_bodies
 from dolfinx_impact.verify.report import Report
@@ -106,6 +108,15 @@ def test_a_history_committed_twice_is_seen(finite, monkeypatch, own_cache):
     assert difference("linear", finite=finite) > 1e3 * material.TOLERANCE
 
 
+@pytest.mark.parametrize("name", (law.PLASTIC_STRAIN, law.PLASTIC_TENSOR, law.BACK_STRESS))
+def test_each_internal_variable_has_a_row_that_sees_it(name, monkeypatch, own_cache):
+    """Increments too large by 1e-8: a hundred tolerances."""
+    right = material.compare(case_of("armstrong_frederick"), "3d", False, num=NUM)
+    wrong_law(monkeypatch, stretched(1 + 1e-8, [name]))
+    wrong = material.compare(case_of("armstrong_frederick"), "3d", False, num=NUM)
+    assert right[name] <= material.TOLERANCE and wrong[name] > 10 * material.TOLERANCE
+
+
 class YieldsLate(law.J2):
     """Whether a point yields is decided by the strain at the start of the step."""
 
@@ -154,6 +165,71 @@ def test_a_history_that_stays_behind_a_rotation_is_seen(monkeypatch, own_cache):
     assert max(material.objectivity(case_of("linear"), "3d", num=NUM).values()) <= material.TOLERANCE
     wrong_law(monkeypatch, change)
     assert max(material.objectivity(case_of("linear"), "3d", num=NUM).values()) > 1e3 * material.TOLERANCE
+
+
+@pytest.mark.parametrize("name", ("prager", "armstrong_frederick"))
+def test_a_back_stress_that_is_not_turned_is_seen(name, monkeypatch, own_cache):
+    """The return in the frame of the reference configuration, with F in the place of U."""
+    assert max(material.objectivity(case_of(name), "plane_strain", num=NUM).values()) <= material.TOLERANCE
+    monkeypatch.setattr(law, "plane_stretch", lambda F: F)
+    assert max(material.objectivity(case_of(name), "plane_strain", num=NUM).values()) > 1e3 * material.TOLERANCE
+
+
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+def test_a_trace_of_the_stretch_that_is_too_large_is_seen(hypothesis, monkeypatch, own_cache):
+    """R is no rotation then."""
+    right, plane = law.stretch, law.plane_stretch
+    monkeypatch.setattr(law, "stretch", lambda C, x: right(C, 1.0001 * x))
+    monkeypatch.setattr(law, "plane_stretch", lambda F: 1.0001 * plane(F))
+    assert difference("prager", hypothesis, finite=True) > 1e3 * material.TOLERANCE
+
+
+# --- limits of the law with kinematic hardening in finite strain ------------------------------------------------------
+
+
+def results(ours, finite, hypothesis, path):
+    """Stress and history at the end of a path of displacement gradients."""
+    points = material.Points(material.Case("", ours, {}), hypothesis, finite, path.shape[1])
+    for gradient in path:
+        stress = points.step(gradient)
+    return stress, points
+
+
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+def test_without_kinematic_modulus_it_is_the_isotropic_law(hypothesis):
+    """C of 1e-12 Y: to round-off, 1e-10."""
+    path = material.strain_paths(np.random.default_rng(1), NUM, 3 if hypothesis == "3d" else 2, True)
+    Y = material.Y
+    isotropic, one = results({"hardening": 0.5 * Y}, True, hypothesis, path)
+    for kinematic in (1e-12 * Y, ArmstrongFrederick(1e-12 * Y, 10.0)):
+        stress, two = results({"hardening": 0.5 * Y, "kinematic": kinematic}, True, hypothesis, path)
+        assert np.abs(stress - isotropic).max() < material.TOLERANCE * Y
+        for name in one.names:
+            assert np.abs(two.variable(name) - one.variable(name)).max() < material.TOLERANCE
+
+
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+@pytest.mark.parametrize("name", ("prager", "armstrong_frederick"))
+def test_small_strains_are_the_limit(name, hypothesis, monkeypatch):
+    """Strains and yield stress over n: the stress over the yield stress goes to that of small strain with order 1."""
+    path = material.stretch_paths(np.random.default_rng(2), NUM, 3 if hypothesis == "3d" else 2, False)[:10]
+    Y, errors = material.Y, []
+    for n in (1, 2, 4):
+        monkeypatch.setattr(material, "Y", Y / n)
+        kinematic = {"prager": 20e9, "armstrong_frederick": ArmstrongFrederick(60e9, 300.0 * n)}[name]
+        small, finite = (results({"kinematic": kinematic}, f, hypothesis, path / n)[0] for f in (False, True))
+        errors.append(np.abs(small - finite).max() * n / Y)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[0] > 1e-3 and np.all(np.abs(orders - 1.0) < 0.25), (errors, orders)
+
+
+@pytest.mark.parametrize("name", ("voce", "armstrong_frederick"))
+def test_flow_keeps_the_volume(name):
+    """det C_p = 1 after 50 steps: 1e-13, the tolerance of the local equations and round-off of its nine factors."""
+    path = material.strain_paths(np.random.default_rng(1), NUM, 3, True)
+    _, points = results(case_of(name).ours, True, "3d", path)
+    assert points.variable(law.PLASTIC_STRAIN).max() > 0.5
+    assert np.abs(np.linalg.det(points.variable(law.PLASTIC_TENSOR)) - 1.0).max() < 1e-13 * 50
 
 
 # --- faults of the tangent and of commits -----------------------------------------------------------------------------
@@ -257,3 +333,159 @@ def test_a_weaker_law_is_seen_in_the_history(monkeypatch):
     report = Report()
     plastic_bodies.impact(report, "quadrilateral", 1, "plane_strain", False, True, "prager")
     assert {row.name.split(" of ")[0] for row in report.failures()} >= {"displacement", "plastic energy"}
+
+
+# --- faults of bodies: each row of the levels solution and history ----------------------------------------------------
+
+STATIC = ("quadrilateral", 1, "plane_strain", False, True, "prager")
+
+
+def names_of(rows):
+    """Quantities of rows: the names up to " of "."""
+    return {row.name.split(" of ")[0] for row in rows}
+
+
+def body_reports():
+    """Reports of a static body and of an impact, both small."""
+    reports = Report(), Report()
+    plastic_bodies.static(reports[0], *STATIC)
+    plastic_bodies.impact(reports[1], *STATIC)
+    return reports
+
+
+ROWS_OF_BODIES = (
+    {"u", "reactions", "largest plastic strain"},
+    {"displacement", "velocity", "kinetic energy", "internal energy", "plastic energy"},
+)
+
+
+def test_rows_of_bodies_pass():
+    for report, names in zip(body_reports(), ROWS_OF_BODIES):
+        assert report.passed and names_of(report.rows) == names
+
+
+def test_a_history_committed_twice_is_seen_in_bodies(monkeypatch, own_cache):
+    """Each step adds its increments twice: every row of both levels fails."""
+    wrong_law(monkeypatch, stretched(2.0, [law.PLASTIC_STRAIN, law.PLASTIC_TENSOR]))
+    for report, names in zip(body_reports(), ROWS_OF_BODIES):
+        assert names_of(report.failures()) == names
+
+
+def test_a_dilatation_that_is_not_averaged_is_seen_in_bodies(monkeypatch, own_cache):
+    right = J2Plasticity.kinematics
+
+    def wrong(self, mesh, degree):
+        found = right(self, mesh, degree)
+        found.average = False
+        return found
+
+    monkeypatch.setattr(J2Plasticity, "kinematics", wrong)
+    for report, names in zip(body_reports(), ROWS_OF_BODIES):
+        assert names_of(report.failures()) == names
+
+
+def test_a_mean_in_the_place_of_the_linear_fit_is_seen(monkeypatch, own_cache):
+    """Cells of degree 2: the projection on linear functions is the right one, and matters."""
+    case = ("quadrilateral", 2, "plane_strain", False, "linear", "prager")
+    report = Report()
+    plastic_bodies.static(report, *case)
+    assert report.passed
+    right = J2Plasticity.kinematics
+
+    def wrong(self, mesh, degree):
+        found = right(self, mesh, degree)
+        found.linear = False
+        return found
+
+    monkeypatch.setattr(J2Plasticity, "kinematics", wrong)
+    report = Report()
+    plastic_bodies.static(report, *case)
+    assert names_of(report.failures()) == ROWS_OF_BODIES[0]
+
+
+def test_a_wrong_stored_energy_is_seen(monkeypatch, own_cache):
+    """Energies only: the motion is right. What is not stored counts as plastic."""
+
+    def change(self, update, strain, history):
+        update.stored = (1 + 1e-6) * update.stored
+        return update
+
+    wrong_law(monkeypatch, change)
+    report = Report()
+    plastic_bodies.impact(report, *STATIC)
+    assert names_of(report.failures()) == {"internal energy", "plastic energy"}
+
+
+def test_an_evaluation_more_in_every_step_is_seen(monkeypatch):
+    """A second evaluation, at a displacement a little larger, that starts from the history of the first."""
+    right = InternalForce.assemble
+
+    def wrong(self, values):
+        right(self, values)
+        self.history.commit()
+        u = next(c for c in self.compiled.coefficients if getattr(c, "name", "") == "u")
+        here = u.x.array.copy()
+        u.x.array[:] *= 1.01
+        right(self, np.zeros_like(values))
+        u.x.array[:] = here
+
+    monkeypatch.setattr(InternalForce, "assemble", wrong)
+    assert difference("linear") > 1e3 * material.TOLERANCE
+
+
+def test_results_that_are_not_numbers_are_seen(monkeypatch, own_cache):
+    """A law that returns NaN once it flows: no row takes it for a small difference."""
+
+    def change(self, update, strain, history):
+        flows = ufl.gt(update.outputs[law.PLASTIC_STRAIN] - history[law.PLASTIC_STRAIN], 1e-3)
+        update.stress = update.stress * ufl.conditional(flows, ufl.ln(-1 - history[law.PLASTIC_STRAIN]), 1)
+        return update
+
+    wrong_law(monkeypatch, change)
+    found = material.compare(case_of("linear"), "3d", False, num=NUM)
+    assert np.isnan(found["stress"])
+    report = Report()
+    report.add("material", "j2", "tetrahedron", 1, 1, "3d", found["stress"], material.TOLERANCE, "", "stress", "")
+    assert not report.passed
+    assert np.isnan(material.dissipation(case_of("linear"), "3d", False, num=NUM))
+
+
+@pytest.mark.parametrize("name, finite", [("linear", True), ("prager", False)])
+def test_flow_against_the_stress_is_seen_in_other_laws(name, finite, monkeypatch, own_cache):
+    right = material.dissipation(case_of(name), "3d", finite, num=NUM)
+    wrong_law(monkeypatch, stretched(-0.1, [law.PLASTIC_TENSOR]))
+    wrong = material.dissipation(case_of(name), "3d", finite, num=NUM)
+    assert right <= material.TOLERANCE < 1e-4 < wrong
+
+
+def test_a_wrong_stress_across_the_plane_is_seen(monkeypatch, own_cache):
+    """Plane stress that leaves a thousandth of the stress across the plane."""
+
+    def change(self, update, strain, history):
+        across = update.residual[1] - 1e-3 * update.stress[0, 0] / (self.kappa + 4 / 3 * self.mu)
+        update.residual = ufl.as_vector([update.residual[0], across])
+        return update
+
+    assert difference("linear", "plane_stress") <= material.TOLERANCE
+    wrong_law(monkeypatch, change)
+    assert difference("linear", "plane_stress") > 1e3 * material.TOLERANCE
+
+
+LINEAR = [case for case in material_tangent.BODIES if case[5].get("average") == "linear"]
+
+
+@pytest.mark.parametrize("case", LINEAR, ids=lambda case: case[3])
+def test_a_wrong_projection_on_linear_functions_is_seen(case, monkeypatch):
+    """The tangent's basis of the dilatation, the centre of each cell moved by a hundredth of its size."""
+    report = Report()
+    material_tangent.taylor(report, *case)
+    assert report.passed
+    right = ProjectedDilatation._find_basis
+
+    def wrong(self):
+        right(self)
+        self._centre.x.array[:] += 0.01
+
+    monkeypatch.setattr(ProjectedDilatation, "_find_basis", wrong)
+    material_tangent.taylor(report, *case)
+    assert [row.passed for row in report.rows] == [True, False]

@@ -13,8 +13,9 @@ CASES = [
     (cell, degree, geometry, hypothesis, strain, mean)
     for cell, degree, geometry, hypothesis in CELLS
     for strain in STRAINS
-    for mean in (False, True)
+    for mean in (False, True, "linear")
     if hypothesis != "plane_stress" or (strain == "small" and not mean)
+    if mean != "linear" or (degree == 2 and cell in ("quadrilateral", "hexahedron"))
 ]
 ELASTIC = ir.J2Parameters(E, NU, 1e12)
 
@@ -171,7 +172,29 @@ def test_rotation_turns_the_force(strain, mean):
     assert norm(turned.stress).max() > G
 
 
+def test_linear_dilatation_of_a_quadrilateral():
+    """The mean stress of an elastic cell of degree 2 is the linear function that fits that of the points best."""
+    X, u, _ = element("quadrilateral", 2, 1, "plane_strain", 0.02)
+    points, weights = ir.quadrature("quadrilateral", "gauss_jacobi:4")
+    keys = dict(hypothesis="plane_strain", degree=2, rule=(points, weights))
+    p, q = (
+        np.trace(ir.element_plastic("quadrilateral", X, ELASTIC, u, **keys, mean_dilatation=m).stress, axis1=1, axis2=2)
+        for m in ("linear", False)
+    )
+    N, dN = ir.shape_functions("quadrilateral", 1, points)
+    root = np.sqrt(weights * np.abs([np.linalg.det(X.T @ d) for d in dN]))
+    basis = np.column_stack([np.ones(len(N)), N @ X])
+    best = basis @ np.linalg.lstsq(root[:, None] * basis, root * q, rcond=None)[0]
+    assert np.abs(p - best).max() < 1e-12 * np.abs(q).max() and np.abs(q - best).max() > 1e-3 * np.abs(q).max()
+
+
 def test_refusals():
+    X = ir.reference_nodes("quadrilateral", 1)
+    keys = dict(hypothesis="plane_strain", rule="gauss_jacobi:1")
+    with pytest.raises(ValueError, match="linear dilatation needs more points"):
+        ir.element_plastic("quadrilateral", X, law("linear"), np.zeros(8), mean_dilatation="linear", **keys)
+    with pytest.raises(ValueError, match="dilatation 'cubic' is unknown: use pointwise, mean or linear"):
+        ir.element_plastic("quadrilateral", X, law("linear"), np.zeros(8), mean_dilatation="cubic", **keys)
     X = ir.reference_nodes("quadrilateral", 1)
     u, parameters = np.zeros(8), law("linear")
     for keys in (dict(strain="simo"), dict(mean_dilatation=True)):

@@ -10,12 +10,13 @@ import ufl
 from dolfinx.fem import Function
 
 from ..forms import elasticity
+from ..forms.inelastic import ELASTIC_ENERGY
 from ..forms.materials import weight
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
 from ..materials import Material
 from . import operators
-from .inelastic_part import ELASTIC_ENERGY, InelasticParts
+from .inelastic_part import InelasticParts
 
 
 @dataclass

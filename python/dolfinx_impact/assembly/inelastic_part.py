@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -15,14 +14,11 @@ from dolfinx.mesh import Mesh
 
 from ..common.types import FloatArray, IntArray
 from ..forms import inelastic
-from ..forms.materials import weight
+from ..forms.inelastic import UNKNOWN
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
 from ..materials import Material
 from .operators import cells_measure
-
-UNKNOWN = "local_unknown"  # output of the kernels: solution of the local equations
-ELASTIC_ENERGY = "elastic"  # sum of the kernels; cpp/dolfinx_impact/integrators reads it by this name
 
 
 def quadrature_element(mesh: Mesh, shape: tuple[int, ...], degree: int) -> Any:
@@ -33,7 +29,7 @@ def quadrature_element(mesh: Mesh, shape: tuple[int, ...], degree: int) -> Any:
         shape: shape of a value, () or (n,).
         degree: quadrature degree [1].
     """
-    return basix.ufl.quadrature_element(mesh.basix_cell(), value_shape=shape, degree=degree, scheme="default")
+    return inelastic.quadrature_element(mesh.basix_cell(), shape, degree)
 
 
 class InelasticPart:
@@ -51,8 +47,7 @@ class InelasticPart:
     Attributes:
         kinematics: strains that the law sees.
         response: the law.
-        history: symbols of the history by name.
-        unknown: symbol of the local unknowns, or None.
+        symbols: symbols of its history and unknowns.
     """
 
     def __init__(self, u: Function, material: InelasticMaterial, dx: ufl.Measure, degree: int, tag: int | None) -> None:
@@ -60,13 +55,12 @@ class InelasticPart:
         self.u, self.material, self.dx, self.degree, self.tag, self.mesh = u, material, dx, degree, tag, V.mesh
         self.kinematics = material.kinematics(V.mesh, V.element.basix_element.degree)
         self.response = material.response(V.mesh)
-        domain = V.mesh.ufl_domain()
+        self.symbols = inelastic.Symbols(self.response, V.mesh.ufl_domain(), degree)
 
-        def symbol(shape: tuple[int, ...]) -> ufl.Coefficient:
-            return ufl.Coefficient(ufl.FunctionSpace(domain, quadrature_element(V.mesh, shape, degree)))
-
-        self.history = {name: symbol(shape) for name, shape in self.response.history.items()}
-        self.unknown = None if self.response.unknown is None else symbol(self.response.unknown)
+    @property
+    def history(self) -> dict[str, ufl.Coefficient]:
+        """Symbols of the history by name."""
+        return self.symbols.history
 
     def force(self, v: ufl.Argument, with_stress: bool = False) -> tuple[ufl.Form, PointLaw]:
         """Internal virtual work and the point law of its kernel.
@@ -75,28 +69,7 @@ class InelasticPart:
             v: test function.
             with_stress: whether the Cauchy stress is an output, "stress".
         """
-        strain = self.kinematics.strain(self.u)
-        update = self.response.respond(strain, dict(self.history), self.unknown)
-        form = inelastic.internal_force(self.u, v, self.kinematics, update, self.dx)
-        outputs = {name: ufl.as_ufl(update.outputs[name]) for name in self.history}
-        if self.unknown is not None:
-            outputs[UNKNOWN] = self.unknown
-        if with_stress:
-            finite = self.kinematics.finite_strain
-            stress = update.stress * strain.T / ufl.det(strain) if finite else update.stress
-            axes = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))[: 6 if self.mesh.geometry.dim == 3 else 4]
-            outputs["stress"] = ufl.as_vector([stress[i, j] for i, j in axes])
-        r = weight(self.mesh, self.kinematics.hypothesis)
-        law = PointLaw(
-            outputs=outputs,
-            history=self.history,
-            unknown=self.unknown,
-            residual=update.residual,
-            start=update.start,
-            scale=update.scale,
-            sums={ELASTIC_ENERGY: update.stored * r},
-        )
-        return form, law
+        return inelastic.force_and_law(self.u, v, self.response, self.kinematics, self.symbols, self.dx, with_stress)
 
     def elastic_tangent(self, du: ufl.Argument, v: ufl.Argument) -> ufl.Form:
         """Stiffness of the elastic part in the deformed shape, an upper bound of the inelastic one.
@@ -105,8 +78,7 @@ class InelasticPart:
             du: trial function.
             v: test function.
         """
-        elastic = self.material.elastic_law(self.mesh)
-        return inelastic.elastic_tangent(self.u, du, v, elastic.lmbda, elastic.mu, self.kinematics, self.dx)
+        return inelastic.elastic_tangent(self.u, du, v, self.material.elastic_law(self.mesh), self.kinematics, self.dx)
 
 
 class HistoryFunctions:
@@ -140,7 +112,8 @@ def set_values(f: Function, cells: IntArray, values: FloatArray) -> None:
         values: values at their points, (n, num_points, num_components).
     """
     dofmap = f.function_space.dofmap
-    f.x.array.reshape(-1, dofmap.bs)[dofmap.list[cells]] = np.asarray(values).reshape(len(cells), -1, dofmap.bs)
+    num = dofmap.list.shape[1]  # not -1: a rank may have no cells
+    f.x.array.reshape(-1, dofmap.bs)[dofmap.list[cells]] = np.asarray(values).reshape(len(cells), num, dofmap.bs)
 
 
 class InelasticParts:

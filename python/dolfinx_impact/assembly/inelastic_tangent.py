@@ -6,8 +6,8 @@ are coefficients, and the implicit function theorem gives the derivative of x by
 
     K = dF/du + dF/dx dx/du,    dx/du = -(dr/dx)^-1 dr/du.
 
-Where the dilatation is averaged, the mean dilatation theta of a cell is a field of its own, constant in each cell, and
-is then eliminated: with theta = D u linearised,
+Where the dilatation is averaged, the mean dilatation theta of a cell is a field of its own, constant in each cell (or
+linear, see projected_dilatation.py), and is then eliminated: with theta = D u linearised,
 
     K = F_u + F_theta D + D' (G_u + G_theta D),
 
@@ -27,8 +27,10 @@ from dolfinx.fem import Function
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from ..forms.cell_maximum import has_maximum
 from ..forms.materials import weight
 from .inelastic_part import HistoryFunctions, InelasticPart
+from .projected_dilatation import ProjectedDilatation
 
 LARGEST_INVERSE = 3  # UFL has closed forms of the inverse up to this size
 
@@ -74,25 +76,41 @@ def unknown_derivative(residual: Any, x: Function, u: Function, du: Any) -> Any:
 
 
 class _PartForms:
-    """UFL forms of one part."""
+    """UFL forms of one part; `dilatation` has the values of the function theta, None: there is none."""
 
-    def __init__(self, part: InelasticPart, functions: HistoryFunctions, theta: Function | None) -> None:
-        self.part, self.functions, self.theta = part, functions, theta
+    def __init__(
+        self,
+        part: InelasticPart,
+        functions: HistoryFunctions,
+        dilatation: ProjectedDilatation | None,
+        theta: Function | None,
+    ) -> None:
+        self.part, self.functions, self.dilatation, self.theta = part, functions, dilatation, theta
         mesh, kinematics = part.mesh, part.kinematics
         self.weight = weight(mesh, kinematics.hypothesis)
-        averaged = theta if kinematics.average else None
-        strain = kinematics.strain(part.u, averaged)
+        self.mean = self.value(theta) if kinematics.average else None
+        strain = kinematics.strain(part.u, self.mean)
         self.update = part.response.respond(strain, dict(functions.history), functions.unknown)
+        if any(has_maximum(e) for e in (self.update.stress, self.update.residual) if e is not None):
+            raise ValueError(
+                "the stress of a law has a maximum over a cell, which has no derivative: static problems need one. "
+                "Take ufl.cell_avg, or use the maximum of the committed history, or an ExplicitProblem"
+            )
+
+    def value(self, coefficients: Any) -> Any:
+        """Projected dilatation of these coefficients."""
+        assert self.dilatation is not None
+        return self.dilatation.value(self.part, coefficients)
 
     def force(self, v: Any) -> Any:
         """Virtual work that goes with the virtual displacement v, at a fixed mean dilatation."""
-        part, theta = self.part, self.theta if self.part.kinematics.average else None
+        part, theta = self.part, self.mean
         virtual = part.kinematics.virtual_strain(part.u, v, theta, ufl.as_ufl(0) if theta is not None else None)
         return ufl.inner(self.update.stress, virtual) * self.weight * part.dx
 
     def mean_force(self, q: Any) -> Any:
         """Virtual work that goes with the virtual mean dilatation q."""
-        virtual = self.part.kinematics.mean_derivative(self.part.u, self.theta, q)
+        virtual = self.part.kinematics.mean_derivative(self.part.u, self.mean, self.value(q))
         return ufl.inner(self.update.stress, virtual) * self.weight * self.part.dx
 
     def by_displacement(self, form: Any, du: Any) -> Any:
@@ -133,15 +151,18 @@ class InelasticTangent:
         self.u, self.mesh = u, V.mesh
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         self.averaged = any(part.kinematics.average for part in parts)
-        Q = fem.functionspace(V.mesh, ("DG", 0)) if self.averaged else None
+        averaged = [part for part in parts if part.kinematics.average]
+        projected = ProjectedDilatation(averaged) if averaged else None
+        Q = None if projected is None else projected.space
         self.theta = None if Q is None else Function(Q, name="mean_dilatation")
         self.lift = None if Q is None else Function(Q, name="mean_stress")
-        forms = [_PartForms(part, f, self.theta) for part, f in zip(parts, functions)]
+        forms = [_PartForms(part, f, projected, self.theta) for part, f in zip(parts, functions)]
         form = sum(p.by_displacement(p.force(v), du) for p in forms)
         if other is not None:
             form = form + other
         means = [p for p in forms if p.part.kinematics.average]
-        if Q is not None:
+        if projected is not None:
+            self._volumes = projected.volumes
             q, p = ufl.TestFunction(Q), ufl.TrialFunction(Q)
             self._define_means(means, v, du, q, p)
             form = form + self._second_derivative(means, v, du)
@@ -149,14 +170,16 @@ class InelasticTangent:
         self.matrix = petsc.create_matrix(self.form)
 
     def _define_means(self, means: Sequence[_PartForms], v: Any, du: Any, q: Any, p: Any) -> None:
-        """Forms of the mean dilatation: test and trial functions q and p are constant in each cell."""
+        """Forms of the mean dilatation: test and trial functions q and p are coefficients in each cell."""
 
         def total(term: Any) -> Any:
             return fem.form(sum(term(part) for part in means))
 
-        self._volume = total(lambda m: m.weight * q * m.part.dx)
-        self._dilatation = total(lambda m: m.weight * m.part.kinematics.dilatation(m.part.u) * q * m.part.dx)
-        self._B = total(lambda m: m.weight * m.part.kinematics.dilatation_derivative(m.part.u, du) * q * m.part.dx)
+        def change(m: _PartForms) -> Any:
+            return m.part.kinematics.dilatation_derivative(m.part.u, du)
+
+        self._dilatation = total(lambda m: m.weight * m.part.kinematics.dilatation(m.part.u) * m.value(q) * m.part.dx)
+        self._B = total(lambda m: m.weight * change(m) * m.value(q) * m.part.dx)
         self._stress = total(lambda m: m.mean_force(q))
         self._F_theta = total(lambda m: m.by_mean(m.force(v), p))
         self._G_u = total(lambda m: m.by_displacement(m.mean_force(q), du))
@@ -164,8 +187,6 @@ class InelasticTangent:
         self._rectangular = petsc.create_matrix(self._B)
         self._columns, self._rows = petsc.create_matrix(self._F_theta), petsc.create_matrix(self._G_u)
         self._diagonal = petsc.create_matrix(self._G_theta)
-        self._volumes = fem.assemble_vector(self._volume).array.copy()
-        self._volumes[self._volumes == 0.0] = 1.0  # cells of parts without an average
 
     def _second_derivative(self, means: Sequence[_PartForms], v: Any, du: Any) -> Any:
         """Virtual work of the second derivative of the mean dilatation, which is zero in small strain."""
@@ -174,7 +195,7 @@ class InelasticTangent:
         return sum(
             (
                 ufl.derivative(
-                    self.lift * m.weight * m.part.kinematics.dilatation_derivative(m.part.u, v) * m.part.dx,
+                    m.value(self.lift) * m.weight * m.part.kinematics.dilatation_derivative(m.part.u, v) * m.part.dx,
                     m.part.u, du,
                 )
                 for m in finite

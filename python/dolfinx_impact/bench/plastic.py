@@ -305,7 +305,7 @@ def compare(what: str, found: FloatArray, expected: FloatArray) -> None:
 
 
 def own_row(n: int = 40) -> list[Row]:
-    """Measure a user's law, compiled at run time, against J2Plasticity.
+    """Measure a user's law, compiled at run time, against J2Plasticity, whose kernels come with the package.
 
     Args:
         n: cells per side.
@@ -314,14 +314,17 @@ def own_row(n: int = 40) -> list[Row]:
         One row.
 
     Raises:
-        RuntimeError: the user's law was found among the package's kernels.
+        RuntimeError: the user's law was found among the package's kernels, or J2Plasticity was not.
     """
     package, own = Body(n, j2(YIELDING)), Body(n, OwnJ2(YIELDING))
-    if any(part.compiled.source == "package" for part in own.problem._internal._parts):
-        raise RuntimeError("the law of one's own was found in the package: nothing is compared")
+    for body, packaged in ((package, True), (own, False)):
+        if any((part.compiled.source == "package") != packaged for part in body.problem._internal._parts):
+            raise RuntimeError(
+                "the law of one's own was found in the package, or J2Plasticity was not: nothing is compared"
+            )
     compare("acceleration", own.problem.acceleration.x.array, package.problem.acceleration.x.array)
     times = in_turn(package.seconds, own.seconds)
-    return [_against("own law / j2, whole step", times, own.num_cells)]
+    return [_against("own law at run time / j2 of the package, goal 0.9 to 1.1", times, own.num_cells)]
 
 
 def memory_rows(n: int = 40) -> list[Row]:

@@ -24,6 +24,7 @@ from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.history import MaterialHistory
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
+from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..forms import materials as laws
 from ..loads import DeadLoad, Load
@@ -142,6 +143,7 @@ class ExplicitProblem(Unique):
         claim(u, self, explicit=True)
         if material is not None:
             warn_of_locking(u, material)
+            warn_of_softening(u, material)
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         resisting = damping_tangent = laws_at_points = None
         self._parts: InelasticParts | None = None

@@ -10,10 +10,11 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..assembly.history import MaterialHistory
-from ..assembly.inelastic_part import UNKNOWN, InelasticParts, set_values
+from ..assembly.inelastic_part import InelasticParts, set_values
 from ..assembly.inelastic_tangent import InelasticTangent
 from ..assembly.operators import InternalForce
 from ..common.types import FloatArray
+from ..forms.inelastic import UNKNOWN
 
 
 class InelasticBody:

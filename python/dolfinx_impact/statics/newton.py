@@ -171,7 +171,10 @@ class Newton:
             result.unsettled += left > 0
             p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
             if fault:
-                return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
+                collapse = " Is the load more than the body can bear?" if self.inelastic else ""
+                return result.failed(
+                    f"the linear solver failed ({fault}): is the body held against rigid motion?{collapse}"
+                )
             if period and moved:  # half a step leaves the cycle
                 p.u.x.array[:] = start + 0.5 * (p.u.x.array - start)
             elif self.rough and moved and iteration - round_start >= self.plain:

@@ -15,6 +15,7 @@ from ..common import arguments
 from ..assembly import problem_arguments
 from ..assembly.history import MaterialHistory
 from ..assembly.locking import warn_of_locking
+from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
 from .bodies import make_body
@@ -98,6 +99,7 @@ class StaticProblem(Unique):
         claim(u, self)
         if material is not None:
             warn_of_locking(u, material)
+            warn_of_softening(u, material)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads)
         self._b = self.body.vector()

@@ -30,8 +30,13 @@ BODIES = (
     ("voce", "tetrahedron", 2, "3d", True, {"hardening": Voce(0.015, 40.0, 0.002)}),
     ("linear", "quadrilateral", 1, "axisymmetric", True, {"hardening": 0.1}),
     ("armstrong_frederick", "hexahedron", 1, "3d", False, {"kinematic": ArmstrongFrederick(0.6, 30.0)}),
+    ("armstrong_frederick", "hexahedron", 1, "3d", True, {"kinematic": ArmstrongFrederick(0.6, 30.0)}),
+    ("prager", "quadrilateral", 1, "axisymmetric", True, {"kinematic": 0.1}),
+    ("voce", "quadrilateral", 2, "plane_strain", True,
+     {"hardening": Voce(0.015, 40.0, 0.002), "average": "linear"}),
+    ("linear", "hexahedron", 2, "3d", False, {"hardening": 0.1, "average": "linear"}),
     ("voce", "quadrilateral", 1, "plane_stress", False, {"hardening": Voce(0.015, 40.0, 0.002), "kinematic": 0.1}),
-)
+)  # fmt: skip
 
 
 class TangentOfBody:

@@ -49,10 +49,13 @@ def test_another_law_makes_no_row(monkeypatch, wrong):
 
 def test_row_of_an_own_law(monkeypatch):
     (row,) = plastic.own_row(5)
-    assert row["name"].startswith("own law / j2") and row["value"] > 0.0
+    assert row["name"].startswith("own law at run time / j2 of the package") and row["value"] > 0.0
     right = plastic.OwnJ2
     monkeypatch.setattr(plastic, "OwnJ2", lambda y: right(2 * y))
     with pytest.raises(RuntimeError, match="no timing counts"):
+        plastic.own_row(3)
+    monkeypatch.setattr(plastic, "j2", lambda y: right(y))
+    with pytest.raises(RuntimeError, match="J2Plasticity was not: nothing is compared"):
         plastic.own_row(3)
 
 

@@ -11,7 +11,7 @@ import pytest
 from dolfinx import fem, mesh
 from mpi4py import MPI
 from on_ranks import on_rank_0
-from own_laws import Limited
+from own_laws import LargestOfCell, Limited
 
 import dolfinx_impact as di
 
@@ -321,13 +321,90 @@ def check_cells_without_a_law_are_refused():
     raises(ValueError, "cells carry no tag", lambda: di.MaterialMap(part, {1: steel()}))
 
 
-def warnings_of(work):
-    """Texts of the warnings about locking, of all ranks."""
+def warnings_of(work, words="degree 1 lock"):
+    """Texts of the warnings with some words, by default those about locking, of all ranks."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         work()
-    here = [str(w.message) for w in caught if issubclass(w.category, UserWarning) and "degree 1 lock" in str(w.message)]
+    here = [str(w.message) for w in caught if issubclass(w.category, UserWarning) and words in str(w.message)]
     return [text for texts in COMM.allgather(here) for text in texts]
+
+
+def check_softening_is_warned_of():
+    """Once for a problem and material, on rank 0, with the element length of the material's cells."""
+    soft = steel(di.Table([0.0, 0.1], [Y, 0.5 * Y]))
+    for work in (lambda: pulled(material=soft), lambda: thrown(material=soft)):
+        (text,) = warnings_of(work, "softens")
+        for words in ("up to -0.05 [F", "is 0.2357 to 0.2357 [L]", "length 1 [L]", "below 0.025 [L]", "on the mesh"):
+            assert words in text, text
+    domain = square()
+    three = three_materials(domain)
+    three.materials[2] = steel(-0.05)
+    u = fem.Function(space(domain), name="u")
+    (text,) = warnings_of(lambda: di.StaticProblem(u, three), "softens")
+    assert "A body of the length 0.6667 [L]" in text and "below 0.01667 [L]" in text
+    assert not warnings_of(lambda: pulled(), "softens")
+
+
+def check_a_table_that_softens_is_followed():
+    """A bar that yields everywhere at once: its stress is that of the table, also beyond its end."""
+    domain = square(n=1)
+    V = space(domain)
+    u = fem.Function(V, name="u")
+    sides = [
+        fem.locate_dofs_geometrical((V.sub(a), V.sub(a).collapse()[0]), lambda x, a=a: np.isclose(x[a], 0.0))[0]
+        for a in (0, 1)
+    ]
+    right = fem.locate_dofs_geometrical((V.sub(0), V.sub(0).collapse()[0]), lambda x: np.isclose(x[0], 1.0))[0]
+    zero, one = fem.Constant(domain, 0.0), fem.Constant(domain, 0.0)
+    bcs = [fem.dirichletbc(zero, d, V.sub(a)) for a, d in enumerate(sides)] + [fem.dirichletbc(one, right, V.sub(0))]
+    sheet = di.J2Plasticity(E, NU, None, Y, hardening=di.Table([0.0, 0.1], [Y, 0.5 * Y]), hypothesis="plane_stress")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "J2Plasticity softens")
+        problem = di.StaticProblem(u, sheet, bcs=bcs)
+    for plastic in (0.04, 0.08, 0.2):
+        stress = Y * max(0.5, 1.0 - 5.0 * plastic)
+        one.value = plastic + stress / E
+        problem.solve(rtol=1e-12)
+        found = all_points(COMM, problem.history["von_mises"].values)
+        assert np.abs(found / stress - 1.0).max() < SAME
+        assert np.abs(all_points(COMM, problem.history["plastic_strain"].values) - plastic).max() < SAME
+
+
+def check_a_yield_stress_that_has_fallen_to_zero_is_an_error():
+    """Y - 0.2 a is zero at a = 0.05: statics cut back and give up, explicit runs stop."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        problem, _, pull = pulled(material=steel(-0.2), n=2)
+        pull.value[:] = (0.01, 0.0)
+        problem.solve(rtol=1e-10)
+        assert 0.0 < all_points(COMM, problem.history["plastic_strain"].values).max() < 0.05
+        pull.value[:] = (0.3, 0.0)
+        with pytest.raises(RuntimeError, match="local equations|converge"):
+            problem.solve(rtol=1e-10)
+        run = thrown(material=steel(-0.2), n=2, speed=1.0)
+        with pytest.raises(RuntimeError, match="local equations"):
+            run.advance(5.0, progress=False)
+
+
+def check_a_law_with_the_maximum_of_a_cell():
+    """The largest value of the points of a cell at all of them; of static problems in the history only."""
+    run = thrown(material=LargestOfCell(0.5), n=3)
+    plain = thrown(material=LargestOfCell(), n=3)
+    problem, _, pull = pulled(material=LargestOfCell(), n=3)
+    pull.value[:] = (0.02, 0.05)
+    problem.solve(rtol=1e-12)
+    run.advance(0.2, progress=False)
+    plain.advance(0.2, progress=False)
+    for body in (problem, run):
+        point, cell = (body.history[name].values.reshape(-1, 4) for name in ("of_point", "of_cell"))
+        if body is problem:
+            assert np.abs(cell - point.max(axis=1, keepdims=True)).max(initial=0.0) < SAME
+        assert np.all(cell >= point) and np.all(np.ptp(cell, axis=1) == 0.0)
+        assert COMM.allreduce(np.ptp(point, axis=1).max(initial=0.0), op=MPI.MAX) > 1e-4
+    change = np.abs(everywhere(run.u) - everywhere(plain.u)).max()
+    assert change > 1e-6
+    raises(ValueError, "maximum over a cell, which has no derivative", lambda: pulled(material=LargestOfCell(0.5), n=3))
 
 
 def check_cells_that_lock_are_warned_of():

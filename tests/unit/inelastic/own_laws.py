@@ -54,3 +54,30 @@ class Limited(di.InelasticMaterial):
 
     def response(self, mesh):
         return LimitedStretch(self.limit, self.of_step)
+
+
+class LargestOfCell(di.InelasticMaterial):
+    """Linear elasticity whose history is the largest dilatation so far at a point, and in its cell.
+
+    Args:
+        stiffening: factor of the cell's largest dilatation in the stress; static problems take 0 only [1].
+        hypothesis: hypothesis of the body.
+    """
+
+    average = False
+    history = {"of_point": (), "of_cell": ()}
+
+    def __init__(self, stiffening=0.0, hypothesis="plane_strain"):
+        super().__init__(E, NU, 1.0, hypothesis)
+        self.stiffening = stiffening
+
+    def respond(self, strain, history, unknown):
+        mu, lmbda = E / (2 * (1 + NU)), E * NU / ((1 + NU) * (1 - 2 * NU))
+        dilatation = ufl.tr(strain)
+        largest = ufl.max_value(history["of_cell"], di.cell_max(dilatation))
+        stress = lmbda * dilatation * ufl.Identity(3) + 2 * mu * strain
+        return Update(
+            stress=(1 + self.stiffening * largest) * stress if self.stiffening else stress,
+            outputs={"of_point": ufl.max_value(history["of_point"], dilatation), "of_cell": largest},
+            stored=lmbda / 2 * dilatation**2 + mu * ufl.inner(strain, strain),
+        )

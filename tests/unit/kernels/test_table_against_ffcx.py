@@ -7,7 +7,9 @@ from kernel_oracle import Oracle, build_many, difference
 from dolfinx_impact import _cpp
 from dolfinx_impact.forms import registry
 
-SPECS = [(r.name, r.cell, r.degree, r.geometry_degree, r.hypothesis) for r in registry.TABLE]
+ROWS = [(r.name, r.cell, r.degree, r.geometry_degree, r.hypothesis) for r in registry.TABLE]
+# FFCx has no kernels of laws with internal variables: see tests/unit/jit/test_packaged_plasticity.py.
+SPECS = [spec for spec in ROWS if not spec[0].startswith("j2.")]
 
 # Both kernels sum the same few hundred terms in different orders: some tens of roundings of 1.1e-16. The neo-Hookean
 # energy is the small difference of terms of order one: at strains of a few percent (squares about 1e-3) three digits
@@ -35,7 +37,7 @@ def test_row_equals_ffcx(spec, libraries, rng):
 
 def test_table_holds_the_registry():
     rows = {(k.name, k.cell, k.geometry_degree, k.hypothesis) for k in _cpp.kernels.table()}
-    assert rows == {(s[0], s[1], s[3], s[4]) for s in SPECS}
+    assert rows == {(s[0], s[1], s[3], s[4]) for s in ROWS}
 
 
 def test_a_machine_that_has_vectors_uses_them():

@@ -18,7 +18,7 @@ from ...amplitude import Amplitude, PrescribedMotion
 from ...assembly import operators, problem_arguments
 from ...assembly.body_forms import stiffness_damping
 from ...assembly.history import MaterialHistory
-from ...assembly.inelastic_part import ELASTIC_ENERGY
+from ...forms.inelastic import ELASTIC_ENERGY
 from ...assembly.locking import warn_of_locking
 from ...assembly.residual import split
 from ...common import arguments
