@@ -246,6 +246,50 @@ def check_a_step_that_fails_is_halved():
     assert np.all(np.isfinite(fresh.u.x.array))
 
 
+def check_plastic_steps_that_are_halved():
+    """Halves of a step leave the history of steps that were as short from the start: what the step that failed tried is
+    forgotten."""
+    law, histories = LAWS["J2"](), []
+    for dt in (0.02, 0.01):
+        V = bar(material=law).space
+        v = fem.Function(V)
+        v.interpolate(lambda x: np.vstack([4.0 * x[0], 0.0 * x[0]]))
+        problem = di.NewmarkProblem(fem.Function(V), law, velocity=v)
+        attempt = problem.stepper._attempt
+
+        def fails(step, *others, attempt=attempt):
+            increment, motion = attempt(step, *others)
+            return (increment.failed("made to fail") if step > 0.015 else increment), motion
+
+        problem.stepper._attempt = fails
+        problem.advance(0.02, dt, progress=False)
+        assert problem.step == 2 and problem.stepper.cut_backs == int(dt == 0.02)
+        histories.append(problem.history["plastic_strain"].values.copy())
+    assert COMM.allreduce(histories[0].max(initial=0.0), MPI.MAX) > 1e-3
+    np.testing.assert_array_equal(histories[0], histories[1])
+
+
+def check_long_steps_end_in_static_equilibrium():
+    """A soft cantilever under a pressure that follows it. With rho_inf = 0 each of ten steps of many periods removes
+    what still moves."""
+    domain = mesh.create_rectangle(COMM, [[0.0, 0.0], [1.0, 0.2]], [8, 2], mesh.CellType.quadrilateral)
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    end = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[0], 0.0))
+    held = fem.dirichletbc(np.zeros(2), end, V)
+    top = mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[1], 0.2))
+    tags = mesh.meshtags(domain, 1, top, np.full(len(top), 1, dtype=np.int32))
+    load = [di.FollowerPressure(tags, 1, 1.0)]
+    u, w = fem.Function(V), fem.Function(V)
+    static = di.StaticProblem(w, LAWS["neo-Hookean"](), bcs=[held], loads=load)
+    static.solve(steps=4)
+    problem = di.NewmarkProblem(u, LAWS["neo-Hookean"](), velocity=fem.Function(V), bcs=[held],
+                                loads=[di.FollowerPressure(tags, 1, 1.0)], rho_inf=0.0)  # fmt: skip
+    problem.advance(100.0, 10.0, progress=False)
+    size = COMM.allreduce(np.abs(w.x.array).max(initial=0.0), MPI.MAX)
+    assert size > 0.1
+    np.testing.assert_allclose(u.x.array, w.x.array, atol=1e-6 * size)
+
+
 def check_a_run_that_fails_keeps_its_last_state():
     problem = block_on_block(law="neo-Hookean")
     problem.advance(3 * DT, DT, progress=False)
