@@ -21,6 +21,7 @@ from ...assembly.history import MaterialHistory
 from ...forms.inelastic import ELASTIC_ENERGY
 from ...assembly.locking import warn_of_locking
 from ...assembly.residual import split
+from ...assembly.softening import warn_of_softening
 from ...common import arguments
 from ...common.collective import comm_of, guard
 from ...common.types import ArrayLike, FilePath, FloatArray
@@ -117,7 +118,7 @@ class NewmarkProblem(Unique):
 
     Warns:
         UserWarning: beta is less than gamma/2, so that the scheme is stable with small steps only; an ExplicitProblem
-            with the same u exists; or materials with internal variables are on cells that lock.
+            with the same u exists; or materials with internal variables soften, or are on cells that lock.
     """
 
     _instead = "use save and restore, or make another one on a displacement function of its own"
@@ -174,6 +175,7 @@ class NewmarkProblem(Unique):
         if residual is None:
             assert material is not None  # checked above
             warn_of_locking(u, material)
+            warn_of_softening(u, material)
             hypothesis = material.hypothesis_on(mesh)
             densities, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
         else:

@@ -146,6 +146,9 @@ class ImplicitStepper:
         """
         log(f"step {self.step + 1}: to the time {end:.6g}, length {step:.3e}")
         p, u = self.problem, self.problem.u.x
+        # What others wrote into the displacement function since the last step does not count.
+        u.array[: p.num_owned] = self.state.displacement
+        u.scatter_forward()
         before, states = u.array.copy(), [c.save_state() for c in p.contact]
         error: float | None = None
         values = self.sample(step, end)
