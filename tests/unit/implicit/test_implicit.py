@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Implicit problems on one rank and on two."""
+"""Implicit problems on one rank."""
 
 import implicit_checks
 from on_ranks import rank_tests
 
-test_one_rank, test_several_ranks = rank_tests(implicit_checks, ranks=(2,), timeout=300)
+test_one_rank, _ = rank_tests(implicit_checks)
