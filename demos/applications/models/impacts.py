@@ -12,6 +12,7 @@ from dolfinx import fem, mesh
 import dolfinx_impact as di
 from dolfinx_impact import meshes
 
+
 @dataclass
 class Method:
     """How time and contact are treated.
