@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 MOTION = ("displacement", "velocity", "acceleration", "mean")
 FORCES = ("internal", "external", "damping", "support")
 WORKS = ("internal", "external", "damping")
+CONTROL = ("length", "largest", "smallest", "tolerance")  # of steps; not a number where there is none
 NUMBERS = ("time", "step", "largest", "total_start", "largest_displacement")
 SAME = 1e-12  # relative tolerance of values of functions of time, as for explicit runs
 
@@ -97,19 +98,16 @@ class ImplicitRestart:
         table, error = attempt(functions_of_time, p.functions, stepper.time, stepper.time)
         agree(self.comm, error, "functions of time")
         history = p.run_history
-        length = math.nan if stepper.control is None else stepper.control.length
-        limits = [math.nan] * 3
-        if stepper.control is not None:
-            c = stepper.control
-            limits = [c.largest, c.smallest, math.nan if c.tolerance is None else c.tolerance]
+        control = {name: getattr(stepper.control, name, None) for name in CONTROL}
         attributes: dict[str, checkpoint.Attribute] = {
             **totals,
             "time": stepper.time, "step": stepper.step, "largest": history.largest,
             "total_start": 0.0 if history.total_start is None else history.total_start,
             "largest_displacement": stepper.largest_displacement,
-            "works": np.array([getattr(account.works, name) for name in WORKS]),
+            **{f"work {name}": getattr(account.works, name) for name in WORKS},
+            **{f"step {name}": math.nan if value is None else value for name, value in control.items()},
             "obstacles": account.forces.obstacles.ravel(),
-            "control": np.array([length, *limits]), "functions of time": table,
+            "functions of time": table,
         }  # fmt: skip
         checkpoint.write(path, p, arrays, nodal, self._material_history(), {}, attributes, facets)
 
@@ -134,7 +132,14 @@ class ImplicitRestart:
             nodal={name: saved.width() for name, saved in names.items() if not saved.on_facets},
             cellwise={name: values.shape[1] for name, values in self._material_history().items()},
             ranks={},
-            attributes=[*NUMBERS, "works", "obstacles", "control", "functions of time", *names],
+            attributes=[
+                *NUMBERS,
+                *(f"work {name}" for name in WORKS),
+                *(f"step {name}" for name in CONTROL),
+                "obstacles",
+                "functions of time",
+                *names,
+            ],
             facets={name: saved.width() for name, saved in names.items() if saved.on_facets},
         )
         nodes, wanted = supports(p)
@@ -161,21 +166,21 @@ class ImplicitRestart:
             if not right:
                 raise ValueError(f"{path} is of no run: {what}")
 
-        for name in NUMBERS:
+        for name in (*NUMBERS, *(f"work {w}" for w in WORKS), *(f"step {c}" for c in CONTROL)):
             value = a[name]
             want(np.ndim(value) == 0 and np.issubdtype(np.asarray(value).dtype, np.number), f"{name} is {value!r}")
-            want(bool(np.isfinite(value)), f"{name} is {value!r}")
+            want(name.startswith("step ") or bool(np.isfinite(value)), f"{name} is {value!r}")
         time, step = float(a["time"]), int(a["step"])
         want(time >= 0.0 and step == a["step"] and 0 <= step < 2**53 and (step > 0) == (time > 0.0),
              f"time is {time}, step {a['step']}")  # fmt: skip
         want(a["largest"] >= 0.0 and a["largest_displacement"] >= 0.0, "largest values are negative")
-        sizes = {"works": 3, "obstacles": 3 * len(p.contact), "control": 4}
+        sizes = {"obstacles": 3 * len(p.contact)}
         for k, contact in enumerate(p.contact):
             sizes[f"contact{k}"] = len(contact.save_history().flat_totals())
         for name, size in sizes.items():
             values = np.asarray(a[name])
             want(values.shape == (size,) and values.dtype == float, f"{name} is {a[name]!r}")
-            want(name not in ("works", "obstacles") or bool(np.all(np.isfinite(values))), f"{name} is {a[name]!r}")
+            want(name != "obstacles" or bool(np.all(np.isfinite(values))), f"{name} is {a[name]!r}")
         here, there = functions_of_time(p.functions, time, time), np.asarray(a["functions of time"])
         scale = np.abs(here).max(initial=0.0)
         if there.shape != here.shape or not np.all(np.abs(here - there) <= SAME * scale):
@@ -198,16 +203,17 @@ class ImplicitRestart:
         stepper.state = State(*(arrays[name].copy() for name in MOTION))
         stepper.time, stepper.step = float(a["time"]), int(a["step"])
         stepper.largest_displacement = float(a["largest_displacement"])
-        length, largest, smallest, tolerance = (float(value) for value in a["control"])
-        stepper.set_control(length, largest, smallest, None if math.isnan(tolerance) else tolerance)
+        control = {name: float(a[f"step {name}"]) for name in CONTROL}
+        tolerance = None if math.isnan(control["tolerance"]) else control["tolerance"]
+        stepper.set_control(control["length"], control["largest"], control["smallest"], tolerance)
         for k, (contact, saved, table) in enumerate(zip(p.contact, known, rows)):
             saved.columns = saved.split(table)
             saved.totals = saved.split_totals(np.asarray(a[f"contact{k}"]))
             saved.corners = file.arrays.get(f"corners{k}")
             contact.restore_history(saved, p.u.x.array)
         account = p.account
-        for name, value in zip(WORKS, a["works"]):
-            setattr(account.works, name, float(value))
+        for name in WORKS:
+            setattr(account.works, name, float(a[f"work {name}"]))
         obstacles = np.asarray(a["obstacles"]).reshape(-1, 3)
         internal, external, damping, support = (arrays[f"force {name}"].copy() for name in FORCES)
         account.forces = Forces(internal, external, damping, support, obstacles)
