@@ -8,6 +8,7 @@ from typing import Any
 
 import ufl
 from dolfinx import fem
+from petsc4py import PETSc
 
 from ..assembly import operators
 from ..assembly.inelastic_part import InelasticParts
@@ -54,6 +55,25 @@ def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | N
         _check_measures(rest)
     tangent = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
     return InelasticBody(u, InelasticParts(u, material), rest, tangent)
+
+
+def assemble_residual(u: fem.Function, body: Body, b: PETSc.Vec) -> PETSc.Vec:
+    """Assemble the residual of bodies at the present displacement. Collective.
+
+    Args:
+        u: displacement function; its ghosts are updated [L].
+        body: bodies.
+        b: vector of `body.vector()`, which is overwritten; its owned entries are complete [F].
+
+    Returns:
+        `b`.
+    """
+    u.x.scatter_forward()
+    with b.localForm() as local:
+        local.set(0.0)
+    body.add_residual(b)
+    b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+    return b
 
 
 def external_work(u: fem.Function, material: Material | None, loads: Sequence[Load]) -> Any:

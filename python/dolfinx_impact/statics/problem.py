@@ -18,7 +18,7 @@ from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
-from .bodies import make_body
+from .bodies import assemble_residual, make_body
 from .body import Body, BodyTangent
 from .inelastic_body import InelasticBody
 from .linear_solver import LinearSolver
@@ -143,12 +143,7 @@ class StaticProblem(Unique):
 
     def assemble_residual(self) -> PETSc.Vec:
         """Assemble internal minus external forces, without contact; owned entries are complete [F]. Collective."""
-        self.u.x.scatter_forward()
-        with self._b.localForm() as local:
-            local.set(0.0)
-        self.body.add_residual(self._b)
-        self._b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-        return self._b
+        return assemble_residual(self.u, self.body, self._b)
 
     def reactions(self) -> fem.Function:
         """Residual of equilibrium: support forces at prescribed degrees of freedom, round-off elsewhere. Collective.

@@ -30,7 +30,7 @@ from ...forms import materials as laws
 from ...io.mesh_check import check_cells
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
-from ...statics.bodies import external_work, make_body
+from ...statics.bodies import assemble_residual, external_work, make_body
 from ...statics.inelastic_body import InelasticBody
 from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, density_expression
@@ -348,11 +348,7 @@ class NewmarkProblem(Unique):
 
     def _body_residual(self) -> FloatArray:
         """Internal minus external forces at u, over owned degrees of freedom [F]. Collective."""
-        b = self.body.vector()
-        with b.localForm() as local:
-            local.set(0.0)
-        self.body.add_residual(b)
-        b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+        b = assemble_residual(self.u, self.body, self.body.vector())
         values = np.array(b.array_r)
         b.destroy()
         return values

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from ...common.types import BoolArray
 from ...materials import MaterialMap, _Material
+from ...statics.bodies import assemble_residual
 from ...statics.linear_solver import LinearSolver
 from .moving_body import MovingBody
 
@@ -62,9 +63,4 @@ class StepEquations:
 
     def assemble_residual(self) -> PETSc.Vec:
         """Assemble inertia, damping and internal minus external forces; owned entries are complete [F]. Collective."""
-        self.u.x.scatter_forward()
-        with self._b.localForm() as local:
-            local.set(0.0)
-        self.body.add_residual(self._b)
-        self._b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-        return self._b
+        return assemble_residual(self.u, self.body, self._b)
