@@ -651,8 +651,9 @@ class NewmarkProblem(Unique):
         """Continue from a checkpoint of the same problem, written on any number of ranks. Collective.
 
         The problem must have the same mesh, materials, damping, scheme, supports, loads and contacts, and the same
-        functions of time up to the time of the checkpoint. On the number of ranks that wrote the file, the run
-        continues bit for bit if DOLFINx numbers the mesh in the same way; otherwise to the solver's tolerance.
+        functions of time up to the time of the checkpoint. The state is that of the file bit for bit if
+        DOLFINx numbers the mesh in the same way. One rank then continues bit for bit; several continue to the solver's
+        tolerance, as MUMPS does not sum in the same order twice.
 
         Args:
             path: file that `save` has written.
