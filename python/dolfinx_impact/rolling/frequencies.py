@@ -10,7 +10,8 @@ from ..common.types import FloatArray
 
 TOLERANCE = 1e-10  # relative, of an eigenvalue
 SHIFT = 1e-3  # of the mesh's frequency: keeps the factorised matrix regular where rigid motions are free
-GROWTH = 1e-6  # real part over modulus at which a mode grows
+GROWTH = 1e-6  # real part over the largest modulus found, at which a mode grows
+RIGID = 10.0  # moduli below this many times the former belong to rigid motions
 
 
 def solve(
@@ -58,15 +59,18 @@ def solve(
     ksp.getPC().setFactorSolverType("mumps")
     pep.solve()
     real, imaginary, product = K.createVecRight(), K.createVecRight(), K.createVecRight()
+    values = [pep.getEigenpair(i, real, imaginary) for i in range(pep.getConverged())]
+    # Free rigid motions have s = 0 as a double root, which round-off splits into a pair of any phase.
+    small = GROWTH * max((abs(s) for s in values), default=0.0)
     found: list[float] = []
     growing = 0
-    for i in range(pep.getConverged()):
-        s = pep.getEigenpair(i, real, imaginary)
-        if abs(s.real) > GROWTH * abs(s):
+    for i, s in enumerate(values):
+        if abs(s.real) > small:
             growing += s.real > 0
             continue
-        if s.imag < 0.0:
-            continue  # the conjugate mode is the same motion
+        if s.imag < RIGID * small:
+            continue  # a rigid motion, or the conjugate of a mode, which is the same motion
+        pep.getEigenpair(i, real, imaginary)
         # Imaginary part of x^H D x, where D is real and x = a + i b: a.D b - b.D a.
         along.mult(imaginary, product)
         twist = product.dot(real)

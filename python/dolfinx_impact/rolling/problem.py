@@ -225,6 +225,7 @@ class RollingProblem(Unique):
 
         A wave exp(i (omega t - m theta)), m > 0 counted along the spin, has its own sign of omega: positive for waves
         that travel with the flow, negative against it. Waves without a direction (no spin, m = 0) are positive.
+        Free rigid motions, of frequency zero, are left out.
 
         Args:
             n: number of frequencies, of smallest modulus [1].
