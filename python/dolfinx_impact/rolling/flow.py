@@ -124,9 +124,7 @@ class Flow:
             v: test function.
         """
         mesh = u.function_space.mesh
-        return operators.sum_materials(
-            u, self._material, lambda m, dx: m.mass_density(mesh) * ufl.inner(du, v) * dx
-        )
+        return operators.sum_materials(u, self._material, lambda m, dx: m.mass_density(mesh) * ufl.inner(du, v) * dx)
 
     def _sum(self, term: Callable[[Any, Any, Any, Any], Any], u: fem.Function, material: Material) -> Any:
         """Sum of a term over materials and motions."""

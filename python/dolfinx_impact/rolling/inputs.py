@@ -43,8 +43,8 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
     for _, m in material.parts():
         if isinstance(m, InelasticMaterial):
             raise ValueError(
-                f"{type(m).__name__} has internal variables: a RollingProblem cannot carry them with the flow yet; take "
-                "an elastic material"
+                f"{type(m).__name__} has internal variables: a RollingProblem cannot carry them with the flow yet; "
+                "take an elastic material"
             )
         m.mass_density(mesh)
     for c in contact:

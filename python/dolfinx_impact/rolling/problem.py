@@ -14,7 +14,7 @@ from dolfinx import fem
 from dolfinx.mesh import MeshTags
 from petsc4py import PETSc
 
-from ..assembly import operators, problem_arguments
+from ..assembly import problem_arguments
 from ..common import arguments
 from ..common.collective import comm_of, guard
 from ..common.types import FloatArray
@@ -255,7 +255,7 @@ class RollingProblem(Unique):
         for matrix in (K, G, M, along):
             matrix.destroy()
         if growing and p.space.mesh.comm.rank == 0:
-            warnings.warn(f"{growing} modes grow: the state is beyond a critical speed; they are left out", stacklevel=2)
+            warnings.warn(f"{growing} modes grow: beyond a critical speed; they are left out", stacklevel=2)
         return found
 
     def _matrix(self, form: ufl.Form) -> PETSc.Mat:
