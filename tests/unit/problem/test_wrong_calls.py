@@ -200,7 +200,7 @@ CALLS = {
     "load tags of another mesh": (
         lambda b: b.static(loads=[di.Traction(other_tags(b), 5, (0, 1))]), ValueError, "another mesh than u"),
     "load with amplitude": (
-        lambda b: b.static(loads=[di.BodyForce((0, 1), amplitude=abs)]), ValueError, "amplitude.*explicit problems"),
+        lambda b: b.static(loads=[di.BodyForce((0, 1), amplitude=abs)]), ValueError, "amplitude.*problems in time"),
     "contact a pair": (lambda b: b.static(contact=[b.pair()]), TypeError, r"contact=\[di.Lagrange\(pair\)\]"),
     "contact a pair, explicit": (lambda b: b.explicit(contact=[b.pair()]), TypeError, r"di.Kinematic\(pair\)"),
     "contact not a list": (lambda b: b.static(contact=di.Penalty(b.pair())), TypeError, r"contact=\[...\]"),
