@@ -31,6 +31,8 @@ from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenan
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
 from .io.mesh_reader import check_mesh, read_mesh
 from .assembly.operators import Energy, InternalForce, PointValues, Tangent
+from .rolling.motions import Spin, Translation
+from .rolling.problem import RollingProblem
 from .statics.problem import StaticProblem
 
 __version__ = "0.1.0"
@@ -52,11 +54,14 @@ __all__ = [
     "PointValues",
     "PrescribedMotion",
     "Rayleigh",
+    "RollingProblem",
+    "Spin",
     "StVenantKirchhoff",
     "StaticProblem",
     "Table",
     "Tangent",
     "Traction",
+    "Translation",
     "Voce",
     "ContactPair",
     "ContactStatus",

@@ -257,6 +257,36 @@ def calls_of_parts(s):
     ]  # fmt: skip
 
 
+def calls_of_rolling_problems(s):
+    """Rows as calls_of_problems, of a rail, the unit square, that flows straight."""
+    along, vector = di.Translation((1e-3, 0)), (0, 0, 1)
+
+    def rolling(**changes):
+        given = dict(material=law(), cell_tags=s.cells, motions={1: along}, bcs=[s.bc]) | changes
+        return di.RollingProblem(fem.Function(s.V), **given)
+
+    problem = rolling()
+    rough = di.ContactPair(s.tags, 3, s.plane, friction=0.3)
+    heavy, massless = law(), di.LinearElastic(1.0, 0.3, hypothesis="plane_strain")
+    return [
+        ("RollingProblem, material", lambda m: rolling(material=m), heavy, "steel", TypeError, "material"),
+        ("RollingProblem, density", lambda m: rolling(material=m), heavy, massless, ValueError, "density"),
+        ("RollingProblem, cell_tags", lambda t: rolling(cell_tags=t), s.cells, None, TypeError, "MeshTags"),
+        ("RollingProblem, motions", lambda m: rolling(motions=m), {1: along}, along, TypeError, "dict"),
+        ("RollingProblem, velocity", lambda x: rolling(motions={1: di.Translation((x, 0))}), 0.0, 0.1, ValueError,
+         "motions differs"),
+        ("RollingProblem, no motion", lambda m: rolling(motions=m), {1: along}, {}, ValueError, "empty"),
+        ("RollingProblem, friction", lambda c: rolling(contact=c), [di.Penalty(s.pair)], [di.Penalty(rough)],
+         ValueError, "friction"),
+        ("Spin, axis", lambda a: rolling(motions={1: di.Spin((0, 0), a, 0.1)}), (0, 0, 1), (0, 0, 0), ValueError,
+         "no direction"),
+        ("Spin, omega", lambda o: rolling(motions={1: di.Spin((0, 0), vector, o)}), 0.1, "fast", TypeError, "omega"),
+        ("rolling solve, steps", lambda n: problem.solve(steps=n), 1, 2, ValueError, "steps differs"),
+        ("frequencies, n", problem.frequencies, 1, 0, ValueError, "positive integer"),
+        ("frequencies, another n", problem.frequencies, 1, 2, ValueError, "n differs"),
+    ]  # fmt: skip
+
+
 def changed_load(s, factor):
     s.loaded.loads[0].constant.value[:] = [0.0, factor]
     s.loaded.solve()
@@ -291,7 +321,8 @@ def outcome(call, argument):
 
 def main():
     s, failed = Setting(), []
-    table = calls_of_problems(s) + calls_of_implicit_problems(s) + calls_of_parts(s)
+    table = calls_of_problems(s) + calls_of_implicit_problems(s) + calls_of_rolling_problems(s)
+    table += calls_of_parts(s)
     for name, call, right, wrong, kind, word in table:
         faulthandler.dump_traceback_later(SECONDS, exit=True)
         if COMM.rank == 0:

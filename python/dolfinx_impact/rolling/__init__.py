@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Steady rolling in the ALE frame: the mesh stands, the material flows through it."""

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""Inertia of the flow of material through a mesh, as a load of a static problem; seed (3.53)-(3.57), corrected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.mesh import MeshTags
+
+from ..assembly import operators
+from ..common.types import FloatArray
+from ..forms import ale
+from ..materials import Material
+from .motions import Spin, Translation
+
+
+class Flow:
+    """Forces of inertia of bodies whose material moves steadily: their derivative is W, and load steps ramp them.
+
+    Args:
+        u: displacement function [L].
+        material: material, with densities.
+        cell_tags: tags of the bodies.
+        motions: motion by tag.
+    """
+
+    def __init__(
+        self, u: fem.Function, material: Material, cell_tags: MeshTags, motions: Mapping[int, Spin | Translation]
+    ) -> None:
+        mesh = u.function_space.mesh
+        self._material, self._motions = material, dict(motions)
+        self._constants = {tag: motion.constant(mesh) for tag, motion in self._motions.items()}
+        self._reached = {tag: np.array(c.value) for tag, c in self._constants.items()}
+        # Indicators, as materials may bring tags of their own, and a form takes one set of tags.
+        self._indicators: dict[int, Any] = {tag: 1 for tag in self._motions}
+        if len(self._motions) > 1:
+            piecewise = fem.functionspace(mesh, ("DG", 0))
+            for tag in self._motions:
+                self._indicators[tag] = fem.Function(piecewise)
+                self._indicators[tag].x.array[cell_tags.find(tag)] = 1.0
+                self._indicators[tag].x.scatter_forward()
+
+    def same_on_all_ranks(self) -> list[Any]:
+        """What must be the same on all ranks."""
+        return [self._motions]
+
+    def update(self) -> None:
+        """Take over the present rates of the motions."""
+        for tag, constant in self._constants.items():
+            constant.value = self._motions[tag].rate
+
+    def ramps(self) -> list[tuple[fem.Constant, FloatArray]]:
+        """Pairs (constant, value reached by earlier solves): what load steps run through."""
+        return [(self._constants[tag], self._reached[tag]) for tag in self._motions]
+
+    def reached(self) -> list[FloatArray]:
+        """Copies of the rates that earlier solves reached."""
+        return [value.copy() for value in self._reached.values()]
+
+    def form(self, u: fem.Function, v: Any, material: Any) -> ufl.Form:
+        """Virtual work of the forces of inertia: at the deformed place for a spin, so that its derivative is W.
+
+        Args:
+            u: displacement function [L].
+            v: test function.
+            material: material of the bodies.
+        """
+        mesh = u.function_space.mesh
+
+        def inertia(motion: Spin | Translation, constant: Any, density: Any, dx: Any) -> Any:
+            if isinstance(motion, Spin):
+                w = motion.velocity(mesh, constant)
+                return ale.centrifugal_load(v, density, w, dx) + ale.ale_inertia(u, v, density, w, dx)
+            # A straight flow without deformation has no acceleration: no load at zero displacement.
+            return ale.ale_inertia(u, v, density, constant, dx)
+
+        return self._sum(inertia, u, material)
+
+    def gyroscopic(self, u: fem.Function, du: Any, v: Any) -> ufl.Form:
+        """Bilinear form G, skew-symmetric; seed (3.56).
+
+        Args:
+            u: displacement function [L].
+            du: trial function.
+            v: test function.
+        """
+        mesh = u.function_space.mesh
+
+        def gyro(motion: Spin | Translation, constant: Any, density: Any, dx: Any) -> Any:
+            w = motion.velocity(mesh, constant) if isinstance(motion, Spin) else constant
+            return ale.gyroscopic(du, v, density, w, dx)
+
+        return self._sum(gyro, u, self._material)
+
+    def direction(self, u: fem.Function, du: Any, v: Any) -> ufl.Form:
+        """Bilinear form of the derivative along the flow as the material sees it, without the turn of vectors: its
+        sign on a complex mode is the direction in which the wave travels.
+
+        Args:
+            u: displacement function [L].
+            du: trial function.
+            v: test function.
+        """
+        mesh = u.function_space.mesh
+
+        def along(motion: Spin | Translation, constant: Any, density: Any, dx: Any) -> Any:
+            if isinstance(motion, Translation):
+                return density * ufl.inner(ufl.grad(du) * constant, v) * dx
+            w = motion.velocity(mesh, constant)
+            return density * ufl.inner(ufl.grad(du) * w - motion.turned(du, constant), v) * dx
+
+        return self._sum(along, u, self._material)
+
+    def mass(self, u: fem.Function, du: Any, v: Any) -> ufl.Form:
+        """Bilinear form of the mass.
+
+        Args:
+            u: displacement function [L].
+            du: trial function.
+            v: test function.
+        """
+        mesh = u.function_space.mesh
+        return operators.sum_materials(u, self._material, lambda m, dx: m.mass_density(mesh) * ufl.inner(du, v) * dx)
+
+    def _sum(self, term: Callable[[Any, Any, Any, Any], Any], u: fem.Function, material: Material) -> Any:
+        """Sum of a term over materials and motions."""
+        mesh = u.function_space.mesh
+        return operators.sum_materials(
+            u,
+            material,
+            lambda m, dx: sum(
+                term(motion, self._constants[tag], self._indicators[tag] * m.mass_density(mesh), dx)
+                for tag, motion in self._motions.items()
+            ),
+        )

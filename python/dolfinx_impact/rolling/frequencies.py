@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""Quadratic eigenproblem (s^2 M + s G + K - W) x = 0 of a body in the ALE frame; seed (3.54), corrected."""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..common.types import FloatArray
+
+TOLERANCE = 1e-10  # relative, of an eigenvalue
+SHIFT = 1e-3  # of the mesh's frequency: keeps the factorised matrix regular where rigid motions are free
+GROWTH = 1e-6  # real part over the largest modulus found, at which a mode grows
+RIGID = 10.0  # moduli below this many times the former belong to rigid motions
+
+
+def solve(K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int) -> tuple[FloatArray, int]:
+    """Find the frequencies of smallest modulus. Collective.
+
+    A mode x exp(i omega t) with omega > 0 is a wave: forward if its phase travels with the flow of the material,
+    backward, and then given with a minus sign, if it travels against it. With x ~ exp(-i n theta) the form `along` is
+    -i n times the mass, so that the sign is that of minus its imaginary part.
+
+    Args:
+        K: tangent stiffness minus W, with ones on the diagonal of supports [F/L].
+        G: gyroscopic matrix, zero at supports [M/T].
+        M: mass matrix, zero at supports [M].
+        along: matrix of the derivative along the flow, zero at supports [M/T].
+        count: number of frequencies [1].
+
+    Returns:
+        Frequencies, sorted by modulus, (count) or fewer [1/T], and the number of modes found that grow [1].
+
+    Raises:
+        RuntimeError: the solver found fewer than asked for.
+    """
+    from slepc4py import SLEPc
+
+    diagonals = [A.getDiagonal() for A in (K, M)]
+    shift = SHIFT * float(np.sqrt(diagonals[0].sum() / diagonals[1].sum()))
+    for d in diagonals:
+        d.destroy()
+    pep = SLEPc.PEP().create(K.getComm())
+    pep.setOperators([K, G, M])
+    pep.setProblemType(SLEPc.PEP.ProblemType.GENERAL)
+    pep.setType(SLEPc.PEP.Type.TOAR)
+    pep.setScale(SLEPc.PEP.Scale.SCALAR)
+    pep.setDimensions(2 * count + 4)
+    pep.setTolerances(TOLERANCE, 500)
+    pep.setTarget(shift)
+    pep.setWhichEigenpairs(SLEPc.PEP.Which.TARGET_MAGNITUDE)
+    st = pep.getST()
+    st.setType(SLEPc.ST.Type.SINVERT)
+    ksp = st.getKSP()
+    ksp.setType("preonly")
+    ksp.getPC().setType("lu")
+    ksp.getPC().setFactorSolverType("mumps")
+    pep.solve()
+    real, imaginary, product = K.createVecRight(), K.createVecRight(), K.createVecRight()
+    values = [pep.getEigenpair(i, real, imaginary) for i in range(pep.getConverged())]
+    # Free rigid motions have s = 0 as a double root, which round-off splits into a pair of any phase.
+    small = GROWTH * max((abs(s) for s in values), default=0.0)
+    found: list[float] = []
+    growing = 0
+    for i, s in enumerate(values):
+        if abs(s.real) > small:
+            growing += s.real > 0
+            continue
+        if s.imag < RIGID * small:
+            continue  # a rigid motion, or the conjugate of a mode, which is the same motion
+        pep.getEigenpair(i, real, imaginary)
+        # Imaginary part of x^H D x, where D is real and x = a + i b: a.D b - b.D a.
+        along.mult(imaginary, product)
+        twist = product.dot(real)
+        along.mult(real, product)
+        twist -= product.dot(imaginary)
+        found.append(-s.imag if twist > 0.0 else s.imag)
+    for thing in (real, imaginary, product, pep):
+        thing.destroy()
+    if len(found) < count:
+        raise RuntimeError(f"the eigensolver found {len(found)} of {count} frequencies ({growing} modes grow)")
+    return np.array(sorted(found, key=abs)[:count]), growing

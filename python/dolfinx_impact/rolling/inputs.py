@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""Checks of the arguments of a rolling problem, on one rank, for use under a guard (common/collective.py)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from dolfinx.mesh import Mesh
+
+from ..common import arguments
+from ..inelastic import InelasticMaterial
+from .motions import Spin, Translation
+
+
+def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any) -> None:
+    """Check what a rolling problem asks beyond a static one.
+
+    Args:
+        mesh: mesh of the displacement.
+        material: material or MaterialMap, checked.
+        cell_tags: tags of the bodies.
+        motions: motion by tag.
+        contact: contacts, checked.
+
+    Raises:
+        TypeError: an argument is of the wrong type.
+        ValueError: axisymmetric, inelastic or massless materials, motions that do not fit, or contacts with friction.
+    """
+    arguments.tags("RollingProblem", cell_tags, mesh, mesh.topology.dim)
+    if not isinstance(motions, dict):
+        raise TypeError(f"motions must be a dict, tag -> Spin or Translation, found {type(motions).__name__}")
+    if not motions:
+        raise ValueError("motions is empty: give every cell tag a Spin or a Translation")
+    for tag, motion in motions.items():
+        if isinstance(tag, bool) or not isinstance(tag, (int, np.integer)):
+            raise TypeError(f"a tag of motions must be an integer, found {tag!r:.60}")
+        if not isinstance(motion, (Spin, Translation)):
+            raise TypeError(f"the motion of tag {tag} must be a Spin or a Translation, found {type(motion).__name__}")
+        motion.check(mesh)
+    if material.hypothesis_on(mesh) == "axisymmetric":
+        raise ValueError("hypothesis 'axisymmetric': a body that spins about z is not axisymmetric in the (r, z) plane")
+    for _, m in material.parts():
+        if isinstance(m, InelasticMaterial):
+            raise ValueError(
+                f"{type(m).__name__} has internal variables: a RollingProblem cannot carry them with the flow yet; "
+                "take an elastic material"
+            )
+        m.mass_density(mesh)
+    for c in contact:
+        if c.pair.friction > 0.0:
+            raise ValueError(
+                f"{c.pair.name} has friction {c.pair.friction}: a RollingProblem has no friction yet, it comes later; "
+                "make the pair with friction 0"
+            )

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: MIT
+"""Steady rolling without friction, in the ALE frame: the mesh stands, the material flows through it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import dolfinx.fem.petsc as petsc
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.mesh import MeshTags
+from petsc4py import PETSc
+
+from ..assembly import problem_arguments
+from ..common import arguments
+from ..common.collective import comm_of, guard
+from ..common.types import FloatArray
+from ..common.unique import Unique
+from ..loads import Load
+from ..materials import MaterialMap, _Material
+from ..statics.problem import Report, StaticProblem
+from . import frequencies, inputs, revolution, stability
+from .flow import Flow
+from .motions import Spin, Translation
+
+if TYPE_CHECKING:
+    from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+    from ..contact.penalty.penalty import Penalty, PenaltyContact
+
+
+class RollingProblem(Unique):
+    """Bodies through whose meshes the material flows steadily, in contact without friction or not.
+
+    The equations are those of a StaticProblem with the forces of inertia of the flow: stiffness minus W, and for a Spin
+    the centrifugal load, which thus acts at the deformed radius.
+
+    Args:
+        u: displacement function. Its value is the initial guess, and becomes the solution [L].
+        material: elastic material or MaterialMap, with densities.
+        cell_tags: tags of the bodies; every owned cell must carry one.
+        motions: dict from cell tag to Spin or Translation.
+        contact: contacts without friction: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
+        bcs: boundary conditions.
+        loads: loads (dolfinx_impact.Traction, ...).
+        options: PETSc options, as of StaticProblem.
+        prefix: prefix of PETSc options on the command line.
+
+    Attributes:
+        u: displacement [L].
+        motions: motion by cell tag; a new Spin.omega or Translation.velocity counts from the next solve.
+        contact: contacts with their results, in the order given.
+
+    Raises:
+        TypeError: an argument is of the wrong type; on all ranks.
+        ValueError: cells without a motion, motions without cells, a Spin of a body that is not one of revolution about
+            its axis, friction, materials with internal variables or without density; or what StaticProblem refuses. On
+            all ranks.
+    """
+
+    def __init__(
+        self,
+        u: fem.Function,
+        material: _Material | MaterialMap,
+        cell_tags: MeshTags,
+        motions: Mapping[int, Spin | Translation],
+        contact: Sequence[Lagrange | Penalty] = (),
+        bcs: Sequence[fem.DirichletBC] = (),
+        loads: Sequence[Load] = (),
+        options: dict[str, Any] | None = None,
+        prefix: str = "impact_rolling_",
+    ) -> None:
+        with guard(comm_of(u, bcs, material, cell_tags, loads, contact), "RollingProblem") as ranks:
+            given = problem_arguments.problem(u, material, None, bcs, loads, contact)
+            inputs.check(u.function_space.mesh, material, cell_tags, motions, contact)
+            arguments.options(options)
+            ranks.same(**given, motions=dict(motions), options=options, prefix=prefix)
+        self.u, self.motions = u, {int(tag): motion for tag, motion in motions.items()}
+        mesh = u.function_space.mesh
+        self._check_tags(cell_tags)
+        for tag, motion in self.motions.items():
+            if isinstance(motion, Spin):
+                complaint = revolution.fault(mesh, cell_tags, tag, motion)
+                if complaint:
+                    raise ValueError(complaint)
+        self._flow = Flow(u, material, cell_tags, self.motions)
+        everything: list[Any] = [*loads, self._flow]
+        self._equilibrium = StaticProblem(
+            u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
+        )
+        spinning = [tag for tag, motion in self.motions.items() if isinstance(motion, Spin)]
+        self._first = spinning[0] if spinning else None
+        self._dofs = np.zeros(0, dtype=np.int32)
+        if self._first is not None:
+            cells = cell_tags.find(self._first)
+            nodes = np.unique(u.function_space.dofmap.list[cells])
+            self._dofs = nodes[nodes < u.function_space.dofmap.index_map.size_local]
+
+    def _check_tags(self, cell_tags: MeshTags) -> None:
+        """Raise ValueError on all ranks unless cells and motions have the same tags."""
+        mesh = self.u.function_space.mesh
+        num_owned = mesh.topology.index_map(mesh.topology.dim).size_local
+        owned = cell_tags.indices < num_owned
+        found = mesh.comm.allgather((np.unique(cell_tags.values[owned]), int(num_owned - np.count_nonzero(owned))))
+        tags = {int(t) for values, _ in found for t in values}
+        missing, unknown = sorted(tags - set(self.motions)), sorted(set(self.motions) - tags)
+        if missing:
+            raise ValueError(f"cells carry the tags {missing}, which have no motion: give each a Spin or a Translation")
+        if unknown:
+            raise ValueError(f"motions has the tags {unknown}, which no cell carries; the mesh has {sorted(tags)}")
+        untagged = sum(count for _, count in found)
+        if untagged:
+            raise ValueError(f"{untagged} cells carry no tag: every cell needs a motion")
+
+    def __repr__(self) -> str:
+        return f"RollingProblem({self.motions}, {self._equilibrium!r})"
+
+    @property
+    def contact(self) -> list[LagrangeContact | PenaltyContact]:
+        """Contacts with their results."""
+        return self._equilibrium.contact
+
+    @property
+    def omega(self) -> float:
+        """Angular velocity of the first Spin [1/T].
+
+        Raises:
+            ValueError: no body spins.
+        """
+        return self._first_spin().omega
+
+    def _first_spin(self) -> Spin:
+        motion = None if self._first is None else self.motions[self._first]
+        if not isinstance(motion, Spin):
+            raise ValueError("no body has a Spin")
+        return motion
+
+    def solve(
+        self,
+        steps: int = 1,
+        rtol: float = 1e-10,
+        atol: float = 0.0,
+        max_iterations: int = 25,
+        cut_backs: int | None = None,
+        verbose: bool = False,
+    ) -> Report:
+        """Find the steady state for the present rates, loads, boundary conditions and obstacles, in steps from those of
+        the last solve. Collective.
+
+        After an exception u, contacts, rates, loads and obstacles are those of the last converged state.
+
+        Args:
+            steps: number of equal steps [1].
+            rtol: tolerance of the free residual, as in StaticProblem.solve [1].
+            atol: tolerance of the free residual [F].
+            max_iterations: largest number of iterations per step [1].
+            cut_backs: largest number of times that the increment is halved, as in StaticProblem.solve [1].
+            verbose: print every iteration on rank 0.
+
+        Returns:
+            Report, as of StaticProblem.solve.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: as in StaticProblem.solve; on all ranks.
+            RuntimeError: no convergence, or a speed beyond the critical one: the tangent, stiffness minus W, is not
+                positive definite; on all ranks.
+
+        Warns:
+            UserWarning: Lagrange contacts, and the bodies without them are beyond the critical speed.
+        """
+        p = self._equilibrium
+        with guard(self.u.function_space.mesh.comm, "RollingProblem.solve") as ranks:
+            ranks.same(motions=self.motions)
+        self._flow.update()
+        good, states = self.u.x.array.copy(), [c.save_state() for c in p.contact]
+        ramps = [pair for load in p.loads if hasattr(load, "ramps") for pair in load.ramps()]
+        reached = [value.copy() for _, value in ramps]
+        report = p.solve(steps, rtol, atol, max_iterations, cut_backs, verbose)
+        negative = stability.negative_directions(p)
+        text = (
+            f"the spin or the speed is beyond the critical one: stiffness minus W is not positive definite, {negative} "
+            "of its eigenvalues are negative"
+        )
+        if negative and any(c.has_multipliers for c in p.contact):
+            if p.space.mesh.comm.rank == 0:
+                warnings.warn(f"without what the contacts hold, {text}", stacklevel=2)
+        elif negative:
+            self.u.x.array[:] = good
+            for contact, state in zip(p.contact, states):
+                contact.restore_state(state)
+            for (_, value), before in zip(ramps, reached):
+                value[...] = before
+            raise RuntimeError(f"{text}. Hold the body, or let it turn slower")
+        return report
+
+    def reactions(self) -> fem.Function:
+        """Support forces at prescribed degrees of freedom, round-off elsewhere [F]. Collective."""
+        return self._equilibrium.reactions()
+
+    @property
+    def torque(self) -> float:
+        """Moment of contact forces and supports on the body of the first Spin, about its axis, at deformed places
+        [F L]; per length in the plane. Collective.
+
+        Raises:
+            ValueError: no body spins.
+        """
+        spin, p = self._first_spin(), self._equilibrium
+        gdim, size = p.space.mesh.geometry.dim, p.num_owned
+        forces = np.where(p.fixed[:size], self.reactions().x.array[:size], 0.0)
+        for contact in p.contact:
+            forces = forces + contact.contact_forces()
+        f, places = forces.reshape(-1, gdim)[self._dofs], np.zeros((len(self._dofs), 3))
+        places[:, :gdim] = p.space.tabulate_dof_coordinates()[self._dofs, :gdim] - spin.point
+        places[:, :gdim] += self.u.x.array[:size].reshape(-1, gdim)[self._dofs]
+        full = np.zeros_like(places)
+        full[:, :gdim] = f
+        return float(p.space.mesh.comm.allreduce(float(np.sum(np.cross(places, full) @ spin.axis))))
+
+    def frequencies(self, n: int) -> FloatArray:
+        """Angular frequencies of small vibrations about the present state, in the ALE frame. Collective.
+
+        A wave exp(i (omega t - m theta)), m > 0 counted along the spin, has its own sign of omega: positive for waves
+        that travel with the flow, negative against it. Waves without a direction (no spin, m = 0) are positive.
+        Free rigid motions, of frequency zero, are left out.
+
+        Args:
+            n: number of frequencies, of smallest modulus [1].
+
+        Returns:
+            Signed frequencies, sorted by modulus, (n) [rad/T].
+
+        Raises:
+            TypeError: `n` is not an integer; on all ranks.
+            ValueError: `n` is not positive, or there are Lagrange contacts; on all ranks.
+            RuntimeError: the eigensolver found fewer; on all ranks.
+
+        Warns:
+            UserWarning: modes grow, as the state is beyond a critical speed; they are left out.
+        """
+        p = self._equilibrium
+        with guard(p.space.mesh.comm, "RollingProblem.frequencies", n=n):
+            n = arguments.integer("n", n, 1)
+            if any(c.has_multipliers for c in p.contact):
+                raise ValueError("frequencies with Lagrange contacts come later: enforce the contact by Penalty")
+        self._flow.update()
+        v, du = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)
+        K = stability.held_tangent(p)
+        forms = [f(self.u, du, v) for f in (self._flow.gyroscopic, self._flow.mass, self._flow.direction)]
+        G, M, along = (self._matrix(form) for form in forms)
+        found, growing = frequencies.solve(K, G, M, along, n)
+        for matrix in (K, G, M, along):
+            matrix.destroy()
+        if growing and p.space.mesh.comm.rank == 0:
+            warnings.warn(f"{growing} modes grow: beyond a critical speed; they are left out", stacklevel=2)
+        return found
+
+    def _matrix(self, form: ufl.Form) -> PETSc.Mat:
+        """Matrix of a bilinear form, zero at supports."""
+        matrix = petsc.assemble_matrix(fem.form(form), bcs=self._equilibrium.bcs, diagonal=0.0)
+        matrix.assemble()
+        return matrix

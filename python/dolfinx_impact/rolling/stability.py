@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""Whether a steady state is below its critical speed: stiffness minus W must be positive definite."""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..statics.problem import StaticProblem
+
+
+def held_tangent(problem: StaticProblem) -> PETSc.Mat:
+    """Tangent at the present state with contact by penalty, with ones in the rows of supports. Collective.
+
+    Args:
+        problem: static problem whose body includes W.
+
+    Returns:
+        A matrix of its own [F/L].
+    """
+    K = problem.tangent.assemble().copy()
+    for contact in problem.contact:
+        if not contact.has_multipliers:
+            contact.update_gap(problem.u.x.array)
+            K.axpy(1.0, contact.tangent(), PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    rows = K.getOwnershipRange()[0] + np.flatnonzero(problem.fixed[: problem.num_owned])
+    K.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+    K.zeroRowsColumns(rows.astype(np.int32), 1.0)
+    return K
+
+
+def negative_directions(problem: StaticProblem) -> int:
+    """Number of negative eigenvalues of the tangent, by the inertia of its factors (Sylvester). Collective.
+
+    Args:
+        problem: static problem whose body includes W.
+
+    Returns:
+        The number [1].
+    """
+    K = held_tangent(problem)
+    K.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    pc = PETSc.PC().create(K.getComm())
+    pc.setOperators(K)
+    pc.setType("cholesky")
+    pc.setFactorSolverType("mumps")
+    pc.setFactorSetUpSolverType()
+    # A root of its own in ScaLAPACK does not count pivots: MUMPS then factorises it on one process.
+    pc.getFactorMatrix().setMumpsIcntl(13, 1)
+    pc.getFactorMatrix().setMumpsIcntl(24, 1)  # PETSc's getInertia asks for the detection of null pivots
+    pc.setUp()
+    negative = int(pc.getFactorMatrix().getInertia()[0])
+    pc.destroy()
+    K.destroy()
+    return negative
