@@ -176,7 +176,8 @@ class SteadySystem(Stiffness):
                 slide = law.sliding & ~locked[:, a] & (c.friction > 0.0)
                 along = np.einsum("na,na->n", t, law.direction)
                 across = law.kappa[:, None] * (t - along[:, None] * law.direction)
-                scale = c.nodal_stiffness / rate / self.unit
+                weight = np.where(c.carriers, c.geometry.weight, 0.0)
+                scale = law.tangential_stiffness * weight / self.unit
                 own[slide, a] = (t - across - c.friction * along[:, None] * frame[:, 0])[slide]
                 on_velocity[slide, a] = (scale[:, None] * across)[slide]
                 known = scale[:, None] * (slip - c.slip_velocity) - self._scaled(c, vector)
