@@ -40,7 +40,9 @@ class WheelOnRail:
             self.tags["slave_body"]: self.spin,
             self.tags["master_body"]: di.Translation((-SPEED, 0.0)),
         }
-        pair = di.ContactPair(made.facet_tags, self.tags["slave_surface"], self.tags["master_surface"], friction=friction)
+        pair = di.ContactPair(
+            made.facet_tags, self.tags["slave_surface"], self.tags["master_surface"], friction=friction
+        )
         held = [fem.dirichletbc(self.hub, self.axle), fem.dirichletbc(np.zeros(2), bottom, self.V)]
         self.problem = di.RollingProblem(
             fem.Function(self.V), steel, made.cell_tags, motions, contact=[di.Lagrange(pair)], bcs=held

@@ -143,7 +143,11 @@ class RollingContact(LagrangeContact):
             against = against - self._flow.rigid_velocity(self.pair.rigid_master)[: self.gdim]
         gap = np.where(self.geometry.participates, self.geometry.gap, np.inf)
         nearest = int(np.argmin(gap)) if len(gap) else 0
-        mine = (float(gap[nearest]), self._w[self.nodes[nearest]], against[nearest], self.points[nearest]) if len(gap) else None
+        mine = (
+            (float(gap[nearest]), self._w[self.nodes[nearest]], against[nearest], self.points[nearest])
+            if len(gap)
+            else None
+        )
         found = [row for row in self.comm.allgather(mine) if row is not None and np.isfinite(row[0])]
         if not found:
             return
@@ -248,7 +252,10 @@ class RollingContact(LagrangeContact):
 
     def save_state(self) -> dict[str, Any]:
         """State that an increment starts from, as a dict of copies."""
-        return super().save_state() | {"slip_velocity": self.slip_velocity.copy(), "friction_power": self.friction_power}
+        return super().save_state() | {
+            "slip_velocity": self.slip_velocity.copy(),
+            "friction_power": self.friction_power,
+        }
 
     def accept_step(self) -> None:
         """The increment has converged. Collective."""

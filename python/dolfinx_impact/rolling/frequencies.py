@@ -14,7 +14,9 @@ GROWTH = 1e-6  # real part over the largest modulus found, at which a mode grows
 RIGID = 10.0  # moduli below this many times the former belong to rigid motions
 
 
-def solve(K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int, least: float) -> tuple[FloatArray, int]:
+def solve(
+    K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int, least: float
+) -> tuple[FloatArray, int]:
     """Find the frequencies of smallest modulus. Collective.
 
     A mode x exp(i omega t) with omega > 0 is a wave: forward if its phase travels with the flow of the material,

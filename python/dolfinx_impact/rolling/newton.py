@@ -120,8 +120,12 @@ class RollingNewton:
             log.iteration(iteration, norm, scale, result.active_set_sizes[-1], changes)
             log(f"    violation of contact and friction {wrong:.2e}" + (f", torque off {off:.2e}" if off else ""))
             self._interrupts.check()
-            if moved and iteration > 0 and wrong < VIOLATION and off < VIOLATION and norm <= max(
-                self.atol, self.rtol * scale
+            if (
+                moved
+                and iteration > 0
+                and wrong < VIOLATION
+                and off < VIOLATION
+                and norm <= max(self.atol, self.rtol * scale)
             ):
                 return result.converged()
             if self.control and self.control.fault:
@@ -166,7 +170,14 @@ class RollingNewton:
         weight = np.where(c.carriers, c.geometry.weight, 1.0)
         stiffness = c.nodal_stiffness / weight
         return linearise(
-            c.geometry.normal, c.friction, stiffness, self._caution * stiffness / self._rate(c), c.carriers, gap, slip, vectors
+            c.geometry.normal,
+            c.friction,
+            stiffness,
+            self._caution * stiffness / self._rate(c),
+            c.carriers,
+            gap,
+            slip,
+            vectors,
         )
 
     def _rate(self, c: RollingContact) -> float:

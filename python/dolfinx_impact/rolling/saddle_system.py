@@ -149,9 +149,7 @@ class SteadySystem(Stiffness):
 
     # --- equations of the present status ----------------------------------------------------------------------------
 
-    def assign(
-        self, laws: Sequence[Linearised], slips: Sequence[FloatArray], vectors: Sequence[FloatArray]
-    ) -> None:
+    def assign(self, laws: Sequence[Linearised], slips: Sequence[FloatArray], vectors: Sequence[FloatArray]) -> None:
         """Equations of the nodes. Collective.
 
         Args:
@@ -160,9 +158,7 @@ class SteadySystem(Stiffness):
             vectors: multipliers there, (n, gdim) [F/L^2].
         """
         jumps, velocities, diagonals, rights, status = [], [], [], [], []
-        for c, law, frame, locked, slip, vector in zip(
-            self.contacts, laws, self._frames, self._locked, slips, vectors
-        ):
+        for c, law, frame, locked, slip, vector in zip(self.contacts, laws, self._frames, self._locked, slips, vectors):
             on_jump, on_velocity, own = np.zeros_like(frame), np.zeros_like(frame), frame.copy()
             right = np.zeros(frame.shape[:2])
             rate = self._rate(c)

@@ -107,6 +107,8 @@ def _candidates(facets: Any, w: FloatArray) -> list[tuple[AnyArray, FloatArray, 
         moves = np.any(along != 0.0, axis=1)
         inward = rates.min(axis=1) / np.where(total > 0.0, total, 1.0) if on_rim.any() else np.ones(len(nodes))
         coefficients = along @ element.tabulate(*xi)[1 : 1 + tdim]
-        found.append((nodes[:, i], np.where(moves, inward, -np.inf), nodes, np.where(moves[:, None], coefficients, 0.0)))
+        found.append(
+            (nodes[:, i], np.where(moves, inward, -np.inf), nodes, np.where(moves[:, None], coefficients, 0.0))
+        )
     return [(np.ascontiguousarray(a[np.isfinite(s)]), s[np.isfinite(s)], c[np.isfinite(s)], d[np.isfinite(s)])
             for a, s, c, d in found]  # fmt: skip

@@ -119,7 +119,9 @@ def run(
         for k in range(len(rows), total):
             here = tuple(float(points[name][k]) for name in INPUTS)
             if bar:
-                bar.update(0, completed=k, description=f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}")
+                bar.update(
+                    0, completed=k, description=f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}"
+                )
             rows.append({**dict(zip(INPUTS, here)), **solve(*here)})
             if file is not None:
                 if comm.rank == 0:

@@ -259,7 +259,7 @@ def calls_of_parts(s):
 
 def calls_of_rolling_problems(s):
     """Rows as calls_of_problems, of a rail, the unit square, that flows straight."""
-    along, vector = di.Translation((1e-3, 0)), (0, 0, 1)
+    along = di.Translation((1e-3, 0))
 
     def rolling(**changes):
         given = dict(material=law(), cell_tags=s.cells, motions={1: along}, bcs=[s.bc]) | changes
@@ -277,10 +277,8 @@ def calls_of_rolling_problems(s):
          "motions differs"),
         ("RollingProblem, no motion", lambda m: rolling(motions=m), {1: along}, {}, ValueError, "empty"),
         ("RollingProblem, friction", lambda c: rolling(contact=c), [di.Penalty(s.pair)], [di.Penalty(rough)],
-         ValueError, "friction"),
-        ("Spin, axis", lambda a: rolling(motions={1: di.Spin((0, 0), a, 0.1)}), (0, 0, 1), (0, 0, 0), ValueError,
-         "no direction"),
-        ("Spin, omega", lambda o: rolling(motions={1: di.Spin((0, 0), vector, o)}), 0.1, "fast", TypeError, "omega"),
+         ValueError, "Lagrange"),
+        ("rolling solve, torque", lambda t: problem.solve(torque=t), None, 0.0, ValueError, "Spin"),
         ("rolling solve, steps", lambda n: problem.solve(steps=n), 1, 2, ValueError, "steps differs"),
         ("frequencies, n", problem.frequencies, 1, 0, ValueError, "positive integer"),
         ("frequencies, another n", problem.frequencies, 1, 2, ValueError, "n differs"),

@@ -184,7 +184,9 @@ def wheel_on_plane(friction=0.3, speed=1.0, omega=-1.0, contact=di.Lagrange, app
     """A wheel that rolls towards +x on a rigid plane."""
     domain, tags = wheel_mesh()
     V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
-    hub, values = mesh.locate_entities_boundary(domain, 2, lambda x: np.isclose(np.hypot(x[0], x[1]), 0.5)), fem.Function(V)
+    hub, values = mesh.locate_entities_boundary(
+        domain, 2, lambda x: np.isclose(np.hypot(x[0], x[1]), 0.5)
+    ), fem.Function(V)
     axle = fem.locate_dofs_topological(V, 2, hub)
     values.x.array.reshape(-1, 3)[axle] = (0.0, -approach, 0.0)
     plane = di.RigidPlane((0.0, -1.0, 0.0), (0.0, 1.0, 0.0))
