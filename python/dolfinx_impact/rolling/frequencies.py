@@ -14,7 +14,7 @@ GROWTH = 1e-6  # real part over the largest modulus found, at which a mode grows
 RIGID = 10.0  # moduli below this many times the former belong to rigid motions
 
 
-def solve(K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int) -> tuple[FloatArray, int]:
+def solve(K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int, least: float) -> tuple[FloatArray, int]:
     """Find the frequencies of smallest modulus. Collective.
 
     A mode x exp(i omega t) with omega > 0 is a wave: forward if its phase travels with the flow of the material,
@@ -27,6 +27,8 @@ def solve(K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int
         M: mass matrix, zero at supports [M].
         along: matrix of the derivative along the flow, zero at supports [M/T].
         count: number of frequencies [1].
+        least: below it a mode's derivative along the flow, over its amplitude, is none: half the angular velocity of a
+            body, as waves have a whole number of lengths around it; zero without a spin [1/T].
 
     Returns:
         Frequencies, sorted by modulus, (count) or fewer [1/T], and the number of modes found that grow [1].
@@ -74,7 +76,11 @@ def solve(K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int
         twist = product.dot(real)
         along.mult(real, product)
         twist -= product.dot(imaginary)
-        found.append(-s.imag if twist > 0.0 else s.imag)
+        size = 0.0
+        for part in (real, imaginary):
+            M.mult(part, product)
+            size += product.dot(part)
+        found.append(-s.imag if twist > least * size else s.imag)
     for thing in (real, imaginary, product, pep):
         thing.destroy()
     if len(found) < count:

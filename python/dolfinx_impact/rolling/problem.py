@@ -367,7 +367,8 @@ class RollingProblem(Unique):
         K = stability.held_tangent(p)
         forms = [f(self.u, du, v) for f in (self._flow.gyroscopic, self._flow.mass, self._flow.direction)]
         G, M, along = (self._matrix(form) for form in forms)
-        found, growing = frequencies.solve(K, G, M, along, n)
+        least = 0.5 * max((abs(m.omega) for m in self.motions.values() if isinstance(m, Spin)), default=0.0)
+        found, growing = frequencies.solve(K, G, M, along, n, least)
         for matrix in (K, G, M, along):
             matrix.destroy()
         if growing and p.space.mesh.comm.rank == 0:

@@ -16,7 +16,9 @@ from .flow import Flow
 from .motions import Spin
 from .saddle_system import SteadySystem
 
-FURTHER = 1e-4  # of the speed: a change of slip velocity that is allowed in an iteration, besides the largest slip
+# Of the speed: changes of slip velocity that are allowed in an iteration, besides the largest slip; where all nodes slip,
+# and where some stick, so that the derivative tells more.
+FURTHER, STUCK = 1e-4, 2e-3
 
 LIMITED = 8  # iterations in a row with the largest change, in which the slip velocity doubles each time
 
@@ -85,7 +87,7 @@ class TorqueControl:
         self._reach = torque.reach
         self._slopes: list[FloatArray] = []
         self._load: FloatArray = np.zeros(0)
-        self._most, self._limited = np.inf, 0
+        self._most, self._limited, self._rubs = np.inf, 0, False
         self._low, self._high = -np.inf, np.inf
 
     def error(self, contacts: Sequence[RollingContact]) -> float:
@@ -111,12 +113,18 @@ class TorqueControl:
         self._set(omega)
         self._load = (residuals[0] - residuals[1]) / (2.0 * step)
         self._slopes = [c.velocity_slope(self._spin) for c in contacts]
-        # Where all slips, the torque hardly depends on the spin: no further at a time than slip may turn round.
-        slips = [np.linalg.norm(c.slip_velocity, axis=1)[c.active].max(initial=0.0) for c in contacts]
-        slopes = [np.linalg.norm(s, axis=1)[c.active].max(initial=0.0) for s, c in zip(self._slopes, contacts)]
         comm = self._problem.space.mesh.comm
-        slip, slope = (float(comm.allreduce(max(map(float, v)), MPI.MAX)) for v in (slips, slopes))
-        self._most = (FURTHER * max(c.speed() for c in contacts) + slip) / slope if slope > 0.0 else np.inf
+
+        def largest(vectors: FloatArray, c: RollingContact) -> float:
+            return float(np.linalg.norm(vectors, axis=1)[c.active].max(initial=0.0))
+
+        slip = comm.allreduce(max(largest(c.slip_velocity, c) for c in contacts), MPI.MAX)
+        slope = comm.allreduce(max(largest(s, c) for s, c in zip(self._slopes, contacts)), MPI.MAX)
+        stuck = comm.allreduce(sum(int(np.count_nonzero(c.active & ~c.sliding)) for c in contacts))
+        # Where all slips, the torque hardly depends on the spin: no further at a time than slip may turn round.
+        self._rubs = slope > 0.0
+        further = STUCK if stuck else FURTHER
+        self._most = float((further * max(c.speed() for c in contacts) + slip) / slope) if slope > 0.0 else np.inf
 
     def _set(self, omega: float) -> None:
         self._spin.omega = omega
@@ -148,7 +156,7 @@ class TorqueControl:
             values.append(self._torque.of(system.contact_forces(y)) + self._torque.of(forces, system.displacements(y)))
         change = 0.0
         off = self.target - values[0]
-        if self._most == np.inf:
+        if not self._rubs:
             fault = "the torque does not depend on the spin: nothing touches, or nothing rubs"
         else:
             # A larger spin slips more and takes more torque; where all slips, round-off may say otherwise.

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Rolling problems on any number of ranks: a ring of quadrilaterals about the origin, and blocks that flow straight."""
 
+import contextlib
+import tempfile
+from pathlib import Path
+
 import basix.ufl
 import numpy as np
 import pytest
@@ -73,19 +77,6 @@ def check_solution_does_not_depend_on_ranks():
     alone = spinning(omega=0.2)
     alone.solve()
     assert norm(alone) == pytest.approx(found["LinearElastic"], rel=1e-9)  # two steps or one: linear
-
-
-def check_torque_of_supports_balances_a_traction():
-    domain = ring()
-    facets = mesh.locate_entities_boundary(domain, 1, lambda x: np.hypot(x[0], x[1]) > 1.99)
-    tags = mesh.meshtags(domain, 1, np.sort(facets), np.full(len(facets), 7, np.int32))
-    x = ufl.SpatialCoordinate(domain)
-    load = di.Traction(tags, 7, 1e-6 * ufl.as_vector([-x[1], x[0]]))  # its moment per area is 1e-6 r^2
-    problem = spinning(omega=1e-3, domain=domain, loads=[load])
-    problem.solve()
-    moment = 1e-6 * fem.assemble_scalar(fem.form(ufl.inner(x, x) * ufl.ds(domain=domain, subdomain_data=tags)(7)))
-    moment = COMM.allreduce(moment)
-    assert problem.torque == pytest.approx(-moment, rel=1e-3)  # places move by less than 1e-4
 
 
 def check_beyond_the_critical_speed():
@@ -165,3 +156,130 @@ def check_bad_bodies():
         make({1: di.Translation((1.0, 0.0, 0.0))})
     with pytest.raises(TypeError, match="Spin or a Translation"):
         make({1: 3.0})
+
+
+def wheel_mesh(around=48, through=3, across=4, width=0.2):
+    """A ring of hexahedra about the z axis, radii 0.5 and 1, with one cell tag and the tag 7 on its tread."""
+    angle = np.arange(around) * 2 * np.pi / around - np.pi / 2
+    r, z = np.linspace(0.5, 1.0, through + 1), np.linspace(-width, width, across + 1)
+    A, R, Z = np.meshgrid(angle, r, z, indexing="ij")
+    x = np.stack([R * np.cos(A), R * np.sin(A), Z], axis=-1).reshape(-1, 3)
+    i, j, k = (n.ravel() for n in np.meshgrid(*(np.arange(n) for n in (around, through, across)), indexing="ij"))
+
+    def node(di, dj, dk):
+        return (((i + di) % around) * (through + 1) + j + dj) * (across + 1) + k + dk
+
+    corners = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0), (0, 0, 1), (0, 1, 1), (1, 0, 1), (1, 1, 1)]
+    cells = np.column_stack([node(*corner) for corner in corners]).astype(np.int64)
+    if COMM.rank > 0:
+        cells, x = cells[:0], x[:0]
+    element = basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,))
+    shared = mesh.create_cell_partitioner(mesh.GhostMode.shared_facet)
+    domain = mesh.create_mesh(COMM, cells, x, element, shared)
+    tread = mesh.locate_entities_boundary(domain, 2, lambda x: np.isclose(np.hypot(x[0], x[1]), 1.0))
+    return domain, mesh.meshtags(domain, 2, np.sort(tread), np.full(len(tread), 7, np.int32))
+
+
+def wheel_on_plane(friction=0.3, speed=1.0, omega=-1.0, contact=di.Lagrange, approach=0.01):
+    """A wheel that rolls towards +x on a rigid plane."""
+    domain, tags = wheel_mesh()
+    V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
+    hub, values = mesh.locate_entities_boundary(domain, 2, lambda x: np.isclose(np.hypot(x[0], x[1]), 0.5)), fem.Function(V)
+    axle = fem.locate_dofs_topological(V, 2, hub)
+    values.x.array.reshape(-1, 3)[axle] = (0.0, -approach, 0.0)
+    plane = di.RigidPlane((0.0, -1.0, 0.0), (0.0, 1.0, 0.0))
+    plane.velocity = (-speed, 0.0, 0.0)
+    pair = di.ContactPair(tags, 7, plane, friction=friction)
+    rubber = di.LinearElastic(100.0, 0.3, density=1e-3)
+    return di.RollingProblem(
+        fem.Function(V), rubber, tagged(domain), {1: di.Spin((0, 0, 0), (0, 0, 1), omega)},
+        contact=[contact(pair)], bcs=[fem.dirichletbc(values, axle)],
+    )  # fmt: skip
+
+
+# Solutions on one rank: force by creep, lateral creep and spin creep.
+CURVE = {"creep": [2e-3, 8e-3, 0.02], "lateral": [0.0, 2e-3, 0.0], "spin": [0.0, 0.0, 0.05]}
+FORCES = [
+    [-1.135774003566e-02, 2.222344144146e-01, 0.0],
+    [2.713212598708e-02, 2.214882350962e-01, -5.443841566379e-03],
+    None,
+]
+
+
+def check_creep_forces_do_not_depend_on_ranks():
+    problem = wheel_on_plane()
+    curve = problem.sweep(**CURVE, progress=False)
+    np.testing.assert_allclose(curve["force"][:2], FORCES[:2], atol=1e-9 * 0.222)
+    x, y, z = curve["force"].T
+    assert np.all(np.hypot(x, z) <= 0.3 * y * (1 + 1e-9))
+    # Full slip at the largest creep, against the motion of the surface; spin creep turns the force sideways.
+    assert np.hypot(x, z)[2] > 0.9 * 0.3 * y[2] and x[2] > 0.0 and abs(z[2]) > 1e-4 * y[2]
+    assert curve["torque"][1] == pytest.approx(problem_torque(problem, CURVE, 1), rel=1e-9)
+    np.testing.assert_allclose(curve["omega"], -1.0 * (1.0 + np.array(CURVE["creep"])), rtol=1e-15)
+
+
+def problem_torque(problem, curve, k):
+    """Torque of one point of a curve, solved once more from another state."""
+    problem.motions[1].omega = -1.0
+    problem.sweep(**{name: [values[k]] for name, values in curve.items()}, progress=False)
+    contact = problem.contact[0]
+    forces, u = contact.contact_forces().reshape(-1, 3), problem.u
+    num = len(forces)
+    places = u.function_space.tabulate_dof_coordinates()[:num] + u.x.array[: 3 * num].reshape(-1, 3)
+    moment = COMM.allreduce(np.cross(places, forces).sum(axis=0))
+    assert problem.torque == pytest.approx(-moment[2], rel=1e-12)
+    return problem.torque
+
+
+def check_free_rolling():
+    problem = wheel_on_plane()
+    problem.solve(torque=0.0)
+    assert abs(problem.torque) < 1e-9 and abs(problem.contact[0].force[0]) < 1e-3 * problem.contact[0].force[1]
+    assert -1.05 < problem.omega < -1.0  # the pressed wheel has a smaller radius, and turns faster
+    status = problem.contact[0].status
+    assert COMM.allreduce(np.count_nonzero(status == di.ContactStatus.stick)) > 0
+
+
+def check_a_sweep_goes_on_where_it_was_stopped():
+    with shared_folder() as path:
+        file, whole = path / "curve.h5", wheel_on_plane().sweep(creep=[0.0, 2e-3, 4e-3], progress=False)
+        wheel_on_plane().sweep(creep=[0.0, 2e-3], file=file, progress=False)
+        again = wheel_on_plane()
+        with pytest.raises(ValueError, match="other creepages"):
+            again.sweep(creep=[1e-3, 2e-3, 4e-3], file=file, progress=False)
+        continued = again.sweep(creep=[0.0, 2e-3, 4e-3], file=file, progress=False)
+        np.testing.assert_allclose(continued["force"], whole["force"], atol=1e-9)
+        assert again.omega == pytest.approx(-1.004)
+
+
+@contextlib.contextmanager
+def shared_folder():
+    """A folder that all ranks see."""
+    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
+    yield Path(COMM.bcast(made.name if made else None))
+    COMM.barrier()
+    if made:
+        made.cleanup()
+
+
+def check_bad_friction():
+    with pytest.raises(ValueError, match="opposite sense"):
+        wheel_on_plane(omega=1.0).solve()
+    with pytest.raises(ValueError, match="friction has no direction"):
+        wheel_on_plane(omega=0.0, speed=0.0).solve()
+    with pytest.raises(ValueError, match="needs Lagrange"):
+        wheel_on_plane(contact=di.Penalty)
+    with pytest.raises(ValueError, match="no contact has friction"):
+        wheel_on_plane(friction=0.0).solve(torque=0.0)
+    with pytest.raises(ValueError, match="no contact has friction"):
+        wheel_on_plane(friction=0.0).sweep(creep=[0.0])
+    problem = wheel_on_plane()
+    with pytest.raises(ValueError, match="different lengths"):
+        problem.sweep(creep=[0.0, 1e-3], lateral=[0.0, 1e-3, 2e-3])
+    with pytest.raises(ValueError, match="at least one"):
+        problem.sweep()
+    with pytest.raises(TypeError, match="creep must be numbers"):
+        problem.sweep(creep="much")
+    with pytest.raises(ValueError, match="no body has a Spin"):
+        problem.motions[1] = di.Translation((1.0, 0.0, 0.0))
+        problem.sweep(creep=[0.0])
