@@ -12,6 +12,8 @@ import ufl
 from mpi4py import MPI
 from ufl.utils.counted import Counted
 
+MOST = 3  # ranks in `make test`
+
 
 def checks_of(names):
     """name -> function, of a module's names; those that it imports do not count."""
@@ -21,6 +23,9 @@ def checks_of(names):
 
 def rank_tests(module, ranks=(2, 3), timeout=300):
     """Tests of a module of checks: `test_one_rank, test_several_ranks = rank_tests(module)`.
+
+    More ranks than MOST repeat what fewer have checked, at a multiple of the cost on two cores: `make verify` runs
+    them.
 
     Args:
         module: with functions check_* without arguments.
@@ -34,6 +39,7 @@ def rank_tests(module, ranks=(2, 3), timeout=300):
     def test_one_rank(name):
         checks[name]()
 
+    @pytest.mark.long_rows(where=lambda ranks: ranks > MOST)
     @pytest.mark.parametrize("name", checks)
     @pytest.mark.parametrize("ranks", ranks)
     def test_several_ranks(rank_group, ranks, name):

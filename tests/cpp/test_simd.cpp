@@ -2,6 +2,7 @@
 // Functions of the SIMD type against the scalar ones that the same kernels call.
 #include <bit>
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
 #include <cstdint>
 #include <dolfinx_impact/kernels/simd.h>
 #include <limits>

@@ -125,10 +125,11 @@ def test_contact_that_every_rank_sums_up_for_itself(monkeypatch):
 
 
 @pytest.mark.mpi
-def test_explicit_runs_on_two_and_four_ranks(monkeypatch):
+@pytest.mark.parametrize("counts", [(2,), pytest.param((2, 4), marks=pytest.mark.slow)])
+def test_explicit_runs_on_two_and_four_ranks(counts, monkeypatch):
     launch(monkeypatch, explicit=True)
-    found = report((2, 4))
-    assert_healthy(found, "ranks", 12 + 2 * 12)
+    found = report(counts)
+    assert_healthy(found, "ranks", len(counts) * (6 + 12))
     methods = ("penalty", "balanced", "kinematic")
     values = {f"explicit.{m}_{what}" for m in methods for what in ("u", "velocity", "force", "energy")}
     assert values <= {r.form for r in found.rows}

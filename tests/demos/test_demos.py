@@ -47,7 +47,7 @@ def test_every_application_says_what_it_leaves():
 @pytest.mark.parametrize(
     "name, ranks",
     [(name, 1) for name in sorted(FILES)]
-    + [pytest.param(name, 2, marks=[] if name == "impact_bars" else [pytest.mark.slow]) for name in sorted(FILES)],
+    + [pytest.param(name, 2, marks=[] if name == "rolling_disc" else [pytest.mark.slow]) for name in sorted(FILES)],
 )
 def test_an_application_runs_and_leaves_its_files(name, ranks, impact, tmp_path):
     folder = tmp_path / "here"

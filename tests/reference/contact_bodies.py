@@ -8,6 +8,10 @@ from reference_meshes import box, dofs, facets_where, nodes_where
 DEGREES = [(1, 1), (1, 2), (2, 1), (2, 2)]  # of the displacement and of the geometry
 
 
+def in_space(cell):
+    return gdim_of(cell) == 3
+
+
 def gdim_of(cell):
     return 2 if cell in ("triangle", "quadrilateral") else 3
 

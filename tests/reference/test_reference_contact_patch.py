@@ -4,7 +4,7 @@
 import impact_reference as ir
 import numpy as np
 import pytest
-from contact_bodies import DEGREES, Pair, blocks, gdim_of, material
+from contact_bodies import DEGREES, Pair, blocks, gdim_of, in_space, material
 from partial_facet_integrals import LoadedFacet
 from reference_meshes import CELLS, box
 
@@ -29,6 +29,7 @@ def stresses(pair, u):
     return stress[:, k], np.abs(np.delete(stress, k, axis=1)).max()
 
 
+@pytest.mark.long_rows(where=lambda cell, degree, basis: in_space(cell) and degree == 2 and basis != "dual")
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree, geometry_degree", DEGREES)
 @pytest.mark.parametrize("basis", ["dual", "standard", "linear"])
@@ -105,6 +106,7 @@ def test_inclined_interface(cell, degree):
     assert np.allclose(solution.traction[closed], 0, atol=1e-8 * p)
 
 
+@pytest.mark.long_rows(where=lambda cell, degree, swap: in_space(cell) and degree == 2 and swap)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("swap", [False, True])
@@ -133,6 +135,7 @@ def test_inclined_interface_that_meets_rollers(cell, degree, swap):
     assert np.allclose(s.pressure[closed], -stress[-1], rtol=EXACT)
 
 
+@pytest.mark.long_rows(where=lambda cell, degree, basis: in_space(cell) and degree == 2 and basis != "dual")
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("swap", [False, True])
@@ -192,6 +195,7 @@ def test_hypotheses(hypothesis, cell, degree, method):
     assert np.isclose(force, area * E * PUSH / 2, rtol=1e-9 if method == "lagrange" else 1e-3)
 
 
+@pytest.mark.long_rows(where=lambda cell, law: in_space(cell) and law == "st_venant_kirchhoff")
 @pytest.mark.parametrize("law", ["st_venant_kirchhoff", "neo_hookean"])
 @pytest.mark.parametrize("cell", ["triangle", "hexahedron"])
 def test_large_strain(cell, law):

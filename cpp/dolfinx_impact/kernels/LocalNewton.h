@@ -20,7 +20,7 @@ inline constexpr double local_decrease = 1e-4;
 template <typename T>
 inline bool any(T x)
 {
-  if constexpr (std::is_same_v<T, double>)
+  if constexpr (is_double<T>)
     return x > 0.0;
   else
   {

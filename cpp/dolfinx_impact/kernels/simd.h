@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include <cmath>
-#include <type_traits>
 
 /// What generated kernels need of their scalar type T: double, or a vector of doubles that holds one cell per lane.
 /// The vectors are the compiler's own (GCC and Clang vector extensions): arithmetic and comparison work as on double.
+/// So are the mathematical functions (__builtin_sqrt is sqrt): hundreds of small sources include this file, and most of
+/// their compilation would be that of <cmath>.
 namespace dolfinx_impact::kernels
 {
+template <typename T>
+inline constexpr bool is_double = false;
+template <>
+inline constexpr bool is_double<double> = true;
+
 template <int N>
 struct Lanes
 {
@@ -30,7 +35,7 @@ inline double splat<double>(double x)
 }
 template <typename T>
 inline T splat(T x)
-  requires(!std::is_same_v<T, double>)
+  requires(!is_double<T>)
 {
   return x;
 }
@@ -52,52 +57,64 @@ inline void clear(Array& array)
 
 template <typename T>
 inline double select(bool condition, double a, double b)
-  requires(std::is_same_v<T, double>)
+  requires(is_double<T>)
 {
   return condition ? a : b;
 }
 template <typename T, typename Mask, typename U, typename V>
 inline T select(Mask condition, U a, V b)
-  requires(!std::is_same_v<T, double>)
+  requires(!is_double<T>)
 {
   return condition ? splat<T>(a) : splat<T>(b);
 }
 
 namespace math
 {
-using std::acos;
-using std::acosh;
-using std::asin;
-using std::asinh;
-using std::atan;
-using std::atan2;
-using std::atanh;
-using std::cos;
-using std::cosh;
-using std::erf;
-using std::exp;
-using std::log;
-using std::pow;
-using std::sin;
-using std::sinh;
-using std::sqrt;
-using std::tan;
-using std::tanh;
+#define IMPACT_SCALAR(name)                                                                                            \
+  inline double name(double x)                                                                                         \
+  {                                                                                                                    \
+    return __builtin_##name(x);                                                                                        \
+  }
+IMPACT_SCALAR(acos)
+IMPACT_SCALAR(acosh)
+IMPACT_SCALAR(asin)
+IMPACT_SCALAR(asinh)
+IMPACT_SCALAR(atan)
+IMPACT_SCALAR(atanh)
+IMPACT_SCALAR(cos)
+IMPACT_SCALAR(cosh)
+IMPACT_SCALAR(erf)
+IMPACT_SCALAR(exp)
+IMPACT_SCALAR(log)
+IMPACT_SCALAR(sin)
+IMPACT_SCALAR(sinh)
+IMPACT_SCALAR(sqrt)
+IMPACT_SCALAR(tan)
+IMPACT_SCALAR(tanh)
+#undef IMPACT_SCALAR
+inline double atan2(double y, double x)
+{
+  return __builtin_atan2(y, x);
+}
+inline double pow(double x, double p)
+{
+  return __builtin_pow(x, p);
+}
 inline double abs(double x)
 {
-  return std::fabs(x);
+  return __builtin_fabs(x);
 }
 inline double min(double a, double b)
 {
-  return std::fmin(a, b);
+  return __builtin_fmin(a, b);
 }
 inline double max(double a, double b)
 {
-  return std::fmax(a, b);
+  return __builtin_fmax(a, b);
 }
 
 template <typename T>
-concept Vector = !std::is_same_v<T, double> && requires(T x) { x[0]; };
+concept Vector = !is_double<T> && requires(T x) { x[0]; };
 
 /// One call per lane: for functions without a vector instruction or library routine.
 template <Vector T, typename F>
@@ -120,7 +137,7 @@ inline T each(T x, T y, F f)
   template <Vector T>                                                                                                  \
   inline T name(T x)                                                                                                   \
   {                                                                                                                    \
-    return each(x, [](double a) { return std::name(a); });                                                             \
+    return each(x, [](double a) { return __builtin_##name(a); });                                                      \
   }
 IMPACT_EACH(sqrt)
 IMPACT_EACH(sin)
@@ -166,27 +183,27 @@ inline Lanes<8>::type exp(Lanes<8>::type x)
 template <Vector T>
 inline T log(T x)
 {
-  return each(x, [](double a) { return std::log(a); });
+  return each(x, [](double a) { return __builtin_log(a); });
 }
 template <Vector T>
 inline T exp(T x)
 {
-  return each(x, [](double a) { return std::exp(a); });
+  return each(x, [](double a) { return __builtin_exp(a); });
 }
 template <Vector T>
 inline T pow(T x, double p)
 {
-  return each(x, [p](double a) { return std::pow(a, p); });
+  return each(x, [p](double a) { return __builtin_pow(a, p); });
 }
 template <Vector T>
 inline T pow(T x, T p)
 {
-  return each(x, p, [](double a, double b) { return std::pow(a, b); });
+  return each(x, p, [](double a, double b) { return __builtin_pow(a, b); });
 }
 template <Vector T>
 inline T atan2(T y, T x)
 {
-  return each(y, x, [](double a, double b) { return std::atan2(a, b); });
+  return each(y, x, [](double a, double b) { return __builtin_atan2(a, b); });
 }
 template <Vector T>
 inline T abs(T x)

@@ -4,23 +4,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from .. import _cpp
-from ..common import arguments
 from ..io import checkpoint
-from ..common.collective import agree, attempt, guard
-from ..common.interrupts import Interrupts
+from ..common.collective import agree, attempt
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray, IntArray
+from ..io.signature import functions_of_time, short
+from .checkpoints import SAME, Checkpoints
 from .step_schedule import StepSchedule
-from ..io.signature import functions_of_time, short, supports
 
 if TYPE_CHECKING:
     from .explicit import ExplicitProblem
+    from .recorder import Recorder
     from .time_stepper import TimeStepper
 
 ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
@@ -36,7 +36,6 @@ NUMBERS = (
     "largest",
     "total_start",
 )
-SAME = 1e-12  # relative tolerance for values of functions of time: another library version may round differently
 XI_MARGIN = 0.5  # reference coordinates on facets are in [0, 1]; tracked nodes may lie outside by this much
 
 Want: TypeAlias = Callable[[bool | np.bool_, str], None]  # raises ValueError with a text unless a condition holds
@@ -83,7 +82,7 @@ class Checked:
     histories: list[NodeHistory]
 
 
-class Restart:
+class Restart(Checkpoints):
     """Saves and restores an explicit problem; see ExplicitProblem.save and restore.
 
     Args:
@@ -92,48 +91,14 @@ class Restart:
     """
 
     def __init__(self, problem: ExplicitProblem, stepper: TimeStepper) -> None:
-        self.problem, self.stepper = problem, stepper
-        self.comm, self.integrator = problem.comm, problem._cpp_object
+        super().__init__(problem)
+        self.problem, self.stepper, self.integrator = problem, stepper, problem._cpp_object
 
-    def save(self, path: FilePath) -> None:
-        """Write a checkpoint. Collective.
-
-        Args:
-            path: file to write.
-
-        Raises:
-            KeyboardInterrupt: a rank was interrupted; the file is complete.
-            RuntimeError: the file cannot be written; on all ranks.
-            TypeError: `path` is no name of a file.
-        """
-        with guard(self.comm, "save", path=path):
-            arguments.path("path", path)
-        with Interrupts(self.comm) as interrupts:
-            self.stepper.refresh()
-            self._save(path)
-            for recorder in self.stepper.recorders:
-                recorder.flush()
-            interrupts.check()
-
-    def restore(self, path: FilePath) -> None:
-        """Set the problem to the state of a checkpoint. Collective.
-
-        Args:
-            path: file that `save` has written.
-
-        Raises:
-            KeyboardInterrupt: a rank was interrupted; the problem is restored.
-            RuntimeError: the file cannot be read, or is damaged; on all ranks.
-            TypeError: `path` is no name of a file.
-            ValueError: the file belongs to another problem; on all ranks.
-        """
-        with guard(self.comm, "restore", path=path):
-            arguments.path("path", path)
-        with Interrupts(self.comm) as interrupts:
-            self._apply(self._read(path))
-            interrupts.check()
+    def _recorders(self) -> Sequence[Recorder]:
+        return self.stepper.recorders
 
     def _save(self, path: FilePath) -> None:
+        self.stepper.refresh()
         state = self.integrator.save()
         bs = self.problem.space.dofmap.index_map_bs
         arrays = {name: values.reshape(-1, bs) for name, values in state["arrays"].items()}
@@ -163,12 +128,8 @@ class Restart:
         }  # fmt: skip
         checkpoint.write(path, self.problem, arrays, nodal, self._material_history(), ranks, attributes)
 
-    def _material_history(self) -> dict[str, FloatArray]:
-        """Internal variables by name, a row of all points of a cell for each owned cell; empty without any."""
-        if not self.problem.has_history:
-            return {}
-        fields = self.problem.history
-        return {name: field.values.reshape(len(field.values), -1) for name, field in fields.items()}
+    def _restore(self, path: FilePath) -> None:
+        self._apply(self._read(path))
 
     def _read(self, path: FilePath) -> Checked:
         """Read and check a whole checkpoint; the problem is not changed. Collective."""
@@ -185,14 +146,7 @@ class Restart:
             ranks={**{table: len(saved[table]) for table in TABLES}, **{name: len(ENERGY) for name, _ in sides}},
             attributes=[*NUMBERS, "schedule", "functions of time", *TABLES, *totals],
         )
-        nodes, wanted = supports(self.problem)
-        found = file.all_at("supports", nodes)
-        other = np.flatnonzero(np.any(found != wanted, axis=1))
-        error = None
-        if len(other):
-            place = checkpoint.places(self.problem.space)[nodes[other[0]]].tolist()
-            error = ValueError(f"{path} is of another problem: supports differ, the first at {place}")
-        agree(self.comm, error, "restore")
+        self._check_supports(path, file)
         stored = Stored(
             file=file,
             names={table: list(saved[table]) for table in TABLES},
@@ -242,13 +196,7 @@ class Restart:
         for k, contact in enumerate(self.problem.contact):
             totals, known = np.asarray(a[f"contact{k}"]), contact.save_results()[1]
             want(totals.shape == known.shape and np.all(np.isfinite(totals)), f"contact{k} is {totals!r}")
-        here, there = functions_of_time(self.stepper.functions, time, beyond), np.asarray(a["functions of time"])
-        scale = np.abs(here).max(initial=0.0)
-        if there.shape != here.shape or not np.all(np.abs(here - there) <= SAME * scale):
-            raise ValueError(
-                f"{path} is of another problem: functions of time (of loads, supports, obstacles) have other values up "
-                f"to the time {time:g}"
-            )
+        self._check_functions(path, a["functions of time"], self.stepper.functions, time, beyond)
         return Checked(stored, schedule, tables, histories)
 
     def _apply(self, checked: Checked) -> None:
@@ -257,9 +205,7 @@ class Restart:
         a = stored.file.attributes
         # The present constants, functions and loads are those of the state that was read.
         self.stepper.inputs.update_all()
-        for name, rows in stored.file.cellwise.items():
-            field = self.problem.history[name]
-            field.values = rows.reshape(field.values.shape)
+        self._set_material_history(stored.file.cellwise)
         for side, history, energy in zip(stored.sides, checked.histories, stored.energies):
             side.set_history(history)
             side.set_energy(*energy)

@@ -37,13 +37,17 @@ def _build(case, folder):
 
 
 @pytest.fixture(scope="module")
-def libraries(tmp_path_factory):
-    """Futures, two at a time: a form that cannot be compiled fails its own test only."""
+def libraries(tmp_path_factory, request):
+    """Futures of the cases that are run, two at a time: a form that cannot be compiled fails its own test only."""
     folder = tmp_path_factory.mktemp("user_forms")
+    wanted = [i for i in request.session.items if getattr(i, "function", None) is test_form_equals_ffcx]
+    cases = [item.callspec.params["case"] for item in wanted]
     with two_processes() as pool:
-        yield {case: pool.submit(_build, case, folder) for case in CASES}
+        yield {case: pool.submit(_build, case, folder) for case in cases}
 
 
+# Its compilation takes as long as that of all others; on triangles the form has the same operators.
+@pytest.mark.long_rows(where=lambda case: case == (user_forms.taylor_hood, "hexahedron"))
 @pytest.mark.parametrize("case", CASES, ids=label)
 def test_form_equals_ffcx(case, libraries, rng):
     ffcx_libraries, path, names = libraries[case].result()

@@ -87,7 +87,7 @@ def write_ffcx(ufl_object, stem):
     _, text = ffcx.compiler.compile_ufl_objects([ufl_object], dict(OPTIONS), {key: name}, "oracle")
     text += (ACCESS_EXPRESSION if is_expression else ACCESS).format(name=name)
     include = Path(ffcx.codegeneration.__file__).parent
-    return _compile("gcc", ["-O1", "-ffp-contract=off"], include, stem.with_suffix(".c"), text)
+    return _compile("gcc", ["-O0", "-ffp-contract=off"], include, stem.with_suffix(".c"), text)
 
 
 def write_ours(integrals, stem):

@@ -4,21 +4,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...common import arguments
-from ...common.collective import agree, attempt, guard
-from ...common.interrupts import Interrupts
+from ...common.collective import agree, attempt
 from ...common.types import FilePath, FloatArray, IntArray
 from ...contact.saved_history import SavedHistory
 from ...io import checkpoint
-from ...io.signature import functions_of_time, supports
+from ...io.signature import functions_of_time
+from ..checkpoints import Checkpoints
 from .energies import Forces
 from .motion import State
 
 if TYPE_CHECKING:
+    from ..recorder import Recorder
     from .problem import NewmarkProblem
 
 MOTION = ("displacement", "velocity", "acceleration", "mean")
@@ -26,10 +27,9 @@ FORCES = ("internal", "external", "damping", "support")
 WORKS = ("internal", "external", "damping")
 CONTROL = ("length", "largest", "smallest", "tolerance")  # of steps; not a number where there is none
 NUMBERS = ("time", "step", "largest", "total_start", "largest_displacement")
-SAME = 1e-12  # relative tolerance of values of functions of time, as for explicit runs
 
 
-class ImplicitRestart:
+class ImplicitRestart(Checkpoints):
     """Saves and restores an implicit problem; see NewmarkProblem.save and restore.
 
     Args:
@@ -37,46 +37,11 @@ class ImplicitRestart:
     """
 
     def __init__(self, problem: NewmarkProblem) -> None:
-        self.problem, self.comm = problem, problem.comm
+        super().__init__(problem)
+        self.problem = problem
 
-    def save(self, path: FilePath) -> None:
-        """Write a checkpoint. Collective.
-
-        Args:
-            path: file to write.
-
-        Raises:
-            KeyboardInterrupt: a rank was interrupted; the file is complete.
-            RuntimeError: the file cannot be written; on all ranks.
-            TypeError: `path` is no name of a file.
-        """
-        with guard(self.comm, "save", path=path):
-            arguments.path("path", path)
-        with Interrupts(self.comm) as interrupts:
-            self._save(path)
-            for recorder in self.problem.stepper.recorders:
-                recorder.flush()
-            # The run goes on as a restored one would: with factors of the next matrix.
-            self.problem.linear_solver.reset()
-            interrupts.check()
-
-    def restore(self, path: FilePath) -> None:
-        """Set the problem to the state of a checkpoint. Collective.
-
-        Args:
-            path: file that `save` has written.
-
-        Raises:
-            KeyboardInterrupt: a rank was interrupted; the problem is restored.
-            RuntimeError: the file cannot be read, or is damaged; on all ranks.
-            TypeError: `path` is no name of a file.
-            ValueError: the file belongs to another problem; on all ranks.
-        """
-        with guard(self.comm, "restore", path=path):
-            arguments.path("path", path)
-        with Interrupts(self.comm) as interrupts:
-            self._restore(path)
-            interrupts.check()
+    def _recorders(self) -> Sequence[Recorder]:
+        return self.problem.stepper.recorders
 
     def _save(self, path: FilePath) -> None:
         p = self.problem
@@ -110,13 +75,8 @@ class ImplicitRestart:
             "functions of time": table,
         }  # fmt: skip
         checkpoint.write(path, p, arrays, nodal, self._material_history(), {}, attributes, facets)
-
-    def _material_history(self) -> dict[str, FloatArray]:
-        """Internal variables by name, a row of all points of a cell for each owned cell; empty without any."""
-        p = self.problem
-        if not p.has_history:
-            return {}
-        return {name: field.values.reshape(len(field.values), -1) for name, field in p.history.items()}
+        # The run goes on as a restored one would: with factors of the next matrix.
+        p.linear_solver.reset()
 
     def _restore(self, path: FilePath) -> None:
         p = self.problem
@@ -142,14 +102,7 @@ class ImplicitRestart:
             ],
             facets={name: saved.width() for name, saved in names.items() if saved.on_facets},
         )
-        nodes, wanted = supports(p)
-        found = file.all_at("supports", nodes)
-        other = np.flatnonzero(np.any(found != wanted, axis=1))
-        error = None
-        if len(other):
-            place = checkpoint.places(p.space)[nodes[other[0]]].tolist()
-            error = ValueError(f"{path} is of another problem: supports differ, the first at {place}")
-        agree(self.comm, error, "restore")
+        self._check_supports(path, file)
         rows = [
             file.at_facets(name, saved.keys) if saved.on_facets else file.all_at(name, saved.keys)
             for name, saved in names.items()
@@ -181,13 +134,7 @@ class ImplicitRestart:
             values = np.asarray(a[name])
             want(values.shape == (size,) and values.dtype == float, f"{name} is {a[name]!r}")
             want(name != "obstacles" or bool(np.all(np.isfinite(values))), f"{name} is {a[name]!r}")
-        here, there = functions_of_time(p.functions, time, time), np.asarray(a["functions of time"])
-        scale = np.abs(here).max(initial=0.0)
-        if there.shape != here.shape or not np.all(np.abs(here - there) <= SAME * scale):
-            raise ValueError(
-                f"{path} is of another problem: functions of time (of loads, supports, obstacles) have other values up "
-                f"to the time {time:g}"
-            )
+        self._check_functions(path, a["functions of time"], p.functions, time, time)
 
     def _apply(self, file: checkpoint.Reader, known: list[SavedHistory], rows: list[FloatArray]) -> None:
         """Set the problem to the state that was read. Collective."""
@@ -196,9 +143,7 @@ class ImplicitRestart:
         p.start_displacement = arrays["start"]
         p.u.x.array[: p.num_owned] = arrays["displacement"]
         p.u.x.scatter_forward()
-        for name, table in file.cellwise.items():
-            field = p.history[name]
-            field.values = table.reshape(field.values.shape)
+        self._set_material_history(file.cellwise)
         stepper = p.stepper
         stepper.state = State(*(arrays[name].copy() for name in MOTION))
         stepper.time, stepper.step = float(a["time"]), int(a["step"])
