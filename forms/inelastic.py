@@ -45,6 +45,8 @@ class Update:
         scale: size of the terms of the residual.
         mean: mean stress tr(stress)/3 of small strain, where the law has it in terms of `trace` of the strain alone. It
             makes kernels of averaged cells cheaper, and no result different; None: it is taken from `stress`.
+        strain: deformation gradient of finite strain where the law finds a part of it, as the stretch across the plane
+            in plane stress, 3 x 3; None: the one that it was given [1].
     """
 
     stress: Any
@@ -54,6 +56,7 @@ class Update:
     start: Any = None
     scale: Any = field(default=1.0)
     mean: Any = None
+    strain: Any = None
 
 
 def trace(strain: Any) -> Any:
@@ -307,7 +310,8 @@ def force_and_law(
     if symbols.unknown is not None:
         outputs[UNKNOWN] = symbols.unknown
     if with_stress:
-        stress = update.stress * strain.T / ufl.det(strain) if kinematics.finite_strain else update.stress
+        F = strain if update.strain is None else update.strain
+        stress = update.stress * F.T / ufl.det(F) if kinematics.finite_strain else update.stress
         space = u.ufl_shape[0] == 3
         axes = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))[: 6 if space else 4]
         outputs["stress"] = ufl.as_vector([stress[i, j] for i, j in axes])
@@ -327,7 +331,9 @@ def elastic_tangent(u: Any, du: Any, v: Any, law: Law, kinematics: Kinematics, d
     """Stiffness of the elastic solid in the deformed shape, an upper bound of that of the inelastic one.
 
     In finite strain the gradients are those with respect to the deformed position, and the volume is the deformed one:
-    cells that have been flattened by plastic flow have higher frequencies.
+    cells that have been flattened by plastic flow have higher frequencies. In plane stress the stretch across the plane
+    is not known here. The volume is bounded by the larger one of the area and 1: a sheet that is stretched in its plane
+    becomes thinner, and one that is compressed loses volume.
 
     Args:
         u: displacement [L].
@@ -343,5 +349,8 @@ def elastic_tangent(u: Any, du: Any, v: Any, law: Law, kinematics: Kinematics, d
     F = ufl.Identity(3) + kinematics.gradient(u)
     inverse = ufl.inv(F)
     a, b = (ufl.sym(kinematics.gradient(w) * inverse) for w in (du, v))
-    work = law.lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)
-    return work * ufl.det(F) * weight(mesh, kinematics.hypothesis) * dx
+    lmbda, J = law.lmbda, ufl.det(F)
+    if kinematics.hypothesis == "plane_stress":
+        lmbda, J = law.lmbda_plane, ufl.max_value(J, 1)
+    work = lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)
+    return work * J * weight(mesh, kinematics.hypothesis) * dx

@@ -13,6 +13,7 @@ import dolfinx_impact as di
 from dolfinx_impact.assembly.inelastic_part import InelasticPart
 from dolfinx_impact.assembly.operators import InternalForce, cells_measure
 from dolfinx_impact.forms import inelastic
+from dolfinx_impact.verify.material_tangent import TangentOfBody
 
 ROUND_OFF = 1e-13  # relative to the largest force; sums of some hundred terms
 
@@ -87,3 +88,24 @@ def test_parts_of_an_averaged_strain():
         for i, j in np.ndindex(3, 3):
             expected = ufl.dev(strain)[i, j](())
             assert inelastic.deviator(strain)[i, j](()) == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize("stretches", [(1.0, 1.0), (1.5, 0.9), (0.7, 0.8), (1.4, 1.4)], ids=str)
+def test_the_elastic_stiffness_of_a_sheet_bounds_its_tangent(stretches):
+    """A sheet that has yielded and is unloaded a little: eigenvalues of its tangent, to the elastic strains (2 %), lie
+    below those of the stiffness that explicit steps are bounded by, and as far as the area has grown."""
+    body = TangentOfBody("quadrilateral", 1, "plane_stress", True, {"hardening": 0.01})
+    x = body.V.tabulate_dof_coordinates()[:, :2]
+    u = (x * (np.array(stretches) - 1)).ravel()
+    d = body.homogeneous(1.0)
+    for part in (0.25, 0.5, 0.75, 1.0):
+        body.force(part * u)
+        body.body.accept_step()
+    assert stretches == (1.0, 1.0) or body.body.force.history.values("plastic_strain").min() > 0.1
+    plastic = np.array([body.action(u - 1e-4 * u, e) for e in np.eye(len(d))])
+    (part,) = body.body.parts
+    du, v = ufl.TrialFunction(body.V), ufl.TestFunction(body.V)
+    elastic = fem.assemble_matrix(fem.form(part.elastic_tangent(du, v))).to_dense()
+    largest = [np.linalg.eigvalsh((K + K.T) / 2)[-1] for K in (plastic, elastic)]
+    assert largest[0] <= 1.02 * largest[1]
+    assert largest[1] <= 1.02 * max(1.0, np.prod(stretches)) * largest[0]
