@@ -27,7 +27,7 @@ from typing import Any
 
 import ufl
 
-from .inelastic import Update, deviator, trace
+from .inelastic import Update, deviator, gradient_and_dilatation, trace
 from .materials import lame
 
 PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
@@ -377,7 +377,7 @@ class J2:
         return Update(stress, outputs, stored, residual, None if residual is None else start, scale, mean)
 
     def _trial(self, F: Any, history: dict[str, Any], trace: Any) -> "_Trial":
-        """Trial state of finite strain, at the trace of the stretch where that is an unknown."""
+        """Trial state of finite strain, at the trace of the stretch where that is an unknown; of any multiple of F."""
         inverse = ufl.Identity(3) + unpack_symmetric(history[PLASTIC_TENSOR], self.gdim)
         J = ufl.det(F)
         # Without back stress the return is made in space. With it, in the frame that R turns: U is in the place of F.
@@ -416,8 +416,10 @@ class J2:
             closed = -ufl.ln(F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0])
             _, begin = self._first(self._trial(thickened(F, closed), history, None), history, back)
             F = thickened(F, across)
+        # Of an averaged F all but the dilatation is that of the F that it is a multiple of.
+        F, J = gradient_and_dilatation(F)
         at = self._trial(F, history, trace)
-        J, trial, stiff, turned = at.J, at.deviator, at.stiff, at.turned
+        trial, stiff, turned = at.deviator, at.stiff, at.turned
         relative, start = self._first(at, history, back)
         q = equivalent(relative, ROUND_OFF * iso.yield_stress)
         yields = ufl.gt(q - iso.stress(alpha), 0)
@@ -434,7 +436,8 @@ class J2:
             excess = self._with_strength((q - flow) / (3 * mu), alpha + multiplier)
             residual = ufl.conditional(yields, excess, multiplier)
         s = (1 - stiff * multiplier / q) * trial if back is None else trial - stiff * multiplier / q * relative
-        tau = self.kappa / 2 * (J**2 - 1) * ufl.Identity(3) + s
+        pressure = self.kappa / 2 * (J**2 - 1)
+        tau = pressure * ufl.Identity(3) + s
         deviator = s / mu
         scale = iso.yield_stress / (3 * mu)
         # Of the order of 1: they are solved to 1e-14, where round-off of the terms of the first is a part of scale.
@@ -456,13 +459,16 @@ class J2:
             PLASTIC_STRAIN: alpha + multiplier,
             PLASTIC_TENSOR: ufl.as_vector(pack_symmetric(new, self.gdim)),
         }
-        stress = tau * turned.T
+        piola = tau * turned.T
         if back is not None:
             outputs[BACK_STRESS] = ufl.as_vector(
                 pack_deviator(fading * (back + C * multiplier / q * relative), self.gdim)
             )
-            stress = J ** (-1 / 3) * at.unimodular * (turned * stress)  # R tau U^-1 with R = F U^-1
+            piola = at.J ** (-1 / 3) * at.unimodular * (turned * piola)  # R tau U^-1 with R = F U^-1
         if across is not None:
             outputs[THICKNESS_STRAIN] = across
         stored = self.kappa / 2 * ((J**2 - 1) / 2 - ufl.ln(J)) + mu / 2 * (3 * mean - 3)
-        return Update(stress, outputs, stored, residual, start if residual is not None else None, scale, strain=F)
+        stress = piola if J == at.J else (at.J / J) ** (1 / 3) * piola
+        start = None if residual is None else start
+        full = None if across is None else F
+        return Update(stress, outputs, stored, residual, start, scale, mean=pressure, piola=piola, strain=full)

@@ -28,9 +28,9 @@ def u():
     return u
 
 
-def force(u, change=None):
+def force(u, change=None, **law):
     """Internal force of a material that yields, with a change of what its law returns."""
-    material = di.J2Plasticity(1e3, 0.3, 1.0, yield_stress=1.0, hardening=50.0)
+    material = di.J2Plasticity(1e3, 0.3, 1.0, yield_stress=1.0, hardening=50.0, **law)
     dx, degree = cells_measure(u, material)
     part = InelasticPart(u, material, dx, degree, None)
     if change is not None:
@@ -48,6 +48,46 @@ def difference(a, b):
 def test_a_mean_stress_saves_work_and_changes_nothing(u):
     expected = force(u, lambda update: dataclasses.replace(update, mean=None))
     assert difference(force(u), expected) < ROUND_OFF
+
+
+FINITE = [{"finite_strain": True}, {"finite_strain": True, "kinematic": 20.0}]
+
+
+@pytest.mark.parametrize("law", FINITE, ids=("isotropic", "kinematic"))
+def test_a_mean_stress_of_finite_strain_saves_work_and_changes_nothing(u, law):
+    expected = force(u, lambda update: dataclasses.replace(update, mean=None), **law)
+    assert difference(force(u, **law), expected) < ROUND_OFF
+
+    # What would come out if the dilatation of each point did the work of the mean stress, without the factor J/theta:
+    def wrong(update):
+        return dataclasses.replace(update, piola=update.stress)
+
+    assert difference(force(u, wrong, **law), expected) > 1e-5
+
+
+def test_a_mean_stress_of_finite_strain_that_varies_in_the_cell_is_averaged(u):
+    def varying(named):
+        def change(update):
+            pressure = 10.0 * ufl.tr(ufl.grad(u))
+            F = ufl.Identity(3) + ufl.grad(u)
+            root = (ufl.cell_avg(ufl.det(F)) / ufl.det(F)) ** (1 / 3)
+            more = pressure * ufl.inv(F).T
+            mean = update.mean + pressure if named else None
+            return dataclasses.replace(update, stress=update.stress + more / root, piola=update.piola + more, mean=mean)
+
+        return change
+
+    assert difference(force(u, varying(True), **FINITE[0]), force(u, varying(False), **FINITE[0])) < ROUND_OFF
+
+
+def test_gradient_and_dilatation_of_an_averaged_strain(u):
+    F = ufl.Identity(3) + ufl.grad(u)
+    for average in (True, "linear"):
+        kinematics = inelastic.Kinematics("3d", True, average)
+        found = inelastic.gradient_and_dilatation(kinematics.strain(u))
+        assert found == (F, kinematics.projection(u))
+    for plain in (F, 2 * F, inelastic.Kinematics("3d", True).strain(u)):
+        assert inelastic.gradient_and_dilatation(plain) == (plain, ufl.det(plain))
 
 
 def test_a_mean_stress_that_varies_in_the_cell_is_averaged(u):
