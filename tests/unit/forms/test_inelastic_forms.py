@@ -82,10 +82,11 @@ def test_a_mean_stress_of_finite_strain_that_varies_in_the_cell_is_averaged(u):
 
 def test_gradient_and_dilatation_of_an_averaged_strain(u):
     F = ufl.Identity(3) + ufl.grad(u)
-    for average in (True, "linear"):
-        kinematics = inelastic.Kinematics("3d", True, average)
-        found = inelastic.gradient_and_dilatation(kinematics.strain(u))
-        assert found == (F, kinematics.projection(u))
+    averaged = inelastic.Kinematics("3d", True, True)
+    assert inelastic.gradient_and_dilatation(averaged.strain(u)) == (F, averaged.projection(u))
+    linear, theta = inelastic.Kinematics("3d", True, "linear"), fem.Constant(u.function_space.mesh, 1.1)
+    assert inelastic.gradient_and_dilatation(linear.strain(u, theta)) == (F, theta)
+    assert inelastic.gradient_and_dilatation(linear.strain(u))[0] == F
     for plain in (F, 2 * F, inelastic.Kinematics("3d", True).strain(u)):
         assert inelastic.gradient_and_dilatation(plain) == (plain, ufl.det(plain))
 
