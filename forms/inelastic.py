@@ -43,8 +43,13 @@ class Update:
         residual: residual of the local equations, of the shape of the unknown; None without unknowns.
         start: where Newton's method begins, of the shape of the unknown; None without unknowns.
         scale: size of the terms of the residual.
-        mean: mean stress tr(stress)/3 of small strain, where the law has it in terms of `trace` of the strain alone. It
-            makes kernels of averaged cells cheaper, and no result different; None: it is taken from `stress`.
+        mean: mean stress tr(stress)/3 of small strain, where the law has it in terms of `trace` of the strain alone; in
+            finite strain that of the Kirchhoff stress in terms of the dilatation of `gradient_and_dilatation`. It makes
+            kernels of averaged cells cheaper, and no result different; None: it is taken from `stress`.
+        piola: Kirchhoff stress times the inverse transpose of the F of `gradient_and_dilatation`, 3 x 3; in finite
+            strain it goes with `mean` [F/L^2].
+        strain: deformation gradient of finite strain where the law finds a part of it, as the stretch across the plane
+            in plane stress, 3 x 3; None: the one that it was given [1].
     """
 
     stress: Any
@@ -54,6 +59,8 @@ class Update:
     start: Any = None
     scale: Any = field(default=1.0)
     mean: Any = None
+    piola: Any = None
+    strain: Any = None
 
 
 def trace(strain: Any) -> Any:
@@ -70,6 +77,21 @@ def deviator(strain: Any) -> Any:
     whole = strain.ufl_operands[0] if isinstance(strain, ufl.classes.Deviatoric) else strain
     # As ufl.dev, but with the trace as a term of its own, which kernels compute once.
     return whole - ufl.tr(whole) / 3 * ufl.Identity(3)
+
+
+def gradient_and_dilatation(strain: Any) -> tuple[Any, Any]:
+    """Deformation gradient F of which a strain of finite strain is a multiple, and the determinant of the strain.
+
+    Of an averaged strain, (theta/J)^(1/3) F, they are F itself and theta, without the root. What does not depend on a
+    change of volume, as det(F)^(-1/3) F, is the same of both.
+    """
+    if isinstance(strain, ufl.classes.ComponentTensor) and isinstance(strain.ufl_operands[0], ufl.classes.Product):
+        entry, root = sorted(strain.ufl_operands[0].ufl_operands, key=lambda o: isinstance(o, ufl.classes.Power))
+        if isinstance(root, ufl.classes.Power) and isinstance(entry, ufl.classes.Indexed):
+            ratio, (F, index) = root.ufl_operands[0], entry.ufl_operands
+            if index == strain.ufl_operands[1] and isinstance(ratio, ufl.classes.Division):
+                return F, ratio.ufl_operands[0]
+    return strain, ufl.det(strain)
 
 
 def same_in_cell(expression: Any) -> bool:
@@ -243,6 +265,14 @@ def internal_force(u: Any, v: Any, kinematics: Kinematics, update: Update, dx: A
     if small and update.mean is not None and in_span(update.mean, kinematics.projection(u)):
         # The work of a mean stress that is among the functions projected on is the same with and without projection.
         virtual = ufl.sym(kinematics.gradient(v))
+    finite = kinematics.average and kinematics.finite_strain
+    if finite and update.mean is not None and same_in_cell(update.mean / kinematics.projection(u)):
+        # With tau : d(F_bar) F_bar^-1 = dev tau : grad(v) F^-1 + mean dtheta/theta, and the mean of dJ in the place of
+        # dtheta, whose factor mean/theta is the same everywhere in the cell.
+        F = ufl.Identity(3) + kinematics.gradient(u)
+        change = ufl.det(F) / kinematics.projection(u) - 1
+        work = ufl.inner(update.piola + change * update.mean * ufl.inv(F).T, kinematics.gradient(v))
+        return work * weight(mesh, kinematics.hypothesis) * dx
     return ufl.inner(update.stress, virtual) * weight(mesh, kinematics.hypothesis) * dx
 
 
@@ -307,7 +337,8 @@ def force_and_law(
     if symbols.unknown is not None:
         outputs[UNKNOWN] = symbols.unknown
     if with_stress:
-        stress = update.stress * strain.T / ufl.det(strain) if kinematics.finite_strain else update.stress
+        F = strain if update.strain is None else update.strain
+        stress = update.stress * F.T / ufl.det(F) if kinematics.finite_strain else update.stress
         space = u.ufl_shape[0] == 3
         axes = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))[: 6 if space else 4]
         outputs["stress"] = ufl.as_vector([stress[i, j] for i, j in axes])
@@ -327,7 +358,9 @@ def elastic_tangent(u: Any, du: Any, v: Any, law: Law, kinematics: Kinematics, d
     """Stiffness of the elastic solid in the deformed shape, an upper bound of that of the inelastic one.
 
     In finite strain the gradients are those with respect to the deformed position, and the volume is the deformed one:
-    cells that have been flattened by plastic flow have higher frequencies.
+    cells that have been flattened by plastic flow have higher frequencies. In plane stress the stretch across the plane
+    is not known here. The volume is bounded by the larger one of the area and 1: a sheet that is stretched in its plane
+    becomes thinner, and one that is compressed loses volume.
 
     Args:
         u: displacement [L].
@@ -343,5 +376,8 @@ def elastic_tangent(u: Any, du: Any, v: Any, law: Law, kinematics: Kinematics, d
     F = ufl.Identity(3) + kinematics.gradient(u)
     inverse = ufl.inv(F)
     a, b = (ufl.sym(kinematics.gradient(w) * inverse) for w in (du, v))
-    work = law.lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)
-    return work * ufl.det(F) * weight(mesh, kinematics.hypothesis) * dx
+    lmbda, J = law.lmbda, ufl.det(F)
+    if kinematics.hypothesis == "plane_stress":
+        lmbda, J = law.lmbda_plane, ufl.max_value(J, 1)
+    work = lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)
+    return work * J * weight(mesh, kinematics.hypothesis) * dx

@@ -11,6 +11,8 @@ in the reference configuration, so that the law is exact under rotations of any 
 return is made in the frame of the rotation R of F = R U, in which the back stress is kept: its rate is that of Green
 and Naghdi (Dienes 1979; Johnson & Bammann 1984), and a rotation of the body leaves the history alone.
 
+In plane stress the stretch across the plane is a local unknown, with the equation that the stress across vanishes.
+
 Both are integrated by the backward Euler method with a radial return: the flow direction is that of the trial stress,
 and what is left is one scalar equation for the increment of the equivalent plastic strain. It is solved in closed form
 for linear hardening, and by Newton's method at each quadrature point otherwise (forms/point_law.py).
@@ -25,12 +27,13 @@ from typing import Any
 
 import ufl
 
-from .inelastic import Update, deviator, trace
+from .inelastic import Update, deviator, gradient_and_dilatation, trace
 from .materials import lame
 
 PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
 PLASTIC_TENSOR = "plastic_strain_tensor"  # deviatoric tensor; in finite strain the inverse of C_p minus I [1]
 BACK_STRESS = "back_stress"  # deviatoric tensor; in finite strain R^T beta R with the rotation R of F [F/L^2]
+THICKNESS_STRAIN = "thickness_strain"  # plane stress of finite strain: logarithm of the stretch across the plane [1]
 ROUND_OFF = 1e-14  # of the trial stress against the yield stress: keeps the direction of a zero stress finite
 
 
@@ -238,12 +241,41 @@ class KinematicHardening:
 # --- the law ---------------------------------------------------------------------------------------------------------
 
 
+def thickened(F: Any, across: Any) -> Any:
+    """A deformation gradient of the plane with the logarithm of the stretch across the plane, 3 x 3 [1]."""
+    return ufl.as_tensor([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, ufl.exp(across)]])
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """Trial state of a step of finite strain.
+
+    Attributes:
+        J: det F [1].
+        volume: J^(-2/3), or 1 where U is in the place of F [1].
+        turned: inverse of F or U [1].
+        deviator: deviatoric Kirchhoff stress [F/L^2].
+        stiff: mu tr(be_bar), 3 mu in small strain [F/L^2].
+        unimodular: J^(-1/3) F with kinematic hardening, or None [1].
+        square: C of it, or None [1].
+    """
+
+    J: Any
+    volume: Any
+    turned: Any
+    deviator: Any
+    stiff: Any
+    unimodular: Any
+    square: Any
+
+
 class J2:
     """J2 plasticity (forms/inelastic.py: PointResponse).
 
     The unknown is the increment of the equivalent plastic strain. In plane stress it is a vector of it and the strain
-    across the plane; in finite strain in space with kinematic hardening of it, the trace of the stretch U and the mean
-    of the elastic left Cauchy-Green tensor, whose expressions would be large. Otherwise linear hardening has none.
+    across the plane, in finite strain the logarithmic one; in finite strain in space with kinematic hardening of it,
+    the trace of the stretch U and the mean of the elastic left Cauchy-Green tensor, whose expressions would be large.
+    Otherwise linear hardening has none.
 
     Args:
         E: Young's modulus [F/L^2].
@@ -253,9 +285,6 @@ class J2:
         kinematic: KinematicHardening, or None.
         finite_strain: whether the strain is the deformation gradient.
         plane_stress: whether the stress across the plane is zero.
-
-    Raises:
-        ValueError: finite strain in plane stress.
     """
 
     def __init__(
@@ -268,8 +297,6 @@ class J2:
         finite_strain: bool = False,
         plane_stress: bool = False,
     ) -> None:
-        if finite_strain and plane_stress:
-            raise ValueError("J2 plasticity of finite strain has no plane stress: use small strain, or a 3D mesh")
         self.isotropic, self.kinematic, self.gdim = isotropic, kinematic, gdim
         self.finite_strain, self.plane_stress = finite_strain, plane_stress
         self.nu = nu
@@ -282,6 +309,8 @@ class J2:
         }
         if kinematic is not None:
             self.history[BACK_STRESS] = deviator
+        if finite_strain and plane_stress:
+            self.history[THICKNESS_STRAIN] = ()
         closed = isotropic.linear and (kinematic is None or kinematic.linear)
         self._turns = finite_strain and kinematic is not None and gdim == 3
         vector = 2 if plane_stress else 3 if self._turns else 0
@@ -347,28 +376,53 @@ class J2:
         scale = iso.yield_stress / (3 * mu)
         return Update(stress, outputs, stored, residual, None if residual is None else start, scale, mean)
 
-    def _finite(self, F: Any, history: dict[str, Any], unknown: Any) -> Update:
-        iso, kin, mu = self.isotropic, self.kinematic, self.mu
-        J, alpha = ufl.det(F), history[PLASTIC_STRAIN]
+    def _trial(self, F: Any, history: dict[str, Any], trace: Any) -> "_Trial":
+        """Trial state of finite strain, at the trace of the stretch where that is an unknown; of any multiple of F."""
         inverse = ufl.Identity(3) + unpack_symmetric(history[PLASTIC_TENSOR], self.gdim)
-        multiplier, trace, mean = (unknown[0], unknown[1], unknown[2]) if self._turns else (unknown, None, None)
+        J = ufl.det(F)
         # Without back stress the return is made in space. With it, in the frame that R turns: U is in the place of F.
-        if kin is None:
-            volume, G, turned, back, C = J ** (-2 / 3), F, ufl.inv(F), None, 0
+        unimodular, square = None, None
+        if self.kinematic is None:
+            volume, G, turned = J ** (-2 / 3), F, ufl.inv(F)
         else:
             volume, unimodular = 1, J ** (-1 / 3) * F
             square = unimodular.T * unimodular
             G, turned = stretch(square, trace) if self._turns else (plane_stretch(unimodular), None)
             turned = ufl.inv(G) if turned is None else turned
-            back, C = unpack_deviator(history[BACK_STRESS], self.gdim), kin.modulus
         elastic = volume * G * inverse * G.T  # trial left Cauchy-Green tensor, without its volume change
-        trial, stiff = mu * ufl.dev(elastic), mu * ufl.tr(elastic)
-        relative = trial if back is None else trial - back
-        floor = ROUND_OFF * iso.yield_stress
-        q = equivalent(relative, floor)
-        excess = q - iso.stress(alpha)
-        yields = ufl.gt(excess, 0)
-        start = ufl.conditional(yields, excess / (stiff + C + iso.slope(alpha)), 0)
+        deviator, stiff = self.mu * ufl.dev(elastic), self.mu * ufl.tr(elastic)
+        return _Trial(J, volume, turned, deviator, stiff, unimodular, square)
+
+    def _first(self, trial: "_Trial", history: dict[str, Any], back: Any) -> tuple[Any, Any]:
+        """Relative stress of an elastic step, and the increment of alpha that linear hardening would have."""
+        iso, alpha = self.isotropic, history[PLASTIC_STRAIN]
+        relative = trial.deviator if back is None else trial.deviator - back
+        excess = equivalent(relative, ROUND_OFF * iso.yield_stress) - iso.stress(alpha)
+        C = 0 if self.kinematic is None else self.kinematic.modulus
+        step = excess / (trial.stiff + C + iso.slope(alpha))
+        return relative, ufl.conditional(ufl.gt(excess, 0), step, 0)
+
+    def _finite(self, F: Any, history: dict[str, Any], unknown: Any) -> Update:
+        iso, kin, mu, alpha = self.isotropic, self.kinematic, self.mu, history[PLASTIC_STRAIN]
+        multiplier, trace, mean, across = unknown, None, None, None
+        if self._turns:
+            multiplier, trace, mean = unknown[0], unknown[1], unknown[2]
+        elif self.plane_stress:
+            multiplier, across = unknown[0], unknown[1]
+        back = None if kin is None else unpack_deviator(history[BACK_STRESS], self.gdim)
+        C = 0 if kin is None else kin.modulus
+        if across is not None:
+            # Plastic flow keeps the volume, and what elasticity changes of it is small: Newton's method begins without.
+            closed = -ufl.ln(F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0])
+            _, begin = self._first(self._trial(thickened(F, closed), history, None), history, back)
+            F = thickened(F, across)
+        # Of an averaged F all but the dilatation is that of the F that it is a multiple of.
+        F, J = gradient_and_dilatation(F)
+        at = self._trial(F, history, trace)
+        trial, stiff, turned = at.deviator, at.stiff, at.turned
+        relative, start = self._first(at, history, back)
+        q = equivalent(relative, ROUND_OFF * iso.yield_stress)
+        yields = ufl.gt(q - iso.stress(alpha), 0)
         residual: Any = None
         fading: Any = 1
         if multiplier is None:
@@ -377,34 +431,44 @@ class J2:
             if back is not None:
                 fading = kin.fading(multiplier)
                 relative = trial - fading * back
-                q = equivalent(relative, floor)
+                q = equivalent(relative, ROUND_OFF * iso.yield_stress)
             flow = (stiff + C * fading) * multiplier + iso.stress(alpha + multiplier)
             excess = self._with_strength((q - flow) / (3 * mu), alpha + multiplier)
             residual = ufl.conditional(yields, excess, multiplier)
         s = (1 - stiff * multiplier / q) * trial if back is None else trial - stiff * multiplier / q * relative
-        tau = self.kappa / 2 * (J**2 - 1) * ufl.Identity(3) + s
+        pressure = self.kappa / 2 * (J**2 - 1)
+        tau = pressure * ufl.Identity(3) + s
         deviator = s / mu
         scale = iso.yield_stress / (3 * mu)
+        # Of the order of 1: they are solved to 1e-14, where round-off of the terms of the first is a part of scale.
+        others: list[Any] = []
         if self._turns:
             half, third = ufl.inner(deviator, deviator) / 2, ufl.det(deviator)
             determinant = mean - 1 - (half * mean - third) / (mean**2 + mean + 1)  # (det be_bar - 1)/(mean^2 + ...)
-            # Of the order of 1: they are solved to 1e-14, where round-off of the terms of the first is a part of scale.
-            residual = ufl.as_vector(
-                [residual, 100 * scale * (trace - next_trace(square, trace)), 100 * scale * determinant]
-            )
-            start = ufl.as_vector([0, next_trace(square, next_trace(square, next_trace(square))), 1])
+            others = [trace - next_trace(at.square, trace), determinant]
+            start = ufl.as_vector([0, next_trace(at.square, next_trace(at.square, next_trace(at.square))), 1])
         else:
             mean = unimodular_mean(deviator)
-        new = turned * (deviator + mean * ufl.Identity(3)) * turned.T / volume - ufl.Identity(3)
+        if across is not None:
+            others = [tau[2, 2] / (self.kappa + 4 / 3 * mu)]
+            start = ufl.as_vector([begin, closed])
+        if others:
+            residual = ufl.as_vector([residual, *(100 * scale * other for other in others)])
+        new = turned * (deviator + mean * ufl.Identity(3)) * turned.T / at.volume - ufl.Identity(3)
         outputs = {
             PLASTIC_STRAIN: alpha + multiplier,
             PLASTIC_TENSOR: ufl.as_vector(pack_symmetric(new, self.gdim)),
         }
-        stress = tau * turned.T
+        piola = tau * turned.T
         if back is not None:
             outputs[BACK_STRESS] = ufl.as_vector(
                 pack_deviator(fading * (back + C * multiplier / q * relative), self.gdim)
             )
-            stress = J ** (-1 / 3) * unimodular * (turned * stress)  # R tau U^-1 with R = F U^-1
+            piola = at.J ** (-1 / 3) * at.unimodular * (turned * piola)  # R tau U^-1 with R = F U^-1
+        if across is not None:
+            outputs[THICKNESS_STRAIN] = across
         stored = self.kappa / 2 * ((J**2 - 1) / 2 - ufl.ln(J)) + mu / 2 * (3 * mean - 3)
-        return Update(stress, outputs, stored, residual, start if residual is not None else None, scale)
+        stress = piola if J == at.J else (at.J / J) ** (1 / 3) * piola
+        start = None if residual is None else start
+        full = None if across is None else F
+        return Update(stress, outputs, stored, residual, start, scale, mean=pressure, piola=piola, strain=full)

@@ -12,8 +12,8 @@ PlasticBody::PlasticBody(const Model& model, const Rule& rule, const std::map<in
                          PlasticStrain strain, Dilatation dilatation)
     : model_(model), sampler_(model.sampler(rule)), kinematics_{model.hypothesis(), strain, dilatation}
 {
-  if (kinematics_.hypothesis == Hypothesis::plane_stress and (finite_strain() or dilatation != Dilatation::pointwise))
-    throw std::invalid_argument("plane stress goes with small strain and without mean dilatation: it does not lock");
+  if (kinematics_.hypothesis == Hypothesis::plane_stress and dilatation != Dilatation::pointwise)
+    throw std::invalid_argument("plane stress goes without mean dilatation: it does not lock");
   if (not model.linear())
     throw std::invalid_argument("plasticity needs materials with the law linear_elastic: finite strain is an option of "
                                 "the plastic body");

@@ -12,7 +12,7 @@ using P = const Matrix&;
 using V = const Vector&;
 
 // Histories as arrays; tensors are rows of 9 values.
-using Histories = std::tuple<Matrix, Vector, Matrix, Matrix, Vector>;
+using Histories = std::tuple<Matrix, Vector, Matrix, Matrix, Vector, Vector>;
 
 Tensor tensor(P rows, Eigen::Index row)
 {
@@ -31,8 +31,8 @@ void set(Matrix& rows, Eigen::Index row, const Tensor& a)
 Histories arrays_of(const std::vector<J2History>& history)
 {
   const auto n = Eigen::Index(history.size());
-  Histories out{Matrix(n, 9), Vector(n), Matrix(n, 9), Matrix(n, 9), Vector(n)};
-  auto& [plastic, equivalent, back_stress, stress, work] = out;
+  Histories out{Matrix(n, 9), Vector(n), Matrix(n, 9), Matrix(n, 9), Vector(n), Vector(n)};
+  auto& [plastic, equivalent, back_stress, stress, work, thickness] = out;
   for (Eigen::Index p = 0; p < n; ++p)
   {
     set(plastic, p, history[p].plastic);
@@ -40,13 +40,14 @@ Histories arrays_of(const std::vector<J2History>& history)
     set(back_stress, p, history[p].back_stress);
     set(stress, p, history[p].stress);
     work(p) = history[p].work;
+    thickness(p) = history[p].thickness;
   }
   return out;
 }
 
 std::vector<J2History> histories(const Histories& from)
 {
-  const auto& [plastic, equivalent, back_stress, stress, work] = from;
+  const auto& [plastic, equivalent, back_stress, stress, work, thickness] = from;
   const Eigen::Index n = equivalent.size();
   for (const Matrix* rows : {&plastic, &back_stress, &stress})
     if (rows->rows() != n or rows->cols() != 9 or not rows->allFinite())
@@ -57,10 +58,14 @@ std::vector<J2History> histories(const Histories& from)
     throw std::invalid_argument("a history needs an equivalent plastic strain that is not negative and a work, one for "
                                 "each of its " +
                                 std::to_string(n) + " points");
+  if (thickness.size() != n or not thickness.allFinite() or (n > 0 and not(thickness.minCoeff() > 0)))
+    throw std::invalid_argument("a history needs stretches across the plane that are positive, one for each of its " +
+                                std::to_string(n) + " points");
   std::vector<J2History> out;
   out.reserve(n);
   for (Eigen::Index p = 0; p < n; ++p)
-    out.push_back({tensor(plastic, p), equivalent(p), tensor(back_stress, p), tensor(stress, p), work(p)});
+    out.push_back(
+        {tensor(plastic, p), equivalent(p), tensor(back_stress, p), tensor(stress, p), work(p), thickness(p)});
   return out;
 }
 } // namespace

@@ -61,9 +61,8 @@ void check(const Sampler& sampler, const PlasticKinematics& k, const Vector& u, 
       (k.hypothesis == Hypothesis::axisymmetric) != sampler.axisymmetric())
     throw std::invalid_argument("the hypothesis does not go with the cell: solid cells need 3d, plane cells "
                                 "plane_strain, plane_stress or axisymmetric");
-  if (k.hypothesis == Hypothesis::plane_stress and
-      (k.strain != PlasticStrain::small or k.dilatation != Dilatation::pointwise))
-    throw std::invalid_argument("plane stress goes with small strain and without mean dilatation: it does not lock");
+  if (k.hypothesis == Hypothesis::plane_stress and k.dilatation != Dilatation::pointwise)
+    throw std::invalid_argument("plane stress goes without mean dilatation: it does not lock");
   if (u.size() != sampler.gdim() * sampler.num_nodes() or not u.allFinite())
     throw std::invalid_argument("the element needs " + std::to_string(sampler.gdim() * sampler.num_nodes()) +
                                 " finite displacements, found " + std::to_string(u.size()) + " values");

@@ -47,7 +47,7 @@ struct PlasticInternal
 /// Internal force of a cell whose points obey J2 plasticity.
 /// @param u displacements (gdim num_nodes) [L]
 /// @param committed history at the start of the step, by points; it stays as it is
-/// @throws std::invalid_argument for what does not fit; plane stress has neither finite strain nor another dilatation
+/// @throws std::invalid_argument for what does not fit; plane stress has no other dilatation
 /// @throws std::domain_error see J2
 PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const J2& law,
                                  const PlasticKinematics& kinematics, const Vector& u,

@@ -347,42 +347,6 @@ J2Answer J2::small_strain(const Tensor& strain, const J2History& history, bool w
   return answer;
 }
 
-J2Answer J2::plane_stress(const Tensor& strain, const J2History& history, bool with_tangent) const
-{
-  if (strain(0, 2) != 0 or strain(1, 2) != 0 or strain(2, 0) != 0 or strain(2, 1) != 0)
-    throw std::invalid_argument("plane stress has no shear strains 13 and 23");
-  Tensor full = strain;
-  // The elastic answer is the first guess; stress_33 grows with strain_33, so that a bracket is safe.
-  const double lambda = bulk_ - 2.0 / 3 * shear_;
-  const Tensor& p = history.plastic;
-  full(2, 2) = p(2, 2) - lambda * (strain(0, 0) + strain(1, 1) - p(0, 0) - p(1, 1)) / (lambda + 2 * shear_);
-  double low = -std::numeric_limits<double>::infinity(), high = -low;
-  for (int iteration = 0; iteration < 200; ++iteration)
-  {
-    J2Answer answer = small_strain(full, history, true);
-    const double residual = answer.stress(2, 2), here = full(2, 2);
-    (residual < 0 ? low : high) = here;
-    double next = here - residual / answer.tangent(8, 8);
-    if (not(next >= low and next <= high))
-      next = (low + high) / 2;
-    // Round-off of the stress that the strains of the point make.
-    const double noise = 4e-16 * (bulk_ + 2 * shear_) * (full.norm() + p.norm());
-    if (std::abs(residual) <= noise or next == here)
-    {
-      const Eigen::Matrix<double, 9, 1> c = answer.tangent.col(8);
-      const Eigen::Matrix<double, 1, 9> r = answer.tangent.row(8);
-      answer.tangent -= c * r / r(8);
-      answer.tangent.row(8).setZero();
-      answer.tangent.col(8).setZero();
-      if (not with_tangent)
-        answer.tangent.setZero();
-      return answer;
-    }
-    full(2, 2) = next;
-  }
-  throw std::domain_error("plane stress: no strain_33 was found that makes stress_33 vanish");
-}
-
 J2Answer J2::hencky(const Tensor& F, const J2History& history, bool with_tangent) const
 {
   check_orientation(F);
@@ -482,10 +446,9 @@ J2Answer J2::simo(const Tensor& F, const J2History& history, bool with_tangent) 
 J2Answer J2::answer(PlasticStrain strain, Hypothesis hypothesis, const Tensor& gradient, const J2History& history,
                     bool with_tangent) const
 {
-  if (hypothesis == Hypothesis::plane_stress and strain != PlasticStrain::small)
-    throw std::invalid_argument("plane stress goes with the strain small only");
   if (hypothesis == Hypothesis::plane_stress)
-    return plane_stress(gradient, history, with_tangent);
+    return strain == PlasticStrain::small ? plane_stress(gradient, history, with_tangent)
+                                          : finite_plane_stress(strain, gradient, history, with_tangent);
   if (strain == PlasticStrain::small)
     return small_strain(gradient, history, with_tangent);
   return strain == PlasticStrain::simo ? simo(gradient, history, with_tangent)

@@ -51,6 +51,7 @@ struct J2History
   Tensor back_stress = Tensor::Zero(); ///< beta; in finite strain turned back by the rotation of F [F/L^2]
   Tensor stress = Tensor::Zero();      ///< Cauchy, or Kirchhoff turned back likewise; only `work` reads it [F/L^2]
   double work = 0;                     ///< int sigma : d eps_p per reference volume, trapezoidal rule [F/L^2]
+  double thickness = 1;                ///< in plane stress of finite strain: stretch across the plane, F_33 [1]
 };
 
 /// Answer to a strain.
@@ -100,6 +101,13 @@ public:
   /// @param F deformation gradient
   /// @throws std::domain_error if det F <= 0 or the material has softened to nothing
   J2Answer simo(const Tensor& F, const J2History& history, bool with_tangent = true) const;
+
+  /// Plane stress of finite strain: F_33 follows from P_33 = 0 and is not read, F_13, F_23, F_31 and F_32 must be zero.
+  /// The tangent is condensed as above.
+  /// @param strain simo or hencky
+  /// @throws std::domain_error as above, or if no F_33 is found
+  J2Answer finite_plane_stress(PlasticStrain strain, const Tensor& F, const J2History& history,
+                               bool with_tangent = true) const;
 
   /// One of the above. `gradient`: the strain, or F.
   J2Answer answer(PlasticStrain strain, Hypothesis hypothesis, const Tensor& gradient, const J2History& history,

@@ -19,7 +19,6 @@ ISOTROPIC: dict[str, tuple[type, tuple[str, ...]]] = {
 }
 STIFFNESS = "elastic_stiffness.finite"
 NAMES = (*(f"j2.{strain}.{name}" for strain in ("small", "finite") for name in ISOTROPIC), STIFFNESS)
-NO_PLANE_STRESS = {"plane_stress": "J2 plasticity of finite strain has no plane stress"}
 
 
 def _kinematics(on: Setting, finite: bool) -> inelastic.Kinematics:
@@ -34,7 +33,6 @@ def _register(finite: bool, name: str) -> None:
         quadrature=quadrature.stiffness_degree,
         constants={**ELASTIC, **dict.fromkeys(parameters, SCALAR)},
         coefficients=("u",),
-        excluded=NO_PLANE_STRESS if finite else None,
     )
     def force(on: Setting, E: Any, nu: Any, u: Any, **given: Any) -> Any:
         isotropic, plane_stress = hardening(**given), on.hypothesis == "plane_stress"
@@ -53,7 +51,6 @@ for _finite in (False, True):
     quadrature=quadrature.stiffness_degree,
     constants=ELASTIC,
     coefficients=("u",),
-    excluded=NO_PLANE_STRESS,
 )
 def _stiffness(on: Setting, E: Any, nu: Any, u: Any) -> Any:
     """In small strain it is the tangent of the linear elastic law."""

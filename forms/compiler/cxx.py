@@ -154,6 +154,9 @@ class CxxFormatter:
         args = ", ".join(f"splat<{kind}>({self(a)})" if kind == "T" and not _is_scalar(a) else self(a) for a in e.args)
         name = _MATH.get(e.function, e.function)
         if e.function == "power" and isinstance(e.args[1], L.LiteralFloat):
+            thirds = 3 * float(e.args[1].value)
+            if abs(thirds - round(thirds)) < 1e-15 and round(thirds) in (1, 2, -1, -2):
+                return f"math::third_power<{round(thirds)}>({self(e.args[0])})"
             return f"math::{name}({self(e.args[0])}, {self(e.args[1])})"
         return f"math::{name}({args})"
 

@@ -118,7 +118,8 @@ class J2Plasticity(InelasticMaterial):
         average: whether the dilatation is averaged over each cell (B-bar, in finite strain F-bar); "linear": projected
             on the linear functions of each cell; "auto": averaged on quadrilaterals and hexahedra of degree 1,
             projected on those of degree 2, which lock without.
-        hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress" (small strain), "axisymmetric".
+        hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric". In plane stress of
+            finite strain the history "thickness_strain" is the logarithm of the stretch across the plane.
 
     Attributes:
         steepest_softening: the least slope of the yield stress if it is negative, or 0 [F/L^2].
@@ -166,8 +167,6 @@ class J2Plasticity(InelasticMaterial):
             kinematic = ArmstrongFrederick(kinematic)
         self.kinematic = kinematic
         self.finite_strain = bool(finite_strain)
-        if self.finite_strain and hypothesis == "plane_stress":
-            raise ValueError("J2 plasticity of finite strain has no plane stress: use small strain, or a 3D mesh")
         if average not in (True, False, "linear", "auto"):
             raise ValueError(f"average is {average!r}: use True, False, 'linear' or 'auto'")
         self.average = average

@@ -44,8 +44,7 @@ class PlasticBody:
         mean_dilatation: B-bar or F-bar in the cells with a law, as in `element_plastic`.
 
     Raises:
-        ValueError: elastic constants that differ, tags that no cell has, plane stress with finite strain or mean
-            dilatation.
+        ValueError: elastic constants that differ, tags that no cell has, plane stress with mean dilatation.
     """
 
     def __init__(

@@ -22,8 +22,8 @@ import numpy as np
 from . import _reference, rules
 from .array_types import ArrayLike, FloatArray, Rule
 
-# As the compiled module has them: plastic, equivalent, back stress, stress, work.
-_Histories = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+# As the compiled module has them: plastic, equivalent, back stress, stress, work, thickness.
+_Histories = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 def _floats(values: ArrayLike) -> FloatArray:
@@ -112,6 +112,7 @@ class J2History:
     back_stress: FloatArray  # beta, in finite strain turned back by the rotation of F (num_points, 3, 3) [F/L^2]
     stress: FloatArray  # of the history's state, Kirchhoff's turned back likewise (num_points, 3, 3) [F/L^2]
     work: FloatArray  # int sigma : d eps_p per reference volume, trapezoidal rule (num_points) [F/L^2]
+    thickness: FloatArray  # stretch across the plane in plane stress of finite strain, else 1 (num_points) [1]
 
     @classmethod
     def virgin(cls, num_points: int, strain: str = "small") -> J2History:
@@ -128,14 +129,14 @@ class J2History:
 
     @classmethod
     def _of(cls, arrays: _Histories) -> J2History:
-        plastic, equivalent, back, stress, work = arrays
+        plastic, equivalent, back, stress, work, thickness = arrays
         tensors = [rows.reshape(-1, 3, 3) for rows in (plastic, back, stress)]
-        return cls(equivalent, tensors[0], tensors[1], tensors[2], work)
+        return cls(equivalent, tensors[0], tensors[1], tensors[2], work, thickness)
 
     def _arrays(self) -> _Histories:
         tensors = (self.plastic_strain_tensor, self.back_stress, self.stress)
         plastic, back, stress = (_floats(rows).reshape(-1, 9) for rows in tensors)
-        return plastic, _floats(self.plastic_strain), back, stress, _floats(self.work)
+        return plastic, _floats(self.plastic_strain), back, stress, _floats(self.work), _floats(self.thickness)
 
 
 @dataclass
@@ -156,8 +157,8 @@ class J2Point:
         parameters: the law.
         num_points: number of points.
         strain: "small", "simo" or "hencky".
-        hypothesis: "3d" (or "plane_strain", "axisymmetric", which are the same here), or "plane_stress" in small
-            strain: strain_33 is not read then but follows from stress_33 = 0, and the tangent is condensed.
+        hypothesis: "3d" (or "plane_strain", "axisymmetric", which are the same here), or "plane_stress": strain_33 or
+            F_33 is not read then but follows from stress_33 = 0, and the tangent is condensed.
 
     Raises:
         ValueError: unknown names.

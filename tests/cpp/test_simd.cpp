@@ -40,7 +40,66 @@ void compare_extrema()
         }
       }
 }
+
+template <int k, int N>
+void compare_third_powers()
+{
+  typedef typename Lanes<N>::type T;
+  constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  // A lane that the C library computes: the others do not change.
+  for (double x : {0.0, 1e-310, 1e-300, 1e300, infinity, -2.0, nan})
+    for (int lane = 0; lane < N; ++lane)
+    {
+      T values = splat<T>(1.7);
+      values[lane] = x;
+      const T found = math::third_power<k>(values);
+      for (int l = 0; l < N; ++l)
+        CHECK(same(found[l], l == lane ? std::pow(x, k / 3.0) : math::third_power<k>(splat<T>(1.7))[0]));
+    }
+  // Over all exponents and mantissas: three units in the last place of 2.2e-16, of the root and of two products.
+  for (double x = 1e-289; x < 1e289; x *= 1.37)
+  {
+    const T found = math::third_power<k>(splat<T>(x));
+    const long double root = cbrtl(x), exact = k == 1 ? root : k == 2 ? root * root : k == -1 ? 1 / root : 1 / (root * root);
+    for (int l = 0; l < N; ++l)
+      CHECK(std::abs(double((found[l] - exact) / exact)) < 3 * 2.2e-16);
+    CHECK(std::abs(double((math::third_power<k>(x) - exact) / exact)) < 3 * 2.2e-16);
+  }
+}
+
+template <int N>
+void compare_exponentials()
+{
+  typedef typename Lanes<N>::type T;
+  constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  for (double x : {-infinity, -800.0, -720.0, 705.0, 720.0, infinity, nan}) // what the C library computes
+    for (int lane = 0; lane < N; ++lane)
+    {
+      T values = splat<T>(-1.3);
+      values[lane] = x;
+      const T found = math::exp(values);
+      for (int l = 0; l < N; ++l)
+        CHECK(same(found[l], l == lane ? std::exp(x) : math::exp(splat<T>(-1.3))[0]));
+    }
+  CHECK(math::exp(splat<T>(0.0))[0] == 1.0);
+  for (double x = -699.0; x < 699.0; x += 0.137) // two units in the last place
+    CHECK(std::abs(double((math::exp(splat<T>(x))[N - 1] - expl(x)) / expl(x))) < 2 * 2.2e-16);
+}
 } // namespace
+
+TEST_CASE("the exponential of vectors is that of the C library, without its calls")
+{
+  compare_exponentials<4>();
+  compare_exponentials<8>();
+}
+
+TEST_CASE("powers of a third are those of the C library, without its calls")
+{
+  compare_third_powers<1, 4>();
+  compare_third_powers<2, 4>();
+  compare_third_powers<-1, 8>();
+  compare_third_powers<-2, 4>();
+}
 
 TEST_CASE("minimum and maximum of vectors are those of scalars, also where an argument is not a number")
 {

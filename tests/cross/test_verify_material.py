@@ -6,6 +6,7 @@ import pytest
 import ufl
 from fault_injection import assert_healthy
 
+from dolfinx_impact.assembly import inelastic_tangent
 from dolfinx_impact.assembly.inelastic_tangent import InelasticTangent
 from dolfinx_impact.assembly.operators import InternalForce
 from dolfinx_impact.assembly.projected_dilatation import ProjectedDilatation
@@ -38,7 +39,7 @@ def test_level_passes():
     report = Report()
     material.run(report, num=NUM)
     assert_healthy(report, "material")
-    assert len(report.rows) > 80
+    assert len(report.rows) > 120
     names = {row.name for row in report.rows}
     assert {"stress", "dissipation is never negative", "stress in frames that turn"} <= names
     assert {"tangent is the force's derivative", "forces across the corner are the tangent's integral"} <= names
@@ -186,6 +187,40 @@ def test_a_trace_of_the_stretch_that_is_too_large_is_seen(hypothesis, monkeypatc
     assert difference("prager", hypothesis, finite=True) > 1e3 * material.TOLERANCE
 
 
+@pytest.mark.parametrize("name", ("voce", "armstrong_frederick"))
+def test_a_stress_across_a_sheet_is_seen(name, monkeypatch, own_cache):
+    """Of 4e-4 of the yield stress."""
+
+    def change(self, update, strain, history):
+        update.residual = update.residual + ufl.as_vector([0, 1e-4 * update.scale])
+        return update
+
+    assert difference(name, "plane_stress", finite=True) <= material.TOLERANCE
+    wrong_law(monkeypatch, change)
+    assert difference(name, "plane_stress", finite=True) > 1e3 * material.TOLERANCE
+
+
+def test_a_wrong_thickness_is_seen(monkeypatch, own_cache):
+    """Increments too large by 1e-8."""
+    wrong_law(monkeypatch, stretched(1 + 1e-8, [law.THICKNESS_STRAIN]))
+    wrong = material.compare(case_of("linear"), "plane_stress", True, num=NUM)
+    assert wrong[law.THICKNESS_STRAIN] > 10 * material.TOLERANCE
+
+
+def test_a_thickness_that_stays_is_seen(monkeypatch, own_cache):
+    """Trial strains without the stretch across the plane: the local equations have no solution."""
+    right = law.thickened
+    monkeypatch.setattr(law, "thickened", lambda F, across: right(F, 0.0))
+    found = material.compare(case_of("linear"), "plane_stress", True, num=NUM)
+    assert not found["stress"] <= 1e3 * material.TOLERANCE
+
+
+def test_a_back_stress_of_a_sheet_that_is_not_turned_is_seen(monkeypatch, own_cache):
+    assert max(material.objectivity(case_of("prager"), "plane_stress", num=NUM).values()) <= material.TOLERANCE
+    monkeypatch.setattr(law, "plane_stretch", lambda F: F)
+    assert max(material.objectivity(case_of("prager"), "plane_stress", num=NUM).values()) > 1e3 * material.TOLERANCE
+
+
 # --- limits of the law with kinematic hardening in finite strain ------------------------------------------------------
 
 
@@ -197,7 +232,7 @@ def results(ours, finite, hypothesis, path):
     return stress, points
 
 
-@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain", "plane_stress"))
 def test_without_kinematic_modulus_it_is_the_isotropic_law(hypothesis):
     """C of 1e-12 Y: to round-off, 1e-10."""
     path = material.strain_paths(np.random.default_rng(1), NUM, 3 if hypothesis == "3d" else 2, True)
@@ -210,7 +245,7 @@ def test_without_kinematic_modulus_it_is_the_isotropic_law(hypothesis):
             assert np.abs(two.variable(name) - one.variable(name)).max() < material.TOLERANCE
 
 
-@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
+@pytest.mark.parametrize("hypothesis", ("3d", "plane_strain", "plane_stress"))
 @pytest.mark.parametrize("name", ("prager", "armstrong_frederick"))
 def test_small_strains_are_the_limit(name, hypothesis, monkeypatch):
     """Strains and yield stress over n: the stress over the yield stress goes to that of small strain with order 1."""
@@ -253,7 +288,7 @@ def wrong_step(monkeypatch):
     monkeypatch.setattr(InelasticBody, "assemble", wrong)
 
 
-@pytest.mark.parametrize("name", ("linear", "armstrong_frederick"))
+@pytest.mark.parametrize("name", ("linear", "armstrong_frederick", "voce_armstrong_frederick"))
 def test_a_tangent_of_the_wrong_step_is_seen(name, monkeypatch):
     report = Report()
     material_tangent.taylor(report, *tangent_case(name))
@@ -261,6 +296,20 @@ def test_a_tangent_of_the_wrong_step_is_seen(name, monkeypatch):
     wrong_step(monkeypatch)
     material_tangent.taylor(report, *tangent_case(name))
     assert [row.passed for row in report.rows] == [True, False] and report.rows[1].note
+
+
+def test_a_tangent_at_a_constant_thickness_is_seen(monkeypatch):
+    """The stretch across the plane does not follow the displacement."""
+    right = inelastic_tangent.solve
+
+    def wrong(A, b):
+        x = right(A, b)
+        return [x[0], 0 * x[1]]
+
+    monkeypatch.setattr(inelastic_tangent, "solve", wrong)
+    report = Report()
+    material_tangent.taylor(report, *tangent_case("voce_armstrong_frederick"))
+    assert not report.passed
 
 
 def test_a_tangent_of_the_wrong_step_is_seen_across_the_corner(monkeypatch):

@@ -14,7 +14,7 @@ CASES = [
     for cell, degree, geometry, hypothesis in CELLS
     for strain in STRAINS
     for mean in (False, True, "linear")
-    if hypothesis != "plane_stress" or (strain == "small" and not mean)
+    if hypothesis != "plane_stress" or not mean
     if mean != "linear" or (degree == 2 and cell in ("quadrilateral", "hexahedron"))
 ]
 ELASTIC = ir.J2Parameters(E, NU, 1e12)
@@ -197,9 +197,10 @@ def test_refusals():
         ir.element_plastic("quadrilateral", X, law("linear"), np.zeros(8), mean_dilatation="cubic", **keys)
     X = ir.reference_nodes("quadrilateral", 1)
     u, parameters = np.zeros(8), law("linear")
-    for keys in (dict(strain="simo"), dict(mean_dilatation=True)):
-        with pytest.raises(ValueError, match="plane stress goes with"):
-            ir.element_plastic("quadrilateral", X, parameters, u, hypothesis="plane_stress", **keys)
+    for strain in STRAINS:
+        with pytest.raises(ValueError, match="plane stress goes without mean dilatation"):
+            keys = dict(hypothesis="plane_stress", mean_dilatation=True, strain=strain)
+            ir.element_plastic("quadrilateral", X, parameters, u, **keys)
     with pytest.raises(ValueError, match="3 histories"):
         history = ir.J2History.virgin(3)
         ir.element_plastic("quadrilateral", X, parameters, u, history, hypothesis="plane_strain")
@@ -210,6 +211,11 @@ def test_refusals():
     with pytest.raises(ValueError, match="inside out"):
         keys = dict(hypothesis="plane_strain", strain="simo")
         ir.element_plastic("quadrilateral", X, parameters, X * [0, -2], **keys)
+    history = ir.J2History.virgin(4, "simo")
+    history.thickness[0] = 0.0
+    with pytest.raises(ValueError, match="stretches across the plane that are positive"):
+        keys = dict(hypothesis="plane_stress", strain="simo")
+        ir.element_plastic("quadrilateral", X, parameters, u, history, **keys)
     history = ir.J2History.virgin(4)
     history.plastic_strain[0] = -1.0
     with pytest.raises(ValueError, match="not negative"):

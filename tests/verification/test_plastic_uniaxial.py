@@ -139,15 +139,96 @@ def test_finite_strain_is_the_small_one_where_strains_are_small():
     assert stresses[1] != stresses[0]
 
 
-def test_finite_strain_turns_with_the_body():
+@pytest.mark.parametrize("cell, hypothesis", [("hexahedron", "3d"), ("quadrilateral", "plane_stress")])
+def test_finite_strain_turns_with_the_body(cell, hypothesis):
     """A bar that has yielded and is turned by 70 degrees as a whole: the stress turns with it, nothing yields."""
-    bar = Bar("hexahedron", "3d", yield_stress=Y, hardening=H, finite_strain=True)
+    bar = Bar(cell, hypothesis, yield_stress=Y, hardening=H, finite_strain=True)
     bar.stress(0.05, steps=3)
-    before, plastic = bar.problem.reactions().x.array.reshape(-1, 3), bar.plastic_strain
-    x = bar.V.tabulate_dof_coordinates()
+    dim = bar.V.mesh.geometry.dim
+    before, plastic = bar.problem.reactions().x.array.reshape(-1, dim), bar.plastic_strain
+    x = bar.V.tabulate_dof_coordinates()[:, :dim]
     c, s = np.cos(1.2), np.sin(1.2)
-    R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    bar.u.x.array[:] = ((x + bar.u.x.array.reshape(-1, 3)) @ R.T - x).ravel()
-    after = bar.problem.reactions().x.array.reshape(-1, 3)
+    R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])[:dim, :dim]
+    bar.u.x.array[:] = ((x + bar.u.x.array.reshape(-1, dim)) @ R.T - x).ravel()
+    after = bar.problem.reactions().x.array.reshape(-1, dim)
     np.testing.assert_allclose(after, before @ R.T, atol=1e-9 * np.abs(before).max())
     assert bar.plastic_strain == plastic
+
+
+# --- a sheet of finite strain -----------------------------------------------------------------------------------------
+
+HARDENINGS = {
+    "linear": (H, lambda a: Y + H * a),
+    "Voce": (Voce(1.5 * Y, 40.0, 20 * Y), lambda a: Y + 20 * Y * a + 0.5 * Y * (1 - np.exp(-40.0 * a))),
+    "Table": (Table([0.0, 0.1, 0.4], [Y, 3 * Y, 7 * Y]), lambda a: Y * np.interp(a, [0, 0.1, 0.4], [1, 3, 7])),
+}  # they harden enough, so that no sheet necks
+
+
+def elastic_tensor(tau):
+    """a and m of the elastic left Cauchy-Green tensor diag(m + 2 a, m - a, m - a) of a uniaxial Kirchhoff stress.
+
+    Its determinant is 1; tau = mu (3 a).
+    """
+    a = tau * 2 * (1 + NU) / (3 * E)
+    return a, max(np.roots([1, 0, -3 * a**2, 2 * a**3 - 1]).real)
+
+
+def elastic_stretches(tau):
+    """Elastic stretches along and across a sheet under a uniaxial Kirchhoff stress: kappa/2 (J^2 - 1) = tau/3."""
+    a, m = elastic_tensor(tau)
+    third = (1 + 2 * tau * (1 - 2 * NU) / E) ** (1 / 6)  # J^(1/3)
+    return third * np.sqrt(m + 2 * a), third * np.sqrt(m - a)
+
+
+def plastic_stretch(alpha, curve):
+    """Logarithm of the axial plastic stretch: flow along the stress takes 2 m d(alpha) from the deviator's 2 a, and the
+    determinant stays 1, so that d ln(stretch) = m/(m + a) d(alpha)."""
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    total = 0.0
+    for low, high in zip((0.0, 0.1), (0.1, alpha)):  # the table has a corner at 0.1
+        for x, w in zip(nodes, weights):
+            a, m = elastic_tensor(curve(0.5 * (low + high + (high - low) * x)))
+            total += 0.5 * (high - low) * w * m / (m + a)
+    return total
+
+
+@pytest.mark.parametrize("name", HARDENINGS)
+def test_a_sheet_that_is_stretched_by_a_third(name):
+    """Kirchhoff stress over logarithmic strain, J-5 in plane stress. In every state, to the tolerance of the solver:
+    tau is the yield stress, and the stretches are those of tau times the plastic ones, which keep the volume. In the
+    limit of small steps, the axial plastic stretch is that of the flow rule."""
+    hardening, curve = HARDENINGS[name]
+    end, errors = 0.3, []
+    for steps in (10, 20, 40):
+        sheet = Bar("quadrilateral", "plane_stress", yield_stress=Y, hardening=hardening, finite_strain=True)
+        stretch = np.exp(end)
+        tau = sheet.stress(stretch - 1, steps=steps) * stretch
+        alpha = sheet.plastic_strain
+        assert tau == pytest.approx(curve(alpha), rel=TOLERANCE)
+        along, across = elastic_stretches(tau)
+        plastic = stretch / along
+        width = 1 + sheet.u.x.array.reshape(-1, 2)[:, 1].min()
+        thickness = np.exp(sheet.problem.history["thickness_strain"].values)
+        assert width == pytest.approx(across / np.sqrt(plastic), rel=TOLERANCE)
+        np.testing.assert_allclose(thickness, width, rtol=TOLERANCE)
+        cauchy = sheet.problem.history["stress"].values
+        expected = [tau / (stretch * width**2), 0, 0, 0]
+        np.testing.assert_allclose(cauchy, np.broadcast_to(expected, cauchy.shape), atol=TOLERANCE * cauchy.max())
+        errors.append(abs(np.log(plastic) - plastic_stretch(alpha, curve)))
+        # A step of the logarithmic strain d begins with (exp(3 d) - 1)/(exp(3 d) + 2) = d + d^2/2 of alpha: half of
+        # this for small elastic strains.
+        assert errors[-1] < end * end / steps
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(np.abs(orders - 1) < 0.2), orders
+
+
+def test_a_sheet_and_a_solid_with_free_sides_are_the_same():
+    """Stretched, pushed back beyond yield, with back stress that saturates."""
+    law = dict(yield_stress=Y, hardening=10 * Y, kinematic=ArmstrongFrederick(60e9, 30.0), finite_strain=True)
+    sheet, solid = Bar("quadrilateral", "plane_stress", **law), Bar("hexahedron", "3d", **law)
+    for stretch in (0.1, 0.05):
+        assert sheet.stress(stretch, steps=5) == pytest.approx(solid.stress(stretch, steps=5), rel=TOLERANCE)
+        assert sheet.plastic_strain == pytest.approx(solid.plastic_strain, rel=TOLERANCE)
+    across = 1 + solid.u.x.array.reshape(-1, 3)[:, 2].min()
+    values = np.exp(sheet.problem.history["thickness_strain"].values)
+    np.testing.assert_allclose(values, across, rtol=TOLERANCE)

@@ -155,29 +155,19 @@ IMPACT_EACH(atanh)
 IMPACT_EACH(erf)
 #undef IMPACT_EACH
 
-// The C library's vector logarithm and exponential (libmvec, at most 4 units in the last place off).
+// The C library's vector logarithm (libmvec, at most 4 units in the last place off).
 #if defined(__GLIBC__) && defined(__AVX2__)
 extern "C" Lanes<4>::type _ZGVdN4v_log(Lanes<4>::type);
-extern "C" Lanes<4>::type _ZGVdN4v_exp(Lanes<4>::type);
 inline Lanes<4>::type log(Lanes<4>::type x)
 {
   return _ZGVdN4v_log(x);
 }
-inline Lanes<4>::type exp(Lanes<4>::type x)
-{
-  return _ZGVdN4v_exp(x);
-}
 #endif
 #if defined(__GLIBC__) && defined(__AVX512F__)
 extern "C" Lanes<8>::type _ZGVeN8v_log(Lanes<8>::type);
-extern "C" Lanes<8>::type _ZGVeN8v_exp(Lanes<8>::type);
 inline Lanes<8>::type log(Lanes<8>::type x)
 {
   return _ZGVeN8v_log(x);
-}
-inline Lanes<8>::type exp(Lanes<8>::type x)
-{
-  return _ZGVeN8v_exp(x);
 }
 #endif
 template <Vector T>
@@ -185,10 +175,36 @@ inline T log(T x)
 {
   return each(x, [](double a) { return __builtin_log(a); });
 }
+
+/// Exponential to two units in the last place, without a call: one would save and load all that registers hold.
+/// exp(x) = 2^n exp(r) with |r| <= ln(2)/2. Beyond 700, lanes take the C library's function.
 template <Vector T>
 inline T exp(T x)
 {
-  return each(x, [](double a) { return __builtin_exp(a); });
+  using Bits = decltype(x < x);
+  constexpr double shift = 6755399441055744.0; // 1.5 2^52: its last bits count ones
+  constexpr double ln2_high = 0x1.62e42fee00000p-1, ln2_low = 0x1.a39ef35793c76p-33;
+  const T shifted = x * 1.4426950408889634 + shift, n = shifted - shift;
+  const T r = (x - n * ln2_high) - n * ln2_low;
+  // Taylor's polynomial of degree 13: the next term is below 5e-18.
+  T p = splat<T>(1.0 / 6227020800.0);
+  constexpr double taylor[] = {1.0 / 479001600.0, 1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0,
+                               1.0 / 40320.0,     1.0 / 5040.0,     1.0 / 720.0,     1.0 / 120.0,
+                               1.0 / 24.0,        1.0 / 6.0,        0.5};
+  for (double c : taylor)
+    p = p * r + c;
+  p = 1.0 + (r + r * r * p);
+  const Bits power = (__builtin_bit_cast(Bits, shifted) << 52) + 0x3ff0000000000000;
+  T y = p * __builtin_bit_cast(T, power);
+  const auto regular = (x > -700.0) & (x < 700.0);
+  bool all = true;
+  for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
+    all &= regular[i] != 0;
+  if (not all) [[unlikely]]
+    for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
+      if (regular[i] == 0)
+        y[i] = __builtin_exp(x[i]);
+  return y;
 }
 template <Vector T>
 inline T pow(T x, double p)
@@ -220,6 +236,50 @@ template <Vector T>
 inline T max(T a, T b)
 {
   return (a > b) | (b != b) ? a : b;
+}
+
+/// x^(-1/3) of 1e-290 < x < 1e290, to two units in the last place; without division or branch, the same in all widths.
+template <typename T>
+inline T inverse_cube_root(T x)
+{
+  // A first value, 4 % off, from the bits of x, whose exponent is divided by -3. Vector units have no division of
+  // integers: the upper 52 bits are divided as a number, which is an integer when 2^52 is added.
+  using Bits = std::conditional_t<std::is_same_v<T, double>, std::int64_t, decltype(x < x)>;
+  constexpr double two52 = 4503599627370496.0;
+  constexpr std::int64_t two52_bits = 0x4330000000000000;
+  const T upper = std::bit_cast<T>((std::bit_cast<Bits>(x) >> 12) | two52_bits) - two52;
+  const T thirds = 1499660000000000.0 - upper * (1.0 / 3.0);
+  T z = std::bit_cast<T>((std::bit_cast<Bits>(T(thirds + two52)) & 0x000fffffffffffff) << 12);
+  // z (1 - r)^(-1/3) with r = 1 - x z^3, to the third power of r: 0.1, 1e-5, 1e-17 are the sizes of r.
+  for (int i = 0; i < 2; ++i)
+  {
+    const T r = 1.0 - x * z * (z * z);
+    z += z * r * (1.0 / 3.0 + r * (2.0 / 9.0 + r * (14.0 / 81.0)));
+  }
+  return z;
+}
+
+/// x^(k/3). Numbers beyond the range of `inverse_cube_root` take the C library's function, lane by lane.
+template <int k, typename T>
+inline T third_power(T x)
+{
+  static_assert(k == 1 or k == 2 or k == -1 or k == -2);
+  const T z = inverse_cube_root(x);
+  T y = k == -1 ? z : k == -2 ? T(z * z) : k == 1 ? T(x * (z * z)) : T(x * z);
+  if constexpr (std::is_same_v<T, double>)
+    return x > 1e-290 and x < 1e290 ? y : std::pow(x, k / 3.0);
+  else
+  {
+    const auto regular = (x > 1e-290) & (x < 1e290);
+    bool all = true;
+    for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
+      all &= regular[i] != 0;
+    if (not all) [[unlikely]]
+      for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
+        if (regular[i] == 0)
+          y[i] = std::pow(x[i], k / 3.0);
+    return y;
+  }
 }
 } // namespace math
 } // namespace dolfinx_impact::kernels

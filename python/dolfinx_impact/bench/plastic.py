@@ -24,7 +24,7 @@ from ..dynamics.explicit import ExplicitProblem
 from ..forms import inelastic, plasticity
 from ..inelastic import InelasticMaterial
 from ..materials import Material
-from ..plasticity import J2Plasticity
+from ..plasticity import J2Plasticity, Voce
 from . import explicit as bench_explicit
 from . import run as bench
 from .explicit import CELLS_PER_S, step_seconds
@@ -38,6 +38,8 @@ STEPS, ROUNDS = 10, 7
 SAME = 1e-11  # forces and histories are sums of some hundred terms, each with round-off of 1e-16 of the largest
 AXES = ((0, 0), (1, 1), (0, 1), (1, 2), (0, 2))  # the components of a deviator that are kept
 GOALS = {YIELDING: 0.8, ELASTIC: 0.9}
+# Yield stress of all points yielding where the local equations are iterated: a step is some ten times its strain.
+ITERATED_YIELDING = 0.05
 
 
 class Body:
@@ -64,13 +66,16 @@ class Body:
         return step_seconds(self.problem, STEPS, 1)[0]
 
 
-def j2(yield_stress: float) -> J2Plasticity:
+def j2(yield_stress: float, hardening: str = "linear", finite_strain: bool = False) -> J2Plasticity:
     """The law of the rows.
 
     Args:
         yield_stress: yield stress [F/L^2].
+        hardening: "linear", or "Voce", with the same slope in the end.
+        finite_strain: whether strains are finite.
     """
-    return J2Plasticity(E, NU, 1.0, yield_stress=yield_stress, hardening=HARDENING)
+    law: float | Voce = HARDENING if hardening == "linear" else Voce(2 * yield_stress, 1.0, HARDENING)
+    return J2Plasticity(E, NU, 1.0, yield_stress=yield_stress, hardening=law, finite_strain=finite_strain)
 
 
 def flowing(problem: ExplicitProblem) -> float:
@@ -228,13 +233,18 @@ def speed_rows(n: int = 40) -> list[Row]:
     """
     elastic = Body(n, materials.NeoHookean(E, NU, 1.0, "3d"))
     rows = []
-    for yield_stress, goal in GOALS.items():
-        what = "all points yield" if yield_stress == YIELDING else "no point yields"
-        body = Body(n, j2(yield_stress))
-        check_flow(body.problem, yield_stress, "before the rounds")
-        times = in_turn(elastic.seconds, body.seconds)
-        check_flow(body.problem, yield_stress, "after the rounds")
-        rows.append(_against(f"j2 step / neo_hookean, {what}, goal {goal}", times, body.num_cells))
+    for finite_strain in (False, True):
+        for hardening in ("linear", "Voce"):
+            for state, goal in GOALS.items():
+                what = "all points yield" if state == YIELDING else "no point yields"
+                yield_stress = ITERATED_YIELDING if (state, hardening) == (YIELDING, "Voce") else state
+                body = Body(n, j2(yield_stress, hardening, finite_strain))
+                check_flow(body.problem, state, "before the rounds")
+                times = in_turn(elastic.seconds, body.seconds)
+                check_flow(body.problem, state, "after the rounds")
+                law = f"{'finite' if finite_strain else 'small'} strain, {hardening}"
+                name = f"j2 step / neo_hookean, {law}, {what}, goal {goal}"
+                rows.append(_against(name, times, body.num_cells))
     return rows
 
 
@@ -243,7 +253,7 @@ def check_flow(problem: ExplicitProblem, yield_stress: float, when: str) -> None
 
     Args:
         problem: problem with plasticity; a step is taken.
-        yield_stress: YIELDING or ELASTIC [F/L^2].
+        yield_stress: YIELDING (all points shall flow) or ELASTIC (none) [F/L^2].
         when: time of the check, for the message.
 
     Raises:

@@ -36,6 +36,9 @@ BODIES = (
      {"hardening": Voce(0.015, 40.0, 0.002), "average": "linear"}),
     ("linear", "hexahedron", 2, "3d", False, {"hardening": 0.1, "average": "linear"}),
     ("voce", "quadrilateral", 1, "plane_stress", False, {"hardening": Voce(0.015, 40.0, 0.002), "kinematic": 0.1}),
+    ("linear", "triangle", 2, "plane_stress", True, {"hardening": 0.1}),
+    ("voce_armstrong_frederick", "quadrilateral", 1, "plane_stress", True,
+     {"hardening": Voce(0.015, 40.0, 0.002), "kinematic": ArmstrongFrederick(0.6, 30.0)}),
 )  # fmt: skip
 
 

@@ -20,14 +20,17 @@ def few_rounds(monkeypatch):
 @pytest.mark.alone
 def test_rows_of_speed():
     rows = plastic.speed_rows(5)
-    assert [r["name"].split(", ")[1] for r in rows] == ["all points yield", "no point yields"]
+    laws = [f"{size} strain, {law}" for size in ("small", "finite") for law in ("linear", "Voce")]
+    states = ("all points yield", "no point yields")
+    found = [", ".join(r["name"].split(", ")[1:4]) for r in rows]
+    assert found == [f"{law}, {state}" for law in laws for state in states]
     assert all(0.0 < r["ratio"] < 10.0 and r["baseline"] > 0.0 for r in rows)
 
 
 def test_a_state_of_another_name_makes_no_row(monkeypatch):
     right = plastic.j2
     for given in (plastic.YIELDING, plastic.ELASTIC):
-        monkeypatch.setattr(plastic, "j2", lambda _, given=given: right(given))
+        monkeypatch.setattr(plastic, "j2", lambda _, *law, given=given: right(given, *law))
         with pytest.raises(RuntimeError, match="of the points flow before the rounds"):
             plastic.speed_rows(3)
 

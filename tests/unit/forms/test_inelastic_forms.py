@@ -13,6 +13,7 @@ import dolfinx_impact as di
 from dolfinx_impact.assembly.inelastic_part import InelasticPart
 from dolfinx_impact.assembly.operators import InternalForce, cells_measure
 from dolfinx_impact.forms import inelastic
+from dolfinx_impact.verify.material_tangent import TangentOfBody
 
 ROUND_OFF = 1e-13  # relative to the largest force; sums of some hundred terms
 
@@ -27,9 +28,9 @@ def u():
     return u
 
 
-def force(u, change=None):
+def force(u, change=None, **law):
     """Internal force of a material that yields, with a change of what its law returns."""
-    material = di.J2Plasticity(1e3, 0.3, 1.0, yield_stress=1.0, hardening=50.0)
+    material = di.J2Plasticity(1e3, 0.3, 1.0, yield_stress=1.0, hardening=50.0, **law)
     dx, degree = cells_measure(u, material)
     part = InelasticPart(u, material, dx, degree, None)
     if change is not None:
@@ -47,6 +48,47 @@ def difference(a, b):
 def test_a_mean_stress_saves_work_and_changes_nothing(u):
     expected = force(u, lambda update: dataclasses.replace(update, mean=None))
     assert difference(force(u), expected) < ROUND_OFF
+
+
+FINITE = [{"finite_strain": True}, {"finite_strain": True, "kinematic": 20.0}]
+
+
+@pytest.mark.parametrize("law", FINITE, ids=("isotropic", "kinematic"))
+def test_a_mean_stress_of_finite_strain_saves_work_and_changes_nothing(u, law):
+    expected = force(u, lambda update: dataclasses.replace(update, mean=None), **law)
+    assert difference(force(u, **law), expected) < ROUND_OFF
+
+    # What would come out if the dilatation of each point did the work of the mean stress, without the factor J/theta:
+    def wrong(update):
+        return dataclasses.replace(update, piola=update.stress)
+
+    assert difference(force(u, wrong, **law), expected) > 1e-5
+
+
+def test_a_mean_stress_of_finite_strain_that_varies_in_the_cell_is_averaged(u):
+    def varying(named):
+        def change(update):
+            pressure = 10.0 * ufl.tr(ufl.grad(u))
+            F = ufl.Identity(3) + ufl.grad(u)
+            root = (ufl.cell_avg(ufl.det(F)) / ufl.det(F)) ** (1 / 3)
+            more = pressure * ufl.inv(F).T
+            mean = update.mean + pressure if named else None
+            return dataclasses.replace(update, stress=update.stress + more / root, piola=update.piola + more, mean=mean)
+
+        return change
+
+    assert difference(force(u, varying(True), **FINITE[0]), force(u, varying(False), **FINITE[0])) < ROUND_OFF
+
+
+def test_gradient_and_dilatation_of_an_averaged_strain(u):
+    F = ufl.Identity(3) + ufl.grad(u)
+    averaged = inelastic.Kinematics("3d", True, True)
+    assert inelastic.gradient_and_dilatation(averaged.strain(u)) == (F, averaged.projection(u))
+    linear, theta = inelastic.Kinematics("3d", True, "linear"), fem.Constant(u.function_space.mesh, 1.1)
+    assert inelastic.gradient_and_dilatation(linear.strain(u, theta)) == (F, theta)
+    assert inelastic.gradient_and_dilatation(linear.strain(u))[0] == F
+    for plain in (F, 2 * F, inelastic.Kinematics("3d", True).strain(u)):
+        assert inelastic.gradient_and_dilatation(plain) == (plain, ufl.det(plain))
 
 
 def test_a_mean_stress_that_varies_in_the_cell_is_averaged(u):
@@ -87,3 +129,24 @@ def test_parts_of_an_averaged_strain():
         for i, j in np.ndindex(3, 3):
             expected = ufl.dev(strain)[i, j](())
             assert inelastic.deviator(strain)[i, j](()) == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize("stretches", [(1.0, 1.0), (1.5, 0.9), (0.7, 0.8), (1.4, 1.4)], ids=str)
+def test_the_elastic_stiffness_of_a_sheet_bounds_its_tangent(stretches):
+    """A sheet that has yielded and is unloaded a little: eigenvalues of its tangent, to the elastic strains (2 %), lie
+    below those of the stiffness that explicit steps are bounded by, and as far as the area has grown."""
+    body = TangentOfBody("quadrilateral", 1, "plane_stress", True, {"hardening": 0.01})
+    x = body.V.tabulate_dof_coordinates()[:, :2]
+    u = (x * (np.array(stretches) - 1)).ravel()
+    d = body.homogeneous(1.0)
+    for part in (0.25, 0.5, 0.75, 1.0):
+        body.force(part * u)
+        body.body.accept_step()
+    assert stretches == (1.0, 1.0) or body.body.force.history.values("plastic_strain").min() > 0.1
+    plastic = np.array([body.action(u - 1e-4 * u, e) for e in np.eye(len(d))])
+    (part,) = body.body.parts
+    du, v = ufl.TrialFunction(body.V), ufl.TestFunction(body.V)
+    elastic = fem.assemble_matrix(fem.form(part.elastic_tangent(du, v))).to_dense()
+    largest = [np.linalg.eigvalsh((K + K.T) / 2)[-1] for K in (plastic, elastic)]
+    assert largest[0] <= 1.02 * largest[1]
+    assert largest[1] <= 1.02 * max(1.0, np.prod(stretches)) * largest[0]
