@@ -153,6 +153,22 @@ void bind_integrals(nb::module_& m)
       },
       nb::arg("map"), nb::arg("gdim"), nb::arg("nodes"), nb::arg("rows"), nb::arg("blocks"),
       "Matrix of springs between nodes and what they face on the master. Collective");
+  m.def(
+      "coo_matrix",
+      [](dolfinx_wrappers::MPICommWrapper comm, std::int64_t num_rows, std::int64_t num_columns, Globals rows,
+         Globals columns, Array values)
+      {
+        if (rows.size() != columns.size() || rows.size() != values.size())
+          throw std::invalid_argument("rows, columns and values differ in their number");
+        dolfinx_impact::operators::CooMatrix::Entries entries{{rows.data(), rows.data() + rows.size()},
+                                                              {columns.data(), columns.data() + columns.size()},
+                                                              vector<double>(values)};
+        dolfinx_impact::operators::CooMatrix out;
+        out.assign(comm.get(), PetscInt(num_rows), PetscInt(num_columns), 1, std::move(entries));
+        return nb::cast(out.matrix(), nb::rv_policy::reference);
+      },
+      nb::arg("comm"), nb::arg("num_rows"), nb::arg("num_columns"), nb::arg("rows"), nb::arg("columns"),
+      nb::arg("values"), "Matrix from entries of any rows, global numbers; equal places add up. Collective");
 }
 
 void bind_constraints(nb::module_& m)

@@ -38,6 +38,8 @@ class _Rigid:
     Attributes:
         motion: of explicit problems, added to the displacement: a function of time with three components, a pair
             (times, values), or None [L].
+        velocity: of rolling problems, (3): that of its surface, which stays where it is, as of a rigid rail that moves
+            along itself [L/T].
     """
 
     _checksum = ""  # of a shape that is not given by a few numbers
@@ -45,6 +47,7 @@ class _Rigid:
     def __init__(self, kind: str, point: FloatArray, direction: FloatArray, radius: float) -> None:
         self._kind, self._point, self._direction, self._radius = kind, point, direction, radius
         self._displacement: FloatArray = np.zeros(3)
+        self._velocity: FloatArray = np.zeros(3)
         self.motion: Any = None
 
     def __repr__(self) -> str:
@@ -69,7 +72,7 @@ class _Rigid:
         Returns:
             Shape, displacement and motion.
         """
-        return [self._kind, self._point, self._direction, self._radius, self._displacement, self.motion]
+        return [self._kind, self._point, self._direction, self._radius, self._displacement, self.motion, self._velocity]
 
     @property
     def displacement(self) -> FloatArray:
@@ -79,6 +82,15 @@ class _Rigid:
     @displacement.setter
     def displacement(self, value: ArrayLike) -> None:
         self._displacement = _vector("displacement", value)
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocity of the surface in rolling problems, (3) [L/T]."""
+        return self._velocity.copy()
+
+    @velocity.setter
+    def velocity(self, value: ArrayLike) -> None:
+        self._velocity = _vector("velocity", value)
 
     def orientation_hint(self) -> str:
         """What a user can change if the slave is on the wrong side of the obstacle."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -26,10 +26,16 @@ class Flow:
         material: material, with densities.
         cell_tags: tags of the bodies.
         motions: motion by tag.
+        rigid: rigid masters, whose surfaces move with their velocity.
     """
 
     def __init__(
-        self, u: fem.Function, material: Material, cell_tags: MeshTags, motions: Mapping[int, Spin | Translation]
+        self,
+        u: fem.Function,
+        material: Material,
+        cell_tags: MeshTags,
+        motions: Mapping[int, Spin | Translation],
+        rigid: Sequence[Any] = (),
     ) -> None:
         mesh = u.function_space.mesh
         self._material, self._motions = material, dict(motions)
@@ -44,6 +50,48 @@ class Flow:
                 self._indicators[tag].x.array[cell_tags.find(tag)] = 1.0
                 self._indicators[tag].x.scatter_forward()
 
+        V = u.function_space
+        self._places = V.tabulate_dof_coordinates()[:, : mesh.geometry.dim].copy()
+        self._nodes = {tag: np.unique(V.dofmap.list[cell_tags.find(tag)]) for tag in self._motions}
+        # Creepages besides those of the motions, see `creepage`.
+        self.lateral, self.turn = 0.0, 0.0
+        self._rigid = {id(master): (master, fem.Constant(mesh, np.zeros(3)), np.zeros(3)) for master in rigid}
+
+    def at_nodes(self) -> FloatArray:
+        """Velocity of the undeformed material through the mesh at the nodes, (nodes, gdim), owned and ghosts [L/T]."""
+        w = np.zeros_like(self._places)
+        for tag, nodes in self._nodes.items():
+            w[nodes] = self._motions[tag].at(self._places[nodes], self._constants[tag].value)
+        return w
+
+    def rigid_velocity(self, master: Any) -> FloatArray:
+        """Velocity of the surface of a rigid master, (3) [L/T].
+
+        Args:
+            master: rigid master of one of the pairs.
+        """
+        return np.array(self._rigid[id(master)][1].value)
+
+    def creepage(self, contact: Any) -> FloatArray:
+        """Rigid slip velocity of slave against master besides that of the motions, (n, gdim) [L/T].
+
+        The body that spins moves along its axis by `lateral` times the speed, and turns about the contact's normal by
+        `turn` times the speed, against the other body.
+
+        Args:
+            contact: RollingContact.
+        """
+        out = np.zeros((len(contact.nodes), contact.gdim))
+        if self.lateral == 0.0 and self.turn == 0.0:
+            return out
+        spin = next(m for m in self._motions.values() if isinstance(m, Spin))
+        spinning = np.isin(contact.nodes, next(n for t, n in self._nodes.items() if self._motions[t] is spin))
+        speed, gdim = contact.speed(), contact.gdim
+        out += self.lateral * speed * spin.axis[:gdim]
+        if self.turn != 0.0:
+            out += self.turn * speed * contact.turn_about_normal()
+        return np.where(spinning[:, None], out, -out)
+
     def same_on_all_ranks(self) -> list[Any]:
         """What must be the same on all ranks."""
         return [self._motions]
@@ -52,14 +100,17 @@ class Flow:
         """Take over the present rates of the motions."""
         for tag, constant in self._constants.items():
             constant.value = self._motions[tag].rate
+        for master, constant, _ in self._rigid.values():
+            constant.value = master.velocity
 
     def ramps(self) -> list[tuple[fem.Constant, FloatArray]]:
         """Pairs (constant, value reached by earlier solves): what load steps run through."""
-        return [(self._constants[tag], self._reached[tag]) for tag in self._motions]
+        bodies = [(self._constants[tag], self._reached[tag]) for tag in self._motions]
+        return bodies + [(constant, reached) for _, constant, reached in self._rigid.values()]
 
     def reached(self) -> list[FloatArray]:
         """Copies of the rates that earlier solves reached."""
-        return [value.copy() for value in self._reached.values()]
+        return [value.copy() for _, value in self.ramps()]
 
     def form(self, u: fem.Function, v: Any, material: Any) -> ufl.Form:
         """Virtual work of the forces of inertia: at the deformed place for a spin, so that its derivative is W.

@@ -47,9 +47,3 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
                 "take an elastic material"
             )
         m.mass_density(mesh)
-    for c in contact:
-        if c.pair.friction > 0.0:
-            raise ValueError(
-                f"{c.pair.name} has friction {c.pair.friction}: a RollingProblem has no friction yet, it comes later; "
-                "make the pair with friction 0"
-            )

@@ -122,6 +122,17 @@ class Spin:
         spin = self.vector(rate, len(u))
         return ufl.as_vector([-spin * u[1], spin * u[0]]) if len(u) == 2 else ufl.cross(spin, u)
 
+    def at(self, places: FloatArray, rate: Any) -> FloatArray:
+        """Velocity w of the material at some places, (n, gdim) [L/T].
+
+        Args:
+            places: (n, gdim) [L].
+            rate: angular velocity about the axis [1/T].
+        """
+        arm = np.zeros((len(places), 3))
+        arm[:, : places.shape[1]] = places - self.point
+        return float(rate) * np.cross(self.axis, arm)[:, : places.shape[1]]
+
     def constant(self, mesh: Mesh) -> fem.Constant:
         """Constant for the rate, zero."""
         return fem.Constant(mesh, default_scalar_type(0.0))
@@ -174,6 +185,15 @@ class Translation:
         gdim = mesh.geometry.dim
         if len(self.velocity) != gdim:
             raise ValueError(f"velocity of a Translation has {len(self.velocity)} components: this mesh needs {gdim}")
+
+    def at(self, places: FloatArray, rate: Any) -> FloatArray:
+        """Velocity of the material at some places, (n, gdim) [L/T].
+
+        Args:
+            places: (n, gdim) [L].
+            rate: velocity, (gdim) [L/T].
+        """
+        return np.tile(np.asarray(rate, dtype=float), (len(places), 1))
 
     def constant(self, mesh: Mesh) -> fem.Constant:
         """Constant for the rate, zero."""

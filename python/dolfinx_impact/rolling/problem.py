@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import dolfinx.fem.petsc as petsc
 import numpy as np
@@ -21,10 +21,15 @@ from ..common.types import FloatArray
 from ..common.unique import Unique
 from ..loads import Load
 from ..materials import MaterialMap, _Material
+from ..common.interrupts import Interrupts
+from ..statics.linear_solver import LinearSolver
+from ..statics.load_steps import run_steps
 from ..statics.problem import Report, StaticProblem
 from . import frequencies, inputs, revolution, stability
+from .contact import RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
+from .newton import RollingNewton
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
@@ -85,11 +90,16 @@ class RollingProblem(Unique):
                 complaint = revolution.fault(mesh, cell_tags, tag, motion)
                 if complaint:
                     raise ValueError(complaint)
-        self._flow = Flow(u, material, cell_tags, self.motions)
+        obstacles = [c.pair.rigid_master for c in contact if c.pair.rigid]
+        self._flow = Flow(u, material, cell_tags, self.motions, obstacles)
         everything: list[Any] = [*loads, self._flow]
+        self._rubs = any(c.pair.friction > 0.0 for c in contact)
+        if self._rubs:
+            contact = [RollingLagrange(cast("Lagrange", c), self._flow) for c in contact]
         self._equilibrium = StaticProblem(
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
+        self._saddle_solver = LinearSolver(u.function_space, options, prefix, indefinite=True) if self._rubs else None
         spinning = [tag for tag, motion in self.motions.items() if isinstance(motion, Spin)]
         self._first = spinning[0] if spinning else None
         self._dofs = np.zeros(0, dtype=np.int32)
@@ -178,7 +188,13 @@ class RollingProblem(Unique):
         good, states = self.u.x.array.copy(), [c.save_state() for c in p.contact]
         ramps = [pair for load in p.loads if hasattr(load, "ramps") for pair in load.ramps()]
         reached = [value.copy() for _, value in ramps]
-        report = p.solve(steps, rtol, atol, max_iterations, cut_backs, verbose)
+        if self._saddle_solver is None:
+            report = p.solve(steps, rtol, atol, max_iterations, cut_backs, verbose)
+        else:
+            with Interrupts(self.u.function_space.mesh.comm) as interrupts:
+                solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._saddle_solver)
+                report = run_steps(p, solver, steps, 8 if cut_backs is None else cut_backs, verbose)
+                interrupts.check()
         negative = stability.negative_directions(p)
         text = (
             f"the spin or the speed is beyond the critical one: stiffness minus W is not positive definite, {negative} "

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: MIT
+"""Contact by multipliers with friction against the steady slip velocity; seed (3.58)-(3.60), docs/rolling.md."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from ..common.types import BoolArray, FloatArray
+from ..contact.mortar.geometry import RigidGeometry
+from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+from .flow import Flow
+from .streamlines import StreamlineDerivative, node_matrix
+
+
+class RollingLagrange(Lagrange):
+    """A Lagrange contact that a RollingProblem binds to its flow.
+
+    Args:
+        spec: as the user gave it.
+        flow: flow of the bodies.
+    """
+
+    def __init__(self, spec: Lagrange, flow: Flow) -> None:
+        super().__init__(spec.pair, spec.quadrature_degree, spec.basis)
+        self.flow = flow
+
+    def _bind(self, problem: Any) -> RollingContact:
+        return RollingContact(self, problem)
+
+
+class RollingContact(LagrangeContact):
+    """Multipliers of a pair whose bodies flow past each other, with Coulomb friction.
+
+    Material points have the velocity V = w + (Grad u) w, taken at the nodes of both surfaces with the derivative from
+    upstream. The slip velocity of a slave node is the mean, over what its multiplier covers, of V of the slave against V
+    of the master, without its normal part: the functional that makes slips of increments in statics.
+
+    Args:
+        spec: RollingLagrange.
+        problem: static problem of the bodies.
+
+    Attributes:
+        slip_velocity: of slave against master, (n, gdim) [L/T].
+        friction_power: power that friction takes out of the motion, of all ranks [F L/T].
+        rate: largest velocity jump per displacement, set by the solver; None: not known yet [1/T].
+        jump, velocity_jump: matrices (nodes, nodes): weighted displacements of slave against master, and weighted
+            velocities by displacements, at the present state [L^2], [L^2/T].
+    """
+
+    def __init__(self, spec: RollingLagrange, problem: Any) -> None:
+        super().__init__(spec, problem)
+        self._flow = spec.flow
+        surfaces = [s for s in (self.geometry.slave, self.geometry.master) if s is not None]
+        self._streamlines = StreamlineDerivative(problem.space, surfaces)
+        self._derivative: PETSc.Mat | None = None
+        self._w = np.zeros((self.geometry.sum.num_nodes, self.gdim))
+        self.jump: PETSc.Mat | None = None
+        self.velocity_jump: PETSc.Mat | None = None
+        self.rate: float | None = None
+        self.slip_velocity = np.zeros((len(self.nodes), self.gdim))
+        self.friction_power = 0.0
+
+    @property
+    def _friction(self) -> bool:
+        """Friction of increments, as in statics: there is none."""
+        return False
+
+    def _law(self) -> tuple[int, float]:
+        return self.gdim, 0.0
+
+    # --- velocities --------------------------------------------------------------------------------------------------
+
+    def update_flow(self) -> None:
+        """Take over the present rates of the motions. Collective."""
+        self._w = self._flow.at_nodes()
+        if self._derivative is not None:
+            self._derivative.destroy()
+        self._derivative = self._streamlines.matrix(self._w)
+        self.rate = None
+
+    def update_matrices(self) -> None:
+        """Matrices of jumps at the present state, after update_gap. Collective."""
+        assert self._derivative is not None
+        for matrix in (self.jump, self.velocity_jump):
+            if matrix is not None:
+                matrix.destroy()
+        if isinstance(self.geometry, RigidGeometry):
+            at = self.geometry.numbers
+            self.jump = node_matrix(self.problem.space, at, at, self.geometry.weight)
+        else:
+            self.jump = self.geometry.jump_matrix().copy()  # type: ignore[attr-defined]
+        self.velocity_jump = self.jump.matMult(self._derivative)
+
+    def means(self, matrix: PETSc.Mat, values: FloatArray) -> FloatArray:
+        """A matrix of jumps times nodal vectors, over the cover, (n, gdim); zero where no multiplier lives. Collective.
+
+        Args:
+            matrix: jump or velocity_jump.
+            values: over owned dofs.
+        """
+        x, y = matrix.createVecRight(), matrix.createVecLeft()
+        out = np.zeros((len(self.nodes), self.gdim))
+        for c in range(self.gdim):
+            x.array[:] = values.reshape(-1, self.gdim)[:, c]
+            matrix.mult(x, y)
+            out[:, c] = y.array_r[self.nodes]
+        x.destroy()
+        y.destroy()
+        cover = np.where(self.geometry.participates, self.geometry.cover, 1.0)
+        return np.where(self.geometry.participates[:, None], out / cover[:, None], 0.0)
+
+    def relative_velocity(self, u: FloatArray) -> FloatArray:
+        """Velocity of slave against master, normal part included, (n, gdim) [L/T]. Collective.
+
+        Args:
+            u: displacements, owned dofs [L].
+        """
+        assert self.jump is not None and self.velocity_jump is not None
+        owned = self.geometry.index_map.size_local
+        velocity = self.means(self.jump, self._w[:owned].ravel()) + self.means(self.velocity_jump, u)
+        if self.pair.rigid:
+            velocity = velocity - self._flow.rigid_velocity(self.pair.rigid_master)[: self.gdim]
+        return velocity + self._flow.creepage(self)
+
+    def tangential(self, vectors: FloatArray) -> FloatArray:
+        """Vectors less their parts along the normals, (n, gdim)."""
+        n = self.geometry.normal
+        return vectors - np.einsum("na,na->n", n, vectors)[:, None] * n
+
+    def main_direction(self) -> FloatArray:
+        """Velocity of the slave's material through the mesh, (n, gdim) [L/T]."""
+        return self._w[self.nodes]
+
+    def turn_about_normal(self) -> FloatArray:
+        """Velocities of a turn with unit rate about the contact's mean normal, through its centre of pressure,
+        (n, gdim) [L]. Collective."""
+        pressed = np.where(self.active, self.multiplier * self.geometry.weight, 0.0)
+        sums = np.concatenate([[pressed.sum()], pressed @ self.points, pressed @ self.geometry.normal])
+        total = self.comm.allreduce(sums)
+        if total[0] <= 0.0:
+            return np.zeros_like(self.points)
+        centre, axis = total[1:4] / total[0], total[4:] / np.linalg.norm(total[4:])
+        return np.cross(axis, self.points - centre)
+
+    def speed(self) -> float:
+        """Largest speed of the material at the surfaces, of all ranks [L/T]. Collective."""
+        largest = 0.0
+        for surface in (self.geometry.slave, self.geometry.master):
+            if surface is not None and len(surface.nodes):
+                largest = max(largest, float(np.linalg.norm(self._w[surface.nodes.ravel()], axis=1).max()))
+        if self.pair.rigid:
+            largest = max(largest, float(np.linalg.norm(self._flow.rigid_velocity(self.pair.rigid_master))))
+        return float(self.comm.allreduce(largest, MPI.MAX))
+
+    # --- state -------------------------------------------------------------------------------------------------------
+
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction [1]."""
+        return self.pair.friction
+
+    @property
+    def carriers(self) -> BoolArray:
+        """Nodes with a multiplier, mask (n)."""
+        return self.usable & self.geometry.participates
+
+    @property
+    def vector(self) -> FloatArray:
+        """Multipliers as vectors, (n, gdim) [F/L^2]."""
+        return self.traction
+
+    def set_vector(self, vectors: FloatArray, active: BoolArray, sliding: BoolArray) -> None:
+        """Store multipliers.
+
+        Args:
+            vectors: (n, gdim) [F/L^2].
+            active: mask of nodes in contact, (n).
+            sliding: mask of those that slip, (n).
+        """
+        self.active, self.sliding = active.copy(), sliding.copy()
+        self.multiplier = np.where(active, np.einsum("na,na->n", self.geometry.normal, vectors), 0.0)
+        self.friction_traction = np.where(active[:, None], self.tangential(vectors), 0.0)
+
+    def turn_to_normals(self) -> None:
+        """Friction tractions turn with the surface, keeping their size."""
+        size = np.linalg.norm(self.friction_traction, axis=1)
+        turned = self.tangential(self.friction_traction)
+        left = np.linalg.norm(turned, axis=1)
+        self.friction_traction = turned * np.where(left > 0.0, size / np.where(left > 0.0, left, 1.0), 0.0)[:, None]
+
+    def save_state(self) -> dict[str, Any]:
+        """State that an increment starts from, as a dict of copies."""
+        return super().save_state() | {"slip_velocity": self.slip_velocity.copy(), "friction_power": self.friction_power}
+
+    def accept_step(self) -> None:
+        """The increment has converged. Collective."""
+        self.opening = self._opened(self.geometry.gap)
+        self.update_totals()
+        if self.velocity_jump is not None:
+            power = float(np.sum(self.geometry.cover[:, None] * self.friction_traction * self.slip_velocity))
+            self.friction_power = -self.comm.allreduce(power)
+
+    @property
+    def slip(self) -> FloatArray:
+        """Steady states have a slip velocity, and no slip that adds up: zeros, (n, gdim) [L]."""
+        return np.zeros((len(self.nodes), self.gdim))
