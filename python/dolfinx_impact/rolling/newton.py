@@ -193,7 +193,7 @@ class RollingNewton:
                 if (changed == 0 and still < STILL) or count == MAX_CHANGES:
                     break
             before = status
-            system.assign(laws, slips, vectors)
+            system.assign(laws, slips, vectors, self._caution)
             b, x = system.load(residual, jump), system.guess(moved, vectors)
             fault = system.solve(self._linear_solver, b, x)
             moved, vectors = system.displacements(x), system.vectors(x)
