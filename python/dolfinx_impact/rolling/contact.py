@@ -13,6 +13,7 @@ from ..common.types import BoolArray, FloatArray
 from ..contact.mortar.geometry import RigidGeometry
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from .flow import Flow
+from .motions import Spin
 from .streamlines import StreamlineDerivative, node_matrix
 
 
@@ -125,6 +126,59 @@ class RollingContact(LagrangeContact):
         if self.pair.rigid:
             velocity = velocity - self._flow.rigid_velocity(self.pair.rigid_master)[: self.gdim]
         return velocity + self._flow.creepage(self)
+
+    def check_directions(self) -> None:
+        """Refuse bodies that move against each other, or not at all, where they are nearest. Collective.
+
+        Raises:
+            ValueError: on all ranks.
+        """
+        self.update_flow()
+        self.update_gap(self.problem.u.x.array)
+        self.update_matrices()
+        assert self.jump is not None
+        owned = self.geometry.index_map.size_local
+        against = self.means(self.jump, self._w[:owned].ravel())
+        if self.pair.rigid:
+            against = against - self._flow.rigid_velocity(self.pair.rigid_master)[: self.gdim]
+        gap = np.where(self.geometry.participates, self.geometry.gap, np.inf)
+        nearest = int(np.argmin(gap)) if len(gap) else 0
+        mine = (float(gap[nearest]), self._w[self.nodes[nearest]], against[nearest], self.points[nearest]) if len(gap) else None
+        found = [row for row in self.comm.allgather(mine) if row is not None and np.isfinite(row[0])]
+        if not found:
+            return
+        _, slave, jump, place = min(found, key=lambda row: row[0])
+        master = slave - jump
+        where = f"{self.pair.name}, at {np.round(place, 9).tolist()}"
+        if self.friction > 0.0 and not (np.any(slave) or np.any(master)):
+            raise ValueError(f"{where}: neither body moves, so that friction has no direction; give a spin or a speed")
+        if float(slave @ master) < 0.0:
+            raise ValueError(
+                f"{where}: the slave's material moves with {slave.tolist()}, the master's with {master.tolist()}: spin "
+                "and speed are of opposite sense; change the sign of one"
+            )
+
+    def velocity_slope(self, spin: Spin) -> FloatArray:
+        """Derivative of the slip velocity by the angular velocity of a body, (n, gdim) [L]. Collective.
+
+        Args:
+            spin: of the body.
+        """
+        assert self.jump is not None and self._derivative is not None
+        owned = self.geometry.index_map.size_local
+        u = self.geometry.u[: self.gdim * owned].reshape(-1, self.gdim)
+        x, y = self._derivative.createVecRight(), self._derivative.createVecLeft()
+        velocity = self._w[:owned].copy()
+        for c in range(self.gdim):
+            x.array[:] = u[:, c]
+            self._derivative.mult(x, y)
+            velocity[:, c] += y.array_r
+        x.destroy()
+        y.destroy()
+        turning = self._flow.nodes_of(spin)
+        part = np.zeros_like(velocity)
+        part[turning[turning < owned]] = velocity[turning[turning < owned]] / spin.omega
+        return self.tangential(self.means(self.jump, part.ravel()))
 
     def tangential(self, vectors: FloatArray) -> FloatArray:
         """Vectors less their parts along the normals, (n, gdim)."""

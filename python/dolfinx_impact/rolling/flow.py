@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import MeshTags
 
 from ..assembly import operators
-from ..common.types import FloatArray
+from ..common.types import FloatArray, IntArray
 from ..forms import ale
 from ..materials import Material
 from .motions import Spin, Translation
@@ -63,6 +63,20 @@ class Flow:
         for tag, nodes in self._nodes.items():
             w[nodes] = self._motions[tag].at(self._places[nodes], self._constants[tag].value)
         return w
+
+    def nodes_of(self, motion: Spin | Translation) -> IntArray:
+        """Nodes of the bodies with a motion, owned and ghosts.
+
+        Args:
+            motion: one of the motions.
+        """
+        parts = [nodes for tag, nodes in self._nodes.items() if self._motions[tag] is motion]
+        return np.unique(np.concatenate(parts))
+
+    def settle(self) -> None:
+        """The present rates are those that the last solve has reached."""
+        for constant, reached in self.ramps():
+            reached[...] = constant.value
 
     def rigid_velocity(self, master: Any) -> FloatArray:
         """Velocity of the surface of a rigid master, (3) [L/T].

@@ -9,6 +9,7 @@ import numpy as np
 from dolfinx.mesh import Mesh
 
 from ..common import arguments
+from ..contact.mortar.lagrange import Lagrange
 from ..inelastic import InelasticMaterial
 from .motions import Spin, Translation
 
@@ -25,7 +26,7 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
 
     Raises:
         TypeError: an argument is of the wrong type.
-        ValueError: axisymmetric, inelastic or massless materials, motions that do not fit, or contacts with friction.
+        ValueError: axisymmetric, inelastic or massless materials, motions that do not fit, or friction by penalty.
     """
     arguments.tags("RollingProblem", cell_tags, mesh, mesh.topology.dim)
     if not isinstance(motions, dict):
@@ -47,3 +48,54 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
                 "take an elastic material"
             )
         m.mass_density(mesh)
+    if any(c.pair.friction > 0.0 for c in contact):
+        for c in contact:
+            if not isinstance(c, Lagrange):
+                raise ValueError(
+                    f"{c.pair.name} is enforced by {type(c).__name__}: steady rolling with friction needs Lagrange "
+                    "contacts"
+                )
+
+
+def solver(
+    steps: Any,
+    rtol: Any,
+    atol: Any,
+    max_iterations: Any,
+    cut_backs: Any,
+    torque: Any,
+    rubs: bool,
+    first: int | None,
+) -> dict[str, Any]:
+    """Check what RollingProblem.solve is called with.
+
+    Args:
+        steps: number of steps.
+        rtol: relative tolerance.
+        atol: absolute tolerance.
+        max_iterations: number of iterations.
+        cut_backs: number of cut-backs, or None.
+        torque: wanted torque, or None.
+        rubs: has a contact friction?
+        first: tag of the first body that spins, or None.
+
+    Returns:
+        The arguments by name, for comparison between ranks.
+
+    Raises:
+        TypeError: an argument is not a number.
+        ValueError: an argument is out of bounds, or the torque cannot be controlled.
+    """
+    given = {
+        "steps": arguments.integer("steps", steps, 1),
+        "max_iterations": arguments.integer("max_iterations", max_iterations, 1),
+        "cut_backs": None if cut_backs is None else arguments.integer("cut_backs", cut_backs, 0),
+        "rtol": arguments.tolerance("rtol", rtol),
+        "atol": arguments.tolerance("atol", atol),
+        "torque": None if torque is None else arguments.number("torque", torque, unit=" [F L]"),
+    }
+    if torque is not None and first is None:
+        raise ValueError("no body has a Spin: there is no torque to control")
+    if torque is not None and not rubs:
+        raise ValueError("no contact has friction: the torque is zero at any spin")
+    return given

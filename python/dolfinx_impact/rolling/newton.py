@@ -24,6 +24,7 @@ from ..statics.problem import StaticProblem
 from .contact import RollingContact
 from .friction_law import Linearised, linearise
 from .saddle_system import SteadySystem
+from .torque import TorqueControl
 
 VIOLATION = 1e-9  # gap of an active node over the size of the bodies; slip velocity of a stuck one over the speed
 MAX_CHANGES = 40  # updates of the status on one linearised problem
@@ -43,9 +44,10 @@ class RollingNewton:
         max_iterations: largest number of iterations [1].
         interrupts: looks for Ctrl-C between iterations.
         linear_solver: for displacements and multipliers together.
-        control: torque control, or None.
+        control: of the torque, which makes the spin an unknown; or None.
 
     Attributes:
+        control: as given; may be changed between runs.
         seconds: time by part, as in Newton.
     """
 
@@ -57,10 +59,10 @@ class RollingNewton:
         max_iterations: int,
         interrupts: Interrupts,
         linear_solver: LinearSolver,
-        control: Any = None,
+        control: TorqueControl | None = None,
     ) -> None:
         self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
-        self._interrupts, self._linear_solver, self._control = interrupts, linear_solver, control
+        self._interrupts, self._linear_solver, self.control = interrupts, linear_solver, control
         self.contacts: list[RollingContact] = list(problem.contact)  # type: ignore[arg-type]
         # Without friction, to begin with: active sets and forces to start from.
         self._frictionless = Newton(problem, rtol, atol, max_iterations, lambda *_: interrupts.check())
@@ -113,7 +115,7 @@ class RollingNewton:
             jump = target[self.fixed] - p.u.x.array[self.fixed]
             moved = self.comm.allreduce(int(np.any(jump))) == 0
             wrong = self._wrong()
-            off = self._control.error() if self._control else 0.0
+            off = self.control.error(self.contacts) if self.control else 0.0
             result.add(norm, sum(c.num_active for c in self.contacts), changes)
             log.iteration(iteration, norm, scale, result.active_set_sizes[-1], changes)
             log(f"    violation of contact and friction {wrong:.2e}" + (f", torque off {off:.2e}" if off else ""))
@@ -122,6 +124,8 @@ class RollingNewton:
                 self.atol, self.rtol * scale
             ):
                 return result.converged()
+            if self.control and self.control.fault:
+                return result.failed(self.control.fault, hopeless=True)
             if iteration == self.max_iterations:
                 return result.failed(
                     f"steady rolling did not converge in {iteration} iterations: residual {norm:.1e} of {scale:.1e}, "
@@ -181,6 +185,9 @@ class RollingNewton:
         moved: FloatArray = np.zeros(self.num_owned)
         vectors = [c.vector.copy() for c in self.contacts]
         gaps, slips = [c.geometry.gap for c in self.contacts], [c.slip_velocity for c in self.contacts]
+        change, forces = 0.0, sum(c.contact_forces() for c in self.contacts)
+        if self.control:
+            self.control.linearise(self.contacts)
         before: list[BoolArray] | None = None
         fault: str | None = None
         while True:
@@ -196,12 +203,18 @@ class RollingNewton:
             system.assign(laws, slips, vectors, self._caution)
             b, x = system.load(residual, jump), system.guess(moved, vectors)
             fault = system.solve(self._linear_solver, b, x)
+            if self.control and not fault:
+                fault, change = self.control.correction(
+                    system, lambda b, x: system.solve(self._linear_solver, b, x), x, forces
+                )
             moved, vectors = system.displacements(x), system.vectors(x)
             b.destroy()
             x.destroy()
             if fault:
                 break
             gaps, slips = self._linear_state(moved)
+            if self.control:
+                slips = [s + change * slope for s, slope in zip(slips, self.control.slopes())]
             count += 1
         system.destroy()
         if fault:
@@ -210,6 +223,10 @@ class RollingNewton:
             c.set_vector(vector, law.active, law.sliding)
         p.u.x.array[: self.num_owned] += moved
         p.u.x.scatter_forward()
+        if self.control:
+            self.control.apply(change)
+            for contact in self.contacts:
+                contact.update_flow()
         return None, count
 
     def _linear_state(self, moved: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import dolfinx.fem.petsc as petsc
@@ -26,10 +26,11 @@ from ..statics.linear_solver import LinearSolver
 from ..statics.load_steps import run_steps
 from ..statics.problem import Report, StaticProblem
 from . import frequencies, inputs, revolution, stability
-from .contact import RollingLagrange
+from .contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
 from .newton import RollingNewton
+from .torque import Torque, TorqueControl
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
@@ -99,14 +100,15 @@ class RollingProblem(Unique):
         self._equilibrium = StaticProblem(
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
+        self._safe: FloatArray | None = None  # largest rates at which stiffness minus W was found positive definite
         self._saddle_solver = LinearSolver(u.function_space, options, prefix, indefinite=True) if self._rubs else None
         spinning = [tag for tag, motion in self.motions.items() if isinstance(motion, Spin)]
         self._first = spinning[0] if spinning else None
-        self._dofs = np.zeros(0, dtype=np.int32)
         if self._first is not None:
-            cells = cell_tags.find(self._first)
-            nodes = np.unique(u.function_space.dofmap.list[cells])
-            self._dofs = nodes[nodes < u.function_space.dofmap.index_map.size_local]
+            first = self._first_spin()
+            nodes = self._flow.nodes_of(first)
+            owned = nodes[nodes < u.function_space.dofmap.index_map.size_local]
+            self._torque = Torque(self._equilibrium, first, owned)
 
     def _check_tags(self, cell_tags: MeshTags) -> None:
         """Raise ValueError on all ranks unless cells and motions have the same tags."""
@@ -155,6 +157,7 @@ class RollingProblem(Unique):
         max_iterations: int = 25,
         cut_backs: int | None = None,
         verbose: bool = False,
+        torque: float | None = None,
     ) -> Report:
         """Find the steady state for the present rates, loads, boundary conditions and obstacles, in steps from those of
         the last solve. Collective.
@@ -168,49 +171,98 @@ class RollingProblem(Unique):
             max_iterations: largest number of iterations per step [1].
             cut_backs: largest number of times that the increment is halved, as in StaticProblem.solve [1].
             verbose: print every iteration on rank 0.
+            torque: that drives the body of the first Spin; its omega is then an unknown, found from its present value
+                on. Zero is free rolling. None: omega is given [F L]; per length in the plane.
 
         Returns:
-            Report, as of StaticProblem.solve.
+            Report, as of StaticProblem.solve; with a torque, its last increment finds omega.
 
         Raises:
             TypeError: an argument is of the wrong type; on all ranks.
-            ValueError: as in StaticProblem.solve; on all ranks.
-            RuntimeError: no convergence, or a speed beyond the critical one: the tangent, stiffness minus W, is not
-                positive definite; on all ranks.
+            ValueError: as in StaticProblem.solve; a torque without friction or without a Spin; bodies that move against
+                each other at the contact, or friction between bodies that do not move; on all ranks.
+            RuntimeError: no convergence, also because friction cannot bear the torque; or a speed beyond the critical
+                one: the tangent, stiffness minus W, is not positive definite; on all ranks.
 
         Warns:
             UserWarning: Lagrange contacts, and the bodies without them are beyond the critical speed.
         """
         p = self._equilibrium
         with guard(self.u.function_space.mesh.comm, "RollingProblem.solve") as ranks:
-            ranks.same(motions=self.motions)
+            numbers = inputs.solver(steps, rtol, atol, max_iterations, cut_backs, torque, self._rubs, self._first)
+            ranks.same(motions=self.motions, **numbers)
         self._flow.update()
+        if self._saddle_solver is None:
+            good = self._state()
+            report = p.solve(steps, rtol, atol, max_iterations, cut_backs, verbose)
+            self._check_speed(good)
+            return report
+        for contact in self._rolling_contacts():
+            contact.check_directions()
+        good = self._state()
+        with Interrupts(self.u.function_space.mesh.comm) as interrupts:
+            solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._saddle_solver)
+            report = run_steps(p, solver, steps, 8 if cut_backs is None else cut_backs, verbose)
+            if torque is not None:
+                self._find_spin(solver, torque, report, verbose)
+            interrupts.check()
+        self._check_speed(good)
+        return report
+
+    def _rolling_contacts(self) -> list[RollingContact]:
+        return cast("list[RollingContact]", self._equilibrium.contact)
+
+    def _find_spin(self, solver: RollingNewton, torque: float, report: Report, verbose: bool) -> None:
+        """Solve for the spin of the first body, from the present state. Collective."""
+        spin, before = self._first_spin(), self._first_spin().omega
+        solver.control = TorqueControl(self._equilibrium, self._flow, spin, self._torque, torque)
+        found = False
+        try:
+            added = run_steps(self._equilibrium, solver, 1, 0, verbose)
+            found = True
+        finally:
+            if not found:
+                spin.omega = before
+            self._flow.update()
+            self._flow.settle()
+        for name in ("iterations", "residual_norms", "active_set_sizes", "contact_changes", "unsettled", "fractions"):
+            getattr(report, name).extend(getattr(added, name))
+
+    def _state(self) -> Callable[[], None]:
+        """A function that brings the present state back."""
+        p = self._equilibrium
         good, states = self.u.x.array.copy(), [c.save_state() for c in p.contact]
         ramps = [pair for load in p.loads if hasattr(load, "ramps") for pair in load.ramps()]
         reached = [value.copy() for _, value in ramps]
-        if self._saddle_solver is None:
-            report = p.solve(steps, rtol, atol, max_iterations, cut_backs, verbose)
-        else:
-            with Interrupts(self.u.function_space.mesh.comm) as interrupts:
-                solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._saddle_solver)
-                report = run_steps(p, solver, steps, 8 if cut_backs is None else cut_backs, verbose)
-                interrupts.check()
-        negative = stability.negative_directions(p)
-        text = (
-            f"the spin or the speed is beyond the critical one: stiffness minus W is not positive definite, {negative} "
-            "of its eigenvalues are negative"
-        )
-        if negative and any(c.has_multipliers for c in p.contact):
-            if p.space.mesh.comm.rank == 0:
-                warnings.warn(f"without what the contacts hold, {text}", stacklevel=2)
-        elif negative:
+
+        def bring_back() -> None:
             self.u.x.array[:] = good
             for contact, state in zip(p.contact, states):
                 contact.restore_state(state)
             for (_, value), before in zip(ramps, reached):
                 value[...] = before
-            raise RuntimeError(f"{text}. Hold the body, or let it turn slower")
-        return report
+
+        return bring_back
+
+    def _check_speed(self, bring_back: Callable[[], None]) -> None:
+        """Raise RuntimeError, with the earlier state, beyond the critical speed. Collective."""
+        p, rates = self._equilibrium, np.concatenate([np.abs(np.ravel(r)) for r in self._flow.reached()])
+        if p.body.linear and self._safe is not None and np.all(rates <= self._safe):
+            return  # W grows with the rates: slower bodies with the same stiffness are stable as well
+        negative = stability.negative_directions(p)
+        if not negative:
+            self._safe = rates
+            return
+        text = (
+            f"the spin or the speed is beyond the critical one: stiffness minus W is not positive definite, {negative} "
+            "of its eigenvalues are negative"
+        )
+        if any(c.has_multipliers for c in p.contact):
+            if p.space.mesh.comm.rank == 0:
+                warnings.warn(f"without what the contacts hold, {text}", stacklevel=3)
+            return
+        bring_back()
+        raise RuntimeError(f"{text}. Hold the body, or let it turn slower")
 
     def reactions(self) -> fem.Function:
         """Support forces at prescribed degrees of freedom, round-off elsewhere [F]. Collective."""
@@ -218,23 +270,14 @@ class RollingProblem(Unique):
 
     @property
     def torque(self) -> float:
-        """Moment of contact forces and supports on the body of the first Spin, about its axis, at deformed places
-        [F L]; per length in the plane. Collective.
+        """Torque that drives the body of the first Spin: minus the moment of the contact forces about its axis, at
+        deformed places, positive along the axis [F L]; per length in the plane. Collective.
 
         Raises:
             ValueError: no body spins.
         """
-        spin, p = self._first_spin(), self._equilibrium
-        gdim, size = p.space.mesh.geometry.dim, p.num_owned
-        forces = np.where(p.fixed[:size], self.reactions().x.array[:size], 0.0)
-        for contact in p.contact:
-            forces = forces + contact.contact_forces()
-        f, places = forces.reshape(-1, gdim)[self._dofs], np.zeros((len(self._dofs), 3))
-        places[:, :gdim] = p.space.tabulate_dof_coordinates()[self._dofs, :gdim] - spin.point
-        places[:, :gdim] += self.u.x.array[:size].reshape(-1, gdim)[self._dofs]
-        full = np.zeros_like(places)
-        full[:, :gdim] = f
-        return float(p.space.mesh.comm.allreduce(float(np.sum(np.cross(places, full) @ spin.axis))))
+        self._first_spin()
+        return sum(self._torque.of(contact.contact_forces()) for contact in self.contact)
 
     def frequencies(self, n: int) -> FloatArray:
         """Angular frequencies of small vibrations about the present state, in the ALE frame. Collective.

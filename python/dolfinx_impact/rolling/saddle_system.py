@@ -62,6 +62,7 @@ class SteadySystem(Stiffness):
         self._N: PETSc.Mat | None = None
         self._diagonal: FloatArray = np.zeros((sum(self._counts), self.gdim, self.gdim))
         self._right: FloatArray = np.zeros(self._size)
+        self._on_velocity: list[FloatArray] = []
         self.mask: IntArray = np.zeros(self.num + self._size, dtype=np.int64)
         self._locked = self._find_locked()
 
@@ -192,12 +193,34 @@ class SteadySystem(Stiffness):
         self._N = self._rows([self.unit * f for f in jumps], [self.unit * f for f in velocities])
         self._diagonal = self.unit * np.concatenate(diagonals)
         self._right = self.unit * np.concatenate(rights)
+        self._on_velocity = velocities
         self.mask = np.concatenate([np.zeros(self.num, dtype=np.int64), *status])
         self.mask[self.fixed] = 3
 
     def _scaled(self, c: RollingContact, vectors: FloatArray) -> FloatArray:
         """Multipliers as unknowns of the system, (n, gdim)."""
         return np.where(c.carriers, c.geometry.weight, 0.0)[:, None] * vectors / self.unit
+
+    def right_of_velocities(self, slips: Sequence[FloatArray]) -> FloatArray:
+        """Right sides that slip velocities besides those of the displacements cause, after `assign`.
+
+        Args:
+            slips: velocities, (n, gdim) each [L/T].
+        """
+        rows = [-np.einsum("nra,na->nr", f, s).ravel() for f, s in zip(self._on_velocity, slips)]
+        return self.unit * np.concatenate(rows)
+
+    def contact_forces(self, x: PETSc.Vec) -> FloatArray:
+        """Forces of the multipliers among the unknowns on both bodies, owned dofs [F]. Collective.
+
+        Args:
+            x: unknowns.
+        """
+        right = self._B.createVecRight()
+        right.array[:] = x.array_r[self.num :]
+        self._B.mult(right, self._y)
+        right.destroy()
+        return self._y.array_r.copy()
 
     # --- what a LinearSolver asks of a system -----------------------------------------------------------------------
 
