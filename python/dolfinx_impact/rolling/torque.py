@@ -116,7 +116,9 @@ class TorqueControl:
         slopes = [np.linalg.norm(s, axis=1)[c.active].max(initial=0.0) for s, c in zip(self._slopes, contacts)]
         comm = self._problem.space.mesh.comm
         slip, slope = (float(comm.allreduce(max(map(float, v)), MPI.MAX)) for v in (slips, slopes))
-        self._most = (FURTHER * max(c.speed() for c in contacts) + slip) / slope if slope > 0.0 else np.inf
+        # Where all sticks there is no slip that could double.
+        further = FURTHER * 2.0**self._limited * max(c.speed() for c in contacts)
+        self._most = (further + slip) / slope if slope > 0.0 else np.inf
 
     def _set(self, omega: float) -> None:
         self._spin.omega = omega

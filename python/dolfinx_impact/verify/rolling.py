@@ -4,21 +4,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, cast
 from unittest.mock import patch
 
 import dolfinx.fem.petsc as petsc
-import impact_reference
 import numpy as np
 import ufl
 from dolfinx import fem
+from impact_reference import RollingSolution
 
 from ..common.types import FloatArray, IntArray
 from ..rolling import frequencies as eigensolver
 from ..rolling import newton
+from ..rolling.problem import RollingProblem
 from . import bodies
 from .report import Report
-from .rolling_bodies import HUB, OMEGA, RollingCase
+from .rolling_bodies import OMEGA, RollingCase
 
 MATRIX_TOLERANCE = 1e-12
 MATRIX_REASON = "round-off"
@@ -27,6 +28,8 @@ FREQUENCY_REASON = "residuals of the eigensolvers"
 TOLERANCE = 1e-9
 REASON = "round-off times condition of the stiffness matrix"
 VIOLATION = 1e-12  # at which our side stops, of contact and friction; of tractions it is 1e-10, below what rows allow
+PLANE = ((-1.5e-3, 0.0), (1e-3, 0.0), (8e-3, 0.0), (0.2, 0.0))  # longitudinal and lateral creepage of the stages
+SPACE = ((2e-3, 3e-3), (-4e-3, 1e-3), (0.1, 0.2))
 COUNT = 6  # frequencies that are compared
 
 
@@ -51,7 +54,7 @@ def cases(friction: float) -> Iterator[RollingCase]:
     Yields:
         Cases.
     """
-    plane = ((-1.5e-3, 0.0), (1e-3, 0.0), (8e-3, 0.0), (0.2, 0.0)) if friction else ((0.0, 0.0),)
+    plane = PLANE if friction else ((0.0, 0.0),)
     for cell, hypothesis, law in (
         ("quadrilateral", "plane_strain", "linear_elastic"),
         ("triangle", "plane_stress", "linear_elastic"),
@@ -61,9 +64,22 @@ def cases(friction: float) -> Iterator[RollingCase]:
         yield RollingCase(name, cell, hypothesis, 20, friction=friction, creeps=plane, law=law)
     for cell in ("quadrilateral", "triangle"):
         yield RollingCase("wheel on a rail", cell, "plane_strain", 20, 0, (23, 6), friction, plane, 0.02)
-    space = ((2e-3, 3e-3), (-4e-3, 1e-3), (0.1, 0.2)) if friction else ((0.0, 0.0),)
+    space = SPACE if friction else ((0.0, 0.0),)
     for cell in ("hexahedron", "tetrahedron"):
         yield RollingCase("short cylinder on a rigid plane", cell, "3d", 12, 2, (), friction, space, 0.03)
+    yield RollingCase("wheel on a rail", "hexahedron", "3d", 12, 2, (7, 2, 2), friction, space[:1], 0.04)
+
+
+def free_rolling() -> Iterator[RollingCase]:
+    """Wheels whose spin follows from the torque: none, as in free rolling.
+
+    Yields:
+        Cases.
+    """
+    for cell in ("quadrilateral", "triangle"):
+        yield RollingCase("cylinder on a rigid plane", cell, "plane_strain", 20, friction=0.3)
+    yield RollingCase("wheel on a rail", "quadrilateral", "plane_strain", 20, 0, (23, 6), 0.3, depth=0.02)
+    yield RollingCase("short cylinder on a rigid plane", "hexahedron", "3d", 12, 2, (), 0.3, ((0.0, 2e-3),), 0.03)
 
 
 def run(report: Report, progress: bool = True) -> None:
@@ -81,6 +97,9 @@ def run(report: Report, progress: bool = True) -> None:
         for case in cases(friction):
             if report.wants(case.cell, 1):
                 compare_solutions(report, case)
+    for case in free_rolling():
+        if report.wants(case.cell, 1):
+            compare_free_rolling(report, case)
 
 
 def _add(
@@ -144,8 +163,8 @@ def compare_frequencies(report: Report, case: RollingCase) -> None:
 
 
 def compare_solutions(report: Report, case: RollingCase) -> None:
-    """Add the rows of all stages of a case: displacements, multipliers, gaps, forces; with friction slip velocities,
-    status, torque and power.
+    """Add the rows of all stages of a case: displacements, multipliers, gaps, forces, torque; with friction status,
+    slip velocities and power.
 
     Args:
         report: report to add to.
@@ -154,51 +173,76 @@ def compare_solutions(report: Report, case: RollingCase) -> None:
     problem, motions = case.ours()
     _, dofs, values = case.supports()
     body, theirs_contact = case.body, case.their_contact()
-    found: impact_reference.RollingSolution | None = None
+    found: RollingSolution | None = None
     for stage in range(len(case.creeps)):
-        speed = case.speed(stage)
-        if case.rail:
-            motions[1].velocity = speed
-        elif body.rigid is not None:
-            ours_plane, their_plane = body.rigid
-            ours_plane.displacement = their_plane.displacement = case.depth * np.eye(case.dim)[-1]
-            ours_plane.velocity = speed
-        with patch.object(newton, "VIOLATION", VIOLATION):
-            problem.solve(rtol=1e-13, max_iterations=60)
+        case.set_speed(stage, motions)
+        _solve(problem)
         found = case.theirs(stage).solve(
-            body.order[dofs], values, contact=theirs_contact, master_velocity=speed, start=found
+            body.order[dofs], values, contact=theirs_contact, master_velocity=case.speed(stage), start=found
         )
         name = f"{case.name}, stage {stage + 1}" if len(case.creeps) > 1 else case.name
-        _rows(report, case, name, problem, found)
+        _rows(report, case, "friction" if case.friction else "frictionless", name, problem, found)
+
+
+def compare_free_rolling(report: Report, case: RollingCase, torque: float = 0.0) -> None:
+    """Add the rows of a wheel with a given torque, whose angular velocity is unknown.
+
+    Args:
+        report: report to add to.
+        case: bodies, with one stage.
+        torque: driving torque [F L].
+    """
+    problem, motions = case.ours()
+    _, dofs, values = case.supports()
+    case.set_speed(0, motions)
+    _solve(problem)
+    _solve(problem, torque)
+    model = case.theirs()
+    found = model.solve_torque(
+        torque, case.body.order[dofs], values=values, contact=case.their_contact(), master_velocity=case.speed(0)
+    )  # fmt: skip
+    _rows(report, case, "free_rolling", case.name, problem, found)
+    difference = abs(problem.omega / found.omega - 1.0)
+    note = f"UFL {problem.omega:.15g}, hand-written {found.omega:.15g}"
+    _add(report, case, "free_rolling", "omega", difference, (TOLERANCE, REASON), note)
+
+
+def _solve(problem: RollingProblem, torque: float | None = None) -> None:
+    """Solve our side to what the rows need."""
+    with patch.object(newton, "VIOLATION", VIOLATION):
+        problem.solve(rtol=1e-13, max_iterations=40, cut_backs=1, torque=torque)
 
 
 def _rows(
-    report: Report, case: RollingCase, name: str, problem: Any, theirs: impact_reference.RollingSolution
+    report: Report, case: RollingCase, form: str, name: str, problem: RollingProblem, theirs: RollingSolution
 ) -> None:
     """Add the rows of one steady state."""
-    body, ours = case.body, problem.contact[0]
-    nodes = body.nodal_to_ours
+    body, ours = case.body, cast(Any, problem.contact[0])
 
     def at(x: FloatArray | IntArray) -> Any:
-        return nodes(x)[ours.nodes]
+        return body.nodal_to_ours(x)[ours.nodes]
 
-    closed = at(theirs.status) > 0
-    pairs: dict[str, tuple[Any, Any]] = {
-        "u": (body.u.x.array, body.to_ours(theirs.u)),
-        "multipliers": (ours.traction, at(theirs.multipliers)),
-        "contact force": (ours.contact_forces(), body.to_ours(theirs.contact_force)),
+    closed, gap = at(theirs.status) > 0, at(theirs.gap)
+    near = np.isfinite(gap) & np.isfinite(ours.gap)
+    force = float(np.abs(theirs.contact_force).sum()) / 2
+    # Values, and what their difference is relative to; None for the largest entry.
+    pairs: dict[str, tuple[Any, Any, float | None]] = {
+        "u": (body.u.x.array, body.to_ours(theirs.u), None),
+        "multipliers": (ours.traction, at(theirs.multipliers), None),
+        "gap": (ours.gap[near], gap[near], case.depth),
+        "contact force": (ours.contact_forces(), body.to_ours(theirs.contact_force), None),
+        "torque": ([problem.torque], [theirs.torque], force),
     }
     if case.friction:
-        pairs["status"] = ours.status, at(theirs.status)
-        pairs["slip velocity"] = ours.slip_velocity[closed], at(theirs.slip_velocity)[closed]
-        pairs["friction power"] = np.array([ours.friction_power]), np.array([theirs.friction_power])
-    form = "friction" if case.friction else "frictionless"
-    scales = {"slip velocity": OMEGA, "friction power": OMEGA * abs(float(theirs.contact_force.min()))}
-    for what, (a, b) in pairs.items():
-        difference, note = _difference(np.asarray(a, dtype=float), np.asarray(b, dtype=float), scales.get(what))
-        element = (case.cell, 1, 1, case.hypothesis)
-        limits = (TOLERANCE, REASON)
-        report.add("rolling", f"rolling.{form}", *element, difference, *limits, f"{what} of the {name}", note)
+        pairs["status"] = ours.status, at(theirs.status), None
+        pairs["slip velocity"] = ours.slip_velocity[closed], at(theirs.slip_velocity)[closed], OMEGA
+        pairs["friction power"] = [ours.friction_power], [theirs.friction_power], OMEGA * force
+    element = (case.cell, 1, 1, case.hypothesis)
+    for what, (a, b, scale) in pairs.items():
+        difference, note = _difference(np.asarray(a, dtype=float), np.asarray(b, dtype=float), scale)
+        report.add(
+            "rolling", f"rolling.{form}", *element, difference, TOLERANCE, REASON, f"{what} of the {name}", note
+        )  # fmt: skip
 
 
 def _difference(a: FloatArray, b: FloatArray, scale: float | None) -> tuple[float, str]:
@@ -211,6 +255,3 @@ def _difference(a: FloatArray, b: FloatArray, scale: float | None) -> tuple[floa
     error = np.where(np.isnan(a - b), np.inf, np.abs(a - b))
     k = np.unravel_index(np.argmax(error), error.shape)
     return float(error[k]) / size, f"entry {[int(i) for i in k]}: UFL {a[k]:.15g}, hand-written {b[k]:.15g}"
-
-
-__all__ = ["HUB", "cases", "compare_frequencies", "compare_matrices", "compare_solutions", "free_bodies", "run"]

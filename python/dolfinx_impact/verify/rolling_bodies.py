@@ -35,11 +35,9 @@ OMEGA = 0.15  # [1/T]
 def _disc(cell: str, n: int, layers: int) -> tuple[FloatArray, IntArray]:
     """A disc of radius 1, or a cylinder about the y axis of width 0.4, from a square: lines of constant maximum norm
     become circles."""
-    low, high = (-1.0, -1.0), (1.0, 1.0)
-    counts: tuple[int, ...] = (n, n)
-    if layers:
-        low, high, counts = (-1.0, 0.0, -1.0), (1.0, 0.4, 1.0), (n, layers, n)
-    points, cells = _box(cell, np.array(low), np.array(high), counts, 1)
+    counts = (n, layers, n) if layers else (n, n)
+    low, high = (np.array([-1.0, 0.0, -1.0]), np.array([1.0, 0.4, 1.0])) if layers else (-np.ones(2), np.ones(2))
+    points, cells = _box(cell, low, high, counts, 1)
     x = points[:, [0, -1]]
     longest, length = np.abs(x).max(axis=1), np.linalg.norm(x, axis=1)
     x = x * np.divide(longest, length, out=np.ones_like(length), where=length > 0)[:, None]
@@ -70,7 +68,7 @@ def wheel(cell: str, n: int, layers: int = 0, rail: Sequence[int] = ()) -> tuple
         under, more = _box(cell, low[keep], high[keep], rail, 1)
         points, cells = np.vstack([points, under]), np.vstack([cells, more + len(points)])
     element = basix.ufl.element("Lagrange", cell, 1, shape=(dim,))
-    domain = mesh.create_mesh(MPI.COMM_SELF, cells, points, ufl.Mesh(element))
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.asarray(cells, dtype=np.int64), points, ufl.Mesh(element))
     middle = domain.geometry.x[domain.geometry.dofmap].mean(axis=1)
     body = np.where(middle[:, dim - 1] > -1.0, WHEEL, RAIL).astype(np.int32)
     cell_tags = mesh.meshtags(domain, dim, np.arange(len(body), dtype=np.int32), body)
@@ -173,6 +171,20 @@ class RollingCase:
             velocity[1] = -OMEGA * across
         return velocity
 
+    def set_speed(self, stage: int, motions: list[Any]) -> None:
+        """Give rail or plane its place and velocity in a stage: the rail on our side, the plane's place on both.
+
+        Args:
+            stage: number of the stage.
+            motions: motions of wheel and rail on our side.
+        """
+        if self.body.rigid is None:
+            motions[1].velocity = self.speed(stage)
+            return
+        ours, theirs = self.body.rigid
+        ours.displacement = theirs.displacement = self.depth * np.eye(self.dim)[-1]
+        ours.velocity = np.pad(self.speed(stage), (0, 3 - self.dim))
+
     def supports(self) -> tuple[list[fem.DirichletBC], IntArray, FloatArray]:
         """Hub, and lower face of the rail.
 
@@ -213,7 +225,7 @@ class RollingCase:
         bcs, *_ = self.supports()
         problem = RollingProblem(
             body.u, cast(_Material, body.material), self.cell_tags, by_tag, contact=contacts, bcs=bcs
-        )
+        )  # fmt: skip
         return problem, list(by_tag.values())
 
     def theirs(self, stage: int = 0) -> impact_reference.RollingModel:
