@@ -20,6 +20,7 @@ class Linearised:
         target: multipliers that the law makes of the trial values, (n, gdim) [F/L^2]; in a solution they are the same.
         direction: unit vectors along tau, (n, gdim); zero where a node does not slide.
         kappa: friction times p over the length of tau, at most 1, (n); zero where a node does not slide.
+        tangential_stiffness: c_t, (n) [F T/L^3].
     """
 
     active: BoolArray
@@ -27,6 +28,7 @@ class Linearised:
     target: FloatArray
     direction: FloatArray
     kappa: FloatArray
+    tangential_stiffness: FloatArray
 
 
 def linearise(
@@ -64,7 +66,7 @@ def linearise(
     kappa = np.where(sliding, limit / safe, 0.0)
     traction = np.where(sliding[:, None], limit[:, None] * direction, trial)
     target = np.where(active[:, None], pressure[:, None] * normal + traction, 0.0)
-    return Linearised(active, sliding, target, direction, kappa)
+    return Linearised(active, sliding, target, direction, kappa, tangential_stiffness)
 
 
 def tangents(normal: FloatArray, first: FloatArray, fixed: BoolArray) -> FloatArray:

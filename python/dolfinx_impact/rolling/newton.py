@@ -200,7 +200,7 @@ class RollingNewton:
                 if (changed == 0 and still < STILL) or count == MAX_CHANGES:
                     break
             before = status
-            system.assign(laws, slips, vectors, self._caution)
+            system.assign(laws, slips, vectors)
             b, x = system.load(residual, jump), system.guess(moved, vectors)
             fault = system.solve(self._linear_solver, b, x)
             if self.control and not fault:

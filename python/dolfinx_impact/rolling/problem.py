@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Steady rolling without friction, in the ALE frame: the mesh stands, the material flows through it."""
+"""Steady rolling in the ALE frame: the mesh stands, the material flows through it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from ..assembly import problem_arguments
 from ..common import arguments
 from ..common.collective import comm_of, guard
-from ..common.types import FloatArray
+from ..common.types import ArrayLike, FilePath, FloatArray
 from ..common.unique import Unique
 from ..loads import Load
 from ..materials import MaterialMap, _Material
@@ -25,7 +25,7 @@ from ..common.interrupts import Interrupts
 from ..statics.linear_solver import LinearSolver
 from ..statics.load_steps import run_steps
 from ..statics.problem import Report, StaticProblem
-from . import frequencies, inputs, revolution, stability
+from . import frequencies, inputs, revolution, stability, sweep
 from .contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class RollingProblem(Unique):
-    """Bodies through whose meshes the material flows steadily, in contact without friction or not.
+    """Bodies through whose meshes the material flows steadily, in contact or not.
 
     The equations are those of a StaticProblem with the forces of inertia of the flow: stiffness minus W, and for a Spin
     the centrifugal load, which thus acts at the deformed radius.
@@ -48,7 +48,7 @@ class RollingProblem(Unique):
         material: elastic material or MaterialMap, with densities.
         cell_tags: tags of the bodies; every owned cell must carry one.
         motions: dict from cell tag to Spin or Translation.
-        contact: contacts without friction: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
+        contact: contacts: dolfinx_impact.Lagrange(pair), with friction or without; dolfinx_impact.Penalty(pair) without.
         bcs: boundary conditions.
         loads: loads (dolfinx_impact.Traction, ...).
         options: PETSc options, as of StaticProblem.
@@ -62,7 +62,7 @@ class RollingProblem(Unique):
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
         ValueError: cells without a motion, motions without cells, a Spin of a body that is not one of revolution about
-            its axis, friction, materials with internal variables or without density; or what StaticProblem refuses. On
+            its axis, friction by penalty, materials with internal variables or without density; or what StaticProblem refuses. On
             all ranks.
     """
 
@@ -208,6 +208,63 @@ class RollingProblem(Unique):
             interrupts.check()
         self._check_speed(good)
         return report
+
+    def sweep(
+        self,
+        creep: ArrayLike | None = None,
+        lateral: ArrayLike | None = None,
+        spin: ArrayLike | None = None,
+        file: FilePath | None = None,
+        progress: bool = True,
+        **options: Any,
+    ) -> dict[str, FloatArray]:
+        """Steady states for a sequence of creepages, each found from the one before: a creep curve. Collective.
+
+        The creepages count from the present rates of the motions (after `solve(torque=0)`, from free rolling); speed is
+        the larger speed of the two surfaces. The problem is left in the last state, whose creepages stay.
+
+        Args:
+            creep: longitudinal: omega is (1 + creep) times that of the beginning, (n) or one number [1].
+            lateral: speed of the first spinning body along its axis against the other, over the speed, (n) or one
+                number [1].
+            spin: turn of that body about the contact's normal (out of the master) against the other, over the speed,
+                (n) or one number; meshes in space [1/L].
+            file: HDF5 file that is written after every point. Points that it has already are not solved again.
+            progress: show a progress bar on rank 0.
+            options: of `solve`.
+
+        Returns:
+            Arrays by name: creep, lateral, spin, omega (n) [1/T], force on the slave of the first contact (n, gdim) [F],
+            torque (n) [F L].
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: no body has a Spin, no contact friction; creepages of different lengths; lateral or spin creep
+                in the plane; a file of another sweep; on all ranks.
+            RuntimeError: a point did not converge, or the file cannot be written; on all ranks. The file has the points
+                before it.
+        """
+        comm = self.u.function_space.mesh.comm
+        with guard(comm, "RollingProblem.sweep") as ranks:
+            points = sweep.creepages(creep, lateral, spin)
+            first = self._first_spin()
+            if not self._rubs:
+                raise ValueError("no contact has friction: there is no creep force")
+            flat = self.u.function_space.mesh.geometry.dim == 2
+            if flat and (np.any(points["lateral"]) or np.any(points["spin"])):
+                raise ValueError("lateral and spin creep need a mesh in space")
+            ranks.same(points=[points[name] for name in sweep.INPUTS], file=None if file is None else str(file))
+        start = first.omega
+
+        def solve(creep: float, lateral: float, spin: float) -> dict[str, Any]:
+            first.omega = start * (1.0 + creep)
+            self._flow.lateral, self._flow.turn = lateral, spin
+            self.solve(**options)
+            force = self.contact[0].force
+            assert force is not None
+            return {"omega": first.omega, "force": force.copy(), "torque": self.torque}
+
+        return sweep.run(comm, points, solve, file, progress)
 
     def _rolling_contacts(self) -> list[RollingContact]:
         return cast("list[RollingContact]", self._equilibrium.contact)

@@ -150,7 +150,7 @@ class SteadySystem(Stiffness):
     # --- equations of the present status ----------------------------------------------------------------------------
 
     def assign(
-        self, laws: Sequence[Linearised], slips: Sequence[FloatArray], vectors: Sequence[FloatArray], caution: float
+        self, laws: Sequence[Linearised], slips: Sequence[FloatArray], vectors: Sequence[FloatArray]
     ) -> None:
         """Equations of the nodes. Collective.
 
@@ -158,7 +158,6 @@ class SteadySystem(Stiffness):
             laws: of the contacts, linearised where the last solution is.
             slips: slip velocities there, (n, gdim) [L/T].
             vectors: multipliers there, (n, gdim) [F/L^2].
-            caution: factor of the tangential stiffness in the laws [1].
         """
         jumps, velocities, diagonals, rights, status = [], [], [], [], []
         for c, law, frame, locked, slip, vector in zip(
@@ -177,7 +176,8 @@ class SteadySystem(Stiffness):
                 slide = law.sliding & ~locked[:, a] & (c.friction > 0.0)
                 along = np.einsum("na,na->n", t, law.direction)
                 across = law.kappa[:, None] * (t - along[:, None] * law.direction)
-                scale = caution * c.nodal_stiffness / rate / self.unit
+                weight = np.where(c.carriers, c.geometry.weight, 0.0)
+                scale = law.tangential_stiffness * weight / self.unit
                 own[slide, a] = (t - across - c.friction * along[:, None] * frame[:, 0])[slide]
                 on_velocity[slide, a] = (scale[:, None] * across)[slide]
                 known = scale[:, None] * (slip - c.slip_velocity) - self._scaled(c, vector)

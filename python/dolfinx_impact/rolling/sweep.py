@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: MIT
+"""Creep curves: steady states for a sequence of creepages, each found from the one before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from ..common.types import FilePath, FloatArray
+from ..io import hdf5
+
+INPUTS = ("creep", "lateral", "spin")
+UNITS = {"creep": "1", "lateral": "1", "spin": "1/L", "force": "F", "torque": "F L", "omega": "1/T"}
+
+
+def creepages(creep: Any, lateral: Any, spin: Any) -> dict[str, FloatArray]:
+    """The sequences of a sweep, of equal length.
+
+    Args:
+        creep: numbers, a number, or None.
+        lateral: numbers, a number, or None.
+        spin: numbers, a number, or None.
+
+    Raises:
+        TypeError: a sequence is not made of numbers.
+        ValueError: numbers that are not finite, no sequence at all, or sequences of different lengths.
+    """
+    given = {name: values for name, values in zip(INPUTS, (creep, lateral, spin)) if values is not None}
+    if not given:
+        raise ValueError("give at least one of creep, lateral and spin")
+    arrays = {}
+    for name, values in given.items():
+        try:
+            arrays[name] = np.atleast_1d(np.asarray(values, dtype=float))
+        except (TypeError, ValueError):
+            raise TypeError(f"{name} must be numbers, found {values!r:.60}") from None
+        if arrays[name].ndim != 1 or not len(arrays[name]) or not np.all(np.isfinite(arrays[name])):
+            raise ValueError(f"{name} must be a sequence of finite numbers, found {values!r:.60}")
+    lengths = {len(a) for a in arrays.values()} - {1}
+    if len(lengths) > 1:
+        raise ValueError(f"creepages have different lengths: {', '.join(f'{k} {len(a)}' for k, a in arrays.items())}")
+    count = max(lengths, default=1)
+    return {name: np.broadcast_to(arrays.get(name, np.zeros(1)), count).copy() for name in INPUTS}
+
+
+def read(path: FilePath, points: dict[str, FloatArray]) -> list[dict[str, Any]]:
+    """Rows of a file that an earlier sweep over the same points has written.
+
+    Args:
+        path: the file; there may be none.
+        points: creepages of this sweep.
+
+    Raises:
+        ValueError: the file belongs to another sweep.
+    """
+    import h5py
+
+    if not Path(path).exists():
+        return []
+    with h5py.File(path, "r") as file:
+        found = {name: file[name][:] for name in UNITS if name in file}
+    if set(found) != set(UNITS):
+        raise ValueError(f"{path} is no file of a sweep")
+    num = len(found["creep"])
+    if num > len(points["creep"]) or any(np.any(found[name] != points[name][:num]) for name in INPUTS):
+        raise ValueError(f"{path} has a sweep over other creepages: remove it, or give another name")
+    return [{name: found[name][k] for name in UNITS} for k in range(num)]
+
+
+def write(path: FilePath, rows: list[dict[str, Any]]) -> None:
+    """Write rows to an HDF5 file, with units; the former file stays until the new one is complete.
+
+    Args:
+        path: the file.
+        rows: one dict per point.
+    """
+
+    def fill(file: Any) -> None:
+        for name, unit in UNITS.items():
+            file[name] = np.array([row[name] for row in rows])
+            file[name].attrs["unit"] = unit
+
+    hdf5.create(path, fill)
+
+
+def run(
+    comm: MPI.Comm,
+    points: dict[str, FloatArray],
+    solve: Callable[[float, float, float], dict[str, Any]],
+    file: FilePath | None,
+    progress: bool,
+) -> dict[str, FloatArray]:
+    """Solve for all points. Collective.
+
+    Args:
+        comm: communicator of the problem.
+        points: creepages.
+        solve: of creep, lateral and spin; returns the results by name.
+        file: HDF5 file that is written after each point, and whose points are not solved again; or None.
+        progress: show a bar on rank 0.
+    """
+    rows: list[dict[str, Any]] = []
+    fault = None
+    if file is not None and comm.rank == 0:
+        try:
+            rows = read(file, points)
+        except (OSError, ValueError) as error:
+            fault = str(error)
+    rows, fault = comm.bcast((rows, fault))
+    if fault:
+        raise ValueError(fault)
+    total = len(points["creep"])
+    bar = _bar(comm, progress, total)
+    try:
+        for k in range(len(rows), total):
+            here = tuple(float(points[name][k]) for name in INPUTS)
+            if bar:
+                bar.update(0, completed=k, description=f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}")
+            rows.append({**dict(zip(INPUTS, here)), **solve(*here)})
+            if file is not None:
+                if comm.rank == 0:
+                    try:
+                        write(file, rows)
+                    except OSError as error:
+                        fault = f"{file} cannot be written: {error}"
+                fault = comm.bcast(fault)
+                if fault:
+                    raise RuntimeError(fault)
+    finally:
+        if bar:
+            bar.update(0, completed=len(rows))
+            bar.stop()
+    return {name: np.array([row[name] for row in rows]) for name in UNITS}
+
+
+def _bar(comm: MPI.Comm, wanted: bool, total: int) -> Any:
+    if not wanted or comm.rank != 0:
+        return None
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    bar.add_task("", total=total)
+    bar.start()
+    return bar
