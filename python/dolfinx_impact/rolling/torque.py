@@ -125,7 +125,11 @@ class TorqueControl:
         self._flow.update()
 
     def correction(
-        self, system: SteadySystem, solve: Callable[[PETSc.Vec, PETSc.Vec], str | None], x: PETSc.Vec, forces: FloatArray
+        self,
+        system: SteadySystem,
+        solve: Callable[[PETSc.Vec, PETSc.Vec], str | None],
+        x: PETSc.Vec,
+        forces: FloatArray,
     ) -> tuple[str | None, float]:
         """Add to a solution what the change of the angular velocity causes. Collective.
 
