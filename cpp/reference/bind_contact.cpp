@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "MovingBodies.h"
+#include "RollingBodies.h"
+#include "SteadySlip.h"
 #include "bindings.h"
 #include "contact_solve.h"
 #include <set>
@@ -244,6 +246,16 @@ void bind_contact(nb::module_& m)
              return s.tuple(solve_lagrange(s.pair_, bodies, {points, weights}, basis_of(basis), s.state(state),
                                            s.loads(fixed, values, load, displacement),
                                            {1, iterations, tolerance, false, false, 2}));
+           })
+      .def("step_rolling",
+           [](const Bound& s, const RollingBodies& bodies, P points, V weights, const std::string& basis,
+              const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
+              double tolerance, V flow, const Integers& indptr, const Integers& indices, V data, V obstacle)
+           {
+             const SteadySlip steady(flow, csr(indptr, indices, data), vec(obstacle, s.gdim_), s.gdim_);
+             return s.tuple(solve_lagrange(s.pair_, bodies, {points, weights}, basis_of(basis), s.state(state),
+                                           s.loads(fixed, values, load, displacement),
+                                           {steps, iterations, tolerance, false, false, 2}, &steady));
            })
       .def("slave_nodes", [](const Bound& s) { return field_nodes(s.pair_.slave); })
       .def("master_nodes", [](const Bound& s) { return field_nodes(s.pair_.master); });

@@ -49,4 +49,5 @@ void bind_contact(nanobind::module_& m);
 void bind_explicit(nanobind::module_& m);
 void bind_newmark(nanobind::module_& m);
 void bind_plasticity(nanobind::module_& m);
+void bind_rolling(nanobind::module_& m);
 } // namespace impact_reference

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "SteadySlip.h"
 #include "contact_solve.h"
 #include <algorithm>
 #include <set>
@@ -96,8 +97,8 @@ class Saddle
 {
 public:
   Saddle(const detail::System& system, const Rule& rule, Basis basis, const ContactOptions& options,
-         const ContactState& start, const ContactPair& pair)
-      : system_(system), rule_(rule), basis_(basis), options_(options), d_(pair.slave.gdim)
+         const ContactState& start, const ContactPair& pair, const SteadySlip* steady)
+      : system_(system), rule_(rule), basis_(basis), options_(options), steady_(steady), d_(pair.slave.gdim)
   {
     // Only to give rows and columns of the system one size: the largest stiffness over a length.
     double largest = 0;
@@ -113,7 +114,7 @@ public:
   bool step(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
   {
     const ContactState start = state;
-    if (pair.friction > 0)
+    if (pair.friction > 0 and not steady_) // in a steady flow no node has just closed
       look_before(pair, start);
     for (double spring : {0.1, 0.01, 1.0, 0.001})
     {
@@ -148,7 +149,7 @@ private:
 
   bool newton(const ContactPair& pair, ContactState& state, const detail::Target& target, ContactSolution& solution)
   {
-    const ContactHistory before = state.history;
+    ContactHistory before = state.history;
     const double size = pair.size();
     Vector change = system_.missing(state.u, target.values);
     double correction = std::numeric_limits<double>::infinity();
@@ -156,9 +157,13 @@ private:
     int met = 0;
     for (int iteration = 0; iteration <= options_.max_iterations; ++iteration)
     {
+      if (steady_)
+        steady_->set_back(pair, state.u, before);
       Mortar m = mortar(pair, rule_, basis_, state.u, before, state.z);
       if (drop_idle(m, state.z))
         m = mortar(pair, rule_, basis_, state.u, before, state.z);
+      if (steady_)
+        steady_->differentiate(m);
       const bool same = update(m, state.z, active, size);
       const Vector internal = system_.body_force(state.u);
       const Vector residual = target.load + m.force - internal;
@@ -339,6 +344,7 @@ private:
   const Rule& rule_;
   Basis basis_;
   const ContactOptions& options_;
+  const SteadySlip* steady_;
   int d_;
   double stress_;
   double spring_ = 0.1; // how strongly slip decides between stick and slip; no part of the solution
@@ -351,10 +357,11 @@ private:
 } // namespace
 
 ContactSolution solve_lagrange(const ContactPair& pair, const BodyForces& bodies, const Rule& contact_rule, Basis basis,
-                               const ContactState& start, const ContactLoads& loads, const ContactOptions& options)
+                               const ContactState& start, const ContactLoads& loads, const ContactOptions& options,
+                               const SteadySlip* steady)
 {
   const detail::System system(pair.model, bodies, loads);
-  Saddle saddle(system, contact_rule, basis, options, start, pair);
+  Saddle saddle(system, contact_rule, basis, options, start, pair, steady);
   return detail::solve_in_steps(system, pair, start, options,
                                 [&](const ContactPair& now, ContactState& state, const detail::Target& target,
                                     ContactSolution& solution) { return saddle.step(now, state, target, solution); });

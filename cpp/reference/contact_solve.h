@@ -57,10 +57,14 @@ ContactSolution solve_penalty(const ContactPair& pair, const BodyForces& bodies,
                               double chi_t, const ContactState& start, const ContactLoads& loads,
                               const ContactOptions& options);
 
+class SteadySlip;
+
 /// Multipliers at the slave's nodes: semismooth Newton method on the saddle-point system.
 /// @param contact_rule of segments, or of the slave's facets if the master is rigid
+/// @param steady nullptr: friction counts the slip since the last converged state; else that of a steady flow
 ContactSolution solve_lagrange(const ContactPair& pair, const BodyForces& bodies, const Rule& contact_rule, Basis basis,
-                               const ContactState& start, const ContactLoads& loads, const ContactOptions& options);
+                               const ContactState& start, const ContactLoads& loads, const ContactOptions& options,
+                               const SteadySlip* steady = nullptr);
 
 /// A step without contact.
 struct FreeSolution

@@ -96,4 +96,9 @@ struct Ale
 /// @throws std::invalid_argument in an axisymmetric problem or for a wrong number of components
 Ale ale(const Sampler& sampler, const Matrix& X, const Material& material, const Vector& spin, const Vector& centre,
         std::int64_t cell = 0);
+
+/// The same with a constant w, whose flow has no acceleration: there is no load.
+/// @param velocity w (gdim) [L/T]
+Ale ale_translation(const Sampler& sampler, const Matrix& X, const Material& material, const Vector& velocity,
+                    std::int64_t cell = 0);
 } // namespace impact_reference

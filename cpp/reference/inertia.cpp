@@ -117,4 +117,23 @@ Ale ale(const Sampler& sampler, const Matrix& X, const Material& material, const
   }
   return {expand(G, d), expand(W, d), load};
 }
+
+Ale ale_translation(const Sampler& sampler, const Matrix& X, const Material& material, const Vector& velocity,
+                    std::int64_t cell)
+{
+  check(material, true);
+  const int d = sampler.gdim(), n = sampler.num_nodes();
+  if (velocity.size() != d or not velocity.allFinite())
+    throw std::invalid_argument("the velocity of a translation needs " + std::to_string(d) + " finite components");
+  Matrix G = Matrix::Zero(n, n), W = Matrix::Zero(n, n);
+  for (int q = 0; q < sampler.num_points(); ++q)
+  {
+    const Sample s = sampler.at(X, q, cell);
+    const Vector A = s.dN * velocity;
+    const double rho = material.density * s.weight;
+    G += rho * (s.N * A.transpose() - A * s.N.transpose());
+    W += rho * A * A.transpose();
+  }
+  return {expand(G, d), expand(W, d), Vector::Zero(d * n)};
+}
 } // namespace impact_reference

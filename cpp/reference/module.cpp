@@ -79,6 +79,7 @@ NB_MODULE(_reference, m)
   bind_model(m);
   bind_plasticity(m);
   bind_newmark(m);
+  bind_rolling(m);
   bind_contact(m);
   bind_explicit(m);
 }

@@ -6,7 +6,7 @@ generated from UFL. `reference_nodes` states the node order; degrees of freedom 
 fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, explicit, model, newmark, plastic_body, plasticity, rules, sparse
+from . import contact, elements, explicit, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .elements import (
@@ -35,6 +35,7 @@ from .model import Model, StaticSolution
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .plastic_body import PlasticBody, PlasticStates
 from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic
+from .rolling import RollingModel, RollingSolution, Spinning, Translating
 from .rules import (
     default_rule,
     facet_nodes,
@@ -69,7 +70,11 @@ __all__ = [
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
+    "RollingModel",
+    "RollingSolution",
+    "Spinning",
     "StaticSolution",
+    "Translating",
     "contact",
     "default_rule",
     "element_ale_inertia",
@@ -102,8 +107,10 @@ __all__ = [
     "plasticity",
     "quadrature",
     "reference_nodes",
+    "rolling",
     "rules",
     "second_piola",
     "shape_functions",
     "sparse",
+    "streamlines",
 ]

@@ -222,19 +222,23 @@ class Contact:
             self.obstacle = master
         else:
             facets = _integers(master, "master", 2)
-        prescribed = np.asarray(prescribed, dtype=np.int64).reshape(-1)
-        limit = np.inf if search_distance is None else float(search_distance)
-        self._contact = _reference.Contact(
-            model._model,
-            _integers(slave, "slave", 2),
-            facets,
-            [] if self.obstacle is None else [_obstacle(self.obstacle, self.gdim)],
-            self.friction,
-            prescribed,
-            limit,
-        )
+        self.slave_facets, self.master_facets = _integers(slave, "slave", 2), facets
+        self._prescribed: IntArray = np.asarray(prescribed, dtype=np.int64).reshape(-1)
+        self._limit = np.inf if search_distance is None else float(search_distance)
+        self._contact = self._compiled(self.friction)
         self.facet_rule = self._resolve(rules.facet_type(model.cell_type), 2 * model.degree + 2)
         self.num_points: int = self._contact.num_facets * len(self.facet_rule[1])
+
+    def _compiled(self, friction: float) -> _reference.Contact:
+        return _reference.Contact(
+            self.model._model,
+            self.slave_facets,
+            self.master_facets,
+            [] if self.obstacle is None else [_obstacle(self.obstacle, self.gdim)],
+            friction,
+            self._prescribed,
+            self._limit,
+        )
 
     def _resolve(self, cell: str, default: int) -> tuple[FloatArray, FloatArray]:
         rule: Rule | float = default if self.rule is None else self.rule

@@ -18,8 +18,8 @@ class WheelOnRail:
     """Wheel and rail in the plane, pressed together by the hub's displacement until they bear a load.
 
     Args:
-        bodies: (shear modulus, Poisson's ratio) of wheel and rail. radius: of the wheel. a: expected half-width. n: cells
-            in a. load: per length. friction: coefficient.
+        bodies: (shear modulus, Poisson's ratio) of wheel and rail. radius: of the wheel. a: expected half-width.
+        n: cells in a. load: per length. friction: coefficient.
     """
 
     def __init__(self, bodies, radius, a, n, load, friction):

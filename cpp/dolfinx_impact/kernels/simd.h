@@ -238,18 +238,30 @@ inline T max(T a, T b)
   return (a > b) | (b != b) ? a : b;
 }
 
+/// Integers of the size of the lanes.
+template <typename T>
+struct BitsOf
+{
+  using type = decltype(T() < T());
+};
+template <>
+struct BitsOf<double>
+{
+  using type = long long;
+};
+
 /// x^(-1/3) of 1e-290 < x < 1e290, to two units in the last place; without division or branch, the same in all widths.
 template <typename T>
 inline T inverse_cube_root(T x)
 {
   // A first value, 4 % off, from the bits of x, whose exponent is divided by -3. Vector units have no division of
   // integers: the upper 52 bits are divided as a number, which is an integer when 2^52 is added.
-  using Bits = std::conditional_t<std::is_same_v<T, double>, std::int64_t, decltype(x < x)>;
+  using Bits = typename BitsOf<T>::type;
   constexpr double two52 = 4503599627370496.0;
-  constexpr std::int64_t two52_bits = 0x4330000000000000;
-  const T upper = std::bit_cast<T>((std::bit_cast<Bits>(x) >> 12) | two52_bits) - two52;
+  constexpr long long two52_bits = 0x4330000000000000;
+  const T upper = __builtin_bit_cast(T, (__builtin_bit_cast(Bits, x) >> 12) | two52_bits) - two52;
   const T thirds = 1499660000000000.0 - upper * (1.0 / 3.0);
-  T z = std::bit_cast<T>((std::bit_cast<Bits>(T(thirds + two52)) & 0x000fffffffffffff) << 12);
+  T z = __builtin_bit_cast(T, (__builtin_bit_cast(Bits, T(thirds + two52)) & 0x000fffffffffffff) << 12);
   // z (1 - r)^(-1/3) with r = 1 - x z^3, to the third power of r: 0.1, 1e-5, 1e-17 are the sizes of r.
   for (int i = 0; i < 2; ++i)
   {
@@ -266,8 +278,8 @@ inline T third_power(T x)
   static_assert(k == 1 or k == 2 or k == -1 or k == -2);
   const T z = inverse_cube_root(x);
   T y = k == -1 ? z : k == -2 ? T(z * z) : k == 1 ? T(x * (z * z)) : T(x * z);
-  if constexpr (std::is_same_v<T, double>)
-    return x > 1e-290 and x < 1e290 ? y : std::pow(x, k / 3.0);
+  if constexpr (__is_same(T, double))
+    return x > 1e-290 and x < 1e290 ? y : __builtin_pow(x, k / 3.0);
   else
   {
     const auto regular = (x > 1e-290) & (x < 1e290);
@@ -277,7 +289,7 @@ inline T third_power(T x)
     if (not all) [[unlikely]]
       for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
         if (regular[i] == 0)
-          y[i] = std::pow(x[i], k / 3.0);
+          y[i] = __builtin_pow(x[i], k / 3.0);
     return y;
   }
 }

@@ -590,18 +590,25 @@ def cells_measure(u: Function, material: Material) -> tuple[ufl.Measure, int]:
     return ufl.Measure("dx", domain=mesh, metadata=metadata, subdomain_data=material.cell_tags), degree
 
 
-def sum_materials(u: Function, material: Material, term: Callable[[_Material, ufl.Measure], ufl.Form]) -> ufl.Form:
-    """Sum of UFL forms over the materials of a body, with the quadrature degree of the stiffness.
+def sum_materials(
+    u: Function, material: Material, term: Callable[[_Material, ufl.Measure], ufl.Form], inertia: bool = False
+) -> ufl.Form:
+    """Sum of UFL forms over the materials of a body, with the quadrature degree of the stiffness or of the mass.
 
     Args:
         u: displacement function.
         material: material of the body.
         term: form of one material over the measure of its cells.
+        inertia: take the quadrature degree of the mass.
 
     Returns:
         The sum of term(m, dx) over the materials m.
     """
     dx, _ = cells_measure(u, material)
+    if inertia:
+        V, mesh = u.function_space, u.function_space.mesh
+        cell, p, g = mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree
+        dx = dx(metadata=quadrature.metadata(quadrature.mass_degree(cell, p, g, material.hypothesis_on(mesh))))
     return sum(term(m, dx if tag is None else dx(tag)) for tag, m in material.parts())
 
 

@@ -37,8 +37,8 @@ class RollingContact(LagrangeContact):
     """Multipliers of a pair whose bodies flow past each other, with Coulomb friction.
 
     Material points have the velocity V = w + (Grad u) w, taken at the nodes of both surfaces with the derivative from
-    upstream. The slip velocity of a slave node is the mean, over what its multiplier covers, of V of the slave against V
-    of the master, without its normal part: the functional that makes slips of increments in statics.
+    upstream. The slip velocity of a slave node is the mean, over what its multiplier covers, of V of the slave against
+    V of the master, without its normal part: the functional that makes slips of increments in statics.
 
     Args:
         spec: RollingLagrange.

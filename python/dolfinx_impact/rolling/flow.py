@@ -189,7 +189,9 @@ class Flow:
             v: test function.
         """
         mesh = u.function_space.mesh
-        return operators.sum_materials(u, self._material, lambda m, dx: m.mass_density(mesh) * ufl.inner(du, v) * dx)
+        return operators.sum_materials(
+            u, self._material, lambda m, dx: m.mass_density(mesh) * ufl.inner(du, v) * dx, inertia=True
+        )
 
     def _sum(self, term: Callable[[Any, Any, Any, Any], Any], u: fem.Function, material: Material) -> Any:
         """Sum of a term over materials and motions."""
@@ -201,4 +203,5 @@ class Flow:
                 term(motion, self._constants[tag], self._indicators[tag] * m.mass_density(mesh), dx)
                 for tag, motion in self._motions.items()
             ),
+            inertia=True,
         )

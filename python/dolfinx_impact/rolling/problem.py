@@ -48,7 +48,8 @@ class RollingProblem(Unique):
         material: elastic material or MaterialMap, with densities.
         cell_tags: tags of the bodies; every owned cell must carry one.
         motions: dict from cell tag to Spin or Translation.
-        contact: contacts: dolfinx_impact.Lagrange(pair), with friction or without; dolfinx_impact.Penalty(pair) without.
+        contact: contacts: dolfinx_impact.Lagrange(pair), with friction or without; dolfinx_impact.Penalty(pair)
+            without.
         bcs: boundary conditions.
         loads: loads (dolfinx_impact.Traction, ...).
         options: PETSc options, as of StaticProblem.
@@ -62,8 +63,8 @@ class RollingProblem(Unique):
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
         ValueError: cells without a motion, motions without cells, a Spin of a body that is not one of revolution about
-            its axis, friction by penalty, materials with internal variables or without density; or what StaticProblem refuses. On
-            all ranks.
+            its axis, friction by penalty, materials with internal variables or without density; or what StaticProblem
+            refuses. On all ranks.
     """
 
     def __init__(
@@ -234,7 +235,7 @@ class RollingProblem(Unique):
             options: of `solve`.
 
         Returns:
-            Arrays by name: creep, lateral, spin, omega (n) [1/T], force on the slave of the first contact (n, gdim) [F],
+            Arrays by name: creep, lateral, spin, omega (n) [1/T], force (n, gdim) on the slave of the first contact [F],
             torque (n) [F L].
 
         Raises:

@@ -16,8 +16,8 @@ from .flow import Flow
 from .motions import Spin
 from .saddle_system import SteadySystem
 
-# Of the speed: changes of slip velocity that are allowed in an iteration, besides the largest slip; where all nodes slip,
-# and where some stick, so that the derivative tells more.
+# Of the speed: changes of slip velocity that are allowed in an iteration, besides the largest slip; where all nodes
+# slip, and where some stick, so that the derivative tells more.
 FURTHER, STUCK = 1e-4, 2e-3
 
 LIMITED = 8  # iterations in a row with the largest change, in which the slip velocity doubles each time
@@ -123,7 +123,7 @@ class TorqueControl:
         stuck = comm.allreduce(sum(int(np.count_nonzero(c.active & ~c.sliding)) for c in contacts))
         # Where all slips, the torque hardly depends on the spin: no further at a time than slip may turn round.
         self._rubs = slope > 0.0
-        further = STUCK if stuck else FURTHER
+        further = STUCK if stuck else FURTHER * 2.0**self._limited
         self._most = float((further * max(c.speed() for c in contacts) + slip) / slope) if slope > 0.0 else np.inf
 
     def _set(self, omega: float) -> None:
@@ -199,8 +199,8 @@ class TorqueControl:
         if self._limited < LIMITED:
             return ""
         return (
-            f"the torque {self.target:.4g} was not reached at omega = {self._spin.omega:.6g}: friction cannot bear it, or "
-            "the spin to begin with is too far from the solution"
+            f"the torque {self.target:.4g} was not reached at omega = {self._spin.omega:.6g}: friction cannot bear it, "
+            "or the spin to begin with is too far from the solution"
         )
 
     def slopes(self) -> list[FloatArray]:

@@ -21,6 +21,7 @@ from . import (
     order,
     plastic_bodies,
     ranks,
+    rolling,
     solution,
     spectrum,
     user_form,
@@ -29,7 +30,8 @@ from . import operator as operator_level
 from .report import Report
 
 LEVELS = (
-    "element", "operator", "material", "solution", "spectrum", "order", "derivative", "contact", "history", "ranks"
+    "element", "operator", "material", "solution", "spectrum", "order", "derivative", "contact", "history", "rolling",
+    "ranks",
 )  # fmt: skip
 
 
@@ -112,6 +114,7 @@ def _run_bodies(report: Report, levels: Collection[str], progress: bool = True, 
         ("derivative", derivative),
         ("contact", contact),
         ("history", history),
+        ("rolling", rolling),
     ):
         if level not in levels:
             continue

@@ -8,7 +8,6 @@ from pathlib import Path
 import basix.ufl
 import numpy as np
 import pytest
-import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Derivative along the flow of material at the nodes of contact surfaces, taken on the facets upstream."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import rules
+from .array_types import FloatArray, IntArray
+from .model import Model
+from .sparse import Csr
+
+TIE = 1e-6  # scores that differ by less count as the same
+
+
+def corner_neighbours(model: Model, facets: IntArray) -> list[list[tuple[int, list[int]]]]:
+    """Corners of facets, and the one or two corners at the ends of the edges that meet in each.
+
+    Args:
+        model: bodies of degree 1.
+        facets: points of every facet, shape (num_facets, nodes per facet).
+
+    Returns:
+        For each facet a list of pairs (corner, neighbours).
+
+    Raises:
+        ValueError: the bodies are not of degree 1, or a facet belongs to no cell.
+    """
+    if model.degree != 1 or model.geometry_degree != 1:
+        raise ValueError("the derivative along the flow is written for bodies of degree 1")
+    if model.cell_type != "hexahedron":
+        rows = [[int(p) for p in facet] for facet in facets]
+        return [[(a, [b for b in facet if b != a]) for a in facet] for facet in rows]
+    # Two corners of a hexahedron share an edge if one reference coordinate differs.
+    places = rules.reference_nodes(model.cell_type, 1)
+    edge = np.count_nonzero(np.abs(places[:, None] - places[None]) > 1e-12, axis=2) == 1
+    cells_at: dict[int, list[int]] = {}
+    for c, cell in enumerate(model.cells):
+        for p in cell:
+            cells_at.setdefault(int(p), []).append(c)
+    result = []
+    for facet in facets:
+        points = [int(p) for p in facet]
+        cells = set.intersection(*(set(cells_at[p]) for p in points))
+        if len(cells) != 1:
+            raise ValueError(f"facet {points} belongs to {len(cells)} cells: contact surfaces are on the boundary")
+        cell = [int(p) for p in model.cells[cells.pop()]]
+        local = {p: cell.index(p) for p in points}
+        result.append([(a, [b for b in points if edge[local[a], local[b]]]) for a in points])
+    return result
+
+
+def upstream_score(coefficients: FloatArray) -> float:
+    """How well a direction points into a facet from its corner.
+
+    Args:
+        coefficients: of the flow along the edges that meet in the corner, shape (1) or (2) [1/T].
+
+    Returns:
+        Positive if the direction against the flow points into the facet [1].
+    """
+    against = -coefficients
+    size = float(np.sum(np.abs(against)))
+    return float(np.min(against)) / size if size > 0.0 else 0.0
+
+
+def derivative(model: Model, facets: IntArray, w: FloatArray) -> Csr:
+    """Matrix B of (Grad u w) at the nodes of a surface: the same for every component of u.
+
+    Args:
+        model: bodies of degree 1.
+        facets: points of every facet, shape (num_facets, nodes per facet).
+        w: flow at all nodes, shape (num_nodes, gdim) [L/T].
+
+    Returns:
+        Matrix, shape (num_nodes, num_nodes), with rows of zeros off the surface [1/T].
+    """
+    found: dict[int, list[tuple[float, int, list[int], FloatArray]]] = {}
+    for corners in corner_neighbours(model, facets):
+        for a, others in corners:
+            edges = (model.points[others] - model.points[a]).T
+            c = np.linalg.lstsq(edges, w[a], rcond=None)[0]
+            found.setdefault(a, []).append((upstream_score(c), a, others, c))
+    indptr, indices, data = [0], [], []
+    for node in range(len(model.points)):
+        row: dict[int, float] = {}
+        candidates = found.get(node, [])
+        best = max((score for score, *_ in candidates), default=0.0)
+        upstream = [candidate for candidate in candidates if candidate[0] >= best - TIE]
+        for _, a, others, c in upstream:
+            for b, value in zip(others, c / len(upstream)):
+                row[b] = row.get(b, 0.0) + float(value)
+                row[a] = row.get(a, 0.0) - float(value)
+        for column in sorted(row):
+            indices.append(column)
+            data.append(row[column])
+        indptr.append(len(indices))
+    return Csr(indptr, indices, data)
+
+
+def add(A: Csr, B: Csr, factor: float = 1.0) -> Csr:
+    """Sum of matrices of which each row is zero in one of them, times a factor.
+
+    Args:
+        A: matrix, shape (n, n).
+        B: matrix, shape (n, n).
+        factor: factor of the sum.
+
+    Returns:
+        factor (A + B), shape (n, n).
+
+    Raises:
+        ValueError: a row that neither leaves empty, as of surfaces that share a node.
+    """
+    lengths = np.diff(A.indptr), np.diff(B.indptr)
+    if np.any((lengths[0] > 0) & (lengths[1] > 0)):
+        raise ValueError("slave and master share a node")
+    rows = np.concatenate([np.repeat(np.arange(len(n)), n) for n in lengths])
+    order = np.argsort(rows, kind="stable")
+    indices, data = (np.concatenate(pair)[order] for pair in ((A.indices, B.indices), (A.data, B.data)))
+    return Csr(np.concatenate([[0], np.cumsum(sum(lengths))]), indices, factor * data)
