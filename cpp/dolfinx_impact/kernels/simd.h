@@ -188,9 +188,17 @@ inline T exp(T x)
   const T r = (x - n * ln2_high) - n * ln2_low;
   // Taylor's polynomial of degree 13: the next term is below 5e-18.
   T p = splat<T>(1.0 / 6227020800.0);
-  constexpr double taylor[] = {1.0 / 479001600.0, 1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0,
-                               1.0 / 40320.0,     1.0 / 5040.0,     1.0 / 720.0,     1.0 / 120.0,
-                               1.0 / 24.0,        1.0 / 6.0,        0.5};
+  constexpr double taylor[] = {1.0 / 479001600.0,
+                               1.0 / 39916800.0,
+                               1.0 / 3628800.0,
+                               1.0 / 362880.0,
+                               1.0 / 40320.0,
+                               1.0 / 5040.0,
+                               1.0 / 720.0,
+                               1.0 / 120.0,
+                               1.0 / 24.0,
+                               1.0 / 6.0,
+                               0.5};
   for (double c : taylor)
     p = p * r + c;
   p = 1.0 + (r + r * r * p);

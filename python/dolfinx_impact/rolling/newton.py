@@ -153,7 +153,7 @@ class RollingNewton:
         largest = 0.0
         for c in self.contacts:
             speed, size = c.speed(), c.geometry.size
-            law = self._law(c, c.geometry.gap, c.slip_velocity, c.vector)
+            law = self._law(c, c.geometry.gap, c.slip_velocity, c.vector, 1.0)
             pressure = self.comm.allreduce(float(np.max(c.multiplier, initial=0.0)), op=MPI.MAX)
             here = [0.0]
             if len(c.nodes):
@@ -166,7 +166,9 @@ class RollingNewton:
             largest = max(largest, *here)
         return float(self.comm.allreduce(largest, op=MPI.MAX))
 
-    def _law(self, c: RollingContact, gap: FloatArray, slip: FloatArray, vectors: FloatArray) -> Linearised:
+    def _law(
+        self, c: RollingContact, gap: FloatArray, slip: FloatArray, vectors: FloatArray, caution: float
+    ) -> Linearised:
         weight = np.where(c.carriers, c.geometry.weight, 1.0)
         stiffness = c.nodal_stiffness / weight
         return linearise(
@@ -202,7 +204,7 @@ class RollingNewton:
         before: list[BoolArray] | None = None
         fault: str | None = None
         while True:
-            laws = [self._law(*args) for args in zip(self.contacts, gaps, slips, vectors)]
+            laws = [self._law(*args, self._caution) for args in zip(self.contacts, gaps, slips, vectors)]
             status = [np.stack([law.active, law.sliding]) for law in laws]
             if before is not None:
                 differ = sum(int(np.count_nonzero(a != b)) for a, b in zip(status, before))

@@ -235,8 +235,8 @@ class RollingProblem(Unique):
             options: of `solve`.
 
         Returns:
-            Arrays by name: creep, lateral, spin, omega (n) [1/T], force (n, gdim) on the slave of the first contact [F],
-            torque (n) [F L].
+            Arrays by name: creep, lateral, spin, omega (n) [1/T], force (n, gdim) on the slave of the first contact
+            [F], torque (n) [F L].
 
         Raises:
             TypeError: an argument is of the wrong type; on all ranks.
