@@ -231,12 +231,14 @@ class RollingModel:
         modes = np.linalg.solve(Lk.T, vectors[N:])
         positive = np.flatnonzero(values > 0.0)[:n]
         signed = []
+        spins = [abs(motion.omega) for motion in self.motions.values() if isinstance(motion, Spinning)]
+        least = 0.5 * max(spins, default=0.0)
         for k in positive:
             a, b = modes[:, k].real, modes[:, k].imag
             # Twice the imaginary part of x^H D x with D the derivative along the flow less the turn of vectors.
             along = a @ (G - 2.0 * turned) @ b
-            size = np.abs(a) @ np.abs(G) @ np.abs(b)
-            signed.append(-values[k] if along > 1e-9 * size else values[k])
+            # A wave has a whole number of lengths around its body: with less than half of one it has no direction.
+            signed.append(-values[k] if along > least * (a @ M @ a + b @ M @ b) else values[k])
         return np.array(signed)
 
     def _turning(self) -> FloatArray:
