@@ -4,7 +4,7 @@
 /// What generated kernels need of their scalar type T: double, or a vector of doubles that holds one cell per lane.
 /// The vectors are the compiler's own (GCC and Clang vector extensions): arithmetic and comparison work as on double.
 /// So are the mathematical functions (__builtin_sqrt is sqrt): hundreds of small sources include this file, and most of
-/// their compilation would be that of <cmath>.
+/// their compilation would be that of the header cmath.
 namespace dolfinx_impact::kernels
 {
 template <typename T>
