@@ -157,6 +157,7 @@ def test_a_translation_with_a_load_is_seen(monkeypatch):
     assert failed(rolling.compare_matrices, free("quadrilateral")) == {"load"}
 
 
+@pytest.mark.long_rows(where=lambda make, factor: factor == -1.0 and make is not on_plane)
 @pytest.mark.parametrize("make", [on_plane, on_rail, in_space])
 @pytest.mark.parametrize("factor", [-1.0, 0.0, SMALL])
 def test_another_convective_derivative_is_seen(monkeypatch, make, factor):
@@ -181,6 +182,7 @@ def failed_or_stuck(case):
         return {"u", "multipliers", "torque", "slip velocity"}
 
 
+@pytest.mark.long_rows(where=lambda make: make is in_space)
 @pytest.mark.parametrize("make", [on_plane, on_rail, in_space])
 def test_the_derivative_downstream_is_seen(monkeypatch, make):
     """On the hand-written side, whose scores are turned round."""

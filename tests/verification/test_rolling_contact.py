@@ -49,14 +49,14 @@ class WheelOnRail:
         )
         self.contact = self.problem.contact[0]
 
-    def press(self, approach, **given):
+    def press(self, approach, accuracy=1e-5, **given):
         """Solve for the approach that bears the load, by the secant method; `approach` is a guess."""
         found = []
         while True:
             self.hub.x.array.reshape(-1, 2)[self.axle] = (0.0, -approach)
             assert self.problem.solve(**given).converged
             found.append((approach, self.contact.force[1]))
-            if abs(found[-1][1] - self.load) < 1e-5 * self.load:
+            if abs(found[-1][1] - self.load) < accuracy * self.load:
                 return
             assert len(found) < 9
             if len(found) == 1:
@@ -135,7 +135,7 @@ def test_free_rolling_of_unlike_materials(friction, creep):
     """E-2: aluminium on steel; Bentall and Johnson without friction (less what CONTACT gives for a coefficient of
     1e-3, in proportion to its 0.05), and CONTACT: 2 %."""
     wheel = WheelOnRail([(23e3, 0.31), (82e3, 0.28)], radius=25.0, a=0.1, n=20, load=16.20, friction=friction)
-    wheel.press(0.0012)
+    wheel.press(0.00134, accuracy=2e-3)  # creep goes with the root of the load: 0.1 %
     wheel.problem.solve(torque=0.0, max_iterations=60)
     assert abs(wheel.problem.torque) < 1e-6 * 16.20 * 25.0
     # The wheel is softer: its material is stretched where it touches, and it turns faster than a rigid one.

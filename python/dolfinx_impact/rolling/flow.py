@@ -161,6 +161,21 @@ class Flow:
 
         return self._sum(gyro, u, self._material)
 
+    def momentum(self, u: fem.Function, v: Any) -> ufl.Form:
+        """Linear form of the momentum of the material, whose velocity is w + (Grad u) w.
+
+        Args:
+            u: displacement function [L].
+            v: test function.
+        """
+        mesh = u.function_space.mesh
+
+        def flowing(motion: Spin | Translation, constant: Any, density: Any, dx: Any) -> Any:
+            w = motion.velocity(mesh, constant) if isinstance(motion, Spin) else constant
+            return density * ufl.inner(w + ufl.grad(u) * w, v) * dx
+
+        return self._sum(flowing, u, self._material)
+
     def direction(self, u: fem.Function, du: Any, v: Any) -> ufl.Form:
         """Bilinear form of the derivative along the flow as the material sees it, without the turn of vectors: its
         sign on a complex mode is the direction in which the wave travels.

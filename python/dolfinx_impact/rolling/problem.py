@@ -337,6 +337,41 @@ class RollingProblem(Unique):
         self._first_spin()
         return sum(self._torque.of(contact.contact_forces()) for contact in self.contact)
 
+    def velocity(self) -> fem.Function:
+        """Velocity of the material, w + (Grad u) w, projected on the displacement space. Collective.
+
+        With the displacement it is the start of an ExplicitProblem or NewmarkProblem of the same mesh, whose nodes then
+        move with the material: the bodies go on in their steady state, without settling. Motion is that in the frame of
+        the axle; for another frame add its velocity.
+
+        Returns:
+            Function on the displacement space [L/T].
+
+        Raises:
+            RuntimeError: the projection was not solved; on all ranks.
+        """
+        p = self._equilibrium
+        self._flow.update()
+        v, dv = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)
+        mass = petsc.assemble_matrix(fem.form(self._flow.mass(self.u, dv, v)))
+        mass.assemble()
+        b = petsc.assemble_vector(fem.form(self._flow.momentum(self.u, v)))
+        b.ghostUpdate(PETSc.InsertMode.ADD_VALUES, PETSc.ScatterMode.REVERSE)
+        found = fem.Function(p.space, name="velocity")
+        ksp = PETSc.KSP().create(mass.getComm())
+        ksp.setOperators(mass)
+        ksp.setType("cg")
+        ksp.getPC().setType("jacobi")
+        ksp.setTolerances(rtol=1e-13, max_it=2000)
+        ksp.solve(b, found.x.petsc_vec)
+        reason = ksp.getConvergedReason()
+        for thing in (ksp, mass, b):
+            thing.destroy()
+        if reason < 0:
+            raise RuntimeError(f"the velocity was not found: PETSc reason {reason}")
+        found.x.scatter_forward()
+        return found
+
     def frequencies(self, n: int) -> FloatArray:
         """Angular frequencies of small vibrations about the present state, in the ALE frame. Collective.
 
