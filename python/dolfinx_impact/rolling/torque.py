@@ -20,6 +20,7 @@ from .saddle_system import SteadySystem
 # slip, and where some stick, so that the derivative tells more.
 FURTHER, STUCK = 1e-4, 2e-3
 
+HALVED = 3  # bisections in a row towards the same bound, which is then given up
 LIMITED = 8  # iterations in a row with the largest change, in which the slip velocity doubles each time
 
 
@@ -89,6 +90,7 @@ class TorqueControl:
         self._load: FloatArray = np.zeros(0)
         self._most, self._limited, self._rubs = np.inf, 0, False
         self._low, self._high = -np.inf, np.inf
+        self._halved = 0  # bisections in a row: upwards positive, downwards negative
 
     def error(self, contacts: Sequence[RollingContact]) -> float:
         """Torque less its target, over contact force times largest radius [1]. Collective."""
@@ -181,6 +183,12 @@ class TorqueControl:
         if not self._low < self._high:  # known from states that were not solved yet
             self._low, self._high = (omega, np.inf) if off > 0.0 else (-np.inf, omega)
         if self._low < omega + change < self._high:
+            self._halved = 0
+            return change
+        # Bounds may come from a status that has changed since: one that is approached again and again is given up.
+        self._halved = max(self._halved, 0) + 1 if off > 0.0 else min(self._halved, 0) - 1
+        if abs(self._halved) > HALVED:
+            self._low, self._high, self._halved = (omega, np.inf, 0) if off > 0.0 else (-np.inf, omega, 0)
             return change
         return 0.5 * (self._low + self._high) - omega if np.isfinite(self._high - self._low) else change
 
