@@ -133,7 +133,8 @@ def test_torque_beyond_friction_is_refused():
 )
 def test_free_rolling_of_unlike_materials(friction, creep):
     """E-2: aluminium on steel; Bentall and Johnson without friction (less what CONTACT gives for a coefficient of
-    1e-3, in proportion to its 0.05), and CONTACT: 2 %. Found: 1.5 % too small; 1.1 % with 20 cells in a."""
+    1e-3, in proportion to its 0.05), and CONTACT: 2 %. Found for
+    0.05: 1.1 % too small."""
     wheel = WheelOnRail([(23e3, 0.31), (82e3, 0.28)], radius=25.0, a=0.1, n=14, load=16.20, friction=friction)
     wheel.press(0.00134, accuracy=2e-3)  # creep goes with the root of the load: 0.1 %
     wheel.problem.solve(torque=0.0, max_iterations=60)
