@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import abc
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
@@ -34,7 +35,7 @@ class SavedProblem(Problem, Protocol):
         """Internal variables of the materials."""
 
 
-class Checkpoints:
+class Checkpoints(abc.ABC):
     """Saves and restores a problem in time. A subclass writes and reads what its integrator needs.
 
     Args:
@@ -81,17 +82,17 @@ class Checkpoints:
             self._restore(path)
             interrupts.check()
 
+    @abc.abstractmethod
     def _save(self, path: FilePath) -> None:
         """Write the checkpoint; the argument has been checked. Collective."""
-        raise NotImplementedError
 
+    @abc.abstractmethod
     def _restore(self, path: FilePath) -> None:
         """Read the checkpoint and apply it; the argument has been checked. Collective."""
-        raise NotImplementedError
 
+    @abc.abstractmethod
     def _recorders(self) -> Sequence[Recorder]:
         """Recorders of the problem."""
-        raise NotImplementedError
 
     def _material_history(self) -> dict[str, FloatArray]:
         """Internal variables by name, a row of all points of a cell for each owned cell; empty without any."""

@@ -55,6 +55,8 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
                     f"{c.pair.name} is enforced by {type(c).__name__}: steady rolling with friction needs Lagrange "
                     "contacts"
                 )
+            if c.basis != "dual":
+                raise ValueError(f"{c.pair.name} has the basis {c.basis!r}: steady rolling with friction needs 'dual'")
 
 
 def solver(
@@ -65,7 +67,7 @@ def solver(
     cut_backs: Any,
     torque: Any,
     rubs: bool,
-    first: int | None,
+    spin: Spin | None,
 ) -> dict[str, Any]:
     """Check what RollingProblem.solve is called with.
 
@@ -77,7 +79,7 @@ def solver(
         cut_backs: number of cut-backs, or None.
         torque: wanted torque, or None.
         rubs: has a contact friction?
-        first: tag of the first body that spins, or None.
+        spin: first of the motions that is a Spin, or None.
 
     Returns:
         The arguments by name, for comparison between ranks.
@@ -94,8 +96,12 @@ def solver(
         "atol": arguments.tolerance("atol", atol),
         "torque": None if torque is None else arguments.number("torque", torque, unit=" [F L]"),
     }
-    if torque is not None and first is None:
+    if torque is not None and spin is None:
         raise ValueError("no body has a Spin: there is no torque to control")
     if torque is not None and not rubs:
         raise ValueError("no contact has friction: the torque is zero at any spin")
+    if torque is not None and spin is not None and spin.omega == 0.0:
+        raise ValueError(
+            "omega is zero, which tells no direction of rolling: give a first value near the one looked for"
+        )
     return given

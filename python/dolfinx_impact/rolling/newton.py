@@ -12,7 +12,6 @@ import itertools
 from typing import Any
 
 import numpy as np
-
 from mpi4py import MPI
 
 from ..common.interrupts import Interrupts
@@ -94,7 +93,7 @@ class RollingNewton:
 
     def _with_friction(self, target: FloatArray, log: StepLog) -> Increment:
         p, result, scale = self.problem, Increment(), 0.0
-        changes = 0
+        changes, K = 0, None
         for iteration in itertools.count():
             residual = p.assemble_residual().array.copy()
             if not np.all(np.isfinite(self.comm.allgather(float(residual @ residual)))):
@@ -104,7 +103,8 @@ class RollingNewton:
                 contact.turn_to_normals()
                 contact.update_matrices()
                 contact.slip_velocity = contact.tangential(contact.relative_velocity(p.u.x.array[: self.num_owned]))
-            K = p.tangent.assemble()
+            if K is None or not p.body.linear or self.control:  # with a control, W changes with the spin
+                K = p.tangent.assemble()
             for contact in self.contacts:
                 contact.update_nodal_stiffness(K)
             equilibrium = residual - sum(c.contact_forces() for c in self.contacts)
@@ -175,7 +175,7 @@ class RollingNewton:
             c.geometry.normal,
             c.friction,
             stiffness,
-            self._caution * stiffness / self._rate(c),
+            caution * stiffness / self._rate(c),
             c.carriers,
             gap,
             slip,

@@ -103,13 +103,10 @@ class RollingProblem(Unique):
         )
         self._safe: FloatArray | None = None  # largest rates at which stiffness minus W was found positive definite
         self._saddle_solver = LinearSolver(u.function_space, options, prefix, indefinite=True) if self._rubs else None
-        spinning = [tag for tag, motion in self.motions.items() if isinstance(motion, Spin)]
-        self._first = spinning[0] if spinning else None
-        if self._first is not None:
-            first = self._first_spin()
-            nodes = self._flow.nodes_of(first)
+        if self._spin is not None:
+            nodes = self._flow.nodes_of(self._spin)
             owned = nodes[nodes < u.function_space.dofmap.index_map.size_local]
-            self._torque = Torque(self._equilibrium, first, owned)
+            self._torque = Torque(self._equilibrium, self._spin, owned)
 
     def _check_tags(self, cell_tags: MeshTags) -> None:
         """Raise ValueError on all ranks unless cells and motions have the same tags."""
@@ -144,11 +141,15 @@ class RollingProblem(Unique):
         """
         return self._first_spin().omega
 
+    @property
+    def _spin(self) -> Spin | None:
+        """First of the motions that is a Spin."""
+        return next((motion for motion in self.motions.values() if isinstance(motion, Spin)), None)
+
     def _first_spin(self) -> Spin:
-        motion = None if self._first is None else self.motions[self._first]
-        if not isinstance(motion, Spin):
+        if self._spin is None:
             raise ValueError("no body has a Spin")
-        return motion
+        return self._spin
 
     def solve(
         self,
@@ -190,7 +191,7 @@ class RollingProblem(Unique):
         """
         p = self._equilibrium
         with guard(self.u.function_space.mesh.comm, "RollingProblem.solve") as ranks:
-            numbers = inputs.solver(steps, rtol, atol, max_iterations, cut_backs, torque, self._rubs, self._first)
+            numbers = inputs.solver(steps, rtol, atol, max_iterations, cut_backs, torque, self._rubs, self._spin)
             ranks.same(motions=self.motions, **numbers)
         self._flow.update()
         if self._saddle_solver is None:
@@ -241,7 +242,7 @@ class RollingProblem(Unique):
         Raises:
             TypeError: an argument is of the wrong type; on all ranks.
             ValueError: no body has a Spin, no contact friction; creepages of different lengths; lateral or spin creep
-                in the plane; a file of another sweep; on all ranks.
+                in the plane; a spin of zero; a file of another sweep or problem; on all ranks.
             RuntimeError: a point did not converge, or the file cannot be written; on all ranks. The file has the points
                 before it.
         """
@@ -251,6 +252,8 @@ class RollingProblem(Unique):
             first = self._first_spin()
             if not self._rubs:
                 raise ValueError("no contact has friction: there is no creep force")
+            if first.omega == 0.0:
+                raise ValueError("omega is zero: creep is a part of it")
             flat = self.u.function_space.mesh.geometry.dim == 2
             if flat and (np.any(points["lateral"]) or np.any(points["spin"])):
                 raise ValueError("lateral and spin creep need a mesh in space")
@@ -265,7 +268,21 @@ class RollingProblem(Unique):
             assert force is not None
             return {"omega": first.omega, "force": force.copy(), "torque": self.torque}
 
-        return sweep.run(comm, points, solve, file, progress)
+        return sweep.run(comm, points, solve, file, progress, self._fingerprint())
+
+    def _fingerprint(self) -> sweep.Fingerprint:
+        """What tells the points of another problem. Collective."""
+        p, V = self._equilibrium, self._equilibrium.space
+        values = self.u.copy()
+        for bc in p.bcs:
+            bc.set(values.x.array)
+        prescribed = values.x.array[: p.num_owned][p.fixed[: p.num_owned]]
+        loads = [np.ravel(load.constant.value) for load in p.loads if hasattr(load, "constant")]
+        rates = [np.ravel(motion.rate) for motion in self.motions.values()]
+        rates += [c.pair.rigid_master.velocity for c in p.contact if c.pair.rigid]
+        size = V.mesh.comm.allreduce(float(prescribed @ prescribed)) ** 0.5
+        text = repr([p.material, V.dofmap.index_map.size_global, [c.pair for c in p.contact]])
+        return sweep.Fingerprint(text, np.concatenate([[size], *loads, *rates]))
 
     def _rolling_contacts(self) -> list[RollingContact]:
         return cast("list[RollingContact]", self._equilibrium.contact)

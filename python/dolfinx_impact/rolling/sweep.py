@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,28 @@ from ..io import hdf5
 
 INPUTS = ("creep", "lateral", "spin")
 UNITS = {"creep": "1", "lateral": "1", "spin": "1/L", "force": "F", "torque": "F L", "omega": "1/T"}
+
+
+SAME = 1e-6  # relative difference of numbers of one problem: a spin that was found has the solver's accuracy
+
+
+@dataclass
+class Fingerprint:
+    """What tells the points of one problem from those of another.
+
+    Attributes:
+        text: material, size, contacts.
+        numbers: prescribed displacements, loads, rates.
+    """
+
+    text: str
+    numbers: FloatArray
+
+    def matches(self, other: Fingerprint) -> bool:
+        """Is the other one of the same problem?"""
+        if self.text != other.text or self.numbers.shape != other.numbers.shape:
+            return False
+        return bool(np.allclose(self.numbers, other.numbers, rtol=SAME, atol=0.0))
 
 
 def creepages(creep: Any, lateral: Any, spin: Any) -> dict[str, FloatArray]:
@@ -47,12 +70,13 @@ def creepages(creep: Any, lateral: Any, spin: Any) -> dict[str, FloatArray]:
     return {name: np.broadcast_to(arrays.get(name, np.zeros(1)), count).copy() for name in INPUTS}
 
 
-def read(path: FilePath, points: dict[str, FloatArray]) -> list[dict[str, Any]]:
+def read(path: FilePath, points: dict[str, FloatArray], problem: Fingerprint) -> list[dict[str, Any]]:
     """Rows of a file that an earlier sweep over the same points has written.
 
     Args:
         path: the file; there may be none.
         points: creepages of this sweep.
+        problem: what the points belong to.
 
     Raises:
         ValueError: the file belongs to another sweep.
@@ -63,26 +87,31 @@ def read(path: FilePath, points: dict[str, FloatArray]) -> list[dict[str, Any]]:
         return []
     with h5py.File(path, "r") as file:
         found = {name: file[name][:] for name in UNITS if name in file}
-    if set(found) != set(UNITS):
+        text, numbers = file.attrs.get("problem"), file.attrs.get("numbers")
+    if text is None or numbers is None or set(found) != set(UNITS):
         raise ValueError(f"{path} is no file of a sweep")
+    if not problem.matches(Fingerprint(str(text), np.asarray(numbers))):
+        raise ValueError(f"{path} has the sweep of another problem: remove it, or give another name")
     num = len(found["creep"])
     if num > len(points["creep"]) or any(np.any(found[name] != points[name][:num]) for name in INPUTS):
         raise ValueError(f"{path} has a sweep over other creepages: remove it, or give another name")
     return [{name: found[name][k] for name in UNITS} for k in range(num)]
 
 
-def write(path: FilePath, rows: list[dict[str, Any]]) -> None:
+def write(path: FilePath, rows: list[dict[str, Any]], problem: Fingerprint) -> None:
     """Write rows to an HDF5 file, with units; the former file stays until the new one is complete.
 
     Args:
         path: the file.
         rows: one dict per point.
+        problem: what the points belong to.
     """
 
     def fill(file: Any) -> None:
         for name, unit in UNITS.items():
             file[name] = np.array([row[name] for row in rows])
             file[name].attrs["unit"] = unit
+        file.attrs["problem"], file.attrs["numbers"] = problem.text, problem.numbers
 
     hdf5.create(path, fill)
 
@@ -93,6 +122,7 @@ def run(
     solve: Callable[[float, float, float], dict[str, Any]],
     file: FilePath | None,
     progress: bool,
+    problem: Fingerprint,
 ) -> dict[str, FloatArray]:
     """Solve for all points. Collective.
 
@@ -102,12 +132,13 @@ def run(
         solve: of creep, lateral and spin; returns the results by name.
         file: HDF5 file that is written after each point, and whose points are not solved again; or None.
         progress: show a bar on rank 0.
+        problem: what the points belong to.
     """
     rows: list[dict[str, Any]] = []
     fault = None
     if file is not None and comm.rank == 0:
         try:
-            rows = read(file, points)
+            rows = read(file, points, problem)
         except (OSError, ValueError) as error:
             fault = str(error)
     rows, fault = comm.bcast((rows, fault))
@@ -126,7 +157,7 @@ def run(
             if file is not None:
                 if comm.rank == 0:
                     try:
-                        write(file, rows)
+                        write(file, rows, problem)
                     except OSError as error:
                         fault = f"{file} cannot be written: {error}"
                 fault = comm.bcast(fault)

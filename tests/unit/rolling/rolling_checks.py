@@ -248,6 +248,10 @@ def check_a_sweep_goes_on_where_it_was_stopped():
         again = wheel_on_plane()
         with pytest.raises(ValueError, match="other creepages"):
             again.sweep(creep=[1e-3, 2e-3, 4e-3], file=file, progress=False)
+        with pytest.raises(ValueError, match="another problem"):
+            wheel_on_plane(approach=0.011).sweep(creep=[0.0, 2e-3, 4e-3], file=file, progress=False)
+        with pytest.raises(ValueError, match="another problem"):
+            wheel_on_plane(friction=0.2).sweep(creep=[0.0, 2e-3, 4e-3], file=file, progress=False)
         continued = again.sweep(creep=[0.0, 2e-3, 4e-3], file=file, progress=False)
         np.testing.assert_allclose(continued["force"], whole["force"], atol=1e-9)
         assert again.omega == pytest.approx(-1.004)
@@ -274,6 +278,10 @@ def check_bad_friction():
         wheel_on_plane(friction=0.0).solve(torque=0.0)
     with pytest.raises(ValueError, match="no contact has friction"):
         wheel_on_plane(friction=0.0).sweep(creep=[0.0])
+    with pytest.raises(ValueError, match="omega is zero"):
+        wheel_on_plane(omega=0.0).solve(torque=0.0)
+    with pytest.raises(ValueError, match="omega is zero"):
+        wheel_on_plane(omega=0.0).sweep(creep=[0.0])
     problem = wheel_on_plane()
     with pytest.raises(ValueError, match="different lengths"):
         problem.sweep(creep=[0.0, 1e-3], lateral=[0.0, 1e-3, 2e-3])
