@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from . import rules
@@ -64,8 +66,64 @@ def upstream_score(coefficients: FloatArray) -> float:
     return float(np.min(against)) / size if size > 0.0 else 0.0
 
 
+@dataclass
+class Backward:
+    """What one facet, or the mean of several, tells of the way that leads to a node.
+
+    Attributes:
+        slope: rate of change of nodal values over the way, factors by node [1/T].
+        origin: weights by node of the values where the way begins, on the far side of the facet [1].
+        duration: of the way; zero if it does not lie in the facet [T].
+    """
+
+    slope: dict[int, float]
+    origin: dict[int, float]
+    duration: float
+
+
+def way_over_facet(a: int, others: list[int], far: int | None, c: FloatArray) -> Backward:
+    """Follow the flow back from a corner, straight in the coordinates of the edges, to the far side of a facet.
+
+    Args:
+        a: the corner.
+        others: corners at the ends of the edges that meet in it.
+        far: the corner opposite to it; None if the facet has none.
+        c: coefficients of the flow along these edges, shape (1) or (2) [1/T].
+
+    Returns:
+        The way.
+    """
+    slope = {b: float(value) for b, value in zip(others, c)}
+    slope[a] = -float(np.sum(c))
+    back = -c
+    if upstream_score(c) < -TIE or not np.any(back > 0.0):
+        return Backward(slope, {}, 0.0)
+    if far is None:  # the far side of a triangle: both coordinates together make one
+        duration = 1.0 / float(np.sum(back))
+        return Backward(slope, {b: duration * float(value) for b, value in zip(others, back)}, duration)
+    first = int(np.argmax(back))  # this coordinate reaches one before the other does
+    duration = 1.0 / float(back[first])
+    other = duration * float(back[1 - first])
+    return Backward(slope, {others[first]: 1.0 - other, far: other}, duration)
+
+
+def mean_way(ways: list[Backward]) -> Backward:
+    """Mean of the ways over several facets."""
+    n = len(ways)
+    slope: dict[int, float] = {}
+    origin: dict[int, float] = {}
+    for way in ways:
+        for total, part in ((slope, way.slope), (origin, way.origin)):
+            for node, value in part.items():
+                total[node] = total.get(node, 0.0) + value / n
+    return Backward(slope, origin, sum(way.duration for way in ways) / n)
+
+
 def derivative(model: Model, facets: IntArray, w: FloatArray) -> Csr:
     """Matrix B of (Grad u w) at the nodes of a surface: the same for every component of u.
+
+    Values along a streamline are those at the node, where it enters the facet upstream, and before that one facet
+    more. B differentiates the parabola through them (Newton's divided differences); without a second facet, the line.
 
     Args:
         model: bodies of degree 1.
@@ -75,22 +133,35 @@ def derivative(model: Model, facets: IntArray, w: FloatArray) -> Csr:
     Returns:
         Matrix, shape (num_nodes, num_nodes), with rows of zeros off the surface [1/T].
     """
-    found: dict[int, list[tuple[float, int, list[int], FloatArray]]] = {}
-    for corners in corner_neighbours(model, facets):
+    found: dict[int, list[tuple[float, Backward]]] = {}
+    for k, corners in enumerate(corner_neighbours(model, facets)):
         for a, others in corners:
             edges = (model.points[others] - model.points[a]).T
             c = np.linalg.lstsq(edges, w[a], rcond=None)[0]
-            found.setdefault(a, []).append((upstream_score(c), a, others, c))
+            if not np.any(c):
+                continue
+            opposite = [p for p in facets[k].tolist() if p != a and p not in others]
+            # An interval is left at its other end, as a triangle without the second edge.
+            way = way_over_facet(a, others, opposite[0] if opposite else None, c)
+            found.setdefault(a, []).append((upstream_score(c), way))
+    ways: dict[int, Backward] = {}
+    for node, candidates in found.items():
+        best = max(score for score, _ in candidates)
+        ways[node] = mean_way([way for score, way in candidates if score >= best - TIE])
     indptr, indices, data = [0], [], []
     for node in range(len(model.points)):
         row: dict[int, float] = {}
-        candidates = found.get(node, [])
-        best = max((score for score, *_ in candidates), default=0.0)
-        upstream = [candidate for candidate in candidates if candidate[0] >= best - TIE]
-        for _, a, others, c in upstream:
-            for b, value in zip(others, c / len(upstream)):
-                row[b] = row.get(b, 0.0) + float(value)
-                row[a] = row.get(a, 0.0) - float(value)
+        if node in ways:
+            way = ways[node]
+            row = dict(way.slope)
+            earlier = sum(weight * ways[b].duration for b, weight in way.origin.items() if b in ways)
+            if way.duration > 0.0 and earlier > 0.0:
+                bend = way.duration / (way.duration + earlier)
+                for b, value in way.slope.items():
+                    row[b] += bend * value
+                for b, weight in way.origin.items():
+                    for k, value in ways[b].slope.items() if b in ways else ():
+                        row[k] = row.get(k, 0.0) - bend * weight * value
         for column in sorted(row):
             indices.append(column)
             data.append(row[column])

@@ -79,10 +79,11 @@ E, NU = 2 * 82e3 * 1.28, 0.28
 
 
 def test_carter():
-    """Tractive force, stick length and creep against Carter: 3 %; the upwind derivative is of first order.
+    """Tractive force, stick length and creep against Carter: 3 %; halving the cells at least halves the error.
 
-    With 10, 20 and 40 cells in a the force at the creep of 2.4e-4 is 4.1, 1.7 and 0.5 % too large. The program CONTACT
-    gives 0.7, 0.4, 0.2 % with 50, 100, 200 elements in 2 a.
+    With 10 and 20 cells in a the force at the creep of 2.4e-4 is 1.6 and 0.5 % too large (4.1 and 1.7 % with a
+    derivative along the flow of first order). The program CONTACT gives 0.7, 0.4, 0.2 % with 50, 100, 200 elements
+    in 2 a.
     """
     errors, lost = [], []
     for n in (10, 20):
@@ -105,8 +106,9 @@ def test_carter():
         against = np.einsum("na,na->n", contact.traction, contact.slip_velocity)[slips]
         assert np.all(against <= 0.0)  # friction opposes slip
     assert abs(errors[1]) < 0.03
-    assert errors[1] / errors[0] == pytest.approx(0.5, abs=0.15)
-    assert lost[1] < 0.75 * lost[0]  # the order is below 1: gradients are infinite where contact and stick begin
+    assert 0.0 < errors[1] < 0.5 * errors[0]
+    # What is lost does not fall with an order: gradients are infinite where contact and stick begin.
+    assert lost[1] < lost[0] < 0.1
     # The creep of a given torque, the other way round; Newton finds the spin with the state.
     limit = 0.3 * wheel.contact.force[1]
     report = wheel.problem.solve(torque=-0.64 * limit * 500.0)

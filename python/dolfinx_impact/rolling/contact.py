@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from dolfinx.la import InsertMode, vector
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -15,6 +16,9 @@ from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from .flow import Flow
 from .motions import Spin
 from .streamlines import StreamlineDerivative, node_matrix
+
+
+PRESCRIBED = 1e-10  # part of a node's jump that free displacements make; with less it is prescribed
 
 
 class RollingLagrange(Lagrange):
@@ -47,6 +51,7 @@ class RollingContact(LagrangeContact):
     Attributes:
         slip_velocity: of slave against master, (n, gdim) [L/T].
         friction_power: power that friction takes out of the motion, of all ranks [F L/T].
+        held: components in which neither body can move, mask (n, gdim): there is no slip to speak of.
         rate: largest velocity jump per displacement, set by the solver; None: not known yet [1/T].
         jump, velocity_jump: matrices (nodes, nodes): weighted displacements of slave against master, and weighted
             velocities by displacements, at the present state [L^2], [L^2/T].
@@ -62,6 +67,7 @@ class RollingContact(LagrangeContact):
         self.jump: PETSc.Mat | None = None
         self.velocity_jump: PETSc.Mat | None = None
         self.rate: float | None = None
+        self.held = np.zeros((len(self.nodes), self.gdim), dtype=bool)
         self.slip_velocity = np.zeros((len(self.nodes), self.gdim))
         self.friction_power = 0.0
 
@@ -95,6 +101,21 @@ class RollingContact(LagrangeContact):
         else:
             self.jump = self.geometry.jump_matrix().copy()  # type: ignore[attr-defined]
         self.velocity_jump = self.jump.matMult(self._derivative)
+        self.held = self._held_components(self.jump)
+
+    def _held_components(self, jump: PETSc.Mat) -> BoolArray:
+        """Components in which slave and master are both prescribed, as on a plane of symmetry, mask (n, gdim).
+        Collective."""
+        if not self.comm.allreduce(bool(np.any(self.fixed)), MPI.LOR):
+            return np.zeros((len(self.nodes), self.gdim), dtype=bool)
+        starts, cols, values = jump.getValuesCSR()
+        first = jump.getOwnershipRange()[0]
+        rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts)) + first
+        size = node_matrix(self.problem.space, rows.astype(np.int64), cols.astype(np.int64), np.abs(values))
+        free = ~self.problem.fixed[: self.problem.num_owned]
+        shares = self.means(size, free.astype(float))
+        size.destroy()
+        return (shares < PRESCRIBED) & self.geometry.participates[:, None]
 
     def means(self, matrix: PETSc.Mat, values: FloatArray) -> FloatArray:
         """A matrix of jumps times nodal vectors, over the cover, (n, gdim); zero where no multiplier lives. Collective.
@@ -185,9 +206,9 @@ class RollingContact(LagrangeContact):
         return self.tangential(self.means(self.jump, part.ravel()))
 
     def tangential(self, vectors: FloatArray) -> FloatArray:
-        """Vectors less their parts along the normals, (n, gdim)."""
+        """Vectors less their parts along the normals and along held components, (n, gdim)."""
         n = self.geometry.normal
-        return vectors - np.einsum("na,na->n", n, vectors)[:, None] * n
+        return np.where(self.held, 0.0, vectors - np.einsum("na,na->n", n, vectors)[:, None] * n)
 
     def main_direction(self) -> FloatArray:
         """Velocity of the slave's material through the mesh, (n, gdim) [L/T]."""
@@ -225,6 +246,23 @@ class RollingContact(LagrangeContact):
     def carriers(self) -> BoolArray:
         """Nodes with a multiplier, mask (n)."""
         return self.usable & self.geometry.participates
+
+    def with_neighbours(self, chosen: BoolArray) -> BoolArray:
+        """Nodes and those that have a facet in common with one of them, mask (n). Collective.
+
+        Args:
+            chosen: mask of the nodes, (n).
+        """
+        mark = vector(self.geometry.index_map, 1)
+        mark.array[:] = 0.0
+        mark.array[self.nodes] = chosen
+        mark.scatter_forward()
+        facets = self.geometry.slave.nodes
+        reached = np.unique(facets[np.any(mark.array[facets] > 0.0, axis=1)]) if len(facets) else facets.ravel()
+        mark.array[:] = 0.0
+        mark.array[reached] = 1.0
+        mark.scatter_reverse(InsertMode.add)
+        return chosen | (mark.array[self.nodes] > 0.0)
 
     @property
     def vector(self) -> FloatArray:

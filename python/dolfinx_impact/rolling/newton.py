@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Newton's method for steady rolling with friction: displacements and multipliers together, docs/rolling.md.
 
-Contact and Coulomb's law are equations of semi-smooth functions (Alart and Curnier 1991; Hueeber, Stadler and Wohlmuth
-2008), with the slip velocity in place of the slip of an increment. Each iteration linearises bodies and geometry once,
-and then updates the status of the nodes on the linearised problem until it stays.
+Each iteration linearises bodies and geometry once, and solves contact and friction of the linear bodies, reduced to the
+multipliers of the nodes that touch (ReducedContacts).
 """
 
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,21 +16,41 @@ from mpi4py import MPI
 
 from ..common.interrupts import Interrupts
 from ..common.types import BoolArray, FloatArray
-from ..statics.linear_solver import LinearSolver
 from ..statics.load_steps import Increment, StepLog
 from ..statics.newton import Newton
 from ..statics.problem import StaticProblem
 from .contact import RollingContact
 from .friction_law import Linearised, linearise
-from .saddle_system import SteadySystem
-from .torque import TorqueControl
+from .contact_operators import ContactOperators
+from .reduced_contacts import ReducedContacts
+from .torque import NO_FRICTION, OUT_OF_REACH, ReducedTorque, TorqueControl
 
 VIOLATION = 1e-9  # gap of an active node over the size of the bodies; slip velocity of a stuck one over the speed
-MAX_CHANGES = 40  # updates of the status on one linearised problem
-# Trial tractions take so much of the slip velocity over what a traction of the node's stiffness changes it by. With
-# more, nodes change from one direction of slip to the other without sticking between, and errors travel with the flow.
-CAUTION = 0.1
 STILL = 1e-11  # relative change of the tractions at which the linearised problem is solved
+NEARLY = 1e-8  # and this one, if corrections do not make it smaller
+MAX_CORRECTIONS = 16
+POOR = 7  # corrections after which the compliance is that of a state too far away
+HELD_BY_CONTACT = "a body is held by nothing but contact and friction: prescribe its displacement somewhere"
+
+
+@dataclass
+class _Trial:
+    """A state of the linearised problem.
+
+    Attributes:
+        moved: displacements from the state that is linearised about, owned dofs [L].
+        vectors: multipliers of the contacts, (n, gdim) each [F/L^2].
+        gaps, slips: of the contacts, (n) each [L], (n, gdim) each [L/T].
+        laws: contact and friction at these.
+        off: what the multipliers differ by from those that the laws make of them, over the largest [1].
+    """
+
+    moved: FloatArray
+    vectors: list[FloatArray]
+    gaps: list[FloatArray]
+    slips: list[FloatArray]
+    laws: list[Linearised]
+    off: float
 
 
 class RollingNewton:
@@ -42,7 +62,7 @@ class RollingNewton:
         atol: absolute tolerance of the residual [F].
         max_iterations: largest number of iterations [1].
         interrupts: looks for Ctrl-C between iterations.
-        linear_solver: for displacements and multipliers together.
+        reduced: contacts, reduced to the nodes that touch.
         control: of the torque, which makes the spin an unknown; or None.
 
     Attributes:
@@ -57,18 +77,17 @@ class RollingNewton:
         atol: float,
         max_iterations: int,
         interrupts: Interrupts,
-        linear_solver: LinearSolver,
+        reduced: ReducedContacts,
         control: TorqueControl | None = None,
     ) -> None:
         self.problem, self.rtol, self.atol, self.max_iterations = problem, rtol, atol, max_iterations
-        self._interrupts, self._linear_solver, self.control = interrupts, linear_solver, control
+        self._interrupts, self._reduced, self.control = interrupts, reduced, control
         self.contacts: list[RollingContact] = list(problem.contact)  # type: ignore[arg-type]
         # Without friction, to begin with: active sets and forces to start from.
         self._frictionless = Newton(problem, rtol, atol, max_iterations, lambda *_: interrupts.check())
         self.seconds = self._frictionless.seconds
         self.comm, self.num_owned = problem.space.mesh.comm, problem.num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
-        self._caution = CAUTION
 
     def free(self) -> None:
         """Nothing is kept beyond the problem's own solver."""
@@ -80,7 +99,6 @@ class RollingNewton:
             target: displacements over all degrees of freedom, of which only prescribed entries are used [L].
             log: log of the iterations.
         """
-        self._caution = CAUTION
         for contact in self.contacts:
             contact.update_flow()
         if not any(c.num_active for c in self.contacts):
@@ -128,8 +146,6 @@ class RollingNewton:
                 and norm <= max(self.atol, self.rtol * scale)
             ):
                 return result.converged()
-            if self.control and self.control.fault:
-                return result.failed(self.control.fault, hopeless=True)
             if iteration == self.max_iterations:
                 return result.failed(
                     f"steady rolling did not converge in {iteration} iterations: residual {norm:.1e} of {scale:.1e}, "
@@ -139,11 +155,12 @@ class RollingNewton:
             fault, changes = self._solve_linearised(K, residual, jump)
             result.iterations += 1
             if fault:
-                return result.failed(f"a linear system of steady rolling was not solved: {fault}")
-            if changes == MAX_CHANGES:
-                log(f"    status not settled after {changes} updates")
-                result.unsettled += 1
-                self._caution = max(0.1 * self._caution, 1e-4)
+                if self.control is not None and fault in (OUT_OF_REACH, NO_FRICTION):
+                    wanted, omega = self.control.target, self.control.omega
+                    fault = f"the torque {wanted:.4g} was not reached at omega = {omega:.6g}: {fault}"
+                    return result.failed(fault, hopeless=True)
+                fault = f"steady rolling was not solved: {fault}"
+                return result.failed(fault, hopeless=HELD_BY_CONTACT in fault)
 
     def _norm(self, values: Any) -> float:
         return float(np.sqrt(self.comm.allreduce(float(values @ values))))
@@ -153,7 +170,7 @@ class RollingNewton:
         largest = 0.0
         for c in self.contacts:
             speed, size = c.speed(), c.geometry.size
-            law = self._law(c, c.geometry.gap, c.slip_velocity, c.vector, 1.0)
+            law = self._law(c, c.geometry.gap, c.slip_velocity, c.vector)
             pressure = self.comm.allreduce(float(np.max(c.multiplier, initial=0.0)), op=MPI.MAX)
             here = [0.0]
             if len(c.nodes):
@@ -166,20 +183,11 @@ class RollingNewton:
             largest = max(largest, *here)
         return float(self.comm.allreduce(largest, op=MPI.MAX))
 
-    def _law(
-        self, c: RollingContact, gap: FloatArray, slip: FloatArray, vectors: FloatArray, caution: float
-    ) -> Linearised:
+    def _law(self, c: RollingContact, gap: FloatArray, slip: FloatArray, vectors: FloatArray) -> Linearised:
         weight = np.where(c.carriers, c.geometry.weight, 1.0)
         stiffness = c.nodal_stiffness / weight
         return linearise(
-            c.geometry.normal,
-            c.friction,
-            stiffness,
-            caution * stiffness / self._rate(c),
-            c.carriers,
-            gap,
-            slip,
-            vectors,
+            c.geometry.normal, c.friction, stiffness, stiffness / self._rate(c), c.carriers, gap, slip, vectors
         )
 
     def _rate(self, c: RollingContact) -> float:
@@ -191,65 +199,83 @@ class RollingNewton:
             c.rate = float(self.comm.allreduce(float(np.max(diagonal, initial=0.0)), op=MPI.MAX)) or 1.0
         return c.rate
 
-    def _solve_linearised(self, K: Any, residual: FloatArray, jump: FloatArray) -> tuple[str | None, int]:
-        """Update u and multipliers by the linearised problem, its status updated until it stays. Collective."""
-        p, count = self.problem, 0
-        system = SteadySystem(K, [c.tangent() for c in self.contacts], self.contacts, self.fixed, self._rate)
-        moved: FloatArray = np.zeros(self.num_owned)
-        vectors = [c.vector.copy() for c in self.contacts]
-        gaps, slips = [c.geometry.gap for c in self.contacts], [c.slip_velocity for c in self.contacts]
-        change, forces = 0.0, sum(c.contact_forces() for c in self.contacts)
-        if self.control:
-            self.control.linearise(self.contacts)
-        before: list[BoolArray] | None = None
-        fault: str | None = None
+    def _solve_linearised(self, K: Any, residual: FloatArray, jump: FloatArray) -> tuple[str, int]:
+        """Update u and multipliers by the linearised problem. Collective.
+
+        The compliance of the candidates is that of an earlier geometry; what it leaves is corrected with the present
+        one.
+        """
+        response = self._reduced.response
+        operators = ContactOperators(K, self.contacts)
+        response.update(K, [c.tangent() for c in self.contacts])
+        if response.null_pivots:
+            operators.destroy()
+            return HELD_BY_CONTACT, 0
+        weights = operators.weights()
+        torque = self.control.linearise(self.contacts, operators, response) if self.control else None
+        forces = [w[:, None] * c.vector for w, c in zip(weights, self.contacts)]
+        best, corrections, change = np.inf, 0, 0.0
         while True:
-            laws = [self._law(*args, self._caution) for args in zip(self.contacts, gaps, slips, vectors)]
-            status = [np.stack([law.active, law.sliding]) for law in laws]
-            if before is not None:
-                differ = sum(int(np.count_nonzero(a != b)) for a, b in zip(status, before))
-                changed = self.comm.allreduce(differ)
-                still = self._change(laws, vectors)
-                if (changed == 0 and still < STILL) or count == MAX_CHANGES:
-                    break
-            before = status
-            system.assign(laws, slips, vectors)
-            b, x = system.load(residual, jump), system.guess(moved, vectors)
-            fault = system.solve(self._linear_solver, b, x)
-            if self.control and not fault:
-                fault, change = self.control.correction(
-                    system, lambda b, x: system.solve(self._linear_solver, b, x), x, forces
-                )
-            moved, vectors = system.displacements(x), system.vectors(x)
-            b.destroy()
-            x.destroy()
+            load = operators.nodal_forces(forces) - residual
+            if torque:
+                load -= change * torque.load
+            moved, fault = response.solve(load, jump)
             if fault:
                 break
-            gaps, slips = self._linear_state(moved)
-            if self.control:
-                slips = [s + change * slope for s, slope in zip(slips, self.control.slopes())]
-            count += 1
-        system.destroy()
+            vectors = [f / np.where(w > 0.0, w, 1.0)[:, None] for f, w in zip(forces, weights)]
+            trial = self._trial(moved, vectors, change, torque)
+            off = max(trial.off, torque.missing(operators, forces, moved) if torque else 0.0)
+            if corrections and (off < STILL or (off < NEARLY and off > 0.5 * best)):
+                break
+            if corrections == MAX_CORRECTIONS:
+                break
+            if corrections == POOR:
+                self._reduced.renew()
+                response.update(K, [c.tangent() for c in self.contacts])
+            best = min(best, off)
+            if torque:
+                torque.at(operators, forces, moved)
+            forces, further, fault = self._reduced.forces(
+                operators, self._near(trial), (forces, trial.gaps, trial.slips), torque
+            )
+            change += further
+            if fault:
+                break
+            corrections += 1
+        operators.destroy()
         if fault:
-            return fault, count
-        for c, law, vector in zip(self.contacts, laws, vectors):
+            return fault, corrections
+        for c, law, vector in zip(self.contacts, trial.laws, trial.vectors):
             c.set_vector(vector, law.active, law.sliding)
+        p = self.problem
         p.u.x.array[: self.num_owned] += moved
         p.u.x.scatter_forward()
         if self.control:
             self.control.apply(change)
             for contact in self.contacts:
                 contact.update_flow()
-        return None, count
+        return "", corrections
 
-    def _linear_state(self, moved: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
-        """Gaps and slip velocities of the linearised problem. Collective."""
+    def _near(self, trial: _Trial) -> list[BoolArray]:
+        """Nodes that touch, or have a facet in common with one that does. Collective."""
+        return [
+            c.with_neighbours(c.carriers & (law.active | np.any(vector != 0.0, axis=1))) & c.carriers
+            for c, law, vector in zip(self.contacts, trial.laws, trial.vectors)
+        ]
+
+    def _trial(
+        self, moved: FloatArray, vectors: list[FloatArray], change: float, torque: ReducedTorque | None
+    ) -> _Trial:
+        """Gaps, slip velocities and law of the linearised problem. Collective."""
         gaps, slips = [], []
         for c in self.contacts:
             assert c.jump is not None and c.velocity_jump is not None
             gaps.append(c.geometry.gap + np.einsum("na,na->n", c.geometry.normal, c.means(c.jump, moved)))
             slips.append(c.slip_velocity + c.tangential(c.means(c.velocity_jump, moved)))
-        return gaps, slips
+        if torque:
+            slips = [s + change * slope for s, slope in zip(slips, torque.slopes)]
+        laws = [self._law(*args) for args in zip(self.contacts, gaps, slips, vectors)]
+        return _Trial(moved, vectors, gaps, slips, laws, self._change(laws, vectors))
 
     def _change(self, laws: list[Linearised], vectors: list[FloatArray]) -> float:
         """How far tractions are from what the law makes of them, relative to the largest. Collective."""

@@ -22,7 +22,6 @@ from ..common.unique import Unique
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..common.interrupts import Interrupts
-from ..statics.linear_solver import LinearSolver
 from ..statics.load_steps import run_steps
 from ..statics.problem import Report, StaticProblem
 from . import frequencies, inputs, revolution, stability, sweep
@@ -30,6 +29,7 @@ from .contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
 from .newton import RollingNewton
+from .reduced_contacts import ReducedContacts
 from .torque import Torque, TorqueControl
 
 if TYPE_CHECKING:
@@ -62,8 +62,9 @@ class RollingProblem(Unique):
 
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
-        ValueError: cells without a motion, motions without cells, a Spin of a body that is not one of revolution about
-            its axis, friction by penalty, materials with internal variables or without density; or what StaticProblem
+        ValueError: cells without a motion, motions without cells, a Spin of a body that is neither one of revolution
+            about its axis nor a sector that is held at its cuts, friction by penalty, materials with internal variables
+            or without density; or what StaticProblem
             refuses. On all ranks.
     """
 
@@ -89,7 +90,7 @@ class RollingProblem(Unique):
         self._check_tags(cell_tags)
         for tag, motion in self.motions.items():
             if isinstance(motion, Spin):
-                complaint = revolution.fault(mesh, cell_tags, tag, motion)
+                complaint = revolution.fault(u.function_space, cell_tags, tag, motion, bcs)
                 if complaint:
                     raise ValueError(complaint)
         obstacles = [c.pair.rigid_master for c in contact if c.pair.rigid]
@@ -102,7 +103,10 @@ class RollingProblem(Unique):
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
         self._safe: FloatArray | None = None  # largest rates at which stiffness minus W was found positive definite
-        self._saddle_solver = LinearSolver(u.function_space, options, prefix, indefinite=True) if self._rubs else None
+        self._reduced: ReducedContacts | None = None
+        if self._rubs:
+            p = self._equilibrium
+            self._reduced = ReducedContacts(mesh.comm, np.flatnonzero(p.fixed[: p.num_owned]))
         if self._spin is not None:
             nodes = self._flow.nodes_of(self._spin)
             owned = nodes[nodes < u.function_space.dofmap.index_map.size_local]
@@ -194,7 +198,7 @@ class RollingProblem(Unique):
             numbers = inputs.solver(steps, rtol, atol, max_iterations, cut_backs, torque, self._rubs, self._spin)
             ranks.same(motions=self.motions, **numbers)
         self._flow.update()
-        if self._saddle_solver is None:
+        if self._reduced is None:
             good = self._state()
             report = p.solve(steps, rtol, atol, max_iterations, cut_backs, verbose)
             self._check_speed(good)
@@ -203,7 +207,7 @@ class RollingProblem(Unique):
             contact.check_directions()
         good = self._state()
         with Interrupts(self.u.function_space.mesh.comm) as interrupts:
-            solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._saddle_solver)
+            solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
             report = run_steps(p, solver, steps, 8 if cut_backs is None else cut_backs, verbose)
             if torque is not None:
                 self._find_spin(solver, torque, report, verbose)

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.mesh import Mesh, MeshTags, exterior_facet_indices
+from dolfinx.mesh import MeshTags, exterior_facet_indices
 
 from ..common.cell_numbers import input_cell_numbers
 from .motions import Spin
@@ -17,18 +19,22 @@ FACETED = 0.6
 ROUND_OFF = 1e-9  # of |w|, on facets of any size
 
 
-def fault(mesh: Mesh, cell_tags: MeshTags, tag: int, spin: Spin) -> str:
+def fault(V: fem.FunctionSpace, cell_tags: MeshTags, tag: int, spin: Spin, bcs: Sequence[fem.DirichletBC] = ()) -> str:
     """Describe the worst cell through whose boundary the spinning material flows. Collective.
 
+    Material may flow through facets that are held: the ends of a sector.
+
     Args:
-        mesh: mesh.
+        V: displacement space.
         cell_tags: tags of the bodies.
         tag: tag of the spinning body.
         spin: its motion.
+        bcs: boundary conditions.
 
     Returns:
         A sentence on all ranks; an empty text if the body is one of revolution.
     """
+    mesh = V.mesh
     tdim = mesh.topology.dim
     mesh.topology.create_connectivity(tdim - 1, tdim)
     mesh.topology.create_connectivity(tdim, tdim - 1)
@@ -44,10 +50,18 @@ def fault(mesh: Mesh, cell_tags: MeshTags, tag: int, spin: Spin) -> str:
         values = fem.assemble_vector(fem.form(integrand * c * ufl.ds(domain=mesh, degree=4)))
         return values.array[cells]
 
-    through, along = on_cells(ufl.inner(w, N) ** 2), on_cells(ufl.inner(w, w))
+    free = fem.Function(V)
+    free.x.array[:] = 1.0
+    for bc in bcs:
+        free.x.array[bc.dof_indices()[0]] = 0.0
+    free.x.scatter_forward()
+    through, along = on_cells(ufl.inner(w, N) ** 2 * ufl.inner(free, free)), on_cells(ufl.inner(w, w))
     area = on_cells(ufl.as_ufl(1.0) * ufl.inner(N, N))
     # Facets are straight or curved: their size is the distance of their vertices.
-    size = mesh.h(tdim - 1, facets) if len(facets) else np.zeros(0)
+    of_cell = np.zeros(int(cells.max(initial=-1)) + 1)
+    if len(facets):
+        np.maximum.at(of_cell, cells, mesh.h(tdim - 1, facets))  # the integrals are of all facets of a cell
+    size = of_cell[cells]
     radius = np.sqrt(along / np.where(area > 0, area, 1.0))
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.sqrt(through) / np.where(along > 0, np.sqrt(along), 1.0)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
 
 from .. import _cpp
-from ..common.types import AnyArray, FloatArray, IntArray
+from ..common.types import FloatArray, IntArray
 
 TIE = 1e-6  # scores that differ by less are the same: the streamline runs along the edge between two facets
 # Gradients of the inequalities a . xi >= b of a reference facet, and b.
@@ -24,12 +25,36 @@ SIDES = {
 }
 
 
+@dataclass
+class Candidates:
+    """Nodes of facets, each with one facet on which its derivative may be taken.
+
+    Attributes:
+        node: local numbers, (n).
+        score: positive if the flow comes out of the facet; the largest are chosen, (n).
+        facet: nodes of the facet, local numbers, (n, m).
+        derivative: coefficients of (Grad u) w at the node, (n, m) [1/T].
+        entry: values of the shape functions where the streamline enters the facet, (n, m).
+        time: that the material takes from there to the node, zero where the flow does not come out of the facet,
+            (n) [T].
+    """
+
+    node: IntArray
+    score: FloatArray
+    facet: IntArray
+    derivative: FloatArray
+    entry: FloatArray
+    time: FloatArray
+
+
 class StreamlineDerivative:
     """The map u -> (Grad u) w at the nodes of surfaces, a matrix over the nodes of a space.
 
-    The derivative at a node is taken on the facet from which the material comes (upwind), so that what a node feels
-    depends on what lies upstream only, and sticking, a first-order equation along the streamline, has one solution. On
-    meshes of degree 1 whose edges follow the flow it is the backward difference of the nodal values.
+    The derivative at a node is taken from where the material comes (upwind), so that what a node feels depends on what
+    lies upstream only, and sticking, a first-order equation along the streamline, has one solution. It is of second
+    order: on cells of degree 2 that of the facet upstream; on cells of degree 1 that of the parabola through three
+    points of the streamline, which for edges along the flow is the three-point backward difference. Where the material
+    enters the surface it is the slope of the first facet.
 
     Args:
         V: displacement space.
@@ -48,21 +73,30 @@ class StreamlineDerivative:
         Returns:
             Matrix that the caller destroys; rows of nodes off the surfaces, or without flow, are zero.
         """
-        index_map = self._V.dofmap.index_map
+        V, index_map = self._V, self._V.dofmap.index_map
+        none, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
         parts = [part for facets in self._surfaces for part in _candidates(facets, w)]
-        at = np.concatenate([np.zeros(0, dtype=np.int64), *(index_map.local_to_global(rows) for rows, *_ in parts)])
-        scores = np.concatenate([np.zeros(0), *(score for _, score, *_ in parts)])
-        share = self._shares(at, scores)
-        rows, cols, values, start = [], [], [], 0
-        for local, _, nodes, coefficients in parts:
-            end = start + len(local)
+        at = np.concatenate([none, *(index_map.local_to_global(part.node) for part in parts)])
+        share = self._shares(at, np.concatenate([nothing, *(part.score for part in parts)]))
+        rows, cols, slopes, entries, times = [none], [none], [nothing], [nothing], [nothing]
+        start = 0
+        for part in parts:
+            end = start + len(part.node)
             chosen = share[start:end] > 0.0
-            rows.append(np.repeat(at[start:end][chosen], nodes.shape[1]))
-            cols.append(index_map.local_to_global(np.ascontiguousarray(nodes[chosen].ravel())))
-            values.append((coefficients[chosen] * share[start:end][chosen, None]).ravel())
+            weight = share[start:end][chosen]
+            rows.append(np.repeat(at[start:end][chosen], part.facet.shape[1]))
+            cols.append(index_map.local_to_global(np.ascontiguousarray(part.facet[chosen].ravel())))
+            slopes.append((part.derivative[chosen] * weight[:, None]).ravel())
+            entries.append((part.entry[chosen] * weight[:, None]).ravel())
+            times.append(share[start:end] * part.time)
             start = end
-        return node_matrix(self._V, np.concatenate([at[:0], *rows]), np.concatenate([at[:0], *cols]),
-                           np.concatenate([scores[:0], *values]))  # fmt: skip
+        place = np.concatenate(rows), np.concatenate(cols)
+        slope = node_matrix(V, *place, np.concatenate(slopes))
+        if _degree(self._V) > 1:
+            return slope
+        entry = node_matrix(V, *place, np.concatenate(entries))
+        time = node_matrix(V, at, at, np.concatenate(times))
+        return _through_three_points(slope, entry, time)
 
     def _shares(self, at: IntArray, scores: FloatArray) -> FloatArray:
         """Weight of each candidate in the mean over the best facets of its node, over all ranks. Collective."""
@@ -74,6 +108,34 @@ class StreamlineDerivative:
         count = np.bincount(place, weights=values >= best[place] - TIE, minlength=len(nodes))
         here = np.searchsorted(nodes, at)
         return np.where(scores >= best[here] - TIE, 1.0 / np.maximum(count[here], 1.0), 0.0)
+
+
+def _degree(V: FunctionSpace) -> int:
+    return int(V.element.basix_element.degree)
+
+
+def _through_three_points(slope: PETSc.Mat, entry: PETSc.Mat, time: PETSc.Mat) -> PETSc.Mat:
+    """Derivative of the parabola through a node, the point where its streamline enters the facet, and one more facet
+    upstream: d1 + (d1 - d2) t1/(t1 + t2), from the slopes d and times t over both. Takes its arguments. Collective.
+
+    Args:
+        slope: slopes over the facets upstream of the nodes [1/T].
+        entry: from nodal values to those where the streamlines enter these facets [1].
+        time: diagonal matrix of the times on these facets [T].
+    """
+    before = entry.matMult(slope)
+    t1, t2 = time.getDiagonal(), entry.createVecLeft()
+    entry.mult(t1, t2)
+    both = (t1.array_r > 0.0) & (t2.array_r > 0.0)
+    factor = t1.duplicate()
+    factor.array[:] = np.where(both, t1.array_r / np.where(both, t1.array_r + t2.array_r, 1.0), 0.0)
+    before.diagonalScale(L=factor)
+    factor.shift(1.0)
+    slope.diagonalScale(L=factor)
+    slope.axpy(-1.0, before, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    for thing in (before, entry, time, t1, t2, factor):
+        thing.destroy()
+    return slope
 
 
 def node_matrix(V: FunctionSpace, rows: IntArray, cols: IntArray, values: FloatArray) -> PETSc.Mat:
@@ -89,8 +151,27 @@ def node_matrix(V: FunctionSpace, rows: IntArray, cols: IntArray, values: FloatA
     return _cpp.multipliers.coo_matrix(V.mesh.comm, owned, owned, rows, cols, np.ascontiguousarray(values))
 
 
-def _candidates(facets: Any, w: FloatArray) -> list[tuple[AnyArray, FloatArray, IntArray, FloatArray]]:
-    """For each local node of the facets: nodes, scores, nodes of the facet, coefficients of the derivative."""
+def _vertex_functions(element: Any, places: FloatArray) -> FloatArray:
+    """Shape functions of degree 1 of a facet, zero at the nodes between vertices, (n, nodes of the facet).
+
+    Args:
+        element: of the facet.
+        places: reference coordinates, (n, tdim of the facet).
+    """
+    values = np.zeros((len(places), element.num_nodes))
+    for k in range(element.num_nodes):
+        corner = np.array(element.node(k))[: places.shape[1]]
+        if not np.all((corner == 0.0) | (corner == 1.0)):
+            continue
+        if element.shape == "triangle":
+            values[:, k] = places @ corner if corner.any() else 1.0 - places.sum(axis=1)
+        else:
+            values[:, k] = np.prod(np.where(corner == 1.0, places, 1.0 - places), axis=1)
+    return values
+
+
+def _candidates(facets: Any, w: FloatArray) -> list[Candidates]:
+    """Candidates for each of the nodes that a facet has."""
     element, geometry, nodes, X = facets.displacement, facets.geometry, facets.nodes, facets.X
     tdim = 1 if element.shape == "interval" else 2
     normals, bounds = SIDES[element.shape]
@@ -101,14 +182,22 @@ def _candidates(facets: Any, w: FloatArray) -> list[tuple[AnyArray, FloatArray, 
         # Coordinates of w in the tangent plane: least squares, as w and a flat facet of a round body differ slightly.
         metric = np.einsum("fca,fcb->fab", J, J)
         along = np.linalg.solve(metric, np.einsum("fca,fc->fa", J, w[nodes[:, i]])[..., None])[..., 0]
-        on_rim = normals @ xi - bounds < 1e-12
-        rates = -along @ normals[on_rim].T
-        total = np.abs(rates).sum(axis=1)
         moves = np.any(along != 0.0, axis=1)
-        inward = rates.min(axis=1) / np.where(total > 0.0, total, 1.0) if on_rim.any() else np.ones(len(nodes))
-        coefficients = along @ element.tabulate(*xi)[1 : 1 + tdim]
+        along, local, facet = along[moves], nodes[moves, i], nodes[moves]
+        distance = normals @ xi - bounds
+        on_rim = distance < 1e-12
+        rates = -along @ normals.T  # of the distances from the sides, against the flow
+        total = np.abs(rates[:, on_rim]).sum(axis=1)
+        score = np.ones(len(local))
+        if on_rim.any():
+            score = rates[:, on_rim].min(axis=1) / np.where(total > 0.0, total, 1.0)
+        nearing = (rates < 0.0) & ~on_rim
+        reached = np.where(nearing, distance / np.where(nearing, -rates, 1.0), np.inf).min(axis=1)
+        time = np.where((score >= -TIE) & np.isfinite(reached), reached, 0.0)
+        entry = _vertex_functions(element, xi - time[:, None] * along)
         found.append(
-            (nodes[:, i], np.where(moves, inward, -np.inf), nodes, np.where(moves[:, None], coefficients, 0.0))
+            Candidates(
+                np.ascontiguousarray(local), score, facet, along @ element.tabulate(*xi)[1 : 1 + tdim], entry, time
+            )
         )
-    return [(np.ascontiguousarray(a[np.isfinite(s)]), s[np.isfinite(s)], c[np.isfinite(s)], d[np.isfinite(s)])
-            for a, s, c, d in found]  # fmt: skip
+    return found

@@ -3,25 +3,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
+from scipy.optimize import brentq
 
 from ..common.types import FloatArray, IntArray
 from ..statics.problem import StaticProblem
+from .body_response import BodyResponse
 from .contact import RollingContact
+from .contact_operators import Candidates, ContactOperators
 from .flow import Flow
+from .friction_problem import FrictionProblem, State
 from .motions import Spin
-from .saddle_system import SteadySystem
 
-# Of the speed: changes of slip velocity that are allowed in an iteration, besides the largest slip; where all nodes
-# slip, and where some stick, so that the derivative tells more.
-FURTHER, STUCK = 1e-4, 2e-3
-
-HALVED = 3  # bisections in a row towards the same bound, which is then given up
-LIMITED = 8  # iterations in a row with the largest change, in which the slip velocity doubles each time
+FIRST = 1e-5  # of the speed: change of slip velocity with which the torque's change is looked at first
+NO_FRICTION = "it does not depend on the spin: nothing touches, or nothing rubs"
+OUT_OF_REACH = "friction cannot bear it, or the spin to begin with is too far from the solution"
+FARTHEST = 0.1  # of the speed: changes of slip velocity beyond which the torque is out of reach
 
 
 class Torque:
@@ -62,6 +63,24 @@ class Torque:
             lever = self._turned(self._here(moved))
         return -float(self._problem.space.mesh.comm.allreduce(float(np.sum(self._here(forces) * lever))))
 
+    def lever(self) -> FloatArray:
+        """Derivative of the torque by forces, owned dofs [L]."""
+        turned = self._turned(self._arm) + self._turned(self._here(self._problem.u.x.array))
+        return self._spread(-turned)
+
+    def lever_of(self, forces: FloatArray) -> FloatArray:
+        """Derivative of `of(forces, moved)` by the displacements, owned dofs [F].
+
+        Args:
+            forces: contact forces, owned dofs [F].
+        """
+        return self._spread(self._turned(self._here(forces)))
+
+    def _spread(self, vectors: FloatArray) -> FloatArray:
+        out = np.zeros((self._problem.num_owned // self._gdim, self._gdim))
+        out[self._nodes] = vectors
+        return out.ravel()
+
     @property
     def reach(self) -> float:
         """Largest distance of a node from the axis [L]. Collective."""
@@ -73,8 +92,6 @@ class Torque:
 class TorqueControl:
     """The angular velocity at which a body's torque has a given value, an unknown of RollingNewton.
 
-    Each linearised problem is solved twice with one matrix, once for the derivative by the angular velocity.
-
     Args:
         problem: static problem of the bodies.
         flow: flow of the bodies.
@@ -84,27 +101,35 @@ class TorqueControl:
     """
 
     def __init__(self, problem: StaticProblem, flow: Flow, spin: Spin, torque: Torque, target: float) -> None:
-        self._problem, self._flow, self._spin, self._torque, self.target = problem, flow, spin, torque, target
+        self._problem, self._flow, self._spin, self.torque, self.target = problem, flow, spin, torque, target
         self._reach = torque.reach
-        self._slopes: list[FloatArray] = []
-        self._load: FloatArray = np.zeros(0)
-        self._most, self._limited, self._rubs = np.inf, 0, False
-        self._low, self._high = -np.inf, np.inf
-        self._halved = 0  # bisections in a row: upwards positive, downwards negative
+
+    @property
+    def omega(self) -> float:
+        """Present angular velocity [1/T]."""
+        return self._spin.omega
 
     def error(self, contacts: Sequence[RollingContact]) -> float:
         """Torque less its target, over contact force times largest radius [1]. Collective."""
         forces = [c.contact_forces() for c in contacts]
-        total = sum(float(np.abs(f) @ np.abs(f)) for f in forces)
+        return self.relative(sum(self.torque.of(f) for f in forces), forces)
+
+    def relative(self, torque: float, forces: Sequence[FloatArray]) -> float:
+        """A torque less the target, over contact force times largest radius [1]. Collective."""
+        total = sum(float(f @ f) for f in forces)
         scale = float(np.sqrt(self._problem.space.mesh.comm.allreduce(total))) * self._reach
-        off = abs(sum(self._torque.of(f) for f in forces) - self.target)
+        off = abs(torque - self.target)
         return off / scale if scale > 0.0 else off
 
-    def linearise(self, contacts: Sequence[RollingContact]) -> None:
-        """Derivatives of loads and slip velocities by the angular velocity at the present state. Collective.
+    def linearise(
+        self, contacts: Sequence[RollingContact], operators: ContactOperators, response: BodyResponse
+    ) -> ReducedTorque:
+        """Torque, loads and slip velocities by the angular velocity at the present state. Collective.
 
         Args:
             contacts: contacts at the present state.
+            operators: of the contacts.
+            response: of the bodies.
         """
         omega = self._spin.omega
         step = 0.5 * omega or 1.0  # the forces are quadratic in omega: any step gives the exact derivative
@@ -113,84 +138,13 @@ class TorqueControl:
             self._set(omega + way * step)
             residuals.append(self._problem.assemble_residual().array.copy())
         self._set(omega)
-        self._load = (residuals[0] - residuals[1]) / (2.0 * step)
-        self._slopes = [c.velocity_slope(self._spin) for c in contacts]
-        comm = self._problem.space.mesh.comm
-
-        def largest(vectors: FloatArray, c: RollingContact) -> float:
-            return float(np.linalg.norm(vectors, axis=1)[c.active].max(initial=0.0))
-
-        slip = comm.allreduce(max(largest(c.slip_velocity, c) for c in contacts), MPI.MAX)
-        slope = comm.allreduce(max(largest(s, c) for s, c in zip(self._slopes, contacts)), MPI.MAX)
-        stuck = comm.allreduce(sum(int(np.count_nonzero(c.active & ~c.sliding)) for c in contacts))
-        # Where all slips, the torque hardly depends on the spin: no further at a time than slip may turn round.
-        self._rubs = slope > 0.0
-        further = STUCK if stuck else FURTHER * 2.0**self._limited
-        self._most = float((further * max(c.speed() for c in contacts) + slip) / slope) if slope > 0.0 else np.inf
+        load = (residuals[0] - residuals[1]) / (2.0 * step)
+        slopes = [c.velocity_slope(self._spin) for c in contacts]
+        return ReducedTorque(self, contacts, load, slopes, response, max(c.speed() for c in contacts))
 
     def _set(self, omega: float) -> None:
         self._spin.omega = omega
         self._flow.update()
-
-    def correction(
-        self,
-        system: SteadySystem,
-        solve: Callable[[PETSc.Vec, PETSc.Vec], str | None],
-        x: PETSc.Vec,
-        forces: FloatArray,
-    ) -> tuple[str | None, float]:
-        """Add to a solution what the change of the angular velocity causes. Collective.
-
-        Args:
-            system: linear system.
-            solve: solves it for a right-hand side.
-            x: solution at the present angular velocity; is changed.
-            forces: contact forces of the state that is linearised about, owned dofs [F].
-
-        Returns:
-            What is wrong with the linear solution, or None; change of the angular velocity [1/T].
-        """
-        b = system.load(self._load, np.zeros(len(system.fixed)), system.right_of_velocities(self._slopes))
-        response = system.create()
-        fault = solve(b, response)
-        b.destroy()
-        if fault:
-            response.destroy()
-            return fault, 0.0
-        values = []
-        for y in (x, response):
-            values.append(self._torque.of(system.contact_forces(y)) + self._torque.of(forces, system.displacements(y)))
-        change = 0.0
-        off = self.target - values[0]
-        if not self._rubs:
-            fault = "the torque does not depend on the spin: nothing touches, or nothing rubs"
-        else:
-            # A larger spin slips more and takes more torque; where all slips, round-off may say otherwise.
-            far = values[1] <= 0.0 or abs(off) > self._most * values[1]
-            change = float(np.copysign(self._most, off)) if far else off / values[1]
-            change = self._within_bracket(change, off)
-            x.axpy(change, response)
-        response.destroy()
-        return fault, change
-
-    def _within_bracket(self, change: float, off: float) -> float:
-        """A change of spin that stays between spins known to be too small and too large: else half the way."""
-        omega = self._spin.omega
-        if off > 0.0:
-            self._low = omega
-        else:
-            self._high = omega
-        if not self._low < self._high:  # known from states that were not solved yet
-            self._low, self._high = (omega, np.inf) if off > 0.0 else (-np.inf, omega)
-        if self._low < omega + change < self._high:
-            self._halved = 0
-            return change
-        # Bounds may come from a status that has changed since: one that is approached again and again is given up.
-        self._halved = max(self._halved, 0) + 1 if off > 0.0 else min(self._halved, 0) - 1
-        if abs(self._halved) > HALVED:
-            self._low, self._high, self._halved = (omega, np.inf, 0) if off > 0.0 else (-np.inf, omega, 0)
-            return change
-        return 0.5 * (self._low + self._high) - omega if np.isfinite(self._high - self._low) else change
 
     def apply(self, change: float) -> None:
         """Change the angular velocity. Collective.
@@ -199,18 +153,143 @@ class TorqueControl:
             change: by which [1/T].
         """
         self._set(self._spin.omega + change)
-        self._limited = self._limited + 1 if abs(change) >= self._most else 0
 
-    @property
-    def fault(self) -> str:
-        """Why the torque is out of reach; an empty text if it may be in reach."""
-        if self._limited < LIMITED:
-            return ""
-        return (
-            f"the torque {self.target:.4g} was not reached at omega = {self._spin.omega:.6g}: friction cannot bear it, "
-            "or the spin to begin with is too far from the solution"
-        )
 
-    def slopes(self) -> list[FloatArray]:
-        """Derivatives of the slip velocities by the angular velocity, (n, gdim) each [L]."""
-        return self._slopes
+class ReducedTorque:
+    """The torque of linearised bodies as a function of multipliers and of the change of spin.
+
+    Args:
+        control: target and torque.
+        contacts: contacts at the state that is linearised about.
+        load: derivative of the residual by the angular velocity, owned dofs [F T].
+        slopes: derivatives of the slip velocities by the angular velocity, (n, gdim) each [L].
+        response: of the bodies.
+        speed: of the surfaces [L/T].
+    """
+
+    def __init__(
+        self,
+        control: TorqueControl,
+        contacts: Sequence[RollingContact],
+        load: FloatArray,
+        slopes: list[FloatArray],
+        response: BodyResponse,
+        speed: float,
+    ) -> None:
+        self._control, self._contacts, self.load, self.slopes, self._speed = control, contacts, load, slopes, speed
+        self._forces = sum(c.contact_forces() for c in contacts)
+        self._turned, self.fault = response.solve(-load)
+        self._lever = response.solve(control.torque.lever_of(self._forces))[0]
+        self._now = 0.0
+
+    def _value(self, operators: ContactOperators, forces: Sequence[FloatArray], moved: FloatArray) -> float:
+        torque = self._control.torque
+        return torque.of(operators.nodal_forces(forces)) + torque.of(self._forces, moved)
+
+    def missing(self, operators: ContactOperators, forces: Sequence[FloatArray], moved: FloatArray) -> float:
+        """Torque less its target, relative [1]. Collective.
+
+        Args:
+            operators: of the contacts.
+            forces: multipliers, (n, gdim) each [F].
+            moved: displacements from the state that is linearised about, owned dofs [L].
+        """
+        here = [operators.nodal_forces(forces)]
+        return self._control.relative(self._value(operators, forces, moved), here)
+
+    def at(self, operators: ContactOperators, forces: Sequence[FloatArray], moved: FloatArray) -> None:
+        """Take the state that `gathered` counts from. Collective.
+
+        Args:
+            operators: of the contacts.
+            forces: multipliers, (n, gdim) each [F].
+            moved: displacements from the state that is linearised about, owned dofs [L].
+        """
+        self._now = self._value(operators, forces, moved)
+
+    def gathered(self, operators: ContactOperators, candidates: Candidates) -> TorqueOfCandidates | None:
+        """What rank 0 needs; None on others. Collective.
+
+        Args:
+            operators: of the contacts.
+            candidates: nodes.
+        """
+        torque, contacts = self._control.torque, self._contacts
+        by_place, by_motion = operators.jumps(torque.lever()), operators.jumps(self._lever)
+        row = candidates.gather([a + b for a, b in zip(by_place, by_motion)])
+        gaps, slips = [], []
+        for c, slope in zip(contacts, self.slopes):
+            assert c.jump is not None and c.velocity_jump is not None
+            shift = c.means(c.jump, self._turned)
+            gaps.append(np.einsum("na,na->n", c.geometry.normal, shift))
+            slips.append(slope + c.tangential(c.means(c.velocity_jump, self._turned)))
+        zeros = [np.zeros_like(s) for s in slips]
+        found = [candidates.gather(v) for v in (zeros, gaps, slips)]
+        by_spin = torque.of(self._forces, self._turned)
+        if row is None:
+            return None
+        return TorqueOfCandidates(self._control.target - self._now, row, by_spin, State(*found), self._speed)
+
+
+@dataclass
+class TorqueOfCandidates:
+    """Linear parts of the torque, on rank 0.
+
+    Attributes:
+        wanted: change of the torque [F L].
+        row: derivatives by the forces of the candidates, (n, gdim) [L].
+        by_spin: derivative by the angular velocity at constant forces [F L T].
+        slope: derivative of the state by the angular velocity.
+        speed: of the surfaces [L/T].
+    """
+
+    wanted: float
+    row: FloatArray
+    by_spin: float
+    slope: State
+    speed: float
+
+    def solve(self, problem: FrictionProblem, state: State) -> tuple[FloatArray, float, str]:
+        """Forces and the change of spin that make the wanted change of torque.
+
+        Args:
+            problem: contact and friction of the candidates.
+            state: of the bodies without a change of spin.
+
+        Returns:
+            Forces, (n, gdim) [F]; change of the angular velocity [1/T]; what went wrong, or an empty text.
+        """
+        largest = float(np.linalg.norm(self.slope.slip, axis=1).max(initial=0.0))
+        last, fault = state.forces, ""
+        known: dict[float, float] = {}  # not computed twice: at a solution the sign is that of round-off
+
+        def missing(change: float) -> float:
+            nonlocal last, fault
+            if change not in known:
+                last, text = problem.solve(state.plus(change, self.slope), last)
+                fault = fault or text
+                torque = float(np.sum(self.row * (last - state.forces))) + self.by_spin * change
+                known[change] = torque - self.wanted
+            return known[change]
+
+        here = missing(0.0)
+        touching = np.any(last != 0.0, axis=1)
+        if not touching.any() or largest == 0.0:
+            return last, 0.0, NO_FRICTION
+        # A larger spin slips more and takes more torque.
+        low, high, step = 0.0, 0.0, FIRST * self.speed / largest
+        sign = -1.0 if here > 0.0 else 1.0
+        while not fault:
+            high = sign * step
+            if missing(high) * sign >= 0.0:
+                break
+            low, step = high, 4.0 * step
+            if step > FARTHEST * self.speed / largest:
+                return last, high, OUT_OF_REACH
+        if fault:
+            return last, 0.0, fault
+        if here == 0.0:
+            return last, 0.0, ""
+        change = float(brentq(missing, low, high, xtol=1e-16 * self.speed / largest, rtol=1e-14))
+        last, text = problem.solve(state.plus(change, self.slope), last)
+        return last, change, fault or text

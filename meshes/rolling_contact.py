@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""Surroundings of the contact of a wheel on a rail: a sector of the wheel and a length of the rail, both as far as the
+stress of the contact reaches. All cells are rows along the flow of the material, as for steady rolling.
+
+Both bodies are laid out flat, in coordinates in which the half-axes of the contact are 1, and are then bent.
+"""
+
+import math
+
+import numpy as np
+
+from .hertz import SIDES
+from .layout import Layout, at, count, positive, require
+
+CORE = 1.25  # half-width of the fine zone, in half-axes
+CORE_DEPTH = 0.75
+FAR = 3.0  # cells at the far ends are this part of the bodies' length
+
+
+def flat(name, up, reach, h, sides):
+    """One body, flat, in scaled coordinates (along, across, up), its surface at zero.
+
+    name: of the body.
+    up: 1 for a body above its surface, -1 for one below.
+    reach: half-length, half-width and depth, scaled.
+    h: size of the fine cells, scaled.
+    sides: those of the plane of symmetry that are there.
+    """
+    length, width, depth = reach
+    plan = Layout(2, max(reach))
+    body = plan.body(name)
+    surface, held = ("slave_surface", "hub") if up > 0 else ("master_surface", "bottom")
+    for s in sides:
+        places = {"a": (0, 0), "b": (CORE, 0), "c": (CORE, CORE_DEPTH), "d": (0, CORE_DEPTH)}
+        far = {"e": (width, 0), "f": (width, depth), "g": (0, depth)}
+        p = {k: body.point((s * y, up * z), h) for k, (y, z) in places.items()}
+        p |= {k: body.point((s * y, up * z), max(h, max(reach) / FAR)) for k, (y, z) in far.items()}
+        for corners in ("abcd", "befc", "dcfg"):
+            body.block(*(p[k] for k in corners))
+        body.facet(surface, p["a"], p["b"])
+        if up < 0:  # a slave node may be opposite to any facet of the master
+            body.facet(surface, p["b"], p["e"])
+        body.facet(held, p["f"], p["g"])
+    body.tag("symmetry_y", at(0, 0.0))
+    coarse = max(h, length / FAR)
+    levels = [-length, -CORE, CORE, length]
+    out = plan.extruded(lambda x, t: (t, x[0], x[1]), levels, [coarse, h, h, coarse], (held, held))
+    if up > 0:  # the surface that may touch ends with the fine zone
+        for corners, found in out.named.items():
+            if found == surface and max(abs(out.points[k][0]) for k in corners) > 1.001 * CORE:
+                out.named[corners] = "free"
+    return out
+
+
+def rolling_contact_3d(
+    radius=0.46, crown_radius=0.30, wheel_crown_radius=math.inf, a=7.16e-3, b=5.39e-3, cells=8, reach=6.0, gap=0.0,
+    symmetry="half",
+):  # fmt: skip
+    """Sector of a wheel and length of a rail around their contact, for steady rolling: rows of cells follow the flow.
+    The wheel's "hub" is its inner surface and the sector's ends, "bottom" the rail's underside and ends.
+
+    radius: of the wheel [m]
+    crown_radius: transverse radius of the rail head, inf is flat [m]
+    wheel_crown_radius: transverse radius of the tread, default flat; negative is hollow [m]
+    a: expected half-axis of the contact along the rail [m]
+    b: expected half-axis across [m]
+    cells: in each half-axis
+    reach: half-length, half-width and depth of the bodies, in larger half-axes
+    gap: between wheel and rail [m]
+    symmetry: "half" (y >= 0) or "none"
+    """
+    positive(radius=radius, a=a, b=b, reach=reach)
+    count(cells=cells)
+    require(symmetry in SIDES, f"symmetry = {symmetry!r}: one of {', '.join(SIDES)}")
+    size = reach * max(a, b)
+    for name, value in (("crown_radius", crown_radius), ("wheel_crown_radius", wheel_crown_radius)):
+        require(abs(value) > size, f"{name} = {value!r}: smaller than the half-width of the bodies, {size:.3g}")
+    require(size < 0.5 * radius, f"reach = {reach!r}: the bodies would be {size:.3g} deep, half the radius or more")
+    require(reach * max(a, b) >= 2 * CORE * max(a, b), f"reach = {reach!r}: smaller than {2 * CORE}")
+    unit = np.array((a, b, math.sqrt(a * b)))
+
+    def drop(y, curvature_radius):
+        """By how much a circle through the origin falls behind its tangent."""
+        if math.isinf(curvature_radius):
+            return np.zeros_like(y)
+        return curvature_radius - math.copysign(1.0, curvature_radius) * np.sqrt(curvature_radius**2 - y**2)
+
+    def bend_wheel(x):
+        s, y, depth = (x * unit).T
+        r = radius - depth - drop(y, wheel_crown_radius) * (1.0 - depth / size)
+        angle = s / radius
+        return np.stack([r * np.sin(angle), y, radius + gap - r * np.cos(angle)], axis=1)
+
+    def bend_rail(x):
+        s, y, height = (x * unit).T
+        return np.stack([s, y, height - drop(y, crown_radius) * (1.0 + height / size)], axis=1)
+
+    sides = SIDES[symmetry]
+    layout = flat("master_body", -1, size / unit, 1.0 / cells, sides)
+    layout.bodies[0].map(bend_rail)
+    wheel = flat("slave_body", 1, size / unit, 1.0 / cells, sides)
+    wheel.bodies[0].map(bend_wheel)
+    layout.merge(wheel)
+    return layout
+
+
+RECIPES = (rolling_contact_3d,)
