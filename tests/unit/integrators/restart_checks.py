@@ -88,17 +88,17 @@ def check_a_restored_run_is_the_uninterrupted_one():
     with folder() as path:
         for variant in VARIANTS:
             whole, kept = block_on_block(**variant), {}
-            end = 300 * whole.stable_step()
+            end = 420 * whole.stable_step()
 
             def keep(problem, kept=kept):
-                if problem.step in (100, 200):
+                if problem.step in (100, 333):
                     problem.save(path / f"{problem.step}.h5")
                     kept.setdefault(problem.step, state(problem))
 
             whole.advance(end, callback=keep, progress=False)
             assert whole.contact[0].area >= 0.0
             touched = False
-            for step in (100, 200):
+            for step in (100, 333):
                 again = block_on_block(**variant)
                 again.restore(path / f"{step}.h5")
                 assert again.step == step and again.time > 0.0
