@@ -162,3 +162,20 @@ class MaterialHistory(Mapping[str, HistoryField]):
     def functions(self) -> list[HistoryFunctions]:
         """Functions for history and unknowns of each part; they are not filled."""
         return [HistoryFunctions(part) for part in self._parts]
+
+
+def existing(history: MaterialHistory | None) -> MaterialHistory:
+    """Internal variables of a problem that has some.
+
+    Args:
+        history: internal variables, or None.
+
+    Returns:
+        `history`.
+
+    Raises:
+        ValueError: there are none.
+    """
+    if history is None:
+        raise ValueError("no material of the problem has internal variables")
+    return history

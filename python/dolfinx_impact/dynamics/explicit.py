@@ -21,7 +21,7 @@ from ..common.collective import comm_of, guard, same
 from ..common.types import ArrayLike, FilePath, FloatArray
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
-from ..assembly.history import MaterialHistory
+from ..assembly.history import MaterialHistory, existing
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
@@ -383,9 +383,7 @@ class ExplicitProblem(Unique):
         Raises:
             ValueError: no material has any.
         """
-        if self._parts is None:
-            raise ValueError("no material of the problem has internal variables")
-        return MaterialHistory(self._parts, self._internal.history)
+        return existing(None if self._parts is None else MaterialHistory(self._parts, self._internal.history))
 
     @property
     def energy_history(self) -> FloatArray:

@@ -19,6 +19,7 @@ from ..common.interrupts import Interrupts
 from ..common.arguments import number
 from ..common.types import FloatArray
 from . import energy_gain
+from .advance_calls import AdvanceCalls
 from .current_state import CurrentState
 from .failed_run import FailedRun
 from .functions_of_time import FunctionsOfTime
@@ -112,7 +113,8 @@ class TimeStepper:
         self.recorders: list[Recorder] = []
         self._mesh_fingerprint = self._fingerprint()
         self._good: GoodState | None = None
-        self._warn_at, self._warned, self._advancing = math.inf, False, False
+        self._warn_at, self._warned = math.inf, False
+        self._calls = AdvanceCalls()
         self.safe_step, self._stale = problem.stable_step(), False
         self.nominal_step = SAFETY * self.safe_step
         # Plastic flow may change the stable step by a third within 100 steps, elastic deformation does not.
@@ -181,15 +183,7 @@ class TimeStepper:
             TypeError: `until` is no number, or `callback` no function.
             ValueError: `until` has passed, or the mesh has changed.
         """
-        if self._advancing:
-            raise RuntimeError(
-                "advance was called while it runs, by a callback: let the callback return, and call advance again after"
-            )
-        until = number("until", until, unit=" [T]")
-        if until < self.time:
-            raise ValueError(f"until is {until:g}, but the time is {self.time:g} already")
-        if callback is not None and not callable(callback):
-            raise TypeError(f"callback must be a function of the problem, found {type(callback).__name__}")
+        until = self._calls.check(self.time, until, callback)
         if self._fingerprint() != self._mesh_fingerprint:
             raise ValueError("the mesh was changed after the problem was set up: make a new problem")
         return until
@@ -220,13 +214,9 @@ class TimeStepper:
             ValueError: `dt` does not fit.
         """
         self._warn_at, self.integrator.gain_limit = energy_limits
-        self._advancing = True
-        try:
-            with Interrupts(self.comm) as interrupts:
-                self._advance(until, dt, callback, progress, unsafe, interrupts)
-                interrupts.check()
-        finally:
-            self._advancing = False
+        with self._calls.running(), Interrupts(self.comm) as interrupts:
+            self._advance(until, dt, callback, progress, unsafe, interrupts)
+            interrupts.check()
 
     def refresh(self) -> None:
         """Copy constants, functions and loads that have changed to the integrator. Collective."""

@@ -13,7 +13,7 @@ from petsc4py import PETSc
 
 from ..common import arguments
 from ..assembly import problem_arguments
-from ..assembly.history import MaterialHistory
+from ..assembly.history import MaterialHistory, existing
 from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
@@ -129,9 +129,7 @@ class StaticProblem(Unique):
         Raises:
             ValueError: no material has any.
         """
-        if not isinstance(self.body, InelasticBody):
-            raise ValueError("no material of the problem has internal variables")
-        return self.body.history
+        return existing(self.body.history if isinstance(self.body, InelasticBody) else None)
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs

@@ -88,7 +88,7 @@ def check_a_restored_run_is_the_uninterrupted_one():
     with folder() as path:
         for variant in VARIANTS:
             whole, kept = block_on_block(**variant), {}
-            end = 600 * whole.stable_step()
+            end = 420 * whole.stable_step()
 
             def keep(problem, kept=kept):
                 if problem.step in (100, 333):

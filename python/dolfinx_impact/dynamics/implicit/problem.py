@@ -8,17 +8,14 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-import dolfinx.fem.petsc as petsc
 import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
-from petsc4py import PETSc
 
-from ...amplitude import Amplitude, PrescribedMotion
-from ...assembly import operators, problem_arguments
+from ...amplitude import PrescribedMotion
+from ...assembly import problem_arguments
 from ...assembly.body_forms import stiffness_damping
-from ...assembly.history import MaterialHistory
-from ...forms.inelastic import ELASTIC_ENERGY
+from ...assembly.history import MaterialHistory, existing
 from ...assembly.locking import warn_of_locking
 from ...assembly.residual import split
 from ...assembly.softening import warn_of_softening
@@ -30,7 +27,7 @@ from ...forms import materials as laws
 from ...io.mesh_check import check_cells
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
-from ...statics.bodies import assemble_residual, external_work, make_body
+from ...statics.bodies import external_work, make_body
 from ...statics.inelastic_body import InelasticBody
 from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, density_expression
@@ -39,20 +36,23 @@ from ..run_history import RunHistory, total_energy
 from ..supports import Supports
 from .contact_nodes import ContactNodes
 from .damping import DampingForce
-from .energies import EnergyAccount, Forces, energies
+from .energies import EnergyAccount, energies
+from .force_balance import ForceBalance
 from .inertia import Inertia
 from .loads_in_time import LoadsInTime
 from .motion import State, TimeValues
+from .motion_functions import MotionFunctions
 from .moving_body import MovingBody
+from .obstacle_motions import ObstacleMotions
 from .restart import ImplicitRestart
 from .scheme import ImplicitScheme
 from .stable_step import highest_frequency
 from .step_control import StepControl
 from .step_equations import StepEquations
+from .stored_energy import StoredEnergy
 from .stepper import MOST_STEPS, ImplicitStepper
 
 if TYPE_CHECKING:
-    from ...assembly.operators import Energy
     from ...contact.mortar.lagrange import Lagrange, LagrangeContact
     from ...contact.penalty.penalty import Penalty, PenaltyContact
     from ...statics.body import BodyTangent
@@ -106,6 +106,8 @@ class NewmarkProblem(Unique):
         body: bodies without inertia.
         moving_body: bodies with inertia.
         equations: equations of a step.
+        motion: functions of displacement, velocity and acceleration.
+        obstacles: motions of rigid masters.
         stepper: time stepping.
         account: forces and works.
         run_history: energies and contact forces of all steps.
@@ -159,7 +161,7 @@ class NewmarkProblem(Unique):
                 raise ValueError(f"impact is {impact!r}: use one of {', '.join(IMPACT)}")
             if damping is not None and damping.beta > 0.0 and material is None:
                 raise ValueError("stiffness-proportional damping needs a material: write it into your own residual")
-            self.scheme = _scheme(beta, gamma, rho_inf, hht)
+            self.scheme = ImplicitScheme.of_arguments(beta, gamma, rho_inf, hht)
             arguments.options(options)
             ranks.same(**given, density=density, damping=damping, scheme=str(self.scheme), lumping=lumping,
                        impact=impact, hypothesis=hypothesis, options=options, prefix=prefix)  # fmt: skip
@@ -201,18 +203,20 @@ class NewmarkProblem(Unique):
         self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface)
         self.inertia.hold(self.fixed[: self.num_owned])
         self.mass = self.inertia.total
-        self._external = external_work(u, material, self.loads)
-        self._external_form = None if self._external is None else fem.form(self._external)
         self.moving_body = MovingBody(
             self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting)
         )
         self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
-        self._motions = self._obstacle_motions()
+        self.obstacles = ObstacleMotions(self.contact, self.functions)
         self.equations = StepEquations(
             u, material, self.axisymmetric, self.moving_body, self.contact, self.fixed, options, prefix
         )
         self.linear_solver = self.equations.linear_solver
-        self._stored = self._stored_energy()
+        self.motion = MotionFunctions(u, self.velocity, self.acceleration)
+        self._stored = StoredEnergy(u, material, self.body)
+        owned = self.fixed[: self.num_owned]
+        work = external_work(u, material, self.loads)
+        self._balance = ForceBalance(u, self.moving_body, self.loads_in_time, work, self.contact, owned)
         self.start_displacement: FloatArray = u.x.array[: self.num_owned].copy()
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
         self.account = EnergyAccount(self.comm)
@@ -222,7 +226,7 @@ class NewmarkProblem(Unique):
         self._enter_contact(start)
         self.stepper.state = self._start(start)
         self._places = start.places
-        self.account.forces = self._forces(self.stepper.state, start)
+        self.account.forces = self._balance.forces(self.stepper.state, start)
         self.add_row()
         self._warn_of_small_steps()
 
@@ -243,60 +247,16 @@ class NewmarkProblem(Unique):
             form = stiffness_damping(self.u, self.velocity, ufl.TestFunction(self.space), self.material, beta)
         return None if form is None else DampingForce(form, self.u, self.velocity)
 
-    def _obstacle_motions(self) -> list[Amplitude | None]:
-        """Functions of time of the rigid masters' motions, in the order of the contacts."""
-        found: list[Amplitude | None] = []
-        for contact in self.contact:
-            motion = None
-            if contact.pair.rigid:
-                name = f"motion of the rigid master of {contact.pair.name}"
-                motion = Amplitude(contact.pair.rigid_master.motion, name, size=3)
-                self.functions.add(motion)
-            found.append(motion)
-        return found
-
-    def obstacle_places(self, time: float) -> FloatArray:
-        """Displacements of the rigid masters at a time.
-
-        Args:
-            time: time [T].
-
-        Returns:
-            Displacements, (num_contacts, 3), zero for deformable masters [L].
-        """
-        places = np.zeros((len(self.contact), 3))
-        for row, contact, motion in zip(places, self.contact, self._motions):
-            if motion is not None:
-                row[:] = contact.pair.rigid_master.displacement + motion.sample([time])[0]
-        return places
-
-    def _stored_energy(self) -> Energy | None:
-        """Strain energy of the elastic materials; None if there are none."""
-        if self.material is None:
-            return None
-        form = operators.strain_energy_form(self.u, self.material)
-        return operators.Energy(form) if isinstance(form, ufl.Form) else None
-
     def _start(self, start: TimeValues) -> State:
-        """Motion at the start, with accelerations in equilibrium with the forces of bodies, loads and springs of
-        contact. Collective.
+        """Motion at the start. Collective.
 
         Args:
             start: what functions of time prescribe there.
         """
-        n = self.num_owned
         self.u.x.scatter_forward()
         self.velocity.x.scatter_forward()
-        velocity = np.where(self.fixed[:n], start.prescribed.velocity, self.velocity.x.array[:n])
-        state = State(self.u.x.array[:n].copy(), velocity, np.zeros(n), np.zeros(n))
-        with self.loads_in_time.scaled(start.factors):
-            forces = -(self._body_residual() + self.moving_body.damping_forces(state))
-        for contact in self.contact:
-            if not contact.has_multipliers:
-                forces += contact.contact_forces()
-        state.acceleration = self.inertia.accelerations(forces, self.fixed[:n], start.prescribed.acceleration)
-        state.mean = state.acceleration.copy()
-        self.set_motion(state)
+        state = self._balance.start(self.velocity.x.array[: self.num_owned], start)
+        self.motion.set(state)
         return state
 
     def _enter_contact(self, start: TimeValues) -> None:
@@ -346,42 +306,6 @@ class NewmarkProblem(Unique):
         """Derivative of the bodies' residual without inertia, at the present u [F/L]."""
         return self.body.tangent
 
-    def _body_residual(self) -> FloatArray:
-        """Internal minus external forces at u, over owned degrees of freedom [F]. Collective."""
-        b = assemble_residual(self.u, self.body, self.body.vector())
-        values = np.array(b.array_r)
-        b.destroy()
-        return values
-
-    def _external_forces(self) -> FloatArray:
-        """Forces of the loads at u, over owned degrees of freedom [F]. Collective."""
-        if self._external_form is None:
-            return np.zeros(self.num_owned)
-        b = petsc.assemble_vector(self._external_form)
-        b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-        values = np.array(b.array_r)
-        b.destroy()
-        return values
-
-    def _forces(self, state: State, values: TimeValues) -> Forces:
-        """Forces at the present displacement. Collective.
-
-        Args:
-            state: motion.
-            values: what functions of time prescribe at its time.
-        """
-        with self.loads_in_time.scaled(values.factors):
-            residual, external = self._body_residual(), self._external_forces()
-        damping = self.moving_body.damping_forces(state)
-        balance = self.inertia.times(state.acceleration) + damping + residual
-        obstacles = np.zeros((len(self.contact), 3))
-        for row, contact in zip(obstacles, self.contact):
-            balance -= contact.contact_forces()
-            if contact.pair.rigid and contact.force is not None:
-                row[: len(contact.force)] = contact.force
-        support = np.where(self.fixed[: self.num_owned], balance, 0.0)
-        return Forces(residual + external, external, damping, support, obstacles)
-
     def accept_step(self, state: State, values: TimeValues) -> None:
         """Take over the state at the end of a converged step: history, contacts, works, functions. Collective.
 
@@ -391,36 +315,12 @@ class NewmarkProblem(Unique):
         """
         for contact in self.contact:
             contact.accept_step()
-        forces = self._forces(state, values)
+        forces = self._balance.forces(state, values)
         self.body.accept_step()
         moved = state.displacement - self.stepper.state.displacement
         self.account.add_step(forces, moved, values.places - self._places)
         self._places = values.places
-        self.set_motion(state)
-
-    def set_motion(self, state: State) -> None:
-        """Set the functions of velocity and acceleration, ghosts included. Collective.
-
-        Args:
-            state: motion.
-        """
-        for f, values in ((self.velocity, state.velocity), (self.acceleration, state.acceleration)):
-            f.x.array[: self.num_owned] = values
-            f.x.scatter_forward()
-
-    def with_ghosts(self, values: FloatArray) -> FloatArray:
-        """Values whose ghosts are those of their owners. Collective.
-
-        Args:
-            values: over owned and ghost degrees of freedom.
-
-        Returns:
-            A new array.
-        """
-        f = fem.Function(self.space)
-        f.x.array[:] = values
-        f.x.scatter_forward()
-        return f.x.array.copy()
+        self.motion.set(state)
 
     def add_row(self) -> None:
         """Add the present energies and contact forces to the history. Collective."""
@@ -440,12 +340,7 @@ class NewmarkProblem(Unique):
         """Energies of the present state [F L]. Collective."""
         state = self.stepper.state
         kinetic = 0.5 * self.comm.allreduce(float(state.velocity @ self.inertia.times(state.velocity)))
-        stored: float | None = None
-        if self.material is not None:
-            stored = 0.0 if self._stored is None else self._stored.value()
-            if isinstance(self.body, InelasticBody):
-                stored += self.body.force.sum(ELASTIC_ENERGY)
-        return energies(kinetic, stored, self.account.works, self.contact, self.has_history)
+        return energies(kinetic, self._stored.value(), self.account.works, self.contact, self.has_history)
 
     def _set_energy(self, values: dict[str, float] | None = None) -> None:
         """Set the energies that `energy` shows. Collective.
@@ -500,11 +395,8 @@ class NewmarkProblem(Unique):
             KeyboardInterrupt: Ctrl-C, on all ranks.
         """
         with guard(self.comm, "advance", callback=callback) as ranks:
-            until, dt = arguments.number("until", until, unit=" [T]"), arguments.number("dt", dt, 0.0, " [T]")
-            if until < self.time:
-                raise ValueError(f"until is {until:g}, but the time is {self.time:g} already")
-            if callback is not None and not callable(callback):
-                raise TypeError(f"callback must be a function of the problem, found {type(callback).__name__}")
+            until = self.stepper.calls.check(self.time, until, callback)
+            dt = arguments.number("dt", dt, 0.0, " [T]")
             if tolerance is not None:
                 tolerance = arguments.number("tolerance", tolerance, 0.0)
             smallest = SMALLEST * dt if smallest is None else arguments.number("smallest", smallest, 0.0, " [T]")
@@ -524,7 +416,7 @@ class NewmarkProblem(Unique):
             # Only now is there a step over which prescribed motion can be differentiated.
             start = self.stepper.sample(dt, 0.0)
             self.stepper.state = self._start(start)
-            self.account.forces = self._forces(self.stepper.state, start)
+            self.account.forces = self._balance.forces(self.stepper.state, start)
             self.run_history.begin_anew()
             self.add_row()
         known = self.stepper.control
@@ -573,9 +465,7 @@ class NewmarkProblem(Unique):
         Raises:
             ValueError: no material has any.
         """
-        if not isinstance(self.body, InelasticBody):
-            raise ValueError("no material of the problem has internal variables")
-        return self.body.history
+        return existing(self.body.history if isinstance(self.body, InelasticBody) else None)
 
     # What a checkpoint asks of a problem in time, and implicit ones do not have.
     mass_scaling: float | None = None
@@ -588,11 +478,10 @@ class NewmarkProblem(Unique):
 
     def resume(self) -> None:
         """Compute what follows from a restored state. Collective."""
-        self.set_motion(self.stepper.state)
+        self.motion.set(self.stepper.state)
         now = self.stepper.sample(None, self.time)
         self._places = now.places
-        with self.loads_in_time.scaled(now.factors):
-            self._body_residual()  # stresses and energies of the restored history
+        self._balance.body_residual(now.factors)  # stresses and energies of the restored history
         self._set_energy()
 
     # --- files -----------------------------------------------------------------------------------------------------
@@ -629,7 +518,7 @@ class NewmarkProblem(Unique):
             names, places = check_arguments(self, path, fields, every, points, points_every)
             moments = [arguments.number("times", t, unit=" [T]") for t in times]
             ranks.same(points=places, times=moments)
-        output = self.stepper.recorders, lambda: self.set_motion(self.stepper.state)
+        output = self.stepper.recorders, lambda: self.motion.set(self.stepper.state)
         return Recorder(self, *output, path, names, every, places, points_every, moments, name="implicit")
 
     def save(self, path: FilePath) -> None:
@@ -664,18 +553,3 @@ class NewmarkProblem(Unique):
             ValueError: the file belongs to another mesh, material, ...; on all ranks. The problem is then unchanged.
         """
         self._restart.restore(path)
-
-
-def _scheme(beta: float | None, gamma: float | None, rho_inf: float | None, hht: float | None) -> ImplicitScheme:
-    """Scheme of the arguments of a problem; TypeError or ValueError if they do not fit."""
-    families = {"beta, gamma": (beta, gamma), "rho_inf": (rho_inf,), "hht": (hht,)}
-    given = [name for name, values in families.items() if any(v is not None for v in values)]
-    if len(given) > 1:
-        raise ValueError(f"{' and '.join(given)} are given: each of them determines all parameters, give one")
-    if rho_inf is not None:
-        return ImplicitScheme.generalised_alpha(arguments.number("rho_inf", rho_inf))
-    if hht is not None:
-        return ImplicitScheme.hht(arguments.number("hht", hht))
-    gamma = 0.5 if gamma is None else arguments.number("gamma", gamma)
-    beta = 0.25 if beta is None else arguments.number("beta", beta)
-    return ImplicitScheme.newmark(beta, gamma)

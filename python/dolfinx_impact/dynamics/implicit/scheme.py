@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...common.arguments import number
 from ...common.types import FloatArray
 
 SMALLEST_HHT = -1.0 / 3.0  # alpha of Hilber, Hughes and Taylor
@@ -37,6 +38,37 @@ class ImplicitScheme:
     gamma: float = 0.5
     alpha_m: float = 0.0
     alpha_f: float = 0.0
+
+    @classmethod
+    def of_arguments(
+        cls, beta: float | None, gamma: float | None, rho_inf: float | None, hht: float | None
+    ) -> ImplicitScheme:
+        """Scheme of the arguments of a problem; each may be None.
+
+        Args:
+            beta: Newmark's beta [1].
+            gamma: Newmark's gamma [1].
+            rho_inf: spectral radius at infinite frequency [1].
+            hht: alpha of Hilber, Hughes and Taylor [1].
+
+        Returns:
+            Scheme.
+
+        Raises:
+            TypeError: an argument is no number.
+            ValueError: arguments exclude each other, or are out of their ranges.
+        """
+        families = {"beta, gamma": (beta, gamma), "rho_inf": (rho_inf,), "hht": (hht,)}
+        given = [name for name, values in families.items() if any(v is not None for v in values)]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)} are given: each of them determines all parameters, give one")
+        if rho_inf is not None:
+            return cls.generalised_alpha(number("rho_inf", rho_inf))
+        if hht is not None:
+            return cls.hht(number("hht", hht))
+        gamma = 0.5 if gamma is None else number("gamma", gamma)
+        beta = 0.25 if beta is None else number("beta", beta)
+        return cls.newmark(beta, gamma)
 
     @classmethod
     def newmark(cls, beta: float, gamma: float) -> ImplicitScheme:

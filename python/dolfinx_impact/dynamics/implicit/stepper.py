@@ -15,6 +15,7 @@ from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
 from ...statics.load_steps import Increment, StepLog
 from ...statics.snes import Solver
+from ..advance_calls import AdvanceCalls
 from ..progress import ProgressBar
 from ..step_schedule import StepSchedule
 from .motion import Prescribed, State, StepMotion, TimeValues
@@ -40,6 +41,7 @@ class ImplicitStepper:
         step: number of the present step [1].
         state: motion at the present time; the problem sets that at the start.
         control: lengths of steps; None before the first `advance`.
+        calls: calls of `advance`.
         recorders: Recorders that write during the run.
         iterations: Newton iterations of the last step [1].
         cut_backs: number of steps so far that were repeated with half the length [1].
@@ -58,7 +60,7 @@ class ImplicitStepper:
         self.recorders: list[Recorder] = []
         self.iterations, self.cut_backs, self.rejected = 0, 0, 0
         self.largest_displacement = 0.0
-        self._advancing = False
+        self.calls = AdvanceCalls()
 
     def set_control(self, length: float, largest: float, smallest: float, tolerance: float | None) -> None:
         """Set the lengths of steps from a checkpoint.
@@ -94,22 +96,15 @@ class ImplicitStepper:
             KeyboardInterrupt: a rank was interrupted.
             RuntimeError: a step did not converge; the problem is in its last converged state.
         """
-        if self._advancing:
-            raise RuntimeError(
-                "advance was called while it runs, by a callback: let the callback return, and call advance again after"
-            )
-        self._advancing, self.control = True, control
+        self.control = control
         log = StepLog(self.comm, verbose)
-        try:
-            with Interrupts(self.comm) as interrupts:
-                solver = Solver(self.problem.equations, interrupts=interrupts, **solver_arguments)
-                try:
-                    self._advance(until, control, solver, callback, progress, log, interrupts)
-                finally:
-                    solver.free()
-                interrupts.check()
-        finally:
-            self._advancing = False
+        with self.calls.running(), Interrupts(self.comm) as interrupts:
+            solver = Solver(self.problem.equations, interrupts=interrupts, **solver_arguments)
+            try:
+                self._advance(until, control, solver, callback, progress, log, interrupts)
+            finally:
+                solver.free()
+            interrupts.check()
 
     def _advance(
         self,
@@ -203,7 +198,7 @@ class ImplicitStepper:
         p = self.problem
 
         def values() -> TimeValues:
-            factors, places = p.loads_in_time.factors(time), p.obstacle_places(time)
+            factors, places = p.loads_in_time.factors(time), p.obstacles.places(time)
             return TimeValues(time, self.prescribed(step, time), factors, places)
 
         found, error = attempt(values)
@@ -216,7 +211,7 @@ class ImplicitStepper:
         motion = StepMotion(p.scheme, step, self.state, p.inertia.massless, prescribed)
         target = p.u.x.array.copy()
         target[: p.num_owned] = np.where(prescribed.mask, prescribed.displacement, target[: p.num_owned])
-        target = p.with_ghosts(target)
+        target = p.motion.with_ghosts(target)
         with p.loads_in_time.scaled(values.factors):
             for k, contact in enumerate(p.contact):
                 contact.begin_step(p.u.x.array, values.places[k] if contact.pair.rigid else None, target)
@@ -287,4 +282,4 @@ class ImplicitStepper:
         for contact, state in zip(p.contact, states):
             contact.restore_state(state)
             contact.update_gap(before)
-        p.set_motion(self.state)
+        p.motion.set(self.state)

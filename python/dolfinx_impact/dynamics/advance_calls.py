@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""Calls of `advance` of explicit and implicit problems: one at a time, forwards in time."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from ..common.arguments import number
+
+
+class AdvanceCalls:
+    """Knows whether a call of `advance` is running."""
+
+    def __init__(self) -> None:
+        self._running = False
+
+    def check(self, time: float, until: float, callback: Callable[[Any], object] | None) -> float:
+        """Check a call on this rank; for use under a guard.
+
+        Args:
+            time: present time [T].
+            until: time to advance to [T].
+            callback: function of the problem, or None.
+
+        Returns:
+            `until` as a number [T].
+
+        Raises:
+            RuntimeError: `advance` was called by a callback of `advance`.
+            TypeError: `until` is no number, or `callback` no function.
+            ValueError: `until` has passed.
+        """
+        if self._running:
+            raise RuntimeError(
+                "advance was called while it runs, by a callback: let the callback return, and call advance again after"
+            )
+        until = number("until", until, unit=" [T]")
+        if until < time:
+            raise ValueError(f"until is {until:g}, but the time is {time:g} already")
+        if callback is not None and not callable(callback):
+            raise TypeError(f"callback must be a function of the problem, found {type(callback).__name__}")
+        return until
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator[None]:
+        """Inside a `with` block a call is running."""
+        self._running = True
+        try:
+            yield
+        finally:
+            self._running = False

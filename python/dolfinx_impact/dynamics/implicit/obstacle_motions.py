@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""Motions of the rigid masters of an implicit problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...amplitude import Amplitude
+from ...common.types import FloatArray
+from ..functions_of_time import FunctionsOfTime
+
+if TYPE_CHECKING:
+    from ...contact.mortar.lagrange import LagrangeContact
+    from ...contact.penalty.penalty import PenaltyContact
+
+
+class ObstacleMotions:
+    """Displacements of rigid masters as functions of time.
+
+    Args:
+        contacts: contacts; masters may be rigid or deformable.
+        functions: functions of time of the problem; those of the motions are added.
+    """
+
+    def __init__(self, contacts: Sequence[LagrangeContact | PenaltyContact], functions: FunctionsOfTime) -> None:
+        self._contacts = contacts
+        self._motions: list[Amplitude | None] = []
+        for contact in contacts:
+            motion = None
+            if contact.pair.rigid:
+                name = f"motion of the rigid master of {contact.pair.name}"
+                motion = Amplitude(contact.pair.rigid_master.motion, name, size=3)
+                functions.add(motion)
+            self._motions.append(motion)
+
+    def places(self, time: float) -> FloatArray:
+        """Displacements of the rigid masters at a time.
+
+        Args:
+            time: time [T].
+
+        Returns:
+            Displacements, (num_contacts, 3), zero for deformable masters [L].
+        """
+        places = np.zeros((len(self._contacts), 3))
+        for row, contact, motion in zip(places, self._contacts, self._motions):
+            if motion is not None:
+                row[:] = contact.pair.rigid_master.displacement + motion.sample([time])[0]
+        return places
