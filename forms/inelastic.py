@@ -50,6 +50,8 @@ class Update:
             strain it goes with `mean` [F/L^2].
         strain: deformation gradient of finite strain where the law finds a part of it, as the stretch across the plane
             in plane stress, 3 x 3; None: the one that it was given [1].
+        spatial: the Kirchhoff stress less `mean` and the inverse of F, of which `piola` is made, both 3 x 3, or None;
+            kernels then add the mean stress before they multiply [F/L^2], [1].
     """
 
     stress: Any
@@ -61,6 +63,7 @@ class Update:
     mean: Any = None
     piola: Any = None
     strain: Any = None
+    spatial: Any = None
 
 
 def trace(strain: Any) -> Any:
@@ -270,8 +273,13 @@ def internal_force(u: Any, v: Any, kinematics: Kinematics, update: Update, dx: A
         # With tau : d(F_bar) F_bar^-1 = dev tau : grad(v) F^-1 + mean dtheta/theta, and the mean of dJ in the place of
         # dtheta, whose factor mean/theta is the same everywhere in the cell.
         F = ufl.Identity(3) + kinematics.gradient(u)
-        change = ufl.det(F) / kinematics.projection(u) - 1
-        work = ufl.inner(update.piola + change * update.mean * ufl.inv(F).T, kinematics.gradient(v))
+        ratio = ufl.det(F) / kinematics.projection(u)
+        if update.spatial is None:
+            piola = update.piola + (ratio - 1) * update.mean * ufl.inv(F).T
+        else:
+            rest, inverse = update.spatial
+            piola = (rest + ratio * update.mean * ufl.Identity(3)) * inverse.T
+        work = ufl.inner(piola, kinematics.gradient(v))
         return work * weight(mesh, kinematics.hypothesis) * dx
     return ufl.inner(update.stress, virtual) * weight(mesh, kinematics.hypothesis) * dx
 

@@ -68,13 +68,27 @@ def equivalent(s: Any, floor: Any) -> Any:
 def unimodular_mean(d: Any) -> Any:
     """The number x for which det(d + x I) = 1, for a small deviatoric 3 x 3 tensor d: plastic flow keeps the volume.
 
-    x^3 - (d:d / 2) x + det d = 1 by Newton's method from x = 1, whose error is squared in every step: d is an elastic
-    shear strain, below 0.1, which makes the first error less than 1e-3 and the fourth less than 1e-16.
+    x^3 - (d:d / 2) x + det d = 1 by Cardano's formula. It has one root while d is an elastic strain: a stretch of 1.7
+    along an axis is the first with three.
     """
-    half, third, x = ufl.inner(d, d) / 2, ufl.det(d), 1
-    for _ in range(4):
-        x = x - (x**3 - half * x + third - 1) / (3 * x**2 - half)
-    return x
+    half, third = ufl.inner(d, d) / 2, 1 - ufl.det(d)
+    root = ((third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2) ** (-1 / 3)
+    return (third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2 * root**2 + half / 3 * root
+
+
+def symmetric(t: Any) -> Any:
+    """A 3 x 3 tensor that is known to be symmetric, of its upper triangle, so that kernels compute no entry twice."""
+    return ufl.as_tensor([[t[min(i, j), max(i, j)] for j in range(3)] for i in range(3)])
+
+
+def cofactor(F: Any) -> Any:
+    """Cofactors of a 3 x 3 tensor, det(F) F^-T."""
+
+    def minor(i: int, j: int) -> Any:
+        a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+        return F[a, c] * F[b, d] - F[a, d] * F[b, c]
+
+    return ufl.as_tensor([[minor(i, j) for j in range(3)] for i in range(3)])
 
 
 # --- polar decomposition F = R U of a deformation gradient with det F = 1 ---------------------------------------------
@@ -238,6 +252,11 @@ class KinematicHardening:
         return 1 if self.recovery is None else 1 / (1 + self.recovery * ufl.max_value(multiplier, 0))
 
 
+def _where(condition: Any, new: Any, old: Any) -> Any:
+    """Vector whose components are those of one vector where a condition holds, otherwise those of another."""
+    return ufl.as_vector([ufl.conditional(condition, new[i], old[i]) for i in range(new.ufl_shape[0])])
+
+
 # --- the law ---------------------------------------------------------------------------------------------------------
 
 
@@ -252,7 +271,7 @@ class _Trial:
 
     Attributes:
         J: det F [1].
-        volume: J^(-2/3), or 1 where U is in the place of F [1].
+        root: J^(-1/3), or 1 where U is in the place of F [1].
         turned: inverse of F or U [1].
         deviator: deviatoric Kirchhoff stress [F/L^2].
         stiff: mu tr(be_bar), 3 mu in small strain [F/L^2].
@@ -261,7 +280,7 @@ class _Trial:
     """
 
     J: Any
-    volume: Any
+    root: Any
     turned: Any
     deviator: Any
     stiff: Any
@@ -383,15 +402,17 @@ class J2:
         # Without back stress the return is made in space. With it, in the frame that R turns: U is in the place of F.
         unimodular, square = None, None
         if self.kinematic is None:
-            volume, G, turned = J ** (-2 / 3), F, ufl.inv(F)
+            # Powers of the root in the place of divisions by J.
+            root, G = J ** (-1 / 3), F
+            turned = root**3 * cofactor(F).T
         else:
-            volume, unimodular = 1, J ** (-1 / 3) * F
+            root, unimodular = ufl.as_ufl(1), J ** (-1 / 3) * F
             square = unimodular.T * unimodular
             G, turned = stretch(square, trace) if self._turns else (plane_stretch(unimodular), None)
             turned = ufl.inv(G) if turned is None else turned
-        elastic = volume * G * inverse * G.T  # trial left Cauchy-Green tensor, without its volume change
+        elastic = root**2 * symmetric(G * inverse * G.T)  # trial left Cauchy-Green tensor, without its volume change
         deviator, stiff = self.mu * ufl.dev(elastic), self.mu * ufl.tr(elastic)
-        return _Trial(J, volume, turned, deviator, stiff, unimodular, square)
+        return _Trial(J, root, turned, deviator, stiff, unimodular, square)
 
     def _first(self, trial: "_Trial", history: dict[str, Any], back: Any) -> tuple[Any, Any]:
         """Relative stress of an elastic step, and the increment of alpha that linear hardening would have."""
@@ -435,7 +456,8 @@ class J2:
             flow = (stiff + C * fading) * multiplier + iso.stress(alpha + multiplier)
             excess = self._with_strength((q - flow) / (3 * mu), alpha + multiplier)
             residual = ufl.conditional(yields, excess, multiplier)
-        s = (1 - stiff * multiplier / q) * trial if back is None else trial - stiff * multiplier / q * relative
+        share = 1 - stiff * multiplier / q
+        s = share * trial if back is None else trial - stiff * multiplier / q * relative
         pressure = self.kappa / 2 * (J**2 - 1)
         tau = pressure * ufl.Identity(3) + s
         deviator = s / mu
@@ -454,10 +476,18 @@ class J2:
             start = ufl.as_vector([begin, closed])
         if others:
             residual = ufl.as_vector([residual, *(100 * scale * other for other in others)])
-        new = turned * (deviator + mean * ufl.Identity(3)) * turned.T / at.volume - ufl.Identity(3)
+        old = history[PLASTIC_TENSOR]
+        if back is None:
+            # Of the deviator the returned share is left, whose C_p^-1 is known without products with F^-1: the trial's.
+            volume = (mean - share * stiff / (3 * mu)) * at.root**4
+            new = share * (ufl.Identity(3) + unpack_symmetric(old, self.gdim))
+            new += volume * symmetric(cofactor(F).T * cofactor(F)) - ufl.Identity(3)
+        else:
+            new = turned * (deviator + mean * ufl.Identity(3)) * turned.T - ufl.Identity(3)
+        packed = ufl.as_vector(pack_symmetric(new, self.gdim))
         outputs = {
             PLASTIC_STRAIN: alpha + multiplier,
-            PLASTIC_TENSOR: ufl.as_vector(pack_symmetric(new, self.gdim)),
+            PLASTIC_TENSOR: packed if back is not None else _where(yields, packed, old),
         }
         piola = tau * turned.T
         if back is not None:
@@ -471,4 +501,5 @@ class J2:
         stress = piola if J == at.J else (at.J / J) ** (1 / 3) * piola
         start = None if residual is None else start
         full = None if across is None else F
-        return Update(stress, outputs, stored, residual, start, scale, mean=pressure, piola=piola, strain=full)
+        spatial = (s, turned) if back is None else None
+        return Update(stress, outputs, stored, residual, start, scale, pressure, piola, full, spatial)

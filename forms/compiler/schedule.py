@@ -10,6 +10,7 @@ from collections import Counter
 import ffcx.codegeneration.lnodes as L
 
 from . import algebra as alg
+from .shared_pairs import Factor, trees
 
 REAL, SCALAR, BOOL = L.DataType.REAL, L.DataType.SCALAR, L.DataType.BOOL
 
@@ -20,10 +21,13 @@ class Schedule:
     Args:
         access: function (symbol key) -> LNodes expression that reads the symbol.
         prefix: of the variables declared.
+        share_pairs: whether products share the pairs of factors that most of them have (shared_pairs.py), otherwise
+            their heads in the order of the factors' frequency.
     """
 
-    def __init__(self, access, prefix="t"):
-        self.access, self.prefix = access, prefix
+    def __init__(self, access, prefix="t", share_pairs=False):
+        self.access, self.prefix, self.share_pairs = access, prefix, share_pairs
+        self._plans = {}  # (product, number of a root) -> tree of its factors
         self._low = {}  # hash-consed low-level nodes: key -> index
         self._key, self._level, self._args = [], [], []
         self._of = {}  # algebra node -> low index
@@ -46,6 +50,8 @@ class Schedule:
             if node.kind == "product":
                 self._frequency.update(n for n, _ in node.data)
             stack.extend(alg.children(node))
+        if self.share_pairs:
+            self._plan(values, [node for node in seen if node.kind == "product"])
         self._roots = {v: self._root(v) for v in values if v[1] is not None}
         self._uses, self._deeper = Counter(), set()
         visited, stack = set(), [low for _, low in self._roots.values()]
@@ -60,6 +66,30 @@ class Schedule:
                 if self._level[j] < self._level[i]:
                     self._deeper.add(j)
                 stack.append(j)
+
+    def _plan(self, values, products):
+        """Trees of all products, numbers of roots included (_root)."""
+        roots = {(n, abs(c)) for c, n in values if n is not None and n.kind == "product" and abs(c) != 1.0}
+        wanted = {(n, None): list(n.data) for n in products}
+        wanted |= {(n, c): [*n.data, (c, 1)] for n, c in roots}
+        keys = sorted(wanted, key=lambda k: (k[0].number, k[1] or 0.0))
+        factors = []
+        for key in keys:
+            factors.append([])
+            for base, p in wanted[key]:
+                level, number = (alg.CONSTANT, -1) if isinstance(base, float) else (base.level, base.number)
+                factors[-1] += [Factor(level, number, base, p < 0)] * abs(p)
+        self._plans = dict(zip(keys, trees(factors)))
+
+    def _tree(self, tree):
+        """Low-level node of a tree of factors."""
+        if isinstance(tree, Factor):
+            if isinstance(tree.base, float):
+                return self._make(("number", tree.base), (), alg.CONSTANT)
+            low = self._lower(tree.base)
+            return self._make(("reciprocal", low), (low,), tree.level) if tree.inverse else low
+        a, b = (self._tree(t) for t in tree)
+        return self._make(("multiply", a, b), (a, b), max(self._level[a], self._level[b]))
 
     def _make(self, key, args, level):
         i = self._low.get(key)
@@ -98,6 +128,8 @@ class Schedule:
         c, node = value
         if node.kind != "product" or abs(c) == 1.0:
             return (c, self._lower(node))
+        if self.share_pairs:
+            return (1.0 if c > 0 else -1.0, self._tree(self._plans[node, abs(c)]))
         number = (alg.CONSTANT, 0, -1, self._make(("number", abs(c)), (), alg.CONSTANT))
         return (1.0 if c > 0 else -1.0, self._chain(node, [number]))
 
@@ -114,6 +146,8 @@ class Schedule:
         )
 
     def _chain(self, node, numbers=()):
+        if self.share_pairs:
+            return self._tree(self._plans[node, None])
         factors = list(numbers)
         for base, p in node.data:
             low = self._lower(base)
@@ -209,6 +243,10 @@ class Schedule:
         result = L.Conditional(self._test(condition), self._value(a), self._value(b))
         result.dtype = SCALAR if self._level[j] > alg.CONSTANT else REAL
         return result
+
+    def condition(self, select):
+        """LNodes expression of the condition of an algebra node of kind "select", whose variables are declared."""
+        return self._test(self._key[self._of[select]][1])
 
     def _sum(self, terms):
         # A positive term first, so that the line does not begin with a minus sign.

@@ -31,6 +31,20 @@ inline bool any(T x)
   }
 }
 
+/// Does a condition hold in any lane?
+inline bool any_lane(bool condition)
+{
+  return condition;
+}
+template <typename Mask>
+inline bool any_lane(Mask condition)
+{
+  bool found = false;
+  for (unsigned i = 0; i < sizeof(Mask) / sizeof(condition[0]); ++i)
+    found |= condition[i] != 0;
+  return found;
+}
+
 template <typename T, int N>
 struct LocalSolution
 {
