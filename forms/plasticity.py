@@ -411,8 +411,8 @@ class J2:
             G, turned = stretch(square, trace) if self._turns else (plane_stretch(unimodular), None)
             turned = ufl.inv(G) if turned is None else turned
         elastic = root**2 * symmetric(G * inverse * G.T)  # trial left Cauchy-Green tensor, without its volume change
-        deviator, stiff = self.mu * ufl.dev(elastic), self.mu * ufl.tr(elastic)
-        return _Trial(J, root, turned, deviator, stiff, unimodular, square)
+        stress, stiff = self.mu * deviator(elastic), self.mu * ufl.tr(elastic)
+        return _Trial(J, root, turned, stress, stiff, unimodular, square)
 
     def _first(self, trial: "_Trial", history: dict[str, Any], back: Any) -> tuple[Any, Any]:
         """Relative stress of an elastic step, and the increment of alpha that linear hardening would have."""

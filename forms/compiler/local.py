@@ -11,7 +11,7 @@ from .cxx import CxxFormatter, LocalSolve, Text
 INT, SCALAR = L.DataType.INT, L.DataType.SCALAR
 A = L.Symbol("A", SCALAR)
 EQUATIONS = ("start", "scale", "residual", "jacobian", "other residual", "other jacobian")
-VOLUME, SUMS, SOLVED = "cell_volume", "cell_sums", "solved"
+VOLUME, SUMS, SOLVED, KEPT = "cell_volume", "cell_sums", "solved", "kept"
 
 
 def _array(name):
@@ -149,7 +149,7 @@ class LocalPart:
         if law.averages:
             statements.append(_zero(VOLUME, 1))
         for loop in range(self.last):
-            statements += self._loop_of_averages(loop)
+            statements += self._loop_of_averages(loop, factors)
         if law.sums:
             statements.append(_zero(SUMS, len(law.sums)))
         return statements + self.writer.schedule.declare(self._wanted_last(factors), alg.AVERAGED)
@@ -159,7 +159,7 @@ class LocalPart:
         parts = self._parts("output") + self._parts("sum") + list(EQUATIONS if self.solves_last else ())
         return factors + self._of(*parts)
 
-    def _loop_of_averages(self, loop):
+    def _loop_of_averages(self, loop, factors):
         schedule = self.writer.schedule
         numbers = [i for i, average in enumerate(self.law.averages) if average.loop == loop]
         parts = [f"average {i}" for i in numbers] + (["volume"] if loop == 0 else [])
@@ -175,9 +175,18 @@ class LocalPart:
                 entry, value = _array(f"average_{i}")[c], schedule.expression(value)
                 larger = L.Assign(entry, L.MathFunction("max_value", [entry, value]))
                 inner.append(larger if self.law.averages[i].maximum else L.AssignAdd(entry, value))
-        schedule.forget(alg.POINT)
+        kept = set()
+        if loop == self.last - 1 and not self.kept:
+            # The last loop reads what this one has computed.
+            stored, kept = schedule.keep(
+                self._wanted_last(factors), alg.POINT, lambda k, size: _array(KEPT)[self._at_point(size, k)]
+            )
+            inner += stored
+        schedule.forget(alg.POINT, kept)
         sizes = {i: len(self.values[f"average {i}"]) for i in numbers}
         declarations = [_zero(f"average_{i}", size) for i, size in sizes.items()]
+        if kept:
+            declarations.append(L.ArrayDecl(_array(KEPT), sizes=(len(kept) * self.rule.num_points,)))
         lowest = L.LiteralFloat(float(np.finfo(float).min))
         first = [
             L.Assign(_array(f"average_{i}")[c], lowest)
@@ -198,17 +207,17 @@ class LocalPart:
         """Statements at a point of the last loop, in front of those of the element tensor, whose factors are declared
         here, too."""
         schedule = self.writer.schedule
-        wanted = self._wanted_last(factors)
         # What the equations do not need comes after them: it would only take registers while they are solved.
         statements = self._solve() if self.solves_last else []
-        statements += schedule.declare(wanted, alg.POINT) + schedule.declare(wanted, alg.SOLVED)
+        for values in (self._of(*self._parts("output"), *self._parts("sum")),):
+            statements += schedule.declare(values, alg.POINT) + schedule.declare(values, alg.SOLVED)
         for output, offset in zip(self.law.outputs, self.integral.output_offsets):
             for c, value in enumerate(self.values[f"output {output.name}"]):
                 index = self._at_point(output.num_components, offset + c)
                 statements.append(L.Assign(A[index], schedule.expression(value)))
         for k, name in enumerate(self.law.sums):
             statements.append(L.AssignAdd(_array(SUMS)[k], schedule.expression(self.values[f"sum {name}"][0])))
-        return statements
+        return statements + schedule.declare(factors, alg.POINT) + schedule.declare(factors, alg.SOLVED)
 
     def _solve(self):
         schedule, values = self.writer.schedule, self.values

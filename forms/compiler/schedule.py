@@ -191,9 +191,37 @@ class Schedule:
                 self._variable[j] = symbol
                 statements.append(L.VariableDecl(symbol, value))
 
-    def forget(self, level):
-        """Forget the variables of a level and those above it: their loop has ended."""
-        self._variable = {j: symbol for j, symbol in self._variable.items() if self._level[j] < level}
+    def forget(self, level, kept=()):
+        """Forget the variables of a level and those above it, as their loop has ended, but those that are kept."""
+        self._variable = {j: v for j, v in self._variable.items() if self._level[j] < level or j in kept}
+
+    def keep(self, values, level, place):
+        """Store variables of a level that other values, which a later loop computes, are made of.
+
+        Args:
+            values: the later values.
+            level: level of the variables.
+            place: function (number, count) -> LNodes expression of the place of one of so many variables.
+
+        Returns:
+            Statements that store them, and the identities of what is stored, for `forget`.
+        """
+        seen, statements, kept = set(), [], set()
+        stack = [self._roots[v][1] for v in values if v[1] is not None]
+        while stack:
+            j = stack.pop()
+            if j in seen:
+                continue
+            seen.add(j)
+            if j not in self._variable:
+                stack.extend(self._args[j])
+            elif self._level[j] == level:
+                kept.add(j)
+        for number, j in enumerate(sorted(kept)):
+            target = place(number, len(kept))
+            statements.append(L.Assign(target, self._variable[j]))
+            self._variable[j] = target
+        return statements, kept
 
     def _needs_variable(self, j):
         if self._key[j][0] in ("symbol", "number"):
