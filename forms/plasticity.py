@@ -34,6 +34,7 @@ PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
 PLASTIC_TENSOR = "plastic_strain_tensor"  # deviatoric tensor; in finite strain the inverse of C_p minus I [1]
 BACK_STRESS = "back_stress"  # deviatoric tensor; in finite strain R^T beta R with the rotation R of F [F/L^2]
 THICKNESS_STRAIN = "thickness_strain"  # plane stress of finite strain: logarithm of the stretch across the plane [1]
+SMALL_TERM = 0.1  # of a series, relative to its first term: the rest of the series is smaller than its last term
 ROUND_OFF = 1e-14  # of the trial stress against the yield stress: keeps the direction of a zero stress finite
 
 
@@ -184,6 +185,11 @@ class VoceHardening:
         """Derivative of `stress`."""
         return self.modulus + self.rate * (self.saturation - self.yield_stress) * ufl.exp(-self.rate * alpha)
 
+    def curvatures(self, alpha: Any) -> tuple[Any, Any]:
+        """Second and third derivative of `stress`."""
+        third = self.rate**3 * (self.saturation - self.yield_stress) * ufl.exp(-self.rate * alpha)
+        return -third / self.rate, third
+
 
 @dataclass(frozen=True)
 class TableHardening:
@@ -250,6 +256,28 @@ class KinematicHardening:
         """Factor by which backward Euler's rule shortens the back stress in a step with this increment of alpha."""
         # Iterates of the local equations may be negative, where the factor would have a pole.
         return 1 if self.recovery is None else 1 / (1 + self.recovery * ufl.max_value(multiplier, 0))
+
+
+def first_increment(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> Any:
+    """Start of the local equations: root x of stiffness x + Y(alpha + x) - Y(alpha) = excess, by its Taylor series.
+
+    Steps of explicit problems are so short that the third order is the root to round-off, and one evaluation of the
+    equations tells. Where the terms beyond the first are not small, the first is taken alone.
+
+    Args:
+        excess: trial stress beyond the yield stress [F/L^2].
+        stiffness: slope of the rest of the equation [F/L^2].
+        hardening: LinearHardening, VoceHardening or TableHardening.
+        alpha: equivalent plastic strain at the beginning of the step [1].
+    """
+    slope = stiffness + hardening.slope(alpha)
+    x = excess / slope
+    if not isinstance(hardening, VoceHardening):
+        return x
+    second, third = hardening.curvatures(alpha)
+    a, b = second / (2 * slope) * x, third / (6 * slope) * x**2
+    small = ufl.And(ufl.lt(abs(a), SMALL_TERM), ufl.lt(abs(b), SMALL_TERM))
+    return x * ufl.conditional(small, 1 - a + 2 * a**2 - b, 1)
 
 
 def _where(condition: Any, new: Any, old: Any) -> Any:
@@ -362,7 +390,7 @@ class J2:
         size = equivalent(first, floor)
         excess = 2 * mu * size - iso.stress(alpha)
         yields = ufl.gt(excess, 0)
-        start = ufl.conditional(yields, excess / (3 * mu + C + iso.slope(alpha)), 0)
+        start = ufl.conditional(yields, first_increment(excess, 3 * mu + C, iso, alpha), 0)
         residual: Any = None
         if multiplier is None:
             multiplier, fading, relative = start, 1, first
@@ -420,7 +448,7 @@ class J2:
         relative = trial.deviator if back is None else trial.deviator - back
         excess = equivalent(relative, ROUND_OFF * iso.yield_stress) - iso.stress(alpha)
         C = 0 if self.kinematic is None else self.kinematic.modulus
-        step = excess / (trial.stiff + C + iso.slope(alpha))
+        step = first_increment(excess, trial.stiff + C, iso, alpha)
         return relative, ufl.conditional(ufl.gt(excess, 0), step, 0)
 
     def _finite(self, F: Any, history: dict[str, Any], unknown: Any) -> Update:
