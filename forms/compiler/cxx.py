@@ -34,6 +34,13 @@ class LocalSolve(L.Statement):
         self.condition, self.other = condition, other
 
 
+class AnyLane(L.Statement):
+    """Statements that are executed if a condition holds in any lane; what they declare ends with them."""
+
+    def __init__(self, condition, body):
+        self.condition, self.body = condition, body
+
+
 class Text(L.Statement):
     """A statement that is written as it stands."""
 
@@ -86,6 +93,10 @@ class CxxFormatter:
             f"const auto {s.name} = {value};\n"
             f"const T (&{s.name}_x)[{count}] = {s.name}.x;\n"
         )
+
+    def _AnyLane(self, s):
+        body = "".join(f"  {line}\n" for x in s.body for line in self(x).splitlines())
+        return f"if (any_lane({self(s.condition)}))\n{{\n{body}}}\n"
 
     def _Text(self, t):
         return f"{t.text}\n"

@@ -306,7 +306,8 @@ class KernelWriter:
             before += self.local.before(factors)
         before += element_tensor.before()
         inner = self.local.inside(factors) if self.local else self.schedule.declare(factors, alg.POINT)
-        loop = self.point_loops(rule, inner + element_tensor.inside())
+        inner += element_tensor.inside() + (self.local.behind() if self.local else [])
+        loop = self.point_loops(rule, inner)
         return before + [L.Section(f"points of rule {rule.number}", loop, [])] + element_tensor.after()
 
     def point_loops(self, rule, inner, always=False):

@@ -272,6 +272,61 @@ class Schedule:
         result.dtype = SCALAR if self._level[j] > alg.CONSTANT else REAL
         return result
 
+    def separate(self, values, level, place, at_least):
+        """Conditionals of one condition whose first values cost much and belong to nothing else: they can be left out
+        where the condition holds in no lane. What other values need is declared before, and read again afterwards.
+
+        Args:
+            values: values that are asked for next.
+            level: highest level of the conditionals; variables up to it may be declared.
+            place: function (number, count) -> LNodes expression of the place of one of so many conditionals.
+            at_least: number of operations from which it is worth a branch [1].
+
+        Returns:
+            Number of conditionals, statements in front of the branch, its condition and its statements; zero and
+            nothing where there are none.
+        """
+        groups, roots = {}, [self._roots[v][1] for v in values if v[1] is not None]
+        for j in sorted(self._open(roots)):
+            if self._key[j][0] == "select" and alg.POINT <= self._level[j] <= level:
+                groups.setdefault(self._key[j][1], []).append(j)
+        levels = range(alg.POINT, level + 1)
+        for condition, selects in groups.items():
+            first = [self._key[j][2][1] for j in selects if self._key[j][2][1] is not None]
+            others = [n for j in selects for n in self._args[j] if n not in first]
+            outside = self._open([*roots, *others], selects) - set(selects)
+            if len(self._open(first) - outside - set(selects)) < at_least:
+                continue
+            before, inside = [], []
+            shared = sorted(n for n in outside if n in others or not self._open([n]) & set(selects))
+            for lower in levels:
+                for n in shared:
+                    self._declare(n, lower, before, set())
+            places = [place(k, len(selects)) for k in range(len(selects))]
+            before += [L.Assign(p, self._value(self._key[j][3])) for j, p in zip(selects, places)]
+            test, known = self._test(condition), set(self._variable)
+            for j, p in zip(selects, places):  # in the order in which they are made of each other
+                for lower in levels:
+                    for n in self._args[j]:
+                        self._declare(n, lower, inside, set())
+                inside.append(L.Assign(p, self._expression(j)))
+                self._variable[j] = p
+            self._variable = {j: v for j, v in self._variable.items() if j in known or j in selects}
+            return len(selects), before, test, inside
+        return 0, [], None, []
+
+    def _open(self, roots, ends=()):
+        """Low-level nodes that are computed for some others, those included; not below `ends` nor variables."""
+        seen, stack = set(), list(roots)
+        while stack:
+            j = stack.pop()
+            if j in seen or j in self._variable:
+                continue
+            seen.add(j)
+            if j not in ends:
+                stack.extend(self._args[j])
+        return seen
+
     def condition(self, select):
         """LNodes expression of the condition of an algebra node of kind "select", whose variables are declared."""
         return self._test(self._key[self._of[select]][1])
