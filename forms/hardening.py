@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Hardening of J2 plasticity in UFL: yield stress by equivalent plastic strain, back stress, and a step's first guess."""
+"""Hardening of J2 plasticity in UFL: yield stress, back stress, and the start of the local equations."""
 
 from dataclasses import dataclass
 from typing import Any

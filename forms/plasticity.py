@@ -27,7 +27,7 @@ from typing import Any
 
 import ufl
 
-from .hardening import KinematicHardening, LinearHardening, TableHardening, VoceHardening, first_increment
+from .hardening import KinematicHardening, first_increment
 from .inelastic import Kirchhoff, Update, deviator, gradient_and_dilatation, trace
 from .materials import lame
 

@@ -211,7 +211,8 @@ inline T exp(T x)
   constexpr double ln2_high = 0x1.62e42fee00000p-1, ln2_low = 0x1.a39ef35793c76p-33;
   const T shifted = x * 1.4426950408889634 + shift, n = shifted - shift;
   const T r = (x - n * ln2_high) - n * ln2_low;
-  // Taylor's polynomial of degree 13: the next term is below 5e-18. In pairs (Estrin), which do not wait for each other.
+  // Taylor's polynomial of degree 13: the next term is below 5e-18. In pairs (Estrin), which do not wait for each
+  // other.
   const T r2 = r * r, r4 = r2 * r2;
   const T a = (0.5 + r * (1.0 / 6.0)) + r2 * (1.0 / 24.0 + r * (1.0 / 120.0));
   const T b = (1.0 / 720.0 + r * (1.0 / 5040.0)) + r2 * (1.0 / 40320.0 + r * (1.0 / 362880.0));
