@@ -32,6 +32,21 @@ UNKNOWN = "local_unknown"  # output of the kernels: solution of the local equati
 ELASTIC_ENERGY = "elastic"  # sum of the kernels; cpp/dolfinx_impact/integrators reads it by this name
 
 
+@dataclass(frozen=True)
+class Kirchhoff:
+    """What a first Piola-Kirchhoff stress tau F^-T is made of: kernels add to the mean stress before they multiply.
+
+    Attributes:
+        piola: that stress, 3 x 3 [F/L^2].
+        rest: tau less its mean stress, 3 x 3 [F/L^2].
+        inverse: inverse of F, 3 x 3 [1].
+    """
+
+    piola: Any
+    rest: Any
+    inverse: Any
+
+
 @dataclass
 class Update:
     """What a law computes at a point from strain, committed history and unknowns.
@@ -50,6 +65,7 @@ class Update:
             strain it goes with `mean` [F/L^2].
         strain: deformation gradient of finite strain where the law finds a part of it, as the stretch across the plane
             in plane stress, 3 x 3; None: the one that it was given [1].
+        kirchhoff: what `piola` is made of, or None. It does not count where it is of another `piola`.
     """
 
     stress: Any
@@ -61,6 +77,7 @@ class Update:
     mean: Any = None
     piola: Any = None
     strain: Any = None
+    kirchhoff: Kirchhoff | None = None
 
 
 def trace(strain: Any) -> Any:
@@ -270,8 +287,13 @@ def internal_force(u: Any, v: Any, kinematics: Kinematics, update: Update, dx: A
         # With tau : d(F_bar) F_bar^-1 = dev tau : grad(v) F^-1 + mean dtheta/theta, and the mean of dJ in the place of
         # dtheta, whose factor mean/theta is the same everywhere in the cell.
         F = ufl.Identity(3) + kinematics.gradient(u)
-        change = ufl.det(F) / kinematics.projection(u) - 1
-        work = ufl.inner(update.piola + change * update.mean * ufl.inv(F).T, kinematics.gradient(v))
+        ratio = ufl.det(F) / kinematics.projection(u)
+        parts = update.kirchhoff
+        if parts is None or parts.piola is not update.piola:
+            piola = update.piola + (ratio - 1) * update.mean * ufl.inv(F).T
+        else:
+            piola = (parts.rest + ratio * update.mean * ufl.Identity(3)) * parts.inverse.T
+        work = ufl.inner(piola, kinematics.gradient(v))
         return work * weight(mesh, kinematics.hypothesis) * dx
     return ufl.inner(update.stress, virtual) * weight(mesh, kinematics.hypothesis) * dx
 

@@ -27,7 +27,8 @@ from typing import Any
 
 import ufl
 
-from .inelastic import Update, deviator, gradient_and_dilatation, trace
+from .hardening import KinematicHardening, first_increment
+from .inelastic import Kirchhoff, Update, deviator, gradient_and_dilatation, trace
 from .materials import lame
 
 PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
@@ -68,13 +69,27 @@ def equivalent(s: Any, floor: Any) -> Any:
 def unimodular_mean(d: Any) -> Any:
     """The number x for which det(d + x I) = 1, for a small deviatoric 3 x 3 tensor d: plastic flow keeps the volume.
 
-    x^3 - (d:d / 2) x + det d = 1 by Newton's method from x = 1, whose error is squared in every step: d is an elastic
-    shear strain, below 0.1, which makes the first error less than 1e-3 and the fourth less than 1e-16.
+    x^3 - (d:d / 2) x + det d = 1 by Cardano's formula. It has one root while d is an elastic strain: a stretch of 1.7
+    along an axis is the first with three.
     """
-    half, third, x = ufl.inner(d, d) / 2, ufl.det(d), 1
-    for _ in range(4):
-        x = x - (x**3 - half * x + third - 1) / (3 * x**2 - half)
-    return x
+    half, third = ufl.inner(d, d) / 2, 1 - ufl.det(d)
+    root = ((third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2) ** (-1 / 3)
+    return (third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2 * root**2 + half / 3 * root
+
+
+def symmetric(t: Any) -> Any:
+    """A 3 x 3 tensor that is known to be symmetric, of its upper triangle, so that kernels compute no entry twice."""
+    return ufl.as_tensor([[t[min(i, j), max(i, j)] for j in range(3)] for i in range(3)])
+
+
+def cofactor(F: Any) -> Any:
+    """Cofactors of a 3 x 3 tensor, det(F) F^-T."""
+
+    def minor(i: int, j: int) -> Any:
+        a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+        return F[a, c] * F[b, d] - F[a, d] * F[b, c]
+
+    return ufl.as_tensor([[minor(i, j) for j in range(3)] for i in range(3)])
 
 
 # --- polar decomposition F = R U of a deformation gradient with det F = 1 ---------------------------------------------
@@ -110,132 +125,9 @@ def stretch(C: Any, x: Any) -> tuple[Any, Any]:
     return U, C - x * U + second * one
 
 
-# --- hardening -------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class LinearHardening:
-    """Yield stress Y(alpha) = Y0 + H alpha.
-
-    Attributes:
-        yield_stress: Y0 [F/L^2].
-        modulus: H [F/L^2].
-        falls_to_zero: whether H is negative, so that the yield stress ends at zero.
-    """
-
-    yield_stress: Any
-    modulus: Any
-    falls_to_zero: bool = False
-
-    @property
-    def linear(self) -> bool:
-        """Does a step have a closed form? Not if it must be refused because nothing of the yield stress is left."""
-        return not self.falls_to_zero
-
-    def stress(self, alpha: Any) -> Any:
-        """Yield stress at the equivalent plastic strain alpha [1]."""
-        return self.yield_stress + self.modulus * alpha
-
-    def slope(self, alpha: Any) -> Any:
-        """Derivative of `stress`."""
-        return self.modulus
-
-
-@dataclass(frozen=True)
-class VoceHardening:
-    """Yield stress Y(alpha) = Y0 + H alpha + (Y_s - Y0) (1 - exp(-rate alpha)).
-
-    Attributes:
-        yield_stress: Y0 [F/L^2].
-        saturation: Y_s [F/L^2].
-        rate: rate [1].
-        modulus: H [F/L^2].
-        falls_to_zero: whether H is negative, so that the yield stress ends at zero.
-    """
-
-    yield_stress: Any
-    saturation: Any
-    rate: Any
-    modulus: Any
-    falls_to_zero: bool = False
-
-    linear = False
-
-    def stress(self, alpha: Any) -> Any:
-        """Yield stress at the equivalent plastic strain alpha [1]."""
-        rise = (self.saturation - self.yield_stress) * (1 - ufl.exp(-self.rate * alpha))
-        return self.yield_stress + self.modulus * alpha + rise
-
-    def slope(self, alpha: Any) -> Any:
-        """Derivative of `stress`."""
-        return self.modulus + self.rate * (self.saturation - self.yield_stress) * ufl.exp(-self.rate * alpha)
-
-
-@dataclass(frozen=True)
-class TableHardening:
-    """Yield stress interpolated linearly between given points, constant beyond the last one.
-
-    Attributes:
-        strains: equivalent plastic strains, the first is 0, ascending [1].
-        stresses: yield stresses at them [F/L^2].
-    """
-
-    strains: Any
-    stresses: Any
-
-    linear = False
-    falls_to_zero = False  # stresses are positive
-
-    @property
-    def yield_stress(self) -> Any:
-        """Yield stress of the virgin state [F/L^2]."""
-        return self.stresses[0]
-
-    def _segments(self) -> list[tuple[Any, Any]]:
-        """Start and slope of every segment."""
-        n = self.strains.ufl_shape[0]
-        return [
-            (self.strains[i], (self.stresses[i + 1] - self.stresses[i]) / (self.strains[i + 1] - self.strains[i]))
-            for i in range(n - 1)
-        ]
-
-    def stress(self, alpha: Any) -> Any:
-        """Yield stress at the equivalent plastic strain alpha [1]."""
-        # A sum of ramps, each as long as its segment: without nested conditions, and continuous to round-off.
-        value = self.stresses[0]
-        for i, (start, slope) in enumerate(self._segments()):
-            value += slope * ufl.min_value(ufl.max_value(alpha - start, 0), self.strains[i + 1] - start)
-        return value
-
-    def slope(self, alpha: Any) -> Any:
-        """Derivative of `stress`; at a corner that of the segment to the right."""
-        value = 0
-        for i, (start, slope) in enumerate(self._segments()):
-            inside = ufl.And(ufl.ge(alpha, start), ufl.lt(alpha, self.strains[i + 1]))
-            value += ufl.conditional(inside, slope, 0)
-        return value
-
-
-@dataclass(frozen=True)
-class KinematicHardening:
-    """Armstrong-Frederick's back stress: d beta = 2/3 C d eps_p - gamma beta d alpha; gamma = 0 is Prager's linear law.
-
-    Attributes:
-        modulus: C [F/L^2].
-        recovery: gamma [1]; None: the linear law.
-    """
-
-    modulus: Any
-    recovery: Any = None
-
-    @property
-    def linear(self) -> bool:
-        return self.recovery is None
-
-    def fading(self, multiplier: Any) -> Any:
-        """Factor by which backward Euler's rule shortens the back stress in a step with this increment of alpha."""
-        # Iterates of the local equations may be negative, where the factor would have a pole.
-        return 1 if self.recovery is None else 1 / (1 + self.recovery * ufl.max_value(multiplier, 0))
+def _where(condition: Any, new: Any, old: Any) -> Any:
+    """Vector whose components are those of one vector where a condition holds, otherwise those of another."""
+    return ufl.as_vector([ufl.conditional(condition, new[i], old[i]) for i in range(new.ufl_shape[0])])
 
 
 # --- the law ---------------------------------------------------------------------------------------------------------
@@ -252,7 +144,7 @@ class _Trial:
 
     Attributes:
         J: det F [1].
-        volume: J^(-2/3), or 1 where U is in the place of F [1].
+        root: J^(-1/3), or 1 where U is in the place of F [1].
         turned: inverse of F or U [1].
         deviator: deviatoric Kirchhoff stress [F/L^2].
         stiff: mu tr(be_bar), 3 mu in small strain [F/L^2].
@@ -261,7 +153,7 @@ class _Trial:
     """
 
     J: Any
-    volume: Any
+    root: Any
     turned: Any
     deviator: Any
     stiff: Any
@@ -343,7 +235,7 @@ class J2:
         size = equivalent(first, floor)
         excess = 2 * mu * size - iso.stress(alpha)
         yields = ufl.gt(excess, 0)
-        start = ufl.conditional(yields, excess / (3 * mu + C + iso.slope(alpha)), 0)
+        start = ufl.conditional(yields, first_increment(excess, 3 * mu + C, iso, alpha), 0)
         residual: Any = None
         if multiplier is None:
             multiplier, fading, relative = start, 1, first
@@ -383,15 +275,17 @@ class J2:
         # Without back stress the return is made in space. With it, in the frame that R turns: U is in the place of F.
         unimodular, square = None, None
         if self.kinematic is None:
-            volume, G, turned = J ** (-2 / 3), F, ufl.inv(F)
+            # Powers of the root in the place of divisions by J.
+            root, G = J ** (-1 / 3), F
+            turned = root**3 * cofactor(F).T
         else:
-            volume, unimodular = 1, J ** (-1 / 3) * F
+            root, unimodular = ufl.as_ufl(1), J ** (-1 / 3) * F
             square = unimodular.T * unimodular
             G, turned = stretch(square, trace) if self._turns else (plane_stretch(unimodular), None)
             turned = ufl.inv(G) if turned is None else turned
-        elastic = volume * G * inverse * G.T  # trial left Cauchy-Green tensor, without its volume change
-        deviator, stiff = self.mu * ufl.dev(elastic), self.mu * ufl.tr(elastic)
-        return _Trial(J, volume, turned, deviator, stiff, unimodular, square)
+        elastic = root**2 * symmetric(G * inverse * G.T)  # trial left Cauchy-Green tensor, without its volume change
+        stress, stiff = self.mu * deviator(elastic), self.mu * ufl.tr(elastic)
+        return _Trial(J, root, turned, stress, stiff, unimodular, square)
 
     def _first(self, trial: "_Trial", history: dict[str, Any], back: Any) -> tuple[Any, Any]:
         """Relative stress of an elastic step, and the increment of alpha that linear hardening would have."""
@@ -399,7 +293,7 @@ class J2:
         relative = trial.deviator if back is None else trial.deviator - back
         excess = equivalent(relative, ROUND_OFF * iso.yield_stress) - iso.stress(alpha)
         C = 0 if self.kinematic is None else self.kinematic.modulus
-        step = excess / (trial.stiff + C + iso.slope(alpha))
+        step = first_increment(excess, trial.stiff + C, iso, alpha)
         return relative, ufl.conditional(ufl.gt(excess, 0), step, 0)
 
     def _finite(self, F: Any, history: dict[str, Any], unknown: Any) -> Update:
@@ -435,7 +329,8 @@ class J2:
             flow = (stiff + C * fading) * multiplier + iso.stress(alpha + multiplier)
             excess = self._with_strength((q - flow) / (3 * mu), alpha + multiplier)
             residual = ufl.conditional(yields, excess, multiplier)
-        s = (1 - stiff * multiplier / q) * trial if back is None else trial - stiff * multiplier / q * relative
+        share = 1 - stiff * multiplier / q
+        s = share * trial if back is None else trial - stiff * multiplier / q * relative
         pressure = self.kappa / 2 * (J**2 - 1)
         tau = pressure * ufl.Identity(3) + s
         deviator = s / mu
@@ -454,10 +349,18 @@ class J2:
             start = ufl.as_vector([begin, closed])
         if others:
             residual = ufl.as_vector([residual, *(100 * scale * other for other in others)])
-        new = turned * (deviator + mean * ufl.Identity(3)) * turned.T / at.volume - ufl.Identity(3)
+        old = history[PLASTIC_TENSOR]
+        if back is None:
+            # Of the deviator the returned share is left, whose C_p^-1 is known without products with F^-1: the trial's.
+            volume = (mean - share * stiff / (3 * mu)) * at.root**4
+            new = share * (ufl.Identity(3) + unpack_symmetric(old, self.gdim))
+            new += volume * symmetric(cofactor(F).T * cofactor(F)) - ufl.Identity(3)
+        else:
+            new = turned * (deviator + mean * ufl.Identity(3)) * turned.T - ufl.Identity(3)
+        packed = ufl.as_vector(pack_symmetric(new, self.gdim))
         outputs = {
             PLASTIC_STRAIN: alpha + multiplier,
-            PLASTIC_TENSOR: ufl.as_vector(pack_symmetric(new, self.gdim)),
+            PLASTIC_TENSOR: packed if back is not None else _where(yields, packed, old),
         }
         piola = tau * turned.T
         if back is not None:
@@ -467,8 +370,11 @@ class J2:
             piola = at.J ** (-1 / 3) * at.unimodular * (turned * piola)  # R tau U^-1 with R = F U^-1
         if across is not None:
             outputs[THICKNESS_STRAIN] = across
+        if back is None:
+            mean = ufl.conditional(yields, mean, stiff / (3 * mu))  # the same of an elastic step, which knows it
         stored = self.kappa / 2 * ((J**2 - 1) / 2 - ufl.ln(J)) + mu / 2 * (3 * mean - 3)
         stress = piola if J == at.J else (at.J / J) ** (1 / 3) * piola
         start = None if residual is None else start
         full = None if across is None else F
-        return Update(stress, outputs, stored, residual, start, scale, mean=pressure, piola=piola, strain=full)
+        parts = Kirchhoff(piola, s, turned) if back is None else None
+        return Update(stress, outputs, stored, residual, start, scale, pressure, piola, full, parts)

@@ -8,8 +8,9 @@ those that come with the package. The order of the constants must be the one in 
 from typing import Any
 
 from .. import inelastic, quadrature
+from ..hardening import LinearHardening, VoceHardening
 from ..materials import LinearElastic
-from ..plasticity import J2, LinearHardening, VoceHardening
+from ..plasticity import J2
 from ..registration import CELLS, SCALAR, Setting, registered
 
 ELASTIC = {"E": SCALAR, "nu": SCALAR}

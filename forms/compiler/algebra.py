@@ -11,10 +11,10 @@ from collections import Counter
 import numpy as np
 import ufl
 
-# What a value depends on: constants only, the cell, the quadrature point, the solution of the local equations there, or
-# their iterate. A value is computed as soon as the values that it is made of are there: what does not depend on the
-# iterate stands before the iteration.
-CONSTANT, CELL, POINT, SOLVED, ITERATE = range(5)
+# What a value depends on: constants only, the cell, averages over it, the quadrature point, the solution of the local
+# equations there, or their iterate. A value is computed before the loops over what it does not depend on: a logarithm
+# of an average before the loop over the points, what does not depend on the iterate before the iteration.
+CONSTANT, CELL, AVERAGED, POINT, SOLVED, ITERATE = range(6)
 
 
 class Node:
@@ -139,18 +139,19 @@ class Algebra:
 
     def select(self, condition, a, b):
         """Conditional; condition is a nested tuple (operator, value or condition, ...)."""
-        level = max([_condition_level(condition)] + [v[1].level for v in (a, b) if v[1] is not None])
+        level = max([condition_level(condition)] + [v[1].level for v in (a, b) if v[1] is not None])
         return (1.0, self._intern("select", (condition, a, b), level))
 
 
 _FOLD = {"sqrt": np.sqrt, "abs": abs, "ln": np.log, "exp": np.exp}
 
 
-def _condition_level(c):
+def condition_level(c):
+    """Level of a condition."""
     level = CONSTANT
     for x in c[1:]:
         if isinstance(x[0], str):
-            level = max(level, _condition_level(x))
+            level = max(level, condition_level(x))
         elif x[1] is not None:
             level = max(level, x[1].level)
     return level

@@ -26,10 +26,19 @@ class LocalSolve(L.Statement):
         name: of the solution that is declared; its values are <name>_x.
         start: first values of the unknowns. scale: size of the residual's terms.
         equations: statements that fill the arrays `residual` and `jacobian` (rows first) from the array `iterate`.
+        condition: None, or a condition; where it holds in no lane, `other` stands for `equations`.
     """
 
-    def __init__(self, name, start, scale, equations):
+    def __init__(self, name, start, scale, equations, condition=None, other=None):
         self.name, self.start, self.scale, self.equations = name, start, scale, equations
+        self.condition, self.other = condition, other
+
+
+class AnyLane(L.Statement):
+    """Statements that are executed if a condition holds in any lane; what they declare ends with them."""
+
+    def __init__(self, condition, body):
+        self.condition, self.body = condition, body
 
 
 class Text(L.Statement):
@@ -68,13 +77,26 @@ class CxxFormatter:
         count = len(s.start)
         start = ", ".join(self(x) if _is_scalar(x) else f"splat<T>({self(x)})" for x in s.start)
         scale = self(s.scale) if _is_scalar(s.scale) else f"splat<T>({self(s.scale)})"
-        body = "".join(f"  {line}\n" for x in s.equations for line in self(x).splitlines())
+
+        def solution(equations):
+            body = "".join(f"  {line}\n" for x in equations for line in self(x).splitlines())
+            return (
+                f"local_newton<T, {count}>({s.name}_start, {scale},\n"
+                f"  [&](const T* __restrict iterate, T* __restrict residual, T* __restrict jacobian)\n{{\n{body}}})"
+            )
+
+        value = solution(s.equations)
+        if s.condition is not None:
+            value = f"not any_lane({self(s.condition)})\n  ? {solution(s.other)}\n  : {value}"
         return (
             f"const T {s.name}_start[{count}] = {{{start}}};\n"
-            f"const auto {s.name} = local_newton<T, {count}>({s.name}_start, {scale},\n"
-            f"  [&](const T* __restrict iterate, T* __restrict residual, T* __restrict jacobian)\n{{\n{body}}});\n"
+            f"const auto {s.name} = {value};\n"
             f"const T (&{s.name}_x)[{count}] = {s.name}.x;\n"
         )
+
+    def _AnyLane(self, s):
+        body = "".join(f"  {line}\n" for x in s.body for line in self(x).splitlines())
+        return f"if (any_lane({self(s.condition)}))\n{{\n{body}}}\n"
 
     def _Text(self, t):
         return f"{t.text}\n"

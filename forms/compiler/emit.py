@@ -7,7 +7,7 @@ import hashlib
 import ffcx.codegeneration.lnodes as L
 import numpy as np
 
-from .cxx import CxxFormatter, LocalSolve
+from .cxx import AnyLane, CxxFormatter, LocalSolve
 from .frontend import _kind
 from .kernel import KernelWriter
 
@@ -57,6 +57,8 @@ def flops(node, times=1):
         return flops(node.body, times * (node.end.value - node.begin.value))
     if isinstance(node, LocalSolve):  # one evaluation of the local equations: how many it takes is not known
         return sum(flops(s, times) for s in node.equations)
+    if isinstance(node, AnyLane):
+        return sum(flops(s, times) for s in node.body)
     if isinstance(node, L.StatementList):
         return sum(flops(s, times) for s in node.statements)
     if isinstance(node, L.Section):

@@ -64,7 +64,7 @@ class KernelWriter:
         self.shared_names = {}  # (shape, content) of a table -> name
         self.arrays = {}  # name -> values of the cell by point (_shared_row)
         self.rules = []
-        self.schedule = Schedule(self._access)
+        self.schedule = Schedule(self._access, share_pairs=integral.law is not None)
         self.rule = None
         self.local = LocalPart(self) if integral.law else None
         self.iterating = False  # does the local unknown stand for the iterate, or for the solution?
@@ -300,13 +300,14 @@ class KernelWriter:
 
     def _rule_code(self, rule, targets):
         element_tensor = ElementTensor(self, rule, targets)
+        factors = [v for _, v in targets]
         before = [evaluate_field(self, rule, field, needed) for field, needed in sorted(rule.fields.items())]
         if self.local:
-            before += self.local.before()
+            before += self.local.before(factors)
         before += element_tensor.before()
-        factors = [v for _, v in targets]
         inner = self.local.inside(factors) if self.local else self.schedule.declare(factors, alg.POINT)
-        loop = self.point_loops(rule, inner + element_tensor.inside())
+        inner += element_tensor.inside() + (self.local.behind() if self.local else [])
+        loop = self.point_loops(rule, inner)
         return before + [L.Section(f"points of rule {rule.number}", loop, [])] + element_tensor.after()
 
     def point_loops(self, rule, inner, always=False):

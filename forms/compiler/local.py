@@ -6,12 +6,13 @@ import ffcx.codegeneration.lnodes as L
 import numpy as np
 
 from . import algebra as alg
-from .cxx import CxxFormatter, LocalSolve, Text
+from .cxx import AnyLane, CxxFormatter, LocalSolve, Text
 
 INT, SCALAR = L.DataType.INT, L.DataType.SCALAR
 A = L.Symbol("A", SCALAR)
-EQUATIONS = ("start", "scale", "residual", "jacobian")
-VOLUME, SUMS, SOLVED = "cell_volume", "cell_sums", "solved"
+EQUATIONS = ("start", "scale", "residual", "jacobian", "other residual", "other jacobian")
+VOLUME, SUMS, SOLVED, KEPT, BRANCHED = "cell_volume", "cell_sums", "solved", "kept", "branched"
+WORTH_A_BRANCH = 40  # operations that a branch may save, some 40 clock cycles against a few
 
 
 def _array(name):
@@ -33,7 +34,9 @@ class LocalPart:
         self.writer, self.integral, self.law = writer, writer.integral, writer.integral.law
         self.values = {}  # part -> values of its components
         self.last = self.law.num_loops - 1
-        self.kept = self.law.num_unknowns > 0 and self.law.solved_in < self.last  # solution in an array, by point
+        self.solves_last = self.law.num_unknowns > 0 and self.law.solved_in == self.last
+        self.kept = self.law.num_unknowns > 0 and not self.solves_last  # solution in an array, by point
+        self.branch = None  # the first equation, where it is a conditional
 
     # -- symbols ------------------------------------------------------------------------------------------------------
     def unknown(self, component, iterating):
@@ -43,7 +46,7 @@ class LocalPart:
 
     def average(self, number, component):
         """Value of an average. Loops that do not have it yet do not ask for it."""
-        return self.writer.algebra.symbol(("average", number, component), alg.POINT)
+        return self.writer.algebra.symbol(("average", number, component), alg.AVERAGED)
 
     def access(self, key):
         """LNodes expression of one of these symbols."""
@@ -69,6 +72,8 @@ class LocalPart:
         for part, (first, count) in self.law.parts.items():
             of_iterate = part in ("residual", "jacobian")
             self.values[part] = (iterated if of_iterate else solved)[first : first + count]
+        if self.law.num_unknowns:
+            self._read_branch()
         if "volume" not in self.values:
             return
         multiply = self.writer.algebra.multiply
@@ -78,6 +83,23 @@ class LocalPart:
                 self.values[part] = [multiply(volume, c) for c in components]
             elif part.split()[0] == "average" and not self.law.averages[int(part.split()[1])].maximum:
                 self.values[part] = [self._weighted(volume, c) for c in components]
+
+    def _read_branch(self):
+        """Where the first equation is a conditional whose condition is known before the iteration, as that of yielding:
+        equations that hold where no lane satisfies it, which need not evaluate what belongs to the others."""
+        algebra, (_, first) = self.writer.algebra, self.values["residual"][0]
+        if first is None or first.kind != "select" or alg.condition_level(first.data[0]) >= alg.SOLVED:
+            return
+        self.branch = first
+
+        def otherwise(value):
+            number, node = value
+            if node is None or node.kind != "select" or node.data[0] != first.data[0]:
+                return value
+            return algebra.multiply(algebra.number(number), node.data[2])
+
+        for part in ("residual", "jacobian"):
+            self.values[f"other {part}"] = [otherwise(v) for v in self.values[part]]
 
     def _weighted(self, volume, value):
         """Value times the volume, w |det J|; a gradient's factor 1/det J is taken out, which saves its division."""
@@ -118,7 +140,7 @@ class LocalPart:
         return [part for part in self.values if part.split()[0] == kind]
 
     # -- writing ------------------------------------------------------------------------------------------------------
-    def before(self):
+    def before(self, factors):
         """Statements before the last loop over the points: what it needs, and the loops before it."""
         law, statements = self.law, []
         if law.num_unknowns:
@@ -128,21 +150,25 @@ class LocalPart:
         if law.averages:
             statements.append(_zero(VOLUME, 1))
         for loop in range(self.last):
-            statements += self._loop_of_averages(loop)
+            statements += self._loop_of_averages(loop, factors)
         if law.sums:
             statements.append(_zero(SUMS, len(law.sums)))
-        return statements
+        return statements + self.writer.schedule.declare(self._wanted_last(factors), alg.AVERAGED)
 
-    def _loop_of_averages(self, loop):
+    def _wanted_last(self, factors):
+        """Values that the last loop asks for."""
+        parts = self._parts("output") + self._parts("sum") + list(EQUATIONS if self.solves_last else ())
+        return factors + self._of(*parts)
+
+    def _loop_of_averages(self, loop, factors):
         schedule = self.writer.schedule
         numbers = [i for i, average in enumerate(self.law.averages) if average.loop == loop]
         parts = [f"average {i}" for i in numbers] + (["volume"] if loop == 0 else [])
         solves = self.law.num_unknowns > 0 and loop == self.law.solved_in
         wanted = self._of(*parts, *(EQUATIONS if solves else ()))
-        inner = schedule.declare(wanted, alg.POINT)
-        if solves:
-            inner += self._solve()
-        inner += schedule.declare(wanted, alg.SOLVED)
+        before = schedule.declare(wanted, alg.AVERAGED)
+        inner = self._solve() if solves else []
+        inner += schedule.declare(wanted, alg.POINT) + schedule.declare(wanted, alg.SOLVED)
         if loop == 0:
             inner.append(L.AssignAdd(_array(VOLUME)[0], schedule.expression(self.values["volume"][0])))
         for i in numbers:
@@ -150,9 +176,18 @@ class LocalPart:
                 entry, value = _array(f"average_{i}")[c], schedule.expression(value)
                 larger = L.Assign(entry, L.MathFunction("max_value", [entry, value]))
                 inner.append(larger if self.law.averages[i].maximum else L.AssignAdd(entry, value))
-        schedule.forget(alg.POINT)
+        kept = set()
+        if loop == self.last - 1 and not self.kept:
+            # The last loop reads what this one has computed.
+            stored, kept = schedule.keep(
+                self._wanted_last(factors), alg.POINT, lambda k, size: _array(KEPT)[self._at_point(size, k)]
+            )
+            inner += stored
+        schedule.forget(alg.POINT, kept)
         sizes = {i: len(self.values[f"average {i}"]) for i in numbers}
         declarations = [_zero(f"average_{i}", size) for i, size in sizes.items()]
+        if kept:
+            declarations.append(L.ArrayDecl(_array(KEPT), sizes=(len(kept) * self.rule.num_points,)))
         lowest = L.LiteralFloat(float(np.finfo(float).min))
         first = [
             L.Assign(_array(f"average_{i}")[c], lowest)
@@ -167,19 +202,26 @@ class LocalPart:
             for c in range(size)
         ]
         loops = self.writer.point_loops(self.rule, inner, always=True)
-        return [L.Section(f"averages over the cell, loop {loop}", first + loops + divided, declarations)]
+        return [L.Section(f"averages over the cell, loop {loop}", before + first + loops + divided, declarations)]
 
     def inside(self, factors):
         """Statements at a point of the last loop, in front of those of the element tensor, whose factors are declared
         here, too."""
         schedule = self.writer.schedule
-        solves = self.law.num_unknowns > 0 and self.law.solved_in == self.last
-        parts = self._parts("output") + self._parts("sum") + list(EQUATIONS if solves else ())
-        wanted = factors + self._of(*parts)
-        statements = schedule.declare(wanted, alg.POINT)
-        if solves:
-            statements += self._solve()
-        statements += schedule.declare(wanted, alg.SOLVED)
+        # What the equations do not need comes after them: it would only take registers while they are solved.
+        statements = self._solve() if self.solves_last else []
+        return statements + schedule.declare(factors, alg.POINT) + schedule.declare(factors, alg.SOLVED)
+
+    def behind(self):
+        """Statements at a point of the last loop behind those of the element tensor: outputs and sums."""
+        schedule = self.writer.schedule
+        values = self._of(*self._parts("output"), *self._parts("sum"))
+        count, statements, condition, branch = schedule.separate(
+            values, alg.SOLVED, lambda k, _: _array(BRANCHED)[k], WORTH_A_BRANCH
+        )
+        if count:
+            statements = [L.ArrayDecl(_array(BRANCHED), sizes=(count,)), *statements, AnyLane(condition, branch)]
+        statements += schedule.declare(values, alg.POINT) + schedule.declare(values, alg.SOLVED)
         for output, offset in zip(self.law.outputs, self.integral.output_offsets):
             for c, value in enumerate(self.values[f"output {output.name}"]):
                 index = self._at_point(output.num_components, offset + c)
@@ -190,17 +232,27 @@ class LocalPart:
 
     def _solve(self):
         schedule, values = self.writer.schedule, self.values
-        inner = schedule.declare(self._of("residual", "jacobian"), alg.ITERATE)
-        for name in ("residual", "jacobian"):
-            inner += [L.Assign(_array(name)[i], schedule.expression(v)) for i, v in enumerate(values[name])]
+        statements = schedule.declare(self._of(*EQUATIONS), alg.POINT)
         start = [schedule.expression(v) for v in values["start"]]
         point = CxxFormatter()(self.rule.flat(self.writer.tdim))
-        statements = [
-            LocalSolve("local", start, schedule.expression(values["scale"][0]), inner),
+        condition = None if self.branch is None else schedule.condition(self.branch)
+        other = None if self.branch is None else self._equations("other residual", "other jacobian")
+        equations = self._equations("residual", "jacobian")
+        statements += [
+            LocalSolve("local", start, schedule.expression(values["scale"][0]), equations, condition, other),
             Text(f"failures.add(local, {point});"),
         ]
         if self.kept:
             statements += [L.Assign(self._solved(i), _array("local_x")[i]) for i in range(self.law.num_unknowns)]
+        return statements
+
+    def _equations(self, residual, jacobian):
+        """Statements that fill the arrays of the residual and of its derivative with these parts."""
+        schedule = self.writer.schedule
+        statements = schedule.declare(self._of(residual, jacobian), alg.ITERATE)
+        for name, part in (("residual", residual), ("jacobian", jacobian)):
+            statements += [L.Assign(_array(name)[i], schedule.expression(v)) for i, v in enumerate(self.values[part])]
+        schedule.forget(alg.ITERATE)
         return statements
 
     def after(self):

@@ -10,6 +10,7 @@ from collections import Counter
 import ffcx.codegeneration.lnodes as L
 
 from . import algebra as alg
+from .shared_pairs import Factor, trees
 
 REAL, SCALAR, BOOL = L.DataType.REAL, L.DataType.SCALAR, L.DataType.BOOL
 
@@ -20,10 +21,13 @@ class Schedule:
     Args:
         access: function (symbol key) -> LNodes expression that reads the symbol.
         prefix: of the variables declared.
+        share_pairs: whether products share the pairs of factors that most of them have (shared_pairs.py), otherwise
+            their heads in the order of the factors' frequency.
     """
 
-    def __init__(self, access, prefix="t"):
-        self.access, self.prefix = access, prefix
+    def __init__(self, access, prefix="t", share_pairs=False):
+        self.access, self.prefix, self.share_pairs = access, prefix, share_pairs
+        self._plans = {}  # (product, number of a root) -> tree of its factors
         self._low = {}  # hash-consed low-level nodes: key -> index
         self._key, self._level, self._args = [], [], []
         self._of = {}  # algebra node -> low index
@@ -46,6 +50,8 @@ class Schedule:
             if node.kind == "product":
                 self._frequency.update(n for n, _ in node.data)
             stack.extend(alg.children(node))
+        if self.share_pairs:
+            self._plan(values, [node for node in seen if node.kind == "product"])
         self._roots = {v: self._root(v) for v in values if v[1] is not None}
         self._uses, self._deeper = Counter(), set()
         visited, stack = set(), [low for _, low in self._roots.values()]
@@ -60,6 +66,30 @@ class Schedule:
                 if self._level[j] < self._level[i]:
                     self._deeper.add(j)
                 stack.append(j)
+
+    def _plan(self, values, products):
+        """Trees of all products, numbers of roots included (_root)."""
+        roots = {(n, abs(c)) for c, n in values if n is not None and n.kind == "product" and abs(c) != 1.0}
+        wanted = {(n, None): list(n.data) for n in products}
+        wanted |= {(n, c): [*n.data, (c, 1)] for n, c in roots}
+        keys = sorted(wanted, key=lambda k: (k[0].number, k[1] or 0.0))
+        factors = []
+        for key in keys:
+            factors.append([])
+            for base, p in wanted[key]:
+                level, number = (alg.CONSTANT, -1) if isinstance(base, float) else (base.level, base.number)
+                factors[-1] += [Factor(level, number, base, p < 0)] * abs(p)
+        self._plans = dict(zip(keys, trees(factors)))
+
+    def _tree(self, tree):
+        """Low-level node of a tree of factors."""
+        if isinstance(tree, Factor):
+            if isinstance(tree.base, float):
+                return self._make(("number", tree.base), (), alg.CONSTANT)
+            low = self._lower(tree.base)
+            return self._make(("reciprocal", low), (low,), tree.level) if tree.inverse else low
+        a, b = (self._tree(t) for t in tree)
+        return self._make(("multiply", a, b), (a, b), max(self._level[a], self._level[b]))
 
     def _make(self, key, args, level):
         i = self._low.get(key)
@@ -98,6 +128,8 @@ class Schedule:
         c, node = value
         if node.kind != "product" or abs(c) == 1.0:
             return (c, self._lower(node))
+        if self.share_pairs:
+            return (1.0 if c > 0 else -1.0, self._tree(self._plans[node, abs(c)]))
         number = (alg.CONSTANT, 0, -1, self._make(("number", abs(c)), (), alg.CONSTANT))
         return (1.0 if c > 0 else -1.0, self._chain(node, [number]))
 
@@ -114,6 +146,8 @@ class Schedule:
         )
 
     def _chain(self, node, numbers=()):
+        if self.share_pairs:
+            return self._tree(self._plans[node, None])
         factors = list(numbers)
         for base, p in node.data:
             low = self._lower(base)
@@ -157,9 +191,37 @@ class Schedule:
                 self._variable[j] = symbol
                 statements.append(L.VariableDecl(symbol, value))
 
-    def forget(self, level):
-        """Forget the variables of a level and those above it: their loop has ended."""
-        self._variable = {j: symbol for j, symbol in self._variable.items() if self._level[j] < level}
+    def forget(self, level, kept=()):
+        """Forget the variables of a level and those above it, as their loop has ended, but those that are kept."""
+        self._variable = {j: v for j, v in self._variable.items() if self._level[j] < level or j in kept}
+
+    def keep(self, values, level, place):
+        """Store variables of a level that other values, which a later loop computes, are made of.
+
+        Args:
+            values: the later values.
+            level: level of the variables.
+            place: function (number, count) -> LNodes expression of the place of one of so many variables.
+
+        Returns:
+            Statements that store them, and the identities of what is stored, for `forget`.
+        """
+        seen, statements, kept = set(), [], set()
+        stack = [self._roots[v][1] for v in values if v[1] is not None]
+        while stack:
+            j = stack.pop()
+            if j in seen:
+                continue
+            seen.add(j)
+            if j not in self._variable:
+                stack.extend(self._args[j])
+            elif self._level[j] == level:
+                kept.add(j)
+        for number, j in enumerate(sorted(kept)):
+            target = place(number, len(kept))
+            statements.append(L.Assign(target, self._variable[j]))
+            self._variable[j] = target
+        return statements, kept
 
     def _needs_variable(self, j):
         if self._key[j][0] in ("symbol", "number"):
@@ -209,6 +271,65 @@ class Schedule:
         result = L.Conditional(self._test(condition), self._value(a), self._value(b))
         result.dtype = SCALAR if self._level[j] > alg.CONSTANT else REAL
         return result
+
+    def separate(self, values, level, place, at_least):
+        """Conditionals of one condition whose first values cost much and belong to nothing else: they can be left out
+        where the condition holds in no lane. What other values need is declared before, and read again afterwards.
+
+        Args:
+            values: values that are asked for next.
+            level: highest level of the conditionals; variables up to it may be declared.
+            place: function (number, count) -> LNodes expression of the place of one of so many conditionals.
+            at_least: number of operations from which it is worth a branch [1].
+
+        Returns:
+            Number of conditionals, statements in front of the branch, its condition and its statements; zero and
+            nothing where there are none.
+        """
+        groups, roots = {}, [self._roots[v][1] for v in values if v[1] is not None]
+        for j in sorted(self._open(roots)):
+            if self._key[j][0] == "select" and alg.POINT <= self._level[j] <= level:
+                groups.setdefault(self._key[j][1], []).append(j)
+        levels = range(alg.POINT, level + 1)
+        for condition, selects in groups.items():
+            first = [self._key[j][2][1] for j in selects if self._key[j][2][1] is not None]
+            others = [n for j in selects for n in self._args[j] if n not in first]
+            outside = self._open([*roots, *others], selects) - set(selects)
+            if len(self._open(first) - outside - set(selects)) < at_least:
+                continue
+            before, inside = [], []
+            shared = sorted(n for n in outside if n in others or not self._open([n]) & set(selects))
+            for lower in levels:
+                for n in shared:
+                    self._declare(n, lower, before, set())
+            places = [place(k, len(selects)) for k in range(len(selects))]
+            before += [L.Assign(p, self._value(self._key[j][3])) for j, p in zip(selects, places)]
+            test, known = self._test(condition), set(self._variable)
+            for j, p in zip(selects, places):  # in the order in which they are made of each other
+                for lower in levels:
+                    for n in self._args[j]:
+                        self._declare(n, lower, inside, set())
+                inside.append(L.Assign(p, self._expression(j)))
+                self._variable[j] = p
+            self._variable = {j: v for j, v in self._variable.items() if j in known or j in selects}
+            return len(selects), before, test, inside
+        return 0, [], None, []
+
+    def _open(self, roots, ends=()):
+        """Low-level nodes that are computed for some others, those included; not below `ends` nor variables."""
+        seen, stack = set(), list(roots)
+        while stack:
+            j = stack.pop()
+            if j in seen or j in self._variable:
+                continue
+            seen.add(j)
+            if j not in ends:
+                stack.extend(self._args[j])
+        return seen
+
+    def condition(self, select):
+        """LNodes expression of the condition of an algebra node of kind "select", whose variables are declared."""
+        return self._test(self._key[self._of[select]][1])
 
     def _sum(self, terms):
         # A positive term first, so that the line does not begin with a minus sign.

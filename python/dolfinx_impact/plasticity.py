@@ -13,6 +13,7 @@ from dolfinx.mesh import Mesh
 
 from .common.arguments import number
 from .common.types import FloatArray
+from .forms import hardening
 from .forms import plasticity as laws
 from .inelastic import InelasticMaterial
 
@@ -211,7 +212,7 @@ class J2Plasticity(InelasticMaterial):
         Y = constant("yield_stress", self.yield_stress)
         isotropic: Any
         if isinstance(self.hardening, Voce):
-            isotropic = laws.VoceHardening(
+            isotropic = hardening.VoceHardening(
                 Y,
                 constant("saturation", self.hardening.saturation),
                 constant("rate", self.hardening.rate),
@@ -219,15 +220,15 @@ class J2Plasticity(InelasticMaterial):
                 self.hardening.modulus < 0.0,
             )
         elif isinstance(self.hardening, Table):
-            isotropic = laws.TableHardening(
+            isotropic = hardening.TableHardening(
                 self._constants_of(mesh, "table_strains", self.hardening.strains),
                 self._constants_of(mesh, "table_stresses", self.hardening.stresses),
             )
         else:
-            isotropic = laws.LinearHardening(Y, constant("hardening", self.hardening), self.hardening < 0.0)
+            isotropic = hardening.LinearHardening(Y, constant("hardening", self.hardening), self.hardening < 0.0)
         kinematic = None
         if self.kinematic is not None:
             recovery = constant("recovery", self.kinematic.recovery) if self.kinematic.recovery > 0.0 else None
-            kinematic = laws.KinematicHardening(constant("back_modulus", self.kinematic.modulus), recovery)
+            kinematic = hardening.KinematicHardening(constant("back_modulus", self.kinematic.modulus), recovery)
         plane_stress = self.hypothesis == "plane_stress"
         return laws.J2(E, nu, mesh.geometry.dim, isotropic, kinematic, self.finite_strain, plane_stress)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Line rolling, benchmark J-4: Hertz's pressure moves over a block in plane strain, again and again (Johnson 9.2).
 
-First yield at 3.11 k, elastic shakedown up to 4 k. Found with cells of a quarter of the half-width: at 3.4 k plastic
-strain grows in the first pass only; at 4.6 k, with Armstrong and Frederick's back stress, it grows by 4.9e-3 in every
-pass. Coarse cells lower the limit itself: at 3.8 k cells of 1/3 and 1/5 still find 1e-3 and 3e-4 per pass.
+First yield at 3.11 k, elastic shakedown up to 4 k. Found with cells of an eighth of the half-width and steps of a
+quarter: at 3.8 k plastic strain grows in the first passes only; at 4.2 k, with Armstrong and Frederick's back stress,
+it grows by 1.3e-3 in every pass. Coarse cells lower the limit itself: at 3.8 k cells of 1/3 and 1/5 still find 1e-3
+and 3e-4 per pass.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ from dolfinx_impact.theory import plasticity as theory
 
 E, NU, Y = 207e3, 0.3, 780.0
 K = Y / np.sqrt(3)
-WIDTH, N, STEP, PASSES = 8.0, 4, 0.5, 20  # lengths over the half-width of the contact
+WIDTH, N, STEP, PASSES = 8.0, 8, 0.25, 20  # lengths over the half-width of the contact
 
 
 def growth(peak, **steel):
@@ -57,8 +58,8 @@ def growth(peak, **steel):
 def test_shakedown(kinematic):
     """Between first yield and 4 k: plastic strain in the first passes, none in the last ten."""
     limits = theory.line_shakedown(Y, NU)
-    assert limits.first_yield / K < 3.4 < limits.shakedown / K == pytest.approx(4.0)
-    found = growth(3.4 * K, kinematic=kinematic)
+    assert limits.first_yield / K < 3.8 < limits.shakedown / K == pytest.approx(4.0)
+    found = growth(3.8 * K, kinematic=kinematic)
     assert found[0] > 1e-4
     assert np.all(found[-10:] < 1e-6)
 
@@ -67,5 +68,5 @@ def test_shakedown(kinematic):
 @pytest.mark.timeout(1200)
 def test_ratcheting():
     """Above 4 k with a back stress that recovers: every pass adds as much as the one before."""
-    found = growth(4.6 * K, kinematic=di.ArmstrongFrederick(60e3, 300.0))
+    found = growth(4.2 * K, kinematic=di.ArmstrongFrederick(60e3, 300.0))
     assert np.all(found > 1e-3) and found[-1] == pytest.approx(found[-2], rel=0.02)

@@ -16,21 +16,6 @@ inline constexpr int local_evaluations = 50;
 /// 2006, 11.2).
 inline constexpr double local_decrease = 1e-4;
 
-/// Is any lane larger than zero?
-template <typename T>
-inline bool any(T x)
-{
-  if constexpr (is_double<T>)
-    return x > 0.0;
-  else
-  {
-    bool found = false;
-    for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
-      found |= x[i] > 0.0;
-    return found;
-  }
-}
-
 template <typename T, int N>
 struct LocalSolution
 {
@@ -91,28 +76,52 @@ template <typename T, int N, typename Equations>
 inline LocalSolution<T, N> local_newton(const T (&start)[N], T scale, const Equations& equations)
 {
   LocalSolution<T, N> s;
-  T trial[N], direction[N], step = splat<T>(1.0), norm = splat<T>(0.0), first = splat<T>(1.0);
-  for (int i = 0; i < N; ++i)
-    s.x[i] = trial[i] = start[i], direction[i] = splat<T>(0.0);
-  s.failed = splat<T>(1.0); // lanes that go on
-  s.residual = splat<T>(0.0);
+  T trial[N], direction[N], step = splat<T>(1.0), norm;
+  T r[N], J[N * N];
   const T reciprocal = 1.0 / scale;
-  for (int evaluation = 0; evaluation < local_evaluations; ++evaluation)
+  // Sum of squares and largest one of the relative residuals.
+  const auto measure = [&](T& sum, T& largest)
   {
-    T r[N], J[N * N], d[N];
-    equations(trial, r, J);
-    T trial_norm = splat<T>(0.0), largest = splat<T>(0.0);
+    sum = largest = splat<T>(0.0);
     for (int i = 0; i < N; ++i)
     {
       const T relative = math::abs(r[i] * reciprocal);
-      trial_norm += relative * relative;
+      sum += relative * relative;
       largest = select<T>(relative > largest, relative, largest);
     }
-    largest = select<T>(trial_norm <= 1e300, largest, trial_norm); // what is no number, or too large, does not converge
-    // A lane accepts its trial value where the norm has decreased; the first one is the start itself.
+    largest = select<T>(sum <= 1e300, largest, sum); // what is no number, or too large, does not converge
+  };
+  // Lanes that have converged do not go on. They still get the correction at the solution: it is known already, and as
+  // large as the round-off of r allows. It is left out where the derivative has no inverse.
+  const auto finish = [&]
+  {
+    const T converged = select<T>(s.residual <= local_tolerance, s.failed, 0.0);
+    for (int i = 0; i < N; ++i)
+    {
+      const T last = select<T>(math::abs(direction[i]) <= 1e300, direction[i], 0.0);
+      s.x[i] = select<T>(converged > 0.0, s.x[i] + last, s.x[i]);
+    }
+    s.failed = s.failed - converged;
+  };
+
+  for (int i = 0; i < N; ++i)
+    s.x[i] = start[i];
+  s.failed = splat<T>(1.0); // lanes that go on
+  equations(s.x, r, J);
+  measure(norm, s.residual);
+  newton_direction<T, N>(J, r, direction);
+  finish();
+  for (int evaluation = 1; evaluation < local_evaluations and any_lane(s.failed > 0.0); ++evaluation)
+  {
+    T d[N], trial_norm, largest;
+    for (int i = 0; i < N; ++i)
+      trial[i] = select<T>(s.failed > 0.0, s.x[i] + step * direction[i], s.x[i]);
+    equations(trial, r, J);
+    measure(trial_norm, largest);
+    // A lane accepts its trial value where the norm has decreased.
     const T bound = (1.0 - 2.0 * local_decrease * step) * norm;
-    T accept = select<T>(trial_norm <= bound, 1.0, first);
-    accept = select<T>(largest <= local_tolerance, 1.0, accept) * s.failed;
+    T accept = select<T>(trial_norm <= bound, s.failed, 0.0);
+    accept = select<T>(largest <= local_tolerance, s.failed, accept);
     newton_direction<T, N>(J, r, d);
     for (int i = 0; i < N; ++i)
     {
@@ -122,20 +131,7 @@ inline LocalSolution<T, N> local_newton(const T (&start)[N], T scale, const Equa
     norm = select<T>(accept > 0.0, trial_norm, norm);
     s.residual = select<T>(accept > 0.0, largest, s.residual);
     step = select<T>(accept > 0.0, 1.0, 0.5 * step);
-    first = splat<T>(0.0);
-    const T converged = select<T>(s.residual <= local_tolerance, s.failed, 0.0);
-    // The correction at the solution: it is known already, and as large as the round-off of r allows. It is left out
-    // where the derivative has no inverse.
-    for (int i = 0; i < N; ++i)
-    {
-      const T last = select<T>(math::abs(direction[i]) <= 1e300, direction[i], 0.0);
-      s.x[i] = select<T>(converged > 0.0, s.x[i] + last, s.x[i]);
-    }
-    s.failed = s.failed - converged;
-    if (!any(s.failed))
-      break;
-    for (int i = 0; i < N; ++i)
-      trial[i] = select<T>(s.failed > 0.0, s.x[i] + step * direction[i], s.x[i]);
+    finish();
   }
   return s;
 }

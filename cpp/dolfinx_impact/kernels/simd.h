@@ -68,6 +68,31 @@ inline T select(Mask condition, U a, V b)
   return condition ? splat<T>(a) : splat<T>(b);
 }
 
+/// Does a condition hold in any lane? The compiler's own reduction of a comparison is a chain of shuffles.
+inline bool any_lane(bool condition)
+{
+  return condition;
+}
+template <typename Mask>
+inline bool any_lane(Mask condition)
+{
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(Mask) == 64)
+  {
+    typedef long long Integers __attribute__((vector_size(64)));
+    return __builtin_ia32_cvtq2mask512(__builtin_bit_cast(Integers, condition)) != 0;
+  }
+#endif
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX__)
+  if constexpr (sizeof(Mask) == 32)
+    return __builtin_ia32_movmskpd256(__builtin_bit_cast(Lanes<4>::type, condition)) != 0;
+#endif
+  bool found = false;
+  for (unsigned i = 0; i < sizeof(Mask) / sizeof(condition[0]); ++i)
+    found |= condition[i] != 0;
+  return found;
+}
+
 namespace math
 {
 #define IMPACT_SCALAR(name)                                                                                            \
@@ -186,29 +211,17 @@ inline T exp(T x)
   constexpr double ln2_high = 0x1.62e42fee00000p-1, ln2_low = 0x1.a39ef35793c76p-33;
   const T shifted = x * 1.4426950408889634 + shift, n = shifted - shift;
   const T r = (x - n * ln2_high) - n * ln2_low;
-  // Taylor's polynomial of degree 13: the next term is below 5e-18.
-  T p = splat<T>(1.0 / 6227020800.0);
-  constexpr double taylor[] = {1.0 / 479001600.0,
-                               1.0 / 39916800.0,
-                               1.0 / 3628800.0,
-                               1.0 / 362880.0,
-                               1.0 / 40320.0,
-                               1.0 / 5040.0,
-                               1.0 / 720.0,
-                               1.0 / 120.0,
-                               1.0 / 24.0,
-                               1.0 / 6.0,
-                               0.5};
-  for (double c : taylor)
-    p = p * r + c;
-  p = 1.0 + (r + r * r * p);
+  // Taylor's polynomial of degree 13: the next term is below 5e-18. In pairs (Estrin), which do not wait for each
+  // other.
+  const T r2 = r * r, r4 = r2 * r2;
+  const T a = (0.5 + r * (1.0 / 6.0)) + r2 * (1.0 / 24.0 + r * (1.0 / 120.0));
+  const T b = (1.0 / 720.0 + r * (1.0 / 5040.0)) + r2 * (1.0 / 40320.0 + r * (1.0 / 362880.0));
+  const T c = (1.0 / 3628800.0 + r * (1.0 / 39916800.0)) + r2 * (1.0 / 479001600.0 + r * (1.0 / 6227020800.0));
+  const T p = 1.0 + (r + r2 * (a + r4 * (b + r4 * c)));
   const Bits power = (__builtin_bit_cast(Bits, shifted) << 52) + 0x3ff0000000000000;
   T y = p * __builtin_bit_cast(T, power);
   const auto regular = (x > -700.0) & (x < 700.0);
-  bool all = true;
-  for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
-    all &= regular[i] != 0;
-  if (not all) [[unlikely]]
+  if (any_lane(~regular)) [[unlikely]]
     for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
       if (regular[i] == 0)
         y[i] = __builtin_exp(x[i]);
@@ -291,10 +304,7 @@ inline T third_power(T x)
   else
   {
     const auto regular = (x > 1e-290) & (x < 1e290);
-    bool all = true;
-    for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
-      all &= regular[i] != 0;
-    if (not all) [[unlikely]]
+    if (any_lane(~regular)) [[unlikely]]
       for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
         if (regular[i] == 0)
           y[i] = __builtin_pow(x[i], k / 3.0);

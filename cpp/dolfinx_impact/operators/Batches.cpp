@@ -20,6 +20,12 @@ double* aligned(double* p)
   return beyond == 0 ? p : p + (alignment - beyond) / sizeof(double);
 }
 
+/// Are the values the solution of the local equations (UNKNOWN of forms/inelastic.py)?
+bool is_local_unknown(const impact_output& output)
+{
+  return std::strcmp(output.name, "local_unknown") == 0;
+}
+
 /// Entries of an array rounded up to whole cache lines.
 std::size_t rounded(std::size_t n)
 {
@@ -193,6 +199,9 @@ void Batches::store_outputs(std::size_t batch, const double* A) const
 {
   for (int i = 0; i < _kernel->num_outputs; ++i)
   {
+    // Solutions of the local equations are for tangents, which explicit problems do not make.
+    if (_history->in_place() and _kernel->outputs[i].coefficient < 0 and is_local_unknown(_kernel->outputs[i]))
+      continue;
     const double* values = A + std::size_t(_kernel->outputs[i].offset) * _width;
     const std::size_t size = _history->batch_size(i);
     double* place = _history->trial(i, batch);
