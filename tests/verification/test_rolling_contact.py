@@ -117,6 +117,25 @@ def test_carter():
     assert wheel.creep == pytest.approx(exact.creep, rel=0.03)
 
 
+def test_hertz_in_the_moving_frame():
+    """R-5: A-1b in the ALE frame, rolling freely: Hertz's pressure and half-width, no friction between like materials.
+
+    2 % of the largest pressure (8 cells in a, bodies of finite size), one cell at each end of the contact.
+    """
+    G, a, n = 207e3 / 2.6, 4.538523, 8
+    wheel = WheelOnRail([(G, 0.3)] * 2, radius=460.0, a=a, n=n, load=4000.0, friction=0.3)
+    wheel.press(0.11)
+    wheel.problem.solve(torque=0.0)
+    contact = wheel.contact
+    assert contact.pressure.max() == pytest.approx(561.081, rel=0.02)
+    assert np.sum(contact.weight[contact.pressure > 0.0]) == pytest.approx(2 * a, abs=2 * a / n)
+    shape = 561.081 * np.sqrt(np.maximum(1.0 - (contact.points[:, 0] / a) ** 2, 0.0))
+    inner = np.abs(contact.points[:, 0]) < 0.8 * a
+    assert np.abs(contact.pressure - shape)[inner].max() < 0.02 * 561.081
+    # Johnson 8.2: like materials roll freely without tractions; 2 % of what friction can bear.
+    assert np.abs(contact.traction[:, 0]).max() < 0.02 * 0.3 * 561.081
+
+
 def test_an_explicit_run_goes_on():
     """A run in time keeps the forces of the steady state over half of the half-width: 2 and 5 %.
 
