@@ -75,12 +75,13 @@ void add_state(const NodeToSurface& self, nb::dict& out)
 }
 
 /// Names and members of a spring.
-constexpr std::array<std::pair<const char*, double Spring::*>, 5> spring_members{
+constexpr std::array<std::pair<const char*, double Spring::*>, 6> spring_members{
     {{"spring_force", &Spring::force},
      {"spring_compliance", &Spring::compliance},
      {"spring_gap", &Spring::gap},
      {"spring_surplus", &Spring::surplus},
-     {"spring_tangential_surplus", &Spring::tangential_surplus}}};
+     {"spring_tangential_surplus", &Spring::tangential_surplus},
+     {"spring_offset", &Spring::offset}}};
 
 nb::dict penalty_history(const PenaltyContact& self)
 {

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
@@ -32,7 +32,7 @@ from ..common.arguments import number
 from ..materials import MaterialMap, Rayleigh, _Material
 from ..io.mesh_check import check_cells
 from ..assembly.residual import check_radius, split
-from . import energy_gain
+from . import energy_gain, rolling_start
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
@@ -48,6 +48,7 @@ from ..common.unique import Unique, claim
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import Kinematic, NodalResult
     from ..contact.penalty.penalty import Penalty
+    from ..rolling.problem import RollingProblem
 
 
 class ExplicitProblem(Unique):
@@ -216,6 +217,44 @@ class ExplicitProblem(Unique):
         _cpp.integrators.release_memory()
 
     # --- set-up ----------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def from_rolling(cls, rolling: RollingProblem, penalty: float | str = "auto", **given: Any) -> ExplicitProblem:
+        """A run that goes on from a state of steady rolling, without settling. Collective.
+
+        Its nodes move with the material, in the frame of the rolling problem: displacement and velocity of the
+        material, supports that move on with their bodies, penalty contact of the same pair. The springs begin with the
+        steady tractions of friction, and with the steady force: the slave body, with its supports, is moved against the
+        master by what the springs yield. `u` of the rolling problem is not changed. docs/rolling.md.
+
+        Args:
+            rolling: steady state, solved.
+            penalty: of the contact, as in Penalty [F/L^3].
+            given: further arguments of ExplicitProblem: damping, bulk_viscosity, mass_scaling, ...; `bcs` instead of
+                the moving supports, `loads`.
+
+        Returns:
+            The problem at time zero.
+
+        Raises:
+            TypeError: `rolling` is no RollingProblem, or an argument is given by it; on all ranks.
+            ValueError: a spinning body whose law takes a turn for a strain, loads that are not given, several contacts,
+                supports that cannot turn; or what ExplicitProblem refuses; on all ranks.
+            RuntimeError: the springs do not bear the steady force; on all ranks.
+        """
+        comm = comm_of(getattr(rolling, "u", None))
+        with guard(comm, "ExplicitProblem.from_rolling", penalty=penalty):
+            rolling_start.check(rolling, given)
+        return rolling_start.make(cls, rolling, penalty, given)
+
+    @property
+    def contact_step(self) -> float:
+        """Step from which the stiffness of contact springs was made at the start [T]."""
+        return self._stepper.nominal_step
+
+    def restart_forces(self) -> None:
+        """Compute the forces of the start once more, after contacts have got a history. Collective."""
+        self._stepper.start(self.u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs

@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import MeshTags
 
 from ..assembly import operators
-from ..common.types import FloatArray, IntArray
+from ..common.types import BoolArray, FloatArray, IntArray
 from ..forms import ale
 from ..materials import Material
 from .motions import Spin, Translation
@@ -51,6 +51,7 @@ class Flow:
                 self._indicators[tag].x.scatter_forward()
 
         V = u.function_space
+        self._comm = mesh.comm
         self._places = V.tabulate_dof_coordinates()[:, : mesh.geometry.dim].copy()
         self._nodes = {tag: np.unique(V.dofmap.list[cell_tags.find(tag)]) for tag in self._motions}
         # Creepages besides those of the motions, see `creepage`.
@@ -72,6 +73,24 @@ class Flow:
         """
         parts = [nodes for tag, nodes in self._nodes.items() if self._motions[tag] is motion]
         return np.unique(np.concatenate(parts))
+
+    def connected_nodes(self, nodes: IntArray) -> IntArray:
+        """Nodes of all cell tags that are connected with those of some nodes, owned and ghosts. Collective.
+
+        Args:
+            nodes: nodes of this rank.
+        """
+        marked: BoolArray = np.zeros(len(self._places), dtype=bool)
+        marked[nodes] = True
+        found: set[int] = set()
+        while True:
+            touched = {tag for tag, own in self._nodes.items() if np.any(marked[own])}
+            everywhere = set().union(*self._comm.allgather(touched))
+            if everywhere == found:
+                return np.flatnonzero(marked)
+            found = everywhere
+            for tag in found:
+                marked[self._nodes[tag]] = True
 
     def settle(self) -> None:
         """The present rates are those that the last solve has reached."""

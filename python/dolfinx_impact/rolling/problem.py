@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from ..assembly import problem_arguments
 from ..common import arguments
 from ..common.collective import comm_of, guard
-from ..common.types import ArrayLike, FilePath, FloatArray
+from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..common.unique import Unique
 from ..loads import Load
 from ..materials import MaterialMap, _Material
@@ -57,6 +57,7 @@ class RollingProblem(Unique):
 
     Attributes:
         u: displacement [L].
+        material, cell_tags, bcs, loads: as given.
         motions: motion by cell tag; a new Spin.omega or Translation.velocity counts from the next solve.
         contact: contacts with their results, in the order given.
 
@@ -86,6 +87,7 @@ class RollingProblem(Unique):
             arguments.options(options)
             ranks.same(**given, motions=dict(motions), options=options, prefix=prefix)
         self.u, self.motions = u, {int(tag): motion for tag, motion in motions.items()}
+        self.material, self.cell_tags, self.bcs, self.loads = material, cell_tags, list(bcs), list(loads)
         mesh = u.function_space.mesh
         self._check_tags(cell_tags)
         for tag, motion in self.motions.items():
@@ -149,6 +151,23 @@ class RollingProblem(Unique):
     def _spin(self) -> Spin | None:
         """First of the motions that is a Spin."""
         return next((motion for motion in self.motions.values() if isinstance(motion, Spin)), None)
+
+    def nodes_of(self, motion: Spin | Translation) -> IntArray:
+        """Nodes of the bodies that have a motion, owned and ghosts.
+
+        Args:
+            motion: one of the motions.
+        """
+        return self._flow.nodes_of(motion)
+
+    def connected_nodes(self, nodes: IntArray) -> IntArray:
+        """Nodes of the body that some nodes belong to: of all cell tags that share nodes with theirs, owned and ghosts.
+        Collective.
+
+        Args:
+            nodes: nodes of this rank.
+        """
+        return self._flow.connected_nodes(nodes)
 
     def _first_spin(self) -> Spin:
         if self._spin is None:

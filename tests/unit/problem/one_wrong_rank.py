@@ -280,6 +280,10 @@ def calls_of_rolling_problems(s):
          ValueError, "Lagrange"),
         ("rolling solve, torque", lambda t: problem.solve(torque=t), None, 0.0, ValueError, "Spin"),
         ("rolling solve, steps", lambda n: problem.solve(steps=n), 1, 2, ValueError, "steps differs"),
+        ("from_rolling, rolling", lambda r: di.ExplicitProblem.from_rolling(r), problem, 3.0, TypeError,
+         "RollingProblem"),
+        ("from_rolling, penalty", lambda p: di.ExplicitProblem.from_rolling(problem, penalty=p), "auto", 1.0,
+         ValueError, "penalty differs"),
         ("frequencies, n", problem.frequencies, 1, 0, ValueError, "positive integer"),
         ("frequencies, another n", problem.frequencies, 1, 2, ValueError, "n differs"),
     ]  # fmt: skip

@@ -179,7 +179,9 @@ def wheel_mesh(around=48, through=3, across=4, width=0.2):
     return domain, mesh.meshtags(domain, 2, np.sort(tread), np.full(len(tread), 7, np.int32))
 
 
-def wheel_on_plane(friction=0.3, speed=1.0, omega=-1.0, contact=di.Lagrange, approach=0.01):
+def wheel_on_plane(
+    friction=0.3, speed=1.0, omega=-1.0, contact=di.Lagrange, approach=0.01, law=di.LinearElastic, **more
+):
     """A wheel that rolls towards +x on a rigid plane."""
     domain, tags = wheel_mesh()
     V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
@@ -191,10 +193,10 @@ def wheel_on_plane(friction=0.3, speed=1.0, omega=-1.0, contact=di.Lagrange, app
     plane = di.RigidPlane((0.0, -1.0, 0.0), (0.0, 1.0, 0.0))
     plane.velocity = (-speed, 0.0, 0.0)
     pair = di.ContactPair(tags, 7, plane, friction=friction)
-    rubber = di.LinearElastic(100.0, 0.3, density=1e-3)
+    rubber = law(100.0, 0.3, density=1e-3)
     return di.RollingProblem(
         fem.Function(V), rubber, tagged(domain), {1: di.Spin((0, 0, 0), (0, 0, 1), omega)},
-        contact=[contact(pair)], bcs=[fem.dirichletbc(values, axle)],
+        contact=[contact(pair)], bcs=[fem.dirichletbc(values, axle)], **more,
     )  # fmt: skip
 
 
@@ -330,3 +332,43 @@ def mean_radius(u):
     outer = np.hypot(*X.T) > OUTER * (1 - 1e-6)
     r = np.linalg.norm(X + u.x.array[: 2 * num].reshape(-1, 2), axis=1)[outer]
     return COMM.allreduce(float(r.sum())) / COMM.allreduce(len(r))
+
+
+def check_an_explicit_run_goes_on_with_the_contact_forces():
+    problem = wheel_on_plane(law=di.StVenantKirchhoff)
+    problem.sweep(creep=[8e-3], lateral=[2e-3], progress=False)
+    problem.sweep(creep=[0.0], progress=False)  # the axle of a run in time does not move sideways
+    steady = problem.contact[0].force
+    run = di.ExplicitProblem.from_rolling(problem)
+    # Normals of the two contacts differ by the angle between facets and plane: none; stored to the accuracy of CLOSE.
+    np.testing.assert_allclose(run.contact[0].force, steady, atol=1e-5 * steady[1])
+    moved = run.u.x.array - problem.u.x.array
+    assert np.ptp(moved.reshape(-1, 3), axis=0).max() < 1e-15  # the whole wheel, without deformation
+    run.advance(0.01, progress=False)  # a fifth of the facets' length
+    # Facets of a coarse wheel close and open one by one; without the friction the run would begin at zero.
+    assert abs(run.contact[0].force[1] / steady[1] - 1.0) < 0.1
+    assert run.contact[0].force[0] > 0.5 * steady[0] > 0.0
+    axle = run.supports[0][0][:1]
+    assert COMM.allreduce(len(axle)) >= 1 and np.allclose(run.velocity.x.array[axle], 0.0, atol=0.51)
+
+
+def check_bad_starts():
+    with pytest.raises(TypeError, match="RollingProblem"):
+        di.ExplicitProblem.from_rolling(3.0)
+    with pytest.raises(ValueError, match="turn of a body for a strain"):
+        di.ExplicitProblem.from_rolling(wheel_on_plane())
+    with pytest.raises(TypeError, match="velocity: given by the RollingProblem"):
+        di.ExplicitProblem.from_rolling(wheel_on_plane(law=di.StVenantKirchhoff), velocity=None)
+    loaded = wheel_on_plane(law=di.StVenantKirchhoff, loads=[di.BodyForce((0.0, 0.0, 0.0))])
+    with pytest.raises(ValueError, match="has loads"):
+        di.ExplicitProblem.from_rolling(loaded)
+    domain = ring()
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    V0, _ = V.sub(0).collapse()
+    near = fem.locate_dofs_geometrical((V.sub(0), V0), lambda x: np.hypot(x[0], x[1]) < 1.001)
+    rubber = di.StVenantKirchhoff(1.0, 0.3, density=1.0, hypothesis="plane_strain")
+    spin = di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.2)
+    held = [fem.dirichletbc(fem.Function(V0), near, V.sub(0))]
+    rolling = di.RollingProblem(fem.Function(V), rubber, tagged(domain), {1: spin}, bcs=held)
+    with pytest.raises(ValueError, match="held in some directions only"):
+        di.ExplicitProblem.from_rolling(rolling)

@@ -247,11 +247,12 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std:
     r += n[c] * motion[c];
     way_squared += motion[c] * motion[c];
   }
-  // Nodes that pass outside the master's boundary receive no force.
-  const double overlap = at.gap >= 0.0 && at.rim == search::Projection::Rim::beside ? 0.0 : mean_overlap(at.gap, r);
   Spring& spring = _springs[i];
+  const double gap = at.gap + spring.offset;
+  // Nodes that pass outside the master's boundary receive no force.
+  const double overlap = gap >= 0.0 && at.rim == search::Projection::Rim::beside ? 0.0 : mean_overlap(gap, r);
   const bool begins = _closed[i] != 1;
-  double change = begins ? r : at.gap - spring.gap;
+  double change = begins ? r : gap - spring.gap;
   if (change * change > 4.0 * way_squared) // the nearest facet has changed: no motion of the step explains this change
     change = std::copysign(2.0 * std::sqrt(way_squared), change);
   double* t = _tangential.data() + i * D;
@@ -265,7 +266,7 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std:
     _tracker.track(i, at);
 
   const double per_k = compliance(point, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
-  _energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, change, begins);
+  _energy.normal -= normal_step(spring, k * overlap, k, per_k, gap, change, begins);
   const double normal_force = spring.force;
   double force[W] = {}, tangential_squared = 0.0;
   for (int c = 0; c < D; ++c)
@@ -273,7 +274,7 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std:
   ContactStatus status = ContactStatus::slip;
   if (_options.friction > 0.0)
   {
-    const double part = part_below(at.gap, r), limit = _options.friction * normal_force;
+    const double part = part_below(gap, r), limit = _options.friction * normal_force;
     double trial[D], turned[D], slip[D], stored = 0.0;
     for (int c = 0; c < D; ++c)
     {

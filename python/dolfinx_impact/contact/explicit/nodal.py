@@ -127,6 +127,11 @@ class NodalResult(ContactOutput):
             self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)
 
     @property
+    def facet_length(self) -> float:
+        """Longest slave facet of all ranks in the reference configuration [L]."""
+        return self._facet
+
+    @property
     def kind(self) -> str:
         """Name of the method that enforces the contact."""
         return self._law.__name__

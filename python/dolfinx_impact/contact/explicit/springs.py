@@ -17,7 +17,11 @@ if TYPE_CHECKING:  # it imports this module
 
 
 def searched(
-    contact: "NodalResult", u: FloatArray, law: type[_cpp.nodal.NodeToSurface], **options: Any
+    contact: "NodalResult",
+    u: FloatArray,
+    law: type[_cpp.nodal.NodeToSurface],
+    masses: FloatArray | None = None,
+    **options: Any,
 ) -> tuple[_cpp.nodal.NodeToSurface, _cpp.operators.Halo, FloatArray]:
     """Make another contact of the same pair, with the candidates of a given configuration. Collective.
 
@@ -27,6 +31,7 @@ def searched(
         contact: contact of the running problem.
         u: displacements, of which the owned dofs are read [L].
         law: C++ class of the new contact, see NodalResult.make.
+        masses: of the owned nodes, for stiffness from masses and step; None: ones [M].
         options: its parameters.
 
     Returns:
@@ -43,6 +48,9 @@ def searched(
     halo = _cpp.operators.Halo(IndexMap(V.mesh.comm, own.size_local, ghosts, owners))
     values, mass = np.zeros(halo.num_nodes * bs), np.ones(halo.num_nodes)  # a given stiffness does not need masses
     values[:num] = u[:num]
+    if masses is not None:
+        mass[: own.size_local] = masses
+        halo.forward(mass, 1)
     halo.forward(values, bs)
     made.number(halo, mass)
     return made, halo, values

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: MIT
+"""Steady rolling as the start of an explicit run: moving supports, penetration and friction of its springs."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from dolfinx import default_scalar_type, fem
+from mpi4py import MPI
+from scipy.optimize import brentq
+
+from .. import _cpp
+from ..amplitude import PrescribedMotion
+from ..common.types import BoolArray, FloatArray
+from ..contact.explicit.springs import searched
+from ..contact.pair import ContactPair
+from ..contact.penalty.penalty import Penalty
+from ..materials import LinearElastic
+from ..plasticity import J2Plasticity
+from ..rolling.motions import Spin, Translation
+from ..rolling.problem import RollingProblem
+
+if TYPE_CHECKING:
+    from .explicit import ExplicitProblem
+
+FIRST = 1e-3  # of the distance that bounds the penetration: first guess of the approach that closes the springs
+MARGIN = 1e-2  # of their penetration, by which nodes that bear nothing are open
+CLOSE = 1e-6  # relative accuracy of the force of the springs
+
+
+def check(rolling: RollingProblem, given: dict[str, Any]) -> None:
+    """Refuse what cannot go on in time, on this rank.
+
+    Args:
+        rolling: the steady state.
+        given: further arguments of the explicit problem.
+
+    Raises:
+        TypeError: `rolling` is no RollingProblem, or an argument follows from it.
+        ValueError: bodies that turn and whose law takes a turn for a strain; loads without instruction; several
+            contacts.
+    """
+    if not isinstance(rolling, RollingProblem):
+        raise TypeError(f"from_rolling takes a RollingProblem, found {type(rolling).__name__}")
+    twice = sorted({"u", "material", "velocity", "residual", "contact"} & set(given))
+    if twice:
+        raise TypeError(f"{', '.join(twice)}: given by the RollingProblem")
+    if len(rolling.contact) > 1:
+        raise ValueError(f"from_rolling hands over one contact, the problem has {len(rolling.contact)}")
+    if rolling.loads and "loads" not in given:
+        raise ValueError("the RollingProblem has loads: give the loads of the material that moves, loads=[...]")
+    turning = np.unique(np.concatenate([np.zeros(0, dtype=np.int32), *(
+        rolling.cell_tags.find(tag) for tag, motion in rolling.motions.items() if isinstance(motion, Spin)
+    )]))  # fmt: skip
+    for tag, law in rolling.material.parts():
+        small = isinstance(law, LinearElastic) or (isinstance(law, J2Plasticity) and not law.finite_strain)
+        tags = rolling.material.cell_tags
+        cells = turning if tag is None or tags is None else np.intersect1d(turning, tags.find(tag))
+        if small and len(cells):
+            raise ValueError(
+                f"{type(law).__name__} of small strain takes the turn of a body for a strain: take StVenantKirchhoff, "
+                "or another law of finite strain, for the body that spins, in the RollingProblem as well"
+            )
+
+
+def moving_supports(rolling: RollingProblem, u: FloatArray) -> list[PrescribedMotion]:
+    """Supports of the rolling problem, which move on with their bodies. Collective.
+
+    A support of a body that spins turns about its axis; that of a straight flow moves with the velocity. Each value
+    that is prescribed at the start is a function of time of its own.
+
+    Args:
+        rolling: the steady state.
+        u: displacement at the start, owned and ghost dofs [L].
+
+    Raises:
+        ValueError: a node of a spinning body is held in some directions only; on all ranks.
+    """
+    V = rolling.u.function_space
+    gdim, comm = V.mesh.geometry.dim, V.mesh.comm
+    held: BoolArray = np.zeros(len(u), dtype=bool)
+    for bc in rolling.bcs:
+        held[bc.dof_indices()[0]] = True
+    held = held.reshape(-1, gdim)
+    u = u.reshape(-1, gdim)
+    place = V.tabulate_dof_coordinates()[:, :gdim] + u
+    out: list[PrescribedMotion] = []
+    for motion in dict.fromkeys(rolling.motions.values()):
+        nodes = rolling.nodes_of(motion)
+        nodes = nodes[held[nodes].any(axis=1)]
+        if isinstance(motion, Spin):
+            if comm.allreduce(int(not np.all(held[nodes]))):
+                raise ValueError(
+                    "a node of a spinning body is held in some directions only, and cannot turn with the body: give "
+                    "the supports of the run, bcs=[...]"
+                )
+            arm = np.zeros((len(nodes), 3))
+            arm[:, :gdim] = place[nodes] - motion.point
+            across = np.cross(motion.axis, arm)
+            inward = np.cross(motion.axis, across)
+        for c in range(gdim):
+            here = held[nodes, c]
+            start = u[nodes[here], c]
+            if isinstance(motion, Spin):
+                rows = np.column_stack([start, across[here, c], inward[here, c]])
+            else:
+                rows = np.column_stack([start, np.full(len(start), motion.velocity[c])])
+            for row in np.unique(np.vstack(comm.allgather(rows)), axis=0):
+                same = np.all(rows == row, axis=1)
+                dofs = (nodes[here][same] * gdim + c).astype(np.int32)
+                one = fem.dirichletbc(default_scalar_type(1.0), dofs, V.sub(c))
+                out.append(PrescribedMotion(one, _path(row, motion)))
+    return out
+
+
+def _path(row: FloatArray, motion: Spin | Translation) -> Callable[[float], float]:
+    """Displacement of a support in one direction as a function of time."""
+    if isinstance(motion, Translation):
+        return lambda t: float(row[0] + row[1] * t)
+    omega = motion.omega
+    return lambda t: float(row[0] + row[1] * np.sin(omega * t) + row[2] * 2.0 * np.sin(0.5 * omega * t) ** 2)
+
+
+class SpringStart:
+    """Penetration and friction of the springs of an explicit contact that bear what a steady contact bears.
+
+    A contact by multipliers has no penetration, and springs need one. The slave body, with its supports, is moved
+    against the master until the springs bear the steady force: what their compliance takes from the approach of the
+    bodies is given back. The tractions of friction become the tangential forces of the springs.
+
+    Args:
+        rolling: the steady state.
+        problem: explicit problem in the steady state, with penalty contact.
+    """
+
+    def __init__(self, rolling: RollingProblem, problem: ExplicitProblem) -> None:
+        self._steady, self._problem, self._contact = rolling.contact[0], problem, problem.contact[0]
+        self._nodes = rolling.connected_nodes(self._contact.nodes)
+        self._gdim, self._comm = self._contact.gdim, self._contact.comm
+        steady = self._steady
+        pressed = (steady.weight * steady.pressure) @ steady.normal
+        total = self._comm.allreduce(pressed)
+        self._force = float(np.linalg.norm(total))
+        self._normal = total / self._force if self._force > 0.0 else total
+
+    def approach(self) -> float:
+        """How far the slave body must be moved against the normal for the springs to bear the force [L]. Collective.
+
+        Raises:
+            RuntimeError: no approach was found; on all ranks.
+        """
+        if self._force == 0.0:
+            return 0.0
+        u, step = self._problem.u.x.array, FIRST * self._contact.facet_length
+
+        def excess(distance: float) -> float:
+            return self._borne(self.moved(u, distance)) / self._force - 1.0
+
+        low = high = 0.0
+        if excess(0.0) > 0.0:
+            while excess(low) > 0.0:
+                low, high, step = low - step, low, 2.0 * step
+        else:
+            while excess(high) <= 0.0:
+                if step > self._contact.facet_length:
+                    raise RuntimeError("springs of the explicit contact do not bear the steady force: refine the mesh")
+                low, high, step = high, high + step, 2.0 * step
+        return float(brentq(excess, low, high, xtol=CLOSE * (high - low), rtol=CLOSE))
+
+    def moved(self, u: FloatArray, distance: float) -> FloatArray:
+        """Displacements with the slave body moved against the normal.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+            distance: by which it is moved [L].
+        """
+        out = u.reshape(-1, self._gdim).copy()
+        out[self._nodes] -= distance * self._normal
+        return out.ravel()
+
+    def _borne(self, u: FloatArray) -> float:
+        """Force of new springs in a configuration along the normal, of all ranks [F]. Collective."""
+        problem, contact = self._problem, self._contact
+        masses = problem.mass.array[: problem.num_owned : self._gdim]
+        twin, halo, values = searched(contact, u, _cpp.nodal.PenaltyContact, masses, **contact.options)
+        zero = np.zeros_like(values)
+        twin.add_forces(halo, values, zero, np.ones_like(values), problem.contact_step, zero.copy())
+        force = self._comm.allreduce(np.array(twin.force)[: self._gdim], MPI.SUM)
+        return float(force @ self._normal)
+
+    def hand_over(self) -> None:
+        """Give the springs the nodal forces of the steady state. Collective.
+
+        Bodies that are moved against each other penetrate everywhere by the same amount, steady pressures are not the
+        same everywhere: what is left is an offset of the gap of each node, until the node opens.
+        """
+        steady, contact = self._steady, self._contact
+        forces = np.asarray(steady.contact_forces()).reshape(-1, self._gdim)[contact.nodes]
+        normal, stiffness = contact.normal, contact.stiffness
+        pressing = np.einsum("na,na->n", forces, normal)
+        along = forces - pressing[:, None] * normal
+        inside = stiffness > 0.0
+        found = np.where(inside, contact.gap, 0.0)  # nodes without a master have an infinite one
+        compliance = np.where(inside, 1.0 / np.where(inside, stiffness, 1.0), 0.0)
+        closed = inside & (pressing > 0.0)
+        force = np.where(closed, pressing, 0.0)
+        # Nodes beside the contact, which the approach has pushed in, stay just open.
+        gap = np.where(closed, -force * compliance, MARGIN * np.abs(found))
+        side = contact.sides()[0]
+        history = {name: np.array(values) for name, values in side.history().items()}
+        history["closed"][:] = np.where(closed, 1, 0)
+        history["tangential"] = np.ascontiguousarray(np.where(closed[:, None], along, 0.0))
+        history["spring_force"], history["spring_compliance"], history["spring_gap"] = (
+            force, compliance, np.where(closed, gap, 0.0)
+        )  # fmt: skip
+        for name in ("spring_surplus", "spring_tangential_surplus"):
+            history[name][:] = 0.0
+        history["spring_offset"] = np.where(inside, gap - found, 0.0)
+        side.set_history(history)
+        side.set_energy(0.0, 0.0, 0.0)
+
+
+def _driven(pair: ContactPair) -> ContactPair:
+    """The pair, with a rigid master that moves with its velocity in time."""
+    if not pair.rigid or pair.rigid_master.motion is not None:
+        return pair
+    pair, velocity = copy.copy(pair), pair.rigid_master.velocity
+    pair.master = copy.copy(pair.rigid_master)
+    pair.rigid_master.motion = lambda t: velocity * t
+    return pair
+
+
+def make(kind: type[ExplicitProblem], rolling: RollingProblem, penalty: float | str, given: dict[str, Any]) -> Any:
+    """Make the explicit problem; arguments are checked. Collective.
+
+    Args:
+        kind: ExplicitProblem.
+        rolling: the steady state.
+        penalty: of the contact [F/L^3].
+        given: further arguments of the explicit problem.
+    """
+    velocity = rolling.velocity()
+    more = {name: value for name, value in given.items() if name != "bcs"}
+
+    def build(u: fem.Function) -> ExplicitProblem:
+        bcs = given["bcs"] if "bcs" in given else moving_supports(rolling, u.x.array)
+        contact = [Penalty(_driven(c.pair), penalty=penalty) for c in rolling.contact]
+        return kind(u, rolling.material, velocity=velocity, contact=contact, bcs=bcs, **more)
+
+    u = rolling.u.copy()
+    u.name = rolling.u.name
+    problem = build(u)
+    if not rolling.contact:
+        return problem
+    start = SpringStart(rolling, problem)
+    moved = fem.Function(u.function_space, name=u.name)
+    moved.x.array[:] = start.moved(u.x.array, start.approach())
+    problem = build(moved)
+    SpringStart(rolling, problem).hand_over()
+    problem.restart_forces()
+    return problem
