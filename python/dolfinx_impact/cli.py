@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command `dolfinx-impact`: verify, demo, bench, info."""
+"""The command `dolfinx-impact`: verify, demo, creep, bench, info."""
 
 import argparse
 import contextlib
@@ -13,6 +13,7 @@ from pathlib import Path
 
 FORWARDED = {
     "verify": "generated kernels against the hand-written solver (its own options: dolfinx-impact verify --help)",
+    "creep": "creep curve of a wheel on a rail (its own options: dolfinx-impact creep --help)",
     "bench": "the benchmarks (its own options: dolfinx-impact bench --help)",
 }
 
@@ -240,6 +241,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from .verify.run import main as verify_main
 
         return verify_main(argv[1:])
+    if argv[:1] == ["creep"]:
+        from .creep.run import main as creep_main
+
+        return creep_main(argv[1:])
     if argv[:1] == ["bench"]:
         from .bench.run import main as bench_main
 

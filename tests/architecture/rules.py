@@ -13,7 +13,7 @@ STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "in
 ROOMS = {"search": (".", "closest_point", "node_tracker")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
 PACKAGES = ("common", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "io", "theory")
-PACKAGES += ("contact", "statics", "rolling", "dynamics", "verify", "bench", "cli")
+PACKAGES += ("contact", "statics", "rolling", "dynamics", "creep", "verify", "bench", "cli")
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
 LONG = 400  # lines of a file that are worth a look

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Creep curves of a wheel on a rail in 3D: the command `dolfinx-impact creep`."""

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: MIT
+"""A sector of a wheel on a length of rail, pressed together by a load, in steady rolling."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+
+from .. import meshes, theory  # type: ignore[attr-defined,unused-ignore]  # installed beside it
+from ..common.types import ArrayLike, FilePath, FloatArray
+from ..contact import ContactPair, Lagrange
+from ..materials import LinearElastic
+from ..rolling.motions import Spin, Translation
+from ..rolling.problem import RollingProblem
+from ..rolling.contact import RollingContact
+
+ACCURACY = 1e-4  # of the load: what the approach is searched to
+
+
+@dataclass(frozen=True)
+class WheelOnRail:
+    """Wheel and rail; the contact is small against them, as in the theory of Hertz.
+
+    Attributes:
+        load: that presses wheel and rail together [N].
+        friction: coefficient [1].
+        radius: of the wheel [m].
+        crown_radius: transverse radius of the rail head, inf is flat [m].
+        wheel_crown_radius: transverse radius of the tread, inf is flat, negative hollow [m].
+        E: Young's modulus [Pa].
+        nu: Poisson's ratio [1].
+        density: [kg/m^3].
+        speed: of travel [m/s].
+        cells: in each half-axis of the contact.
+        reach: size of the bodies in larger half-axes.
+    """
+
+    load: float = 100e3
+    friction: float = 0.3
+    radius: float = 0.46
+    crown_radius: float = 0.30
+    wheel_crown_radius: float = math.inf
+    E: float = 210e9
+    nu: float = 0.3
+    density: float = 7850.0
+    speed: float = 30.0
+    cells: int = 6
+    reach: float = 5.0
+
+    @property
+    def hertz(self) -> theory.HertzElliptic:
+        """Contact without friction, x along the rail."""
+        return theory.hertz_elliptic(
+            self.load, self.radius, self.wheel_crown_radius, math.inf, self.crown_radius, self.E, self.nu, self.E,
+            self.nu,
+        )  # fmt: skip
+
+
+class CreepModel:
+    """Finite elements of a WheelOnRail, under its load.
+
+    Args:
+        data: wheel and rail.
+        whole: both sides of the plane y = 0, as lateral and spin creep need; else one half.
+        comm: communicator.
+
+    Attributes:
+        data: as given.
+        hertz: contact by the theory of Hertz.
+        sides: 1, or 2 of which one is computed: forces count so often.
+        problem: RollingProblem with friction, under the load; at first it rolls freely.
+        free_creep: of free rolling, against omega = speed/radius [1].
+        u: displacement [m].
+    """
+
+    def __init__(self, data: WheelOnRail, whole: bool = False, comm: MPI.Intracomm = MPI.COMM_WORLD) -> None:
+        self.data, self.hertz, self.sides = data, data.hertz, 1 if whole else 2
+        made = meshes.make(
+            "rolling_contact_3d", comm, radius=data.radius, crown_radius=data.crown_radius,
+            wheel_crown_radius=data.wheel_crown_radius, a=self.hertz.a, b=self.hertz.b, cells=data.cells,
+            reach=data.reach, symmetry="none" if whole else "half",
+        )  # fmt: skip
+        tags, fdim = made.tags, 2
+        V = fem.functionspace(made.mesh, ("Lagrange", 1, (3,)))
+        self.u, self._hub = fem.Function(V, name="displacement"), fem.Function(V)
+        self._axle = fem.locate_dofs_topological(V, fdim, made.facet_tags.find(tags["hub"]))
+        bottom = fem.locate_dofs_topological(V, fdim, made.facet_tags.find(tags["bottom"]))
+        bcs = [fem.dirichletbc(self._hub, self._axle), fem.dirichletbc(np.zeros(3), bottom, V)]
+        if not whole:
+            across = fem.locate_dofs_topological(V.sub(1), fdim, made.facet_tags.find(tags["symmetry_y"]))
+            bcs.append(fem.dirichletbc(np.float64(0.0), across, V.sub(1)))
+        steel = LinearElastic(data.E, data.nu, density=data.density)
+        self._wheel = Spin((0.0, 0.0, data.radius), (0.0, 1.0, 0.0), data.speed / data.radius)
+        motions = {
+            tags["slave_body"]: self._wheel,
+            tags["master_body"]: Translation((-data.speed, 0.0, 0.0)),
+        }
+
+        def problem(friction: float) -> RollingProblem:
+            surfaces = tags["slave_surface"], tags["master_surface"]
+            pair = ContactPair(made.facet_tags, *surfaces, friction=friction)
+            return RollingProblem(self.u, steel, made.cell_tags, motions, contact=[Lagrange(pair)], bcs=bcs)
+
+        self._press(problem(0.0))
+        self.problem = problem(data.friction)
+        self.problem.solve(torque=0.0)
+        self.free_creep = self.problem.omega * data.radius / data.speed - 1.0
+
+    @property
+    def num_unknowns(self) -> int:
+        """Displacements, of all ranks."""
+        return 3 * int(self.u.function_space.dofmap.index_map.size_global)
+
+    @property
+    def contact(self) -> RollingContact:
+        """The contact with friction and its results."""
+        found = self.problem.contact[0]
+        assert isinstance(found, RollingContact)
+        return found
+
+    def _press(self, frictionless: RollingProblem) -> None:
+        """Find the approach that bears the load, without friction, by the secant method. Collective."""
+        found: list[tuple[float, float]] = []
+        approach, load = self.hertz.approach, self.data.load
+        while not found or abs(found[-1][1] - load) > ACCURACY * load:
+            if len(found) == 12:
+                raise RuntimeError(
+                    f"no approach was found that bears {load:.6g} N; the last bears {found[-1][1]:.6g} N"
+                )
+            self._hub.x.array.reshape(-1, 3)[self._axle] = (0.0, 0.0, -approach)
+            frictionless.solve()
+            force = frictionless.contact[0].force
+            assert force is not None
+            found.append((approach, self.sides * float(force[2])))
+            if len(found) == 1:
+                approach *= (load / found[0][1]) ** (2.0 / 3.0)
+            else:
+                (d0, f0), (d1, f1) = found[-2:]
+                approach = d1 + (load - f1) * (d1 - d0) / (f1 - f0)
+
+    def curve(
+        self,
+        creep: ArrayLike | None = None,
+        lateral: ArrayLike | None = None,
+        spin: ArrayLike | None = None,
+        file: FilePath | None = None,
+        progress: bool = True,
+    ) -> dict[str, FloatArray]:
+        """Steady states for a sequence of creepages, as RollingProblem.sweep. Call it once. Collective.
+
+        Creepages count from free rolling: the rail takes the wheel in a little, so that it turns as one of another
+        radius does.
+
+        Args:
+            creep: longitudinal, of the wheel against the rail, (n) or one number [1].
+            lateral: (n) or one number [1].
+            spin: (n) or one number [1/m].
+            file: HDF5 file that is written after every point, and gone on from.
+            progress: show a progress bar on rank 0.
+
+        Returns:
+            Arrays by name: creep, lateral, spin, omega (n) [1/s], force (n, 3) on the wheel [N], torque (n) [N m], of
+            the whole wheel; ratio (n): tangential force over friction times normal force [1].
+        """
+        found = self.problem.sweep(creep, lateral, spin, file, progress)
+        force = self.sides * found["force"]
+        if self.sides == 2:
+            force[:, 1] = 0.0
+        ratio = np.hypot(force[:, 0], force[:, 1]) / (self.data.friction * force[:, 2])
+        return {**found, "force": force, "torque": self.sides * found["torque"], "ratio": ratio}
