@@ -35,6 +35,7 @@ FILES = {
         "energy.csv", "energy.h5", "force.csv", "force.h5", "rail_joint_0.bp", "rail_joint_5.bp",
         "rail_joint_energy.png", "rail_joint_force.png", "rail_joint_sequence.png",
     ),
+    "rolling_three_ways": ("history.csv", "history.h5", "rolling_three_ways.bp", "rolling_three_ways.png"),
     "rolling_disc": ("rim.csv", "rim.h5", "rolling_disc.bp", "rolling_disc.png"),
 }  # fmt: skip
 

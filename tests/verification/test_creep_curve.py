@@ -20,7 +20,7 @@ def model():
 
 
 def test_eurosprinter(model):
-    """Found: 1.8 % too large at the small creep, within 1 % above; CONTACT's grid of 48 x 44 is itself 1 to 2 % high."""
+    """Found: 1.8 % too large at the small creep, within 1 % above. The grid of CONTACT is 1 to 2 % high."""
     hertz = model.hertz
     assert hertz.a / hertz.b == pytest.approx(0.5, rel=1e-4)
     assert model.contact.force[2] * 2 == pytest.approx(106.7e3, rel=3e-4)

@@ -39,6 +39,7 @@ class Flow:
     ) -> None:
         mesh = u.function_space.mesh
         self._material, self._motions = material, dict(motions)
+        self._cell_tags = cell_tags
         self._constants = {tag: motion.constant(mesh) for tag, motion in self._motions.items()}
         self._reached = {tag: np.array(c.value) for tag, c in self._constants.items()}
         # Indicators, as materials may bring tags of their own, and a form takes one set of tags.
@@ -64,6 +65,19 @@ class Flow:
         for tag, nodes in self._nodes.items():
             w[nodes] = self._motions[tag].at(self._places[nodes], self._constants[tag].value)
         return w
+
+    @property
+    def motions(self) -> dict[int, Spin | Translation]:
+        """Motion by cell tag."""
+        return self._motions
+
+    def cells_of(self, tag: int) -> IntArray:
+        """Cells with a tag, owned and ghosts.
+
+        Args:
+            tag: cell tag of a motion.
+        """
+        return self._cell_tags.find(tag)
 
     def nodes_of(self, motion: Spin | Translation) -> IntArray:
         """Nodes of the bodies with a motion, owned and ghosts.

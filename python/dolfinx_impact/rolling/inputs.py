@@ -26,7 +26,8 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
 
     Raises:
         TypeError: an argument is of the wrong type.
-        ValueError: axisymmetric, inelastic or massless materials, motions that do not fit, or friction by penalty.
+        ValueError: axisymmetric or massless materials, motions that do not fit, internal variables of bodies that
+            spin, stand or have friction, or friction by penalty.
     """
     arguments.tags("RollingProblem", cell_tags, mesh, mesh.topology.dim)
     if not isinstance(motions, dict):
@@ -41,14 +42,13 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
         motion.check(mesh)
     if material.hypothesis_on(mesh) == "axisymmetric":
         raise ValueError("hypothesis 'axisymmetric': a body that spins about z is not axisymmetric in the (r, z) plane")
-    for _, m in material.parts():
-        if isinstance(m, InelasticMaterial):
-            raise ValueError(
-                f"{type(m).__name__} has internal variables: a RollingProblem cannot carry them with the flow yet; "
-                "take an elastic material"
-            )
+    for tag, m in material.parts():
         m.mass_density(mesh)
+        if isinstance(m, InelasticMaterial):
+            _check_straight(m, cell_tags, motions, None if tag is None else material.cell_tags.find(tag))
     if any(c.pair.friction > 0.0 for c in contact):
+        if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
+            raise ValueError("friction together with internal variables that flow with the material comes later")
         for c in contact:
             if not isinstance(c, Lagrange):
                 raise ValueError(
@@ -57,6 +57,21 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
                 )
             if c.basis != "dual":
                 raise ValueError(f"{c.pair.name} has the basis {c.basis!r}: steady rolling with friction needs 'dual'")
+
+
+def _check_straight(m: InelasticMaterial, cell_tags: Any, motions: Any, cells: Any) -> None:
+    """Raise ValueError if cells of a material with internal variables spin, or do not move."""
+    for tag, motion in motions.items():
+        here = cell_tags.find(tag)
+        if not len(here if cells is None else np.intersect1d(here, cells)):
+            continue
+        if isinstance(motion, Spin):
+            raise ValueError(
+                f"{type(m).__name__} has internal variables, which a RollingProblem carries with straight flows "
+                f"(Translation) only: the body of tag {tag} spins, take an elastic material for it"
+            )
+        if not np.any(motion.velocity):
+            raise ValueError(f"{type(m).__name__} has internal variables: the body of tag {tag} must move")
 
 
 def solver(

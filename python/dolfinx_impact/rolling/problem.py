@@ -15,6 +15,7 @@ from dolfinx.mesh import MeshTags
 from petsc4py import PETSc
 
 from ..assembly import problem_arguments
+from ..assembly.history import MaterialHistory
 from ..common import arguments
 from ..common.collective import comm_of, guard
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
@@ -31,6 +32,7 @@ from .motions import Spin, Translation
 from .newton import RollingNewton
 from .reduced_contacts import ReducedContacts
 from .torque import Torque, TorqueControl
+from .transport import Transport
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
@@ -45,7 +47,7 @@ class RollingProblem(Unique):
 
     Args:
         u: displacement function. Its value is the initial guess, and becomes the solution [L].
-        material: elastic material or MaterialMap, with densities.
+        material: material or MaterialMap, with densities; internal variables flow with a Translation.
         cell_tags: tags of the bodies; every owned cell must carry one.
         motions: dict from cell tag to Spin or Translation.
         contact: contacts: dolfinx_impact.Lagrange(pair), with friction or without; dolfinx_impact.Penalty(pair)
@@ -64,9 +66,9 @@ class RollingProblem(Unique):
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
         ValueError: cells without a motion, motions without cells, a Spin of a body that is neither one of revolution
-            about its axis nor a sector that is held at its cuts, friction by penalty, materials with internal variables
-            or without density; or what StaticProblem
-            refuses. On all ranks.
+            about its axis nor a sector that is held at its cuts, friction by penalty, materials without density, bodies
+            with internal variables that spin, have friction or no streamlines of quadrature points; or what
+            StaticProblem refuses. On all ranks.
     """
 
     def __init__(
@@ -104,6 +106,7 @@ class RollingProblem(Unique):
         self._equilibrium = StaticProblem(
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
+        self._transport = Transport(self._equilibrium, self._flow) if self._equilibrium.body.inelastic else None
         self._safe: FloatArray | None = None  # largest rates at which stiffness minus W was found positive definite
         self._reduced: ReducedContacts | None = None
         if self._rubs:
@@ -137,6 +140,15 @@ class RollingProblem(Unique):
     def contact(self) -> list[LagrangeContact | PenaltyContact]:
         """Contacts with their results."""
         return self._equilibrium.contact
+
+    @property
+    def history(self) -> MaterialHistory:
+        """Internal variables of the materials by name, in the steady state.
+
+        Raises:
+            ValueError: no material has any.
+        """
+        return self._equilibrium.history
 
     @property
     def omega(self) -> float:
@@ -217,21 +229,34 @@ class RollingProblem(Unique):
             numbers = inputs.solver(steps, rtol, atol, max_iterations, cut_backs, torque, self._rubs, self._spin)
             ranks.same(motions=self.motions, **numbers)
         self._flow.update()
-        if self._reduced is None:
-            good = self._state()
-            report = p.solve(steps, rtol, atol, max_iterations, cut_backs, verbose)
+        if self._rubs:
+            for contact in self._rolling_contacts():
+                contact.check_directions()
+        good = self._state()
+
+        def equilibrium(number: int) -> Report:
+            if self._reduced is None:
+                return p.solve(number, rtol, atol, max_iterations, cut_backs, verbose)
+            with Interrupts(self.u.function_space.mesh.comm) as interrupts:
+                solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
+                report = run_steps(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)
+                if torque is not None:
+                    self._find_spin(solver, torque, report, verbose)
+                interrupts.check()
+            return report
+
+        if self._transport is None:
+            report = equilibrium(steps)
             self._check_speed(good)
             return report
-        for contact in self._rolling_contacts():
-            contact.check_directions()
-        good = self._state()
-        with Interrupts(self.u.function_space.mesh.comm) as interrupts:
-            solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
-            report = run_steps(p, solver, steps, 8 if cut_backs is None else cut_backs, verbose)
-            if torque is not None:
-                self._find_spin(solver, torque, report, verbose)
-            interrupts.check()
-        self._check_speed(good)
+        self._transport.update()
+        found = False
+        try:
+            report = self._transport.solve(lambda first: equilibrium(steps if first else 1))
+            found = True
+        finally:
+            if not found:
+                good()
         return report
 
     def sweep(
@@ -332,6 +357,7 @@ class RollingProblem(Unique):
         good, states = self.u.x.array.copy(), [c.save_state() for c in p.contact]
         ramps = [pair for load in p.loads if hasattr(load, "ramps") for pair in load.ramps()]
         reached = [value.copy() for _, value in ramps]
+        history = self._transport.state() if self._transport else None
 
         def bring_back() -> None:
             self.u.x.array[:] = good
@@ -339,6 +365,8 @@ class RollingProblem(Unique):
                 contact.restore_state(state)
             for (_, value), before in zip(ramps, reached):
                 value[...] = before
+            if self._transport and history is not None:
+                self._transport.restore(history)
 
         return bring_back
 

@@ -5,9 +5,11 @@ import contextlib
 import tempfile
 from pathlib import Path
 
+import basix
 import basix.ufl
 import numpy as np
 import pytest
+import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
@@ -372,3 +374,80 @@ def check_bad_starts():
     rolling = di.RollingProblem(fem.Function(V), rubber, tagged(domain), {1: spin}, bcs=held)
     with pytest.raises(ValueError, match="held in some directions only"):
         di.ExplicitProblem.from_rolling(rolling)
+
+
+def flowing_steel(domain, motion=None, contact=False):
+    """All displacements are prescribed: shear and stretch that grow, turn and fall along the flow, towards -x."""
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    whole = fem.Function(V)
+    whole.interpolate(
+        lambda x: [4e-3 * np.sin(x[0]) * x[1], 2e-3 * np.cos(1.3 * x[0]) * x[1] + 1e-3 * np.sin(2 * x[0])]
+    )
+    every = np.arange(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts, dtype=np.int32)
+    steel = di.J2Plasticity(
+        200e3, 0.3, yield_stress=300.0, hardening=5e3, density=1e-9, hypothesis="plane_strain", average=False
+    )
+    motions = {1: motion or di.Translation((-1.0, 0.0))}
+    u = fem.Function(V)
+    facets = mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[1], 0.0))
+    bottom = mesh.meshtags(domain, 1, np.sort(facets), np.full(len(facets), 7, np.int32))
+    pair = di.ContactPair(bottom, 7, di.RigidPlane((0.0, -1.0), (0.0, 1.0)), friction=0.3)
+    rubbing = [di.Lagrange(pair)] if contact else []
+    return di.RollingProblem(u, steel, tagged(domain), motions, contact=rubbing, bcs=[fem.dirichletbc(whole, every)])
+
+
+def radial_return(strains, E=200e3, nu=0.3, yield_stress=300.0, hardening=5e3):
+    """Equivalent plastic strain along a path of plane strains (n, 2, 2) from the virgin state; Simo and Hughes 3.3."""
+    G, plastic, total, out = E / 2 / (1 + nu), np.zeros((3, 3)), 0.0, []
+    for strain in strains:
+        e = np.zeros((3, 3))
+        e[:2, :2] = strain
+        trial = 2 * G * (e - np.eye(3) * np.trace(e) / 3 - plastic)
+        size = np.linalg.norm(trial)
+        excess = size - np.sqrt(2 / 3) * (yield_stress + hardening * total)
+        if excess > 0.0:
+            step = excess / (2 * G + 2 / 3 * hardening)
+            plastic, total = plastic + step * trial / size, total + np.sqrt(2 / 3) * step
+        out.append(total)
+    return np.array(out)
+
+
+def check_internal_variables_flow_with_the_material():
+    """The steady state of a given motion is, on each streamline, the law along the path of strains; 1e-10."""
+    domain = mesh.create_rectangle(COMM, [(0.0, 0.0), (6.0, 1.0)], (24, 3), mesh.CellType.quadrilateral)
+    problem = flowing_steel(domain)
+    problem.solve()
+    field = problem.history["plastic_strain"]
+    space, num = field.function().function_space, len(field.values)
+    rule, _ = basix.make_quadrature(basix.CellType.quadrilateral, field.degree)
+    gradient = fem.Expression(ufl.sym(ufl.grad(problem.u)), rule)
+    strain = gradient.eval(domain, np.arange(num, dtype=np.int32)).reshape(-1, 2, 2)
+    x = space.tabulate_dof_coordinates()[space.dofmap.list[:num]].reshape(-1, 3)
+    parts = COMM.allgather((x, strain, field.values.ravel()))
+    x, strain, found = (np.concatenate(column) for column in zip(*parts))
+    lines = np.round(x[:, 1], 6)
+    assert len(np.unique(lines)) == 6
+    for y in np.unique(lines):
+        at = np.flatnonzero(lines == y)
+        at = at[np.argsort(-x[at, 0])]
+        expected = radial_return(strain[at])
+        assert expected[-1] > 1e-3
+        np.testing.assert_allclose(found[at], expected, atol=1e-10 * expected[-1])
+    again = problem.history["plastic_strain"].values.copy()
+    problem.solve()  # it is a steady state
+    np.testing.assert_allclose(problem.history["plastic_strain"].values, again, atol=1e-12)
+
+
+def check_bad_flows_of_internal_variables():
+    domain = mesh.create_rectangle(COMM, [(0.0, 0.0), (6.0, 1.0)], (24, 3), mesh.CellType.quadrilateral)
+    x = domain.geometry.x
+    inner = (x[:, 1] > 0.1) & (x[:, 1] < 0.9) & (x[:, 0] > 0.1) & (x[:, 0] < 5.9)
+    x[inner, 1] += 0.03 * np.sin(7.0 * x[inner, 0])
+    with pytest.raises(ValueError, match=r"cell \d+ .*streamline of quadrature points"):
+        flowing_steel(domain)
+    with pytest.raises(ValueError, match="the body of tag 1 spins"):
+        flowing_steel(ring(), motion=di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.1))
+    with pytest.raises(ValueError, match="comes later"):
+        flowing_steel(mesh.create_unit_square(COMM, 4, 4), contact=True)
+    with pytest.raises(ValueError, match="must move"):
+        flowing_steel(domain, motion=di.Translation((0.0, 0.0)))
