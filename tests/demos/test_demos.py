@@ -22,6 +22,7 @@ FILES = {
     ),
     "wheel_contact": ("points.csv", "points.h5", "wheel_contact.bp", "wheel_contact.png"),
     "block_own_form": ("block.bp", "block_own_form.png"),
+    "wheel_rail_creep": ("curve.csv", "curve.h5", "wheel_rail_creep.bp", "wheel_rail_creep.png"),
     "creep_curve": ("creep_curve.bp", "creep_curve.png", "curve.csv", "curve.h5"),
     "hertz_cylinder": (
         "convergence.csv", "convergence.h5", "hertz_cylinder.bp", "hertz_cylinder.png", "pressure.csv", "pressure.h5",

@@ -91,9 +91,14 @@ def exact(name, p):
         return {"master_body": quarters * p["block_width"] ** 2 * p["block_height"], "slave_body": quarters * slave}
     halves = {"quarter": 0.25, "half": 0.5, "none": 1.0}[p.get("symmetry", "none")]
     radius = p.get("radius", p.get("wheel_radius"))
-    wheel = halves * pi * (radius**2 - p["hub_radius"] ** 2) * p.get("wheel_width", 1.0)
+    wheel = halves * pi * (radius**2 - p.get("hub_radius", 0.0) ** 2) * p.get("wheel_width", 1.0)
     if name == "wheel_on_rail_2d":
         return {"master_body": halves * p["rail_length"] * p["rail_height"], "slave_body": wheel}
+    if name == "rolling_contact_3d":
+        size, R = p["reach"] * max(p["a"], p["b"]), p["crown_radius"]
+        drop = R * size - (size * np.sqrt(R**2 - size**2) + R**2 * np.arcsin(size / R)) / 2
+        sector = size / radius * (radius**2 - (radius - size) ** 2)
+        return {"master_body": 2 * size * (size**2 - drop), "slave_body": size * sector}
     if name == "wheel_on_rail_3d":
         area = wheel_rail.rail_area(p["crown_radius"], p["rail_height"])
         return {"master_body": halves * area * p["rail_length"], "slave_body": wheel}
@@ -140,6 +145,7 @@ CASES = {
     "cone": ("cone", {}, True),
     "wheel_2d": ("wheel_on_rail_2d", {}, True),
     "wheel_3d": ("wheel_on_rail_3d", {"a": 0.011, "rail_length": 0.4, "coarse": 0.08}, True),
+    "rolling_contact": ("rolling_contact_3d", {"cells": 4}, True),
     "joint_2d": ("rail_joint_2d", {}, False),
     "joint_2d_wheel": ("rail_joint_2d", {"wheel": True, "end_post": "loose", "wheel_x": 0.1}, True),
     "joint_2d_rolling": (

@@ -10,7 +10,7 @@ from mpi4py import MPI
 RECIPES = {name for name, _, _ in CASES.values()}
 QUALITY = {"quadrilateral": 0.3, "hexahedron": 0.3, "triangle": 0.25, "tetrahedron": 0.005}
 CUBE = {"block_3d", "two_blocks_3d", "two_bars_3d", "sphere", "sphere_whole", "cone", "wheel_3d"}
-CUBE |= {"punch_3d", "wedge_3d", "joint_3d", "joint_3d_wheel", "joint_3d_rolling"}
+CUBE |= {"punch_3d", "wedge_3d", "joint_3d", "joint_3d_wheel", "joint_3d_rolling", "rolling_contact"}
 
 
 def cells_of(case):

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: MIT
+"""The command `dolfinx-impact creep`: its arguments, its files, and what it refuses."""
+
+import argparse
+import csv
+
+import numpy as np
+import pytest
+
+from dolfinx_impact.creep import run
+
+
+def test_sequences():
+    np.testing.assert_allclose(run.sequence("0:3e-3:4"), [0.0, 1e-3, 2e-3, 3e-3])
+    np.testing.assert_allclose(run.sequence("1e-3,2e-3"), [1e-3, 2e-3])
+    np.testing.assert_allclose(run.sequence("0.5"), [0.5])
+    for text in ("0:1", "0:1:0", "a", "0:1:2:3", "nan", "1,,2", ""):
+        with pytest.raises(argparse.ArgumentTypeError, match="FIRST:LAST:COUNT|finite"):
+            run.sequence(text)
+
+
+@pytest.mark.parametrize("argument", ["--load=-1", "--friction=0", "--radius=inf", "--speed=fast", "--creep=0:1"])
+def test_numbers_that_cannot_be_used(argument, capsys):
+    with pytest.raises(SystemExit) as exit:
+        run.main([argument])
+    assert exit.value.code == 2 and argument.split("=")[0] in capsys.readouterr().err
+
+
+def test_wheels_that_cannot_be_used(tmp_path, capsys):
+    assert run.main(["--crown-radius", "0.01", "--output", str(tmp_path)]) == 2
+    assert "crown_radius" in capsys.readouterr().out
+
+
+def test_files(tmp_path, capsys):
+    """Lateral creep: the whole contact; the force is against the creep, and there is a table and a picture."""
+    given = ["--cells", "2", "--creep", "1e-3", "--lateral", "0:2e-3:2", "--output", str(tmp_path)]
+    assert run.main(given) == 0
+    assert "unknowns" in capsys.readouterr().out
+    with open(tmp_path / "curve.csv", newline="") as file:
+        rows = [row for row in csv.reader(line for line in file if not line.startswith("#"))]
+    names = [name.split(" ")[0] for name in rows[0]]
+    last = dict(zip(names, map(float, rows[-1])))
+    first = dict(zip(names, map(float, rows[-2])))
+    assert last["lateral"] == 2e-3 and last["Fy"] < -0.1 * last["Fx"] < 0.0
+    assert abs(first["Fy"]) < 0.02 * first["Fx"]
+    assert np.hypot(last["Fx"], last["Fy"]) == pytest.approx(last["ratio"] * 0.3 * last["Fz"], rel=1e-6)
+    assert last["Fz"] == pytest.approx(100e3, rel=0.01)
+    for name in ("creep.png", "curve.h5", "points.h5", "parameters.json"):
+        assert (tmp_path / name).is_file()
