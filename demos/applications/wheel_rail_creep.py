@@ -12,6 +12,7 @@ import os
 
 import numpy as np
 
+import dolfinx_impact as di
 from dolfinx_impact.creep import figure
 from dolfinx_impact.creep.model import CreepModel, WheelOnRail
 from dolfinx_impact.io import plots
@@ -79,6 +80,7 @@ def draw():
 
 run.pictures(draw)
 run.print(f"results in {run.path}")
+assert np.any(model.contact.status == di.ContactStatus.stick), "nothing sticks"
 theirs = np.array([published[round(float(c), 6)] for c in creep if round(float(c), 6) in published])
 ours = np.array([r for c, r in zip(creep, curve["ratio"]) if round(float(c), 6) in published])
 error = np.abs(ours / theirs - 1.0).max()
