@@ -36,7 +36,7 @@ run = RunFolder(name="wheel_rail_creep", parameters={"load": wheel.load, "fricti
 model = CreepModel(wheel)
 hertz = model.hertz
 run.print(f"{model.num_unknowns} unknowns, contact of {1e3 * hertz.a:.2f} mm by {1e3 * hertz.b:.2f} mm (half-axes)")
-run.print(f"largest pressure {model.contact.pressure.max() / 1e6:.1f} MPa, Hertz {hertz.peak_pressure / 1e6:.1f} MPa")
+run.print(f"largest pressure {model.peak_pressure / 1e6:.1f} MPa, Hertz {hertz.peak_pressure / 1e6:.1f} MPa")
 
 # ## The curve
 
@@ -80,7 +80,7 @@ def draw():
 
 run.pictures(draw)
 run.print(f"results in {run.path}")
-assert np.any(model.contact.status == di.ContactStatus.stick), "nothing sticks"
+assert tractions is None or np.any(tractions.status == di.ContactStatus.stick), "nothing sticks"  # on rank 0
 theirs = np.array([published[round(float(c), 6)] for c in creep if round(float(c), 6) in published])
 ours = np.array([r for c, r in zip(creep, curve["ratio"]) if round(float(c), 6) in published])
 error = np.abs(ours / theirs - 1.0).max()

@@ -122,6 +122,11 @@ class CreepModel:
         assert isinstance(found, RollingContact)
         return found
 
+    @property
+    def peak_pressure(self) -> float:
+        """Largest contact pressure, of all ranks [Pa]. Collective."""
+        return float(self.contact.comm.allreduce(float(self.contact.pressure.max(initial=0.0)), MPI.MAX))
+
     def _press(self, frictionless: RollingProblem) -> None:
         """Find the approach that bears the load, without friction, by the secant method. Collective."""
         found: list[tuple[float, float]] = []
