@@ -14,8 +14,8 @@ def check_runs_are_those_of_one_rank():
         def histories(comm, variant=variant):
             problem = block_on_block(comm, **variant)
             # The tolerance of Newton's method is relative to forces in a step, which are larger than those that act.
-            # With steps of DT bodies that yield take Newton's method to its largest number of iterations, and round-off,
-            # which MUMPS does not repeat on several ranks, decides whether a step is halved.
+            # With steps of DT bodies that yield take Newton's method to its largest number of iterations, and
+            # round-off, which MUMPS does not repeat on several ranks, decides whether a step is halved.
             problem.advance(5 * DT, 0.5 * DT, progress=False, rtol=1e-12)
             assert COMM.size == 1 or problem.step == 10  # of SOME no step is halved
             return problem.energy_history, problem.force_history[0]
