@@ -178,20 +178,29 @@ class RollingModel:
                 return body, motion
         raise ValueError("no body spins")
 
-    def moment(self, force: FloatArray, u: FloatArray) -> float:
+    def moment(self, force: FloatArray, u: FloatArray, fixed_dofs: ArrayLike = ()) -> float:
         """Moment of forces on the first spinning body about its axis, at the deformed places.
+
+        The axis moves in each direction by the average displacement of the body's supports in it.
 
         Args:
             force: nodal forces, shape (num_dofs) [F].
             u: displacements, shape (num_dofs) [L].
+            fixed_dofs: prescribed degrees of freedom, shape (num_fixed).
 
         Returns:
             Moment [F L].
         """
         body, spin = self.first_spin()
         at = self._body_of_node == body
+        centre = _vector(spin.centre).copy()
+        fixed = _integers(fixed_dofs, "fixed_dofs", 1)
+        for direction in range(self.gdim):
+            supports = [dof for dof in np.unique(fixed) if dof % self.gdim == direction and at[dof // self.gdim]]
+            if supports:
+                centre[direction] += np.mean(u[supports])
         arm, f = np.zeros((at.sum(), 3)), np.zeros((at.sum(), 3))
-        arm[:, : self.gdim] = (self.model.field_points + u.reshape(-1, self.gdim))[at] - _vector(spin.centre)
+        arm[:, : self.gdim] = (self.model.field_points + u.reshape(-1, self.gdim))[at] - centre
         f[:, : self.gdim] = force.reshape(-1, self.gdim)[at]
         return float(np.sum(np.cross(arm, f) @ spin.unit))
 
@@ -360,7 +369,7 @@ class RollingModel:
             found = solved(0.0, first, steps)
             if contact.friction > 0.0:
                 found = self._with_friction(solved, contact.friction, found)
-        return self._result(contact, found, V0, B, obstacle, basis)
+        return self._result(contact, found, V0, B, obstacle, basis, fixed)
 
     @staticmethod
     def _with_friction(
@@ -396,6 +405,7 @@ class RollingModel:
         B: Csr,
         obstacle: FloatArray,
         basis: str,
+        fixed: IntArray,
     ) -> RollingSolution:
         u, z = found.u, found.multipliers
         assert z is not None
@@ -419,7 +429,7 @@ class RollingModel:
             gap=found.gap,
             slip_velocity=slip,
             status=found.status,
-            torque=-self.moment(found.contact_force, u) if spins else float("nan"),
+            torque=-self.moment(found.contact_force, u, fixed) if spins else float("nan"),
             friction_power=power,
             state=found.state,
         )

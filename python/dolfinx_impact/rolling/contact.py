@@ -146,9 +146,31 @@ class RollingContact(LagrangeContact):
         assert self.jump is not None and self.velocity_jump is not None
         owned = self.geometry.index_map.size_local
         velocity = self.means(self.jump, self._w[:owned].ravel()) + self.means(self.velocity_jump, u)
+        return velocity + self.imposed_velocity()
+
+    def imposed_velocity(self) -> FloatArray:
+        """Part of the velocity of slave against master that is not of nodes: of a rigid master, and lateral and spin
+        creep, (n, gdim) [L/T]. Collective."""
+        velocity = self._flow.creepage(self)
         if self.pair.rigid:
             velocity = velocity - self._flow.rigid_velocity(self.pair.rigid_master)[: self.gdim]
-        return velocity + self._flow.creepage(self)
+        return velocity
+
+    def material_velocity(self) -> FloatArray:
+        """Velocity of the material at the nodes of both surfaces, w elsewhere, owned nodes, (nodes, gdim) [L/T].
+        Collective."""
+        assert self._derivative is not None
+        owned = self.geometry.index_map.size_local
+        u = self.geometry.u[: self.gdim * owned].reshape(-1, self.gdim)
+        x, y = self._derivative.createVecRight(), self._derivative.createVecLeft()
+        velocity = self._w[:owned].copy()
+        for c in range(self.gdim):
+            x.array[:] = u[:, c]
+            self._derivative.mult(x, y)
+            velocity[:, c] += y.array_r
+        x.destroy()
+        y.destroy()
+        return velocity
 
     def check_directions(self) -> None:
         """Refuse bodies that move against each other, or not at all, where they are nearest. Collective.
@@ -191,17 +213,9 @@ class RollingContact(LagrangeContact):
         Args:
             spin: of the body.
         """
-        assert self.jump is not None and self._derivative is not None
-        owned = self.geometry.index_map.size_local
-        u = self.geometry.u[: self.gdim * owned].reshape(-1, self.gdim)
-        x, y = self._derivative.createVecRight(), self._derivative.createVecLeft()
-        velocity = self._w[:owned].copy()
-        for c in range(self.gdim):
-            x.array[:] = u[:, c]
-            self._derivative.mult(x, y)
-            velocity[:, c] += y.array_r
-        x.destroy()
-        y.destroy()
+        assert self.jump is not None
+        velocity = self.material_velocity()
+        owned = len(velocity)
         turning = self._flow.nodes_of(spin)
         part = np.zeros_like(velocity)
         part[turning[turning < owned]] = velocity[turning[turning < owned]] / spin.omega

@@ -30,6 +30,7 @@ from .contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
 from .newton import RollingNewton
+from .power_balance import PowerBalance, power_balance
 from .reduced_contacts import ReducedContacts
 from .torque import Torque, TorqueControl
 from .transport import Transport
@@ -113,9 +114,7 @@ class RollingProblem(Unique):
             p = self._equilibrium
             self._reduced = ReducedContacts(mesh.comm, np.flatnonzero(p.fixed[: p.num_owned]))
         if self._spin is not None:
-            nodes = self._flow.nodes_of(self._spin)
-            owned = nodes[nodes < u.function_space.dofmap.index_map.size_local]
-            self._torque = Torque(self._equilibrium, self._spin, owned)
+            self._torque = self._torque_on(self._spin)
 
     def _check_tags(self, cell_tags: MeshTags) -> None:
         """Raise ValueError on all ranks unless cells and motions have the same tags."""
@@ -132,6 +131,11 @@ class RollingProblem(Unique):
         untagged = sum(count for _, count in found)
         if untagged:
             raise ValueError(f"{untagged} cells carry no tag: every cell needs a motion")
+
+    def _torque_on(self, spin: Spin) -> Torque:
+        """Torque on the body with a spin."""
+        nodes = self._flow.nodes_of(spin)
+        return Torque(self._equilibrium, spin, nodes[nodes < self.u.function_space.dofmap.index_map.size_local])
 
     def __repr__(self) -> str:
         return f"RollingProblem({self.motions}, {self._equilibrium!r})"
@@ -399,11 +403,27 @@ class RollingProblem(Unique):
         """Torque that drives the body of the first Spin: minus the moment of the contact forces about its axis, at
         deformed places, positive along the axis [F L]; per length in the plane. Collective.
 
+        The axis moves with the body's supports, by the mean of their prescribed displacements.
+
         Raises:
             ValueError: no body spins.
         """
         self._first_spin()
         return sum(self._torque.of(contact.contact_forces()) for contact in self.contact)
+
+    def power_balance(self) -> PowerBalance:
+        """Power that drives the bodies, and where it goes, in the present state. Collective.
+
+        Returns:
+            Driving, friction and rolling power [F L/T]; per length in the plane.
+
+        Raises:
+            ValueError: no contact has friction; on all ranks.
+        """
+        if not self._rubs:
+            raise ValueError("no contact has friction: steady rolling takes no power")
+        torques = [self._torque_on(m) for m in self.motions.values() if isinstance(m, Spin)]
+        return power_balance(self._flow, torques, self._rolling_contacts())
 
     def velocity(self) -> fem.Function:
         """Velocity of the material, w + (Grad u) w, projected on the displacement space. Collective.

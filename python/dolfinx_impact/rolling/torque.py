@@ -26,7 +26,7 @@ FARTHEST = 0.1  # of the speed: changes of slip velocity beyond which the torque
 
 
 class Torque:
-    """Moment of the contact forces on a body about the axis of its spin.
+    """Moment of the contact forces on a body about the axis of its spin, which moves with the body's supports.
 
     Args:
         problem: static problem of the bodies.
@@ -40,6 +40,21 @@ class Torque:
         self._arm = np.zeros((len(nodes), 3))
         self._arm[:, :gdim] = problem.space.tabulate_dof_coordinates()[nodes, :gdim] - spin.point
         self._gdim = gdim
+
+    @property
+    def axle(self) -> FloatArray:
+        """Displacement of the axis: per component the mean of the body's prescribed displacements, (3) [L]. Collective."""
+        p = self._problem
+        held = p.fixed[: p.num_owned].reshape(-1, self._gdim)[self._nodes]
+        sums = np.array([held.sum(axis=0), np.where(held, self._here(p.u.x.array), 0.0).sum(axis=0)], dtype=float)
+        count, total = p.space.mesh.comm.allreduce(sums)
+        moved: FloatArray = np.zeros(3)
+        moved[: self._gdim] = total / np.maximum(count, 1.0)
+        return moved
+
+    def _deformed(self) -> FloatArray:
+        """axis x (deformed place - a point on the axis), (nodes, gdim) [L]. Collective."""
+        return self._turned(self._arm - self.axle) + self._turned(self._here(self._problem.u.x.array))
 
     def _turned(self, vectors: FloatArray) -> FloatArray:
         """axis x vectors, (nodes, gdim)."""
@@ -58,15 +73,12 @@ class Torque:
             forces: contact forces, owned dofs [F].
             moved: displacements by which places change; None: the moment itself [L].
         """
-        lever = self._turned(self._arm) + self._turned(self._here(self._problem.u.x.array))
-        if moved is not None:
-            lever = self._turned(self._here(moved))
+        lever = self._deformed() if moved is None else self._turned(self._here(moved))
         return -float(self._problem.space.mesh.comm.allreduce(float(np.sum(self._here(forces) * lever))))
 
     def lever(self) -> FloatArray:
-        """Derivative of the torque by forces, owned dofs [L]."""
-        turned = self._turned(self._arm) + self._turned(self._here(self._problem.u.x.array))
-        return self._spread(-turned)
+        """Derivative of the torque by forces, owned dofs [L]. Collective."""
+        return self._spread(-self._deformed())
 
     def lever_of(self, forces: FloatArray) -> FloatArray:
         """Derivative of `of(forces, moved)` by the displacements, owned dofs [F].
@@ -80,6 +92,16 @@ class Torque:
         out = np.zeros((self._problem.num_owned // self._gdim, self._gdim))
         out[self._nodes] = vectors
         return out.ravel()
+
+    def velocities(self) -> FloatArray:
+        """Velocities of a rigid body that turns with the spin about the axis, owned nodes, (nodes, gdim) [L/T].
+        Collective."""
+        return self._spin.omega * self._deformed()
+
+    @property
+    def nodes(self) -> IntArray:
+        """Owned nodes of the body."""
+        return self._nodes
 
     @property
     def reach(self) -> float:

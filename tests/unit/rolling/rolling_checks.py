@@ -231,7 +231,8 @@ def problem_torque(problem, curve, k):
     forces, u = contact.contact_forces().reshape(-1, 3), problem.u
     num = len(forces)
     places = u.function_space.tabulate_dof_coordinates()[:num] + u.x.array[: 3 * num].reshape(-1, 3)
-    moment = COMM.allreduce(np.cross(places, forces).sum(axis=0))
+    axle = np.array([0.0, -0.01, 0.0])  # as the hub is displaced
+    moment = COMM.allreduce(np.cross(places - axle, forces).sum(axis=0))
     assert problem.torque == pytest.approx(-moment[2], rel=1e-12)
     return problem.torque
 
@@ -243,6 +244,21 @@ def check_free_rolling():
     assert -1.05 < problem.omega < -1.0  # the pressed wheel has a smaller radius, and turns faster
     status = problem.contact[0].status
     assert COMM.allreduce(np.count_nonzero(status == di.ContactStatus.stick)) > 0
+
+
+def check_power_balance():
+    """What drives is what friction and deformation take, to the solver's tolerance; with all creepages."""
+    for law in (di.LinearElastic, di.NeoHookean):
+        problem = wheel_on_plane(law=law)
+        problem.sweep(creep=[0.04], lateral=[2e-3], spin=[0.05], progress=False)
+        balance, contact = problem.power_balance(), problem.contact[0]
+        # The plane moves with -1 along x. Spin creep drives as well: all of it is more than torque and traction.
+        driven = problem.torque * problem.omega - contact.force[0] * 1.0
+        assert balance.driving > driven > 0.0
+        assert balance.friction == pytest.approx(contact.friction_power, rel=1e-12)
+        assert balance.friction + balance.rolling == pytest.approx(balance.driving, rel=1e-9)
+    with pytest.raises(ValueError, match="no contact has friction"):
+        wheel_on_plane(friction=0.0).power_balance()
 
 
 def check_a_sweep_goes_on_where_it_was_stopped():
