@@ -43,7 +43,7 @@ class Torque:
 
     @property
     def axle(self) -> FloatArray:
-        """Displacement of the axis: per component the mean of the body's prescribed displacements, (3) [L]. Collective."""
+        """Displacement of the axis, (3): in each component the mean of the body's prescribed ones [L]. Collective."""
         p = self._problem
         held = p.fixed[: p.num_owned].reshape(-1, self._gdim)[self._nodes]
         sums = np.array([held.sum(axis=0), np.where(held, self._here(p.u.x.array), 0.0).sum(axis=0)], dtype=float)
