@@ -37,6 +37,9 @@ FILES = {
         "rail_joint_energy.png", "rail_joint_force.png", "rail_joint_sequence.png",
     ),
     "rolling_three_ways": ("history.csv", "history.h5", "rolling_three_ways.bp", "rolling_three_ways.png"),
+    "standing_waves": (
+        "campbell.csv", "campbell.h5", "rail_0.bp", "rail_80.bp", "rail_95.bp", "standing_waves.png",
+    ),
     "rolling_disc": ("rim.csv", "rim.h5", "rolling_disc.bp", "rolling_disc.png"),
 }  # fmt: skip
 

@@ -150,6 +150,15 @@ class Flow:
         for master, constant, _ in self._rigid.values():
             constant.value = master.velocity
 
+    def scale(self, factor: float) -> None:
+        """Change the rates of the motions, until `update`.
+
+        Args:
+            factor: by which they are multiplied.
+        """
+        for constant in self._constants.values():
+            constant.value = factor * np.asarray(constant.value)
+
     def ramps(self) -> list[tuple[fem.Constant, FloatArray]]:
         """Pairs (constant, value reached by earlier solves): what load steps run through."""
         bodies = [(self._constants[tag], self._reached[tag]) for tag in self._motions]
@@ -177,6 +186,16 @@ class Flow:
             return ale.ale_inertia(u, v, density, constant, dx)
 
         return self._sum(inertia, u, material)
+
+    def softening(self, u: fem.Function, du: Any, v: Any) -> ufl.Form:
+        """Bilinear form W; seed (3.57).
+
+        Args:
+            u: displacement function [L].
+            du: trial function.
+            v: test function.
+        """
+        return ufl.derivative(self.form(u, v, self._material), u, du)
 
     def gyroscopic(self, u: fem.Function, du: Any, v: Any) -> ufl.Form:
         """Bilinear form G, skew-symmetric; seed (3.56).

@@ -14,7 +14,7 @@ from dolfinx import fem
 from dolfinx.mesh import MeshTags
 from petsc4py import PETSc
 
-from ..assembly import problem_arguments
+from ..assembly import problem_arguments, rigid_body_modes
 from ..assembly.history import MaterialHistory
 from ..common import arguments
 from ..common.collective import comm_of, guard
@@ -31,6 +31,7 @@ from .flow import Flow
 from .motions import Spin, Translation
 from .newton import RollingNewton
 from .power_balance import PowerBalance, power_balance
+from .progress import progress_bar
 from .reduced_contacts import ReducedContacts
 from .torque import Torque, TorqueControl
 from .transport import Transport
@@ -38,6 +39,9 @@ from .transport import Transport
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
     from ..contact.penalty.penalty import Penalty, PenaltyContact
+
+
+AHEAD = 1.1  # of the rates: so far beyond them a linear body's critical speed is looked for
 
 
 class RollingProblem(Unique):
@@ -379,6 +383,14 @@ class RollingProblem(Unique):
         p, rates = self._equilibrium, np.concatenate([np.abs(np.ravel(r)) for r in self._flow.reached()])
         if p.body.linear and self._safe is not None and np.all(rates <= self._safe):
             return  # W grows with the rates: slower bodies with the same stiffness are stable as well
+        if p.body.linear:
+            # Looking beyond the present rates spares the factors that each point of a rising creep curve would need.
+            self._flow.scale(AHEAD)
+            beyond = stability.negative_directions(p)
+            self._flow.update()
+            if not beyond:
+                self._safe = AHEAD * rates
+                return
         negative = stability.negative_directions(p)
         if not negative:
             self._safe = rates
@@ -485,7 +497,7 @@ class RollingProblem(Unique):
         with guard(p.space.mesh.comm, "RollingProblem.frequencies", n=n):
             n = arguments.integer("n", n, 1)
             if any(c.has_multipliers for c in p.contact):
-                raise ValueError("frequencies with Lagrange contacts come later: enforce the contact by Penalty")
+                raise ValueError("frequencies are those of bodies with contact by penalty: replace Lagrange by Penalty")
         self._flow.update()
         v, du = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)
         K = stability.held_tangent(p)
@@ -498,6 +510,68 @@ class RollingProblem(Unique):
         if growing and p.space.mesh.comm.rank == 0:
             warnings.warn(f"{growing} modes grow: beyond a critical speed; they are left out", stacklevel=2)
         return found
+
+    def campbell(self, omegas: ArrayLike, n: int, progress: bool = True, **options: Any) -> dict[str, FloatArray]:
+        """Campbell diagram: steady state and frequencies for a sequence of spins of the first body. Collective.
+
+        The problem is left in the last state.
+
+        Args:
+            omegas: angular velocities, (m) [1/T].
+            n: number of frequencies of each [1].
+            progress: show a progress bar on rank 0.
+            options: of `solve`.
+
+        Returns:
+            Arrays by name: omega (m) [1/T]; frequencies (m, n), signed, sorted by modulus [rad/T].
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: no body has a Spin; no or other than finite numbers; or as in `frequencies`; on all ranks.
+            RuntimeError: as in `solve` and `frequencies`; on all ranks.
+        """
+        comm = self.u.function_space.mesh.comm
+        with guard(comm, "RollingProblem.campbell", n=n) as ranks:
+            spin = self._first_spin()
+            values = np.array([arguments.number("omegas", x) for x in np.ravel(np.asarray(omegas, dtype=object))])
+            if len(values) == 0:
+                raise ValueError("omegas is empty: give at least one angular velocity")
+            ranks.same(omegas=values)
+        rows = []
+        with progress_bar(comm, progress, len(values)) as show:
+            for k, omega in enumerate(values):
+                show(k, f"omega {omega:.4g}")
+                spin.omega = float(omega)
+                self.solve(**options)
+                rows.append(self.frequencies(n))
+            show(len(values), "")
+        return {"omega": values, "frequencies": np.array(rows)}
+
+    def critical_factor(self) -> float:
+        """Factor on the present rates at which stiffness minus W becomes singular: times omega it is the critical
+        angular velocity, at which a wave that runs against the spin stands still. Collective.
+
+        The stiffness is that of the present state, with contacts by penalty and without those by multipliers: exact for
+        `LinearElastic` bodies; with finite strain it changes with the spin, and the factor at a state near the critical
+        one, where it is near 1, tells.
+
+        Returns:
+            The factor; infinite where nothing moves [1].
+
+        Raises:
+            ValueError: a body is not held against rigid motion; on all ranks.
+            RuntimeError: the eigensolver found none; on all ranks.
+        """
+        p = self._equilibrium
+        self._flow.update()
+        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, [], self.u.x.array)
+        if loose:
+            raise ValueError(f"there is no critical speed, as nothing resists rigid motion: {'; '.join(loose)}")
+        v, du = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)
+        W = self._matrix(self._flow.softening(self.u, du, v))
+        factor = stability.critical_factor(p, W)
+        W.destroy()
+        return factor
 
     def _matrix(self, form: ufl.Form) -> PETSc.Mat:
         """Matrix of a bilinear form, zero at supports."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whether a steady state is below its critical speed: stiffness minus W must be positive definite."""
+"""Whether a steady state is below its critical speed: stiffness minus W must be positive definite; and that speed."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..statics.problem import StaticProblem
+
+FACTOR_TOLERANCE = 1e-10  # relative, of the eigenvalue that gives the critical speed
 
 
 def held_tangent(problem: StaticProblem) -> PETSc.Mat:
@@ -27,6 +29,45 @@ def held_tangent(problem: StaticProblem) -> PETSc.Mat:
     K.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
     K.zeroRowsColumns(rows.astype(np.int32), 1.0)
     return K
+
+
+def critical_factor(problem: StaticProblem, W: PETSc.Mat) -> float:
+    """Factor on all rates at which stiffness minus W becomes singular; the stiffness stays as it is. Collective.
+
+    The smallest f with (K - f^2 W) x = 0: 1/f^2 is the largest eigenvalue of W x = (1/f^2) K x.
+
+    Args:
+        problem: static problem whose body includes W, held against rigid motion.
+        W: at the present rates, zero at supports [F/L].
+
+    Returns:
+        The factor, infinite without a flow [1].
+
+    Raises:
+        RuntimeError: the eigensolver found none.
+    """
+    from slepc4py import SLEPc
+
+    if W.norm() == 0.0:
+        return float("inf")
+    K = held_tangent(problem)
+    K.axpy(1.0, W, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    eps = SLEPc.EPS().create(K.getComm())
+    eps.setOperators(W, K)
+    eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
+    eps.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
+    eps.setTolerances(FACTOR_TOLERANCE, 1000)
+    ksp = eps.getST().getKSP()
+    ksp.setType("preonly")
+    ksp.getPC().setType("cholesky")
+    ksp.getPC().setFactorSolverType("mumps")
+    eps.solve()
+    found = float(eps.getEigenvalue(0).real) if eps.getConverged() else float("nan")
+    eps.destroy()
+    K.destroy()
+    if not found > 0.0:
+        raise RuntimeError("the eigensolver did not find the critical speed")
+    return found**-0.5
 
 
 def negative_directions(problem: StaticProblem) -> int:

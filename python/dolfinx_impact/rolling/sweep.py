@@ -13,6 +13,7 @@ from mpi4py import MPI
 
 from ..common.types import FilePath, FloatArray
 from ..io import hdf5
+from .progress import progress_bar
 
 INPUTS = ("creep", "lateral", "spin")
 UNITS = {"creep": "1", "lateral": "1", "spin": "1/L", "force": "F", "torque": "F L", "omega": "1/T"}
@@ -145,14 +146,10 @@ def run(
     if fault:
         raise ValueError(fault)
     total = len(points["creep"])
-    bar = _bar(comm, progress, total)
-    try:
+    with progress_bar(comm, progress, total) as show:
         for k in range(len(rows), total):
             here = tuple(float(points[name][k]) for name in INPUTS)
-            if bar:
-                bar.update(
-                    0, completed=k, description=f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}"
-                )
+            show(k, f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}")
             rows.append({**dict(zip(INPUTS, here)), **solve(*here)})
             if file is not None:
                 if comm.rank == 0:
@@ -163,19 +160,5 @@ def run(
                 fault = comm.bcast(fault)
                 if fault:
                     raise RuntimeError(fault)
-    finally:
-        if bar:
-            bar.update(0, completed=len(rows))
-            bar.stop()
+        show(total, "")
     return {name: np.array([row[name] for row in rows]) for name in UNITS}
-
-
-def _bar(comm: MPI.Comm, wanted: bool, total: int) -> Any:
-    if not wanted or comm.rank != 0:
-        return None
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    bar = Progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    bar.add_task("", total=total)
-    bar.start()
-    return bar

@@ -84,6 +84,7 @@ class Newton:
         self.conservative = self.rough and all(c.pair.friction == 0.0 for c in problem.contact)
         # Linear solutions are more accurate than asked for by this factor; with factors, accuracy is cheap.
         self.margin = 1e-3 if problem.linear_solver.direct else 0.3
+        self._diameters: FloatArray | None = None
         self.seconds: dict[str, float] = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
         if self.saddle:
             sizes, gdim = [len(c.nodes) for c in self.multipliers], problem.space.mesh.geometry.dim
@@ -333,11 +334,30 @@ class Newton:
         return self.norm(forces)
 
     def _round_off(self, K: PETSc.Mat) -> float:
-        """Norm of the round-off in the residual of a stiff body with a rigid displacement [F]. Collective."""
+        """Norm of the round-off in the residual [F]. Collective.
+
+        That of a stiff body with a rigid displacement; with finite strain also that of 1 + Grad u, which is the
+        stiffness times a cell's size, however small u is.
+        """
+        p = self.problem
+        moved = np.abs(p.u.x.array[: self.num_owned])
+        if p.material is not None and not p.body.linear and not p.body.has_inertia:
+            moved = moved + self._sizes()
         diagonal = K.getDiagonal()
-        forces = diagonal.array * self.problem.u.x.array[: self.num_owned]
+        forces = diagonal.array * moved
         diagonal.destroy()
         return 4 * np.finfo(float).eps * self.norm(forces)
+
+    def _sizes(self) -> FloatArray:
+        """Diameter of the smallest cell at each owned degree of freedom [L]."""
+        if self._diameters is None:
+            V = self.problem.space
+            mesh, dofs = V.mesh, V.dofmap.list
+            cells = np.arange(len(dofs), dtype=np.int32)
+            smallest = np.full(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts, np.inf)
+            np.minimum.at(smallest, dofs, mesh.h(mesh.topology.dim, cells)[:, None])
+            self._diameters = np.repeat(smallest, V.dofmap.index_map_bs)[: self.num_owned]
+        return self._diameters
 
     # --- the linear problem ----------------------------------------------------------------------------------------
 

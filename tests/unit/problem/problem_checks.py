@@ -138,6 +138,24 @@ def check_newton():
     assert all(b / norms[0] < 10 * (a / norms[0]) ** 2 for a, b in seen), norms
 
 
+def check_tiny_load_on_finite_strain():
+    """Round-off of 1 + Grad u makes residuals that do not fall with the load: Newton's method stops there, and the
+    displacement is that of linear elasticity."""
+    found = []
+    for law in (di.LinearElastic, di.NeoHookean, di.StVenantKirchhoff):
+        domain = body("quadrilateral", 8)
+        V = space(domain, 2)
+        u = fem.Function(V)
+        load = di.Traction(facets_at(domain, x=1.0), 1, (0.0, 1e-2))
+        steel = law(2e8, 0.3, hypothesis="plane_strain")
+        report = di.StaticProblem(u, steel, bcs=[clamp(V)], loads=[load]).solve()
+        assert report.converged and sum(report.iterations) <= 3
+        found.append(u.x.array.copy())
+    for other in found[1:]:
+        # The strain is 1e-10, of which eps is 1e-6.
+        assert largest(other - found[0]) < 1e-4 * largest(found[0])
+
+
 def check_own_residual():
     """A residual of the user's equals the same material; loads change between solves."""
     domain = body("triangle")

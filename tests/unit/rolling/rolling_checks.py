@@ -93,6 +93,53 @@ def check_beyond_the_critical_speed():
     assert np.allclose(problem.u.x.array, before, atol=1e-10)
 
 
+def check_critical_factor():
+    """A straight flow through a bar that is held at its ends is critical at the speed of plane longitudinal waves:
+    of displacements along the flow stiffness and W are multiples of each other, also of finite elements."""
+    domain = mesh.create_rectangle(COMM, [(0.0, 0.0), (4.0, 1.0)], (16, 4))
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    ends = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[0], 0.0) | np.isclose(x[0], 4.0))
+    across, _ = V.sub(1).collapse()
+    sides = fem.locate_dofs_geometrical((V.sub(1), across), lambda x: np.full(x.shape[1], True))
+    bcs = [fem.dirichletbc(np.zeros(2), ends, V), fem.dirichletbc(fem.Function(across), sides, V.sub(1))]
+    E, nu, density = 2.0, 0.3, 0.7
+    material = di.LinearElastic(E, nu, density=density, hypothesis="plane_strain")
+    waves = np.sqrt(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) / density)
+    motion = di.Translation((0.25, 0.0))
+    problem = di.RollingProblem(fem.Function(V), material, tagged(domain), {1: motion}, bcs=bcs)
+    assert problem.critical_factor() == pytest.approx(waves / 0.25, rel=1e-9)
+    motion.velocity = (0.0, 0.0)
+    assert problem.critical_factor() == np.inf
+    # Just below it and beyond it.
+    for factor, stable in ((0.999, True), (1.001, False)):
+        motion.velocity = (factor * waves, 0.0)
+        if stable:
+            assert problem.solve().converged
+        else:
+            with pytest.raises(RuntimeError, match="critical"):
+                problem.solve()
+    loose = di.RollingProblem(fem.Function(V), material, tagged(domain), {1: motion})
+    with pytest.raises(ValueError, match="nothing resists rigid motion"):
+        loose.critical_factor()
+
+
+def check_campbell():
+    """Frequencies against spin; a backward wave stands at the critical spin, where its frequency is zero."""
+    problem = spinning(omega=0.1)
+    critical = 0.1 * problem.critical_factor()
+    found = problem.campbell([0.0, 0.05, 0.9 * critical, 0.99 * critical], 3, progress=False)
+    assert found["frequencies"].shape == (4, 3) and problem.omega == pytest.approx(0.99 * critical)
+    assert np.all(found["frequencies"][0] > 0.0)  # still: no direction
+    lowest = found["frequencies"][2:, 0]
+    assert np.all(lowest < 0.0)
+    # Near the critical spin the frequency goes to zero as the wave's number times the missing spin.
+    assert lowest[1] / lowest[0] == pytest.approx(0.1, abs=0.03)
+    with pytest.raises(ValueError, match="omegas is empty"):
+        problem.campbell([], 3)
+    with pytest.raises(TypeError, match="omegas"):
+        problem.campbell(["fast"], 3)
+
+
 def check_frequencies_come_in_waves():
     still, turning = (spinning(omega=omega).frequencies(5) for omega in (0.0, 0.02))
     assert np.all(still > 0)
