@@ -303,6 +303,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
     """
     from . import explicit as bench_explicit  # these modules import this one
     from . import plastic as bench_plastic
+    from . import rolling as bench_rolling
 
     laws: list[tuple[MaterialClass, tuple[Case, ...]]] = [(materials.LinearElastic, CASES)]
     laws += [(law, FINITE) for law in (materials.StVenantKirchhoff, materials.NeoHookean)]
@@ -314,7 +315,8 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
     out += [(f"force on 2 ranks, {c[0]} P{c[1]}", partial(rank_rows, 2, (c,))) for c in RANK_CELLS]
     out += bench_explicit.jobs(large, ranks) + bench_plastic.jobs(large)
     cases = bench_contact.CASES + (bench_contact.LARGE if large else ())
-    return out + [(f"static contact, {c[0]}", partial(bench_contact.contact_rows, row, (c,))) for c in cases]
+    out += [(f"static contact, {c[0]}", partial(bench_contact.contact_rows, row, (c,))) for c in cases]
+    return out + bench_rolling.jobs(large)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

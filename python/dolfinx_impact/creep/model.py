@@ -17,6 +17,7 @@ from ..materials import LinearElastic
 from ..rolling.motions import Spin, Translation
 from ..rolling.problem import RollingProblem
 from ..rolling.contact import RollingContact
+from ..statics.problem import StaticProblem
 
 ACCURACY = 1e-4  # of the load: what the approach is searched to
 
@@ -93,22 +94,34 @@ class CreepModel:
         if not whole:
             across = fem.locate_dofs_topological(V.sub(1), fdim, made.facet_tags.find(tags["symmetry_y"]))
             bcs.append(fem.dirichletbc(np.float64(0.0), across, V.sub(1)))
-        steel = LinearElastic(data.E, data.nu, density=data.density)
+        self._bcs, self._steel, self._made = bcs, LinearElastic(data.E, data.nu, density=data.density), made
         self._wheel = Spin((0.0, 0.0, data.radius), (0.0, 1.0, 0.0), data.speed / data.radius)
-        motions = {
-            tags["slave_body"]: self._wheel,
-            tags["master_body"]: Translation((-data.speed, 0.0, 0.0)),
-        }
-
-        def problem(friction: float) -> RollingProblem:
-            surfaces = tags["slave_surface"], tags["master_surface"]
-            pair = ContactPair(made.facet_tags, *surfaces, friction=friction)
-            return RollingProblem(self.u, steel, made.cell_tags, motions, contact=[Lagrange(pair)], bcs=bcs)
-
-        self._press(problem(0.0))
-        self.problem = problem(data.friction)
+        self._press(self.rolling(0.0))
+        self.problem = self.rolling(data.friction)
         self.problem.solve(torque=0.0)
         self.free_creep = self.problem.omega * data.radius / data.speed - 1.0
+
+    def _pair(self, friction: float) -> ContactPair:
+        tags = self._made.tags
+        return ContactPair(self._made.facet_tags, tags["slave_surface"], tags["master_surface"], friction=friction)
+
+    def rolling(self, friction: float) -> RollingProblem:
+        """Another problem of the same displacement and spin, not solved. Collective.
+
+        Args:
+            friction: coefficient [1].
+        """
+        tags = self._made.tags
+        motions = {
+            tags["slave_body"]: self._wheel,
+            tags["master_body"]: Translation((-self.data.speed, 0.0, 0.0)),
+        }
+        contact = [Lagrange(self._pair(friction))]
+        return RollingProblem(self.u, self._steel, self._made.cell_tags, motions, contact=contact, bcs=self._bcs)
+
+    def standing(self) -> StaticProblem:
+        """The same bodies and displacement without friction, at rest, not solved. Collective."""
+        return StaticProblem(self.u, self._steel, bcs=self._bcs, contact=[Lagrange(self._pair(0.0))])
 
     @property
     def num_unknowns(self) -> int:
