@@ -17,7 +17,7 @@ CORE_DEPTH = 0.75
 FAR = 3.0  # cells at the far ends are this part of the bodies' length
 
 
-def flat(name, up, reach, h, sides):
+def flat(name, up, reach, h, sides, path):
     """One body, flat, in scaled coordinates (along, across, up), its surface at zero.
 
     name: of the body.
@@ -25,6 +25,7 @@ def flat(name, up, reach, h, sides):
     reach: half-length, half-width and depth, scaled.
     h: size of the fine cells, scaled.
     sides: those of the plane of symmetry that are there.
+    path: by which the fine zone is longer in front, scaled.
     """
     length, width, depth = reach
     plan = Layout(2, max(reach))
@@ -43,18 +44,20 @@ def flat(name, up, reach, h, sides):
         body.facet(held, p["f"], p["g"])
     body.tag("symmetry_y", at(0, 0.0))
     coarse = max(h, length / FAR)
-    levels = [-length, -CORE, CORE, length]
+    front = CORE + path
+    levels = [-length, -CORE, front, length + path]
     out = plan.extruded(lambda x, t: (t, x[0], x[1]), levels, [coarse, h, h, coarse], (held, held))
     if up > 0:  # the surface that may touch ends with the fine zone
         for corners, found in out.named.items():
-            if found == surface and max(abs(out.points[k][0]) for k in corners) > 1.001 * CORE:
+            places = [out.points[k][0] for k in corners]
+            if found == surface and (min(places) < -1.001 * CORE or max(places) > 1.001 * front):
                 out.named[corners] = "free"
     return out
 
 
 def rolling_contact_3d(
     radius=0.46, crown_radius=0.30, wheel_crown_radius=math.inf, a=7.16e-3, b=5.39e-3, cells=8, reach=6.0, gap=0.0,
-    symmetry="half",
+    symmetry="half", path=0.0,
 ):  # fmt: skip
     """Sector of a wheel and length of a rail around their contact, for steady rolling: rows of cells follow the flow.
     The wheel's "hub" is its inner surface and the sector's ends, "bottom" the rail's underside and ends.
@@ -68,13 +71,16 @@ def rolling_contact_3d(
     reach: half-length, half-width and depth of the bodies, in larger half-axes
     gap: between wheel and rail [m]
     symmetry: "half" (y >= 0) or "none"
+    path: what an explicit run rolls, towards x > 0, in half-axes a: the fine zone is so much longer
     """
     positive(radius=radius, a=a, b=b, reach=reach)
     count(cells=cells)
+    require(math.isfinite(path) and path >= 0.0, f"path = {path!r}: not a length")
     require(symmetry in SIDES, f"symmetry = {symmetry!r}: one of {', '.join(SIDES)}")
     size = reach * max(a, b)
     for name, value in (("crown_radius", crown_radius), ("wheel_crown_radius", wheel_crown_radius)):
         require(abs(value) > size, f"{name} = {value!r}: smaller than the half-width of the bodies, {size:.3g}")
+    require(size + path * a < radius, f"path = {path!r}: the wheel's sector would be longer than its radius")
     require(size < 0.5 * radius, f"reach = {reach!r}: the bodies would be {size:.3g} deep, half the radius or more")
     require(reach * max(a, b) >= 2 * CORE * max(a, b), f"reach = {reach!r}: smaller than {2 * CORE}")
     unit = np.array((a, b, math.sqrt(a * b)))
@@ -96,9 +102,9 @@ def rolling_contact_3d(
         return np.stack([s, y, height - drop(y, crown_radius) * (1.0 + height / size)], axis=1)
 
     sides = SIDES[symmetry]
-    layout = flat("master_body", -1, size / unit, 1.0 / cells, sides)
+    layout = flat("master_body", -1, size / unit, 1.0 / cells, sides, path)
     layout.bodies[0].map(bend_rail)
-    wheel = flat("slave_body", 1, size / unit, 1.0 / cells, sides)
+    wheel = flat("slave_body", 1, size / unit, 1.0 / cells, sides, path)
     wheel.bodies[0].map(bend_wheel)
     layout.merge(wheel)
     return layout

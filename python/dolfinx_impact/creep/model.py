@@ -13,7 +13,7 @@ from mpi4py import MPI
 from .. import meshes, theory  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..common.types import ArrayLike, FilePath, FloatArray
 from ..contact import ContactPair, Lagrange
-from ..materials import LinearElastic
+from ..materials import LinearElastic, StVenantKirchhoff
 from ..rolling.motions import Spin, Translation
 from ..rolling.problem import RollingProblem
 from ..rolling.contact import RollingContact
@@ -38,6 +38,7 @@ class WheelOnRail:
         speed: of travel [m/s].
         cells: in each half-axis of the contact.
         reach: size of the bodies in larger half-axes.
+        path: what an explicit run from the steady state may roll, in half-axes along the rail.
     """
 
     load: float = 100e3
@@ -51,6 +52,7 @@ class WheelOnRail:
     speed: float = 30.0
     cells: int = 6
     reach: float = 5.0
+    path: float = 0.0
 
     @property
     def hertz(self) -> theory.HertzElliptic:
@@ -68,6 +70,7 @@ class CreepModel:
         data: wheel and rail.
         whole: both sides of the plane y = 0, as lateral and spin creep need; else one half.
         comm: communicator.
+        law: of both bodies: LinearElastic, or of finite strain, which an explicit run needs.
 
     Attributes:
         data: as given.
@@ -76,14 +79,21 @@ class CreepModel:
         problem: RollingProblem with friction, under the load; at first it rolls freely.
         free_creep: of free rolling, against omega = speed/radius [1].
         u: displacement [m].
+        wheel: Spin of the wheel.
     """
 
-    def __init__(self, data: WheelOnRail, whole: bool = False, comm: MPI.Intracomm = MPI.COMM_WORLD) -> None:
+    def __init__(
+        self,
+        data: WheelOnRail,
+        whole: bool = False,
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+        law: type[LinearElastic] | type[StVenantKirchhoff] = LinearElastic,
+    ) -> None:
         self.data, self.hertz, self.sides = data, data.hertz, 1 if whole else 2
         made = meshes.make(
             "rolling_contact_3d", comm, radius=data.radius, crown_radius=data.crown_radius,
             wheel_crown_radius=data.wheel_crown_radius, a=self.hertz.a, b=self.hertz.b, cells=data.cells,
-            reach=data.reach, symmetry="none" if whole else "half",
+            reach=data.reach, symmetry="none" if whole else "half", path=data.path,
         )  # fmt: skip
         tags, fdim = made.tags, 2
         V = fem.functionspace(made.mesh, ("Lagrange", 1, (3,)))
@@ -94,8 +104,8 @@ class CreepModel:
         if not whole:
             across = fem.locate_dofs_topological(V.sub(1), fdim, made.facet_tags.find(tags["symmetry_y"]))
             bcs.append(fem.dirichletbc(np.float64(0.0), across, V.sub(1)))
-        self._bcs, self._steel, self._made = bcs, LinearElastic(data.E, data.nu, density=data.density), made
-        self._wheel = Spin((0.0, 0.0, data.radius), (0.0, 1.0, 0.0), data.speed / data.radius)
+        self._bcs, self._steel, self._made = bcs, law(data.E, data.nu, density=data.density), made
+        self.wheel = Spin((0.0, 0.0, data.radius), (0.0, 1.0, 0.0), data.speed / data.radius)
         self._press(self.rolling(0.0))
         self.problem = self.rolling(data.friction)
         self.problem.solve(torque=0.0)
@@ -113,7 +123,7 @@ class CreepModel:
         """
         tags = self._made.tags
         motions = {
-            tags["slave_body"]: self._wheel,
+            tags["slave_body"]: self.wheel,
             tags["master_body"]: Translation((-self.data.speed, 0.0, 0.0)),
         }
         contact = [Lagrange(self._pair(friction))]

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 FIRST = 1e-3  # of the distance that bounds the penetration: first guess of the approach that closes the springs
 MARGIN = 1e-2  # of their penetration, by which nodes that bear nothing are open
+ALONG = 1e-12  # of a unit vector: an axis is a coordinate axis
 CLOSE = 1e-6  # relative accuracy of the force of the springs
 
 
@@ -69,7 +70,7 @@ def check(rolling: RollingProblem, given: dict[str, Any]) -> None:
 def moving_supports(rolling: RollingProblem, u: FloatArray) -> list[PrescribedMotion]:
     """Supports of the rolling problem, which move on with their bodies. Collective.
 
-    A support of a body that spins turns about its axis; that of a straight flow moves with the velocity. Each value
+    A support of a body that spins turns about its displaced axis; that of a straight flow moves with the velocity. Each value
     that is prescribed at the start is a function of time of its own.
 
     Args:
@@ -77,7 +78,8 @@ def moving_supports(rolling: RollingProblem, u: FloatArray) -> list[PrescribedMo
         u: displacement at the start, owned and ghost dofs [L].
 
     Raises:
-        ValueError: a node of a spinning body is held in some directions only; on all ranks.
+        ValueError: a node of a spinning body is held in some directions only, and not just along the axis; on all
+            ranks.
     """
     V = rolling.u.function_space
     gdim, comm = V.mesh.geometry.dim, V.mesh.comm
@@ -92,13 +94,17 @@ def moving_supports(rolling: RollingProblem, u: FloatArray) -> list[PrescribedMo
         nodes = rolling.nodes_of(motion)
         nodes = nodes[held[nodes].any(axis=1)]
         if isinstance(motion, Spin):
-            if comm.allreduce(int(not np.all(held[nodes]))):
+            # On a plane of symmetry across the axis nodes are held along the axis only, which no turn changes.
+            turning = np.abs(motion.axis[:gdim]) < 1.0 - ALONG
+            all_of_it = held[nodes].all(axis=1) | ~held[nodes][:, turning].any(axis=1)
+            if comm.allreduce(int(not np.all(all_of_it))):
                 raise ValueError(
                     "a node of a spinning body is held in some directions only, and cannot turn with the body: give "
                     "the supports of the run, bcs=[...]"
                 )
             arm = np.zeros((len(nodes), 3))
             arm[:, :gdim] = place[nodes] - motion.point
+            arm -= rolling.axle(motion)
             across = np.cross(motion.axis, arm)
             inward = np.cross(motion.axis, across)
         for c in range(gdim):

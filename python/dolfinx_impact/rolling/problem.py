@@ -423,6 +423,15 @@ class RollingProblem(Unique):
         self._first_spin()
         return sum(self._torque.of(contact.contact_forces()) for contact in self.contact)
 
+    def axle(self, spin: Spin) -> FloatArray:
+        """Displacement of the axis of a body that spins: in each component the mean of the displacements that its
+        supports prescribe, zero where they prescribe none, (3) [L]. Collective.
+
+        Args:
+            spin: one of the motions.
+        """
+        return self._torque_on(spin).axle
+
     def power_balance(self) -> PowerBalance:
         """Power that drives the bodies, and where it goes, in the present state. Collective.
 
