@@ -70,8 +70,8 @@ def check(rolling: RollingProblem, given: dict[str, Any]) -> None:
 def moving_supports(rolling: RollingProblem, u: FloatArray) -> list[PrescribedMotion]:
     """Supports of the rolling problem, which move on with their bodies. Collective.
 
-    A support of a body that spins turns about its displaced axis; that of a straight flow moves with the velocity. Each value
-    that is prescribed at the start is a function of time of its own.
+    A support of a body that spins turns about its displaced axis; that of a straight flow moves with the velocity. Each
+    value that is prescribed at the start is a function of time of its own.
 
     Args:
         rolling: the steady state.
