@@ -17,7 +17,7 @@ from typing import Any
 
 from mpi4py import MPI
 
-from . import bars, blocks, hertz, indenters, rail_joint, rolling_contact, wheel_rail
+from . import bars, blocks, hertz, indenters, insulated_joint, rail_joint, rolling_contact, wheel_rail
 from .layout import require
 from .tags import BODIES, FACETS, NAMES, name_of
 
@@ -25,7 +25,7 @@ __all__ = ["BODIES", "FACETS", "NAMES", "RecipeMesh", "layout", "make", "name_of
 
 _RECIPES = {
     function.__name__: function
-    for module in (blocks, hertz, indenters, bars, wheel_rail, rolling_contact, rail_joint)
+    for module in (blocks, hertz, indenters, bars, wheel_rail, rolling_contact, rail_joint, insulated_joint)
     for function in module.RECIPES
 }
 _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}

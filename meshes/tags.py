@@ -11,6 +11,8 @@ BODIES = {
     "slave_body": 2,  # cylinder, sphere, punch, wedge, cone, upper block, wheel, striker bar
     "end_post": 3,  # the insulation in the gap of a rail joint
     "second_rail": 4,  # the rail on the right of a joint
+    "joint_bar": 5,  # the bars beside the webs of a joint
+    "glue": 6,  # the insulating layer between joint bars and webs
 }
 
 FACETS = {

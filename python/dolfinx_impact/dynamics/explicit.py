@@ -32,7 +32,7 @@ from ..common.arguments import number
 from ..materials import MaterialMap, Rayleigh, _Material
 from ..io.mesh_check import check_cells
 from ..assembly.residual import check_radius, split
-from . import energy_gain, rolling_start
+from . import energy_gain, rolling_start, static_start
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from ..contact.explicit.nodal import Kinematic, NodalResult
     from ..contact.penalty.penalty import Penalty
     from ..rolling.problem import RollingProblem
+    from ..statics.problem import StaticProblem
 
 
 class ExplicitProblem(Unique):
@@ -246,6 +247,34 @@ class ExplicitProblem(Unique):
         with guard(comm, "ExplicitProblem.from_rolling", penalty=penalty):
             rolling_start.check(rolling, given)
         return rolling_start.make(cls, rolling, penalty, given)
+
+    @classmethod
+    def from_static(cls, static: StaticProblem, **given: Any) -> ExplicitProblem:
+        """A run that begins with the displacement, the history of the materials and the contact forces of an
+        equilibrium. Collective.
+
+        Contacts by multipliers have no penetration, penalty springs need one: bodies that press are moved against their
+        master until the springs bear the static force, and the springs begin with the static forces of the nodes.
+        docs/explicit/penalty.md. `u` of the static problem is not changed.
+
+        Args:
+            static: equilibrium, solved.
+            given: arguments of ExplicitProblem besides u and material: `contact`, one Penalty for each contact of the
+                static problem and of the same surfaces, bcs, loads, velocity, ...
+
+        Returns:
+            The problem at time zero.
+
+        Raises:
+            TypeError: `static` is no StaticProblem, an argument is given by it, or a contact is no Penalty; on all
+                ranks.
+            ValueError: contacts of other surfaces, a residual of one's own, or what ExplicitProblem refuses; on all
+                ranks.
+            RuntimeError: the springs do not bear the static force; on all ranks.
+        """
+        with guard(comm_of(getattr(static, "u", None)), "ExplicitProblem.from_static"):
+            static_start.check(static, given)
+        return static_start.make(cls, static, given)
 
     @property
     def contact_step(self) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Steady rolling as the start of an explicit run: moving supports, penetration and friction of its springs."""
+"""Steady rolling as the start of an explicit run: moving supports, springs that bear the steady tractions."""
 
 from __future__ import annotations
 
@@ -10,26 +10,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from dolfinx import default_scalar_type, fem
 from mpi4py import MPI
-from scipy.optimize import brentq
 
-from .. import _cpp
 from ..amplitude import PrescribedMotion
 from ..common.types import BoolArray, FloatArray
-from ..contact.explicit.springs import searched
 from ..contact.pair import ContactPair
 from ..contact.penalty.penalty import Penalty
 from ..materials import LinearElastic
 from ..plasticity import J2Plasticity
 from ..rolling.motions import Spin, Translation
 from ..rolling.problem import RollingProblem
+from .spring_start import SpringStart
 
 if TYPE_CHECKING:
     from .explicit import ExplicitProblem
 
-FIRST = 1e-3  # of the distance that bounds the penetration: first guess of the approach that closes the springs
-MARGIN = 1e-2  # of their penetration, by which nodes that bear nothing are open
 ALONG = 1e-12  # of a unit vector: an axis is a coordinate axis
-CLOSE = 1e-6  # relative accuracy of the force of the springs
 
 
 def check(rolling: RollingProblem, given: dict[str, Any]) -> None:
@@ -130,105 +125,6 @@ def _path(row: FloatArray, motion: Spin | Translation) -> Callable[[float], floa
     return lambda t: float(row[0] + row[1] * np.sin(omega * t) + row[2] * 2.0 * np.sin(0.5 * omega * t) ** 2)
 
 
-class SpringStart:
-    """Penetration and friction of the springs of an explicit contact that bear what a steady contact bears.
-
-    A contact by multipliers has no penetration, and springs need one. The slave body, with its supports, is moved
-    against the master until the springs bear the steady force: what their compliance takes from the approach of the
-    bodies is given back. The tractions of friction become the tangential forces of the springs.
-
-    Args:
-        rolling: the steady state.
-        problem: explicit problem in the steady state, with penalty contact.
-    """
-
-    def __init__(self, rolling: RollingProblem, problem: ExplicitProblem) -> None:
-        self._steady, self._problem, self._contact = rolling.contact[0], problem, problem.contact[0]
-        self._nodes = rolling.connected_nodes(self._contact.nodes)
-        self._gdim, self._comm = self._contact.gdim, self._contact.comm
-        steady = self._steady
-        pressed = (steady.weight * steady.pressure) @ steady.normal
-        total = self._comm.allreduce(pressed)
-        self._force = float(np.linalg.norm(total))
-        self._normal = total / self._force if self._force > 0.0 else total
-
-    def approach(self) -> float:
-        """How far the slave body must be moved against the normal for the springs to bear the force [L]. Collective.
-
-        Raises:
-            RuntimeError: no approach was found; on all ranks.
-        """
-        if self._force == 0.0:
-            return 0.0
-        u, step = self._problem.u.x.array, FIRST * self._contact.facet_length
-
-        def excess(distance: float) -> float:
-            return self._borne(self.moved(u, distance)) / self._force - 1.0
-
-        low = high = 0.0
-        if excess(0.0) > 0.0:
-            while excess(low) > 0.0:
-                low, high, step = low - step, low, 2.0 * step
-        else:
-            while excess(high) <= 0.0:
-                if step > self._contact.facet_length:
-                    raise RuntimeError("springs of the explicit contact do not bear the steady force: refine the mesh")
-                low, high, step = high, high + step, 2.0 * step
-        return float(brentq(excess, low, high, xtol=CLOSE * (high - low), rtol=CLOSE))
-
-    def moved(self, u: FloatArray, distance: float) -> FloatArray:
-        """Displacements with the slave body moved against the normal.
-
-        Args:
-            u: displacements, owned and ghost dofs [L].
-            distance: by which it is moved [L].
-        """
-        out = u.reshape(-1, self._gdim).copy()
-        out[self._nodes] -= distance * self._normal
-        return out.ravel()
-
-    def _borne(self, u: FloatArray) -> float:
-        """Force of new springs in a configuration along the normal, of all ranks [F]. Collective."""
-        problem, contact = self._problem, self._contact
-        masses = problem.mass.array[: problem.num_owned : self._gdim]
-        twin, halo, values = searched(contact, u, _cpp.nodal.PenaltyContact, masses, **contact.options)
-        zero = np.zeros_like(values)
-        twin.add_forces(halo, values, zero, np.ones_like(values), problem.contact_step, zero.copy())
-        force = self._comm.allreduce(np.array(twin.force)[: self._gdim], MPI.SUM)
-        return float(force @ self._normal)
-
-    def hand_over(self) -> None:
-        """Give the springs the nodal forces of the steady state. Collective.
-
-        Bodies that are moved against each other penetrate everywhere by the same amount, steady pressures are not the
-        same everywhere: what is left is an offset of the gap of each node, until the node opens.
-        """
-        steady, contact = self._steady, self._contact
-        forces = np.asarray(steady.contact_forces()).reshape(-1, self._gdim)[contact.nodes]
-        normal, stiffness = contact.normal, contact.stiffness
-        pressing = np.einsum("na,na->n", forces, normal)
-        along = forces - pressing[:, None] * normal
-        inside = stiffness > 0.0
-        found = np.where(inside, contact.gap, 0.0)  # nodes without a master have an infinite one
-        compliance = np.where(inside, 1.0 / np.where(inside, stiffness, 1.0), 0.0)
-        closed = inside & (pressing > 0.0)
-        force = np.where(closed, pressing, 0.0)
-        # Nodes beside the contact, which the approach has pushed in, stay just open.
-        gap = np.where(closed, -force * compliance, MARGIN * np.abs(found))
-        side = contact.sides()[0]
-        history = {name: np.array(values) for name, values in side.history().items()}
-        history["closed"][:] = np.where(closed, 1, 0)
-        history["tangential"] = np.ascontiguousarray(np.where(closed[:, None], along, 0.0))
-        history["spring_force"], history["spring_compliance"], history["spring_gap"] = (
-            force, compliance, np.where(closed, gap, 0.0)
-        )  # fmt: skip
-        for name in ("spring_surplus", "spring_tangential_surplus"):
-            history[name][:] = 0.0
-        history["spring_offset"] = np.where(inside, gap - found, 0.0)
-        side.set_history(history)
-        side.set_energy(0.0, 0.0, 0.0)
-
-
 def _driven(pair: ContactPair) -> ContactPair:
     """The pair, with a rigid master that moves with its velocity in time."""
     if not pair.rigid or pair.rigid_master.motion is not None:
@@ -261,10 +157,11 @@ def make(kind: type[ExplicitProblem], rolling: RollingProblem, penalty: float | 
     problem = build(u)
     if not rolling.contact:
         return problem
-    start = SpringStart(rolling, problem)
+    steady = rolling.contact[0]
+    start = SpringStart(steady, rolling.connected_nodes(problem.contact[0].nodes), problem)
     moved = fem.Function(u.function_space, name=u.name)
     moved.x.array[:] = start.moved(u.x.array, start.approach())
     problem = build(moved)
-    SpringStart(rolling, problem).hand_over()
+    SpringStart(steady, start.nodes, problem).hand_over()
     problem.restart_forces()
     return problem

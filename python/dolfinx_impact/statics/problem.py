@@ -123,6 +123,11 @@ class StaticProblem(Unique):
         return self.body.tangent
 
     @property
+    def has_history(self) -> bool:
+        """Whether a material has internal variables."""
+        return isinstance(self.body, InelasticBody)
+
+    @property
     def history(self) -> MaterialHistory:
         """Internal variables of the materials by name, as they are after the last converged step.
 
