@@ -260,7 +260,7 @@ class ExplicitProblem(Unique):
         Args:
             static: equilibrium, solved.
             given: arguments of ExplicitProblem besides u and material: `contact`, one Penalty for each contact of the
-                static problem and of the same surfaces, bcs, loads, velocity, ...
+                static problem and of the same surfaces, bcs, loads, velocity (default: at rest), ...
 
         Returns:
             The problem at time zero.

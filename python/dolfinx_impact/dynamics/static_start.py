@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""Equilibrium as the start of an explicit run: displacement, history of the materials, springs under the static load."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ..common.types import BoolArray, IntArray
+from ..contact.nodal_sum import NodalSum
+from ..contact.penalty.penalty import Penalty
+from ..statics.problem import StaticProblem
+from .spring_start import SpringStart
+
+if TYPE_CHECKING:
+    from .explicit import ExplicitProblem
+
+
+def check(static: StaticProblem, given: dict[str, Any]) -> None:
+    """Refuse what cannot go on in time, on this rank.
+
+    Args:
+        static: the equilibrium.
+        given: further arguments of the explicit problem.
+
+    Raises:
+        TypeError: `static` is no StaticProblem, an argument follows from it, or a contact is not by penalty.
+        ValueError: the contacts are of other surfaces; a residual of one's own, whose density is not known.
+    """
+    if not isinstance(static, StaticProblem):
+        raise TypeError(f"from_static takes a StaticProblem, found {type(static).__name__}")
+    twice = sorted({"u", "material", "residual"} & set(given))
+    if twice:
+        raise TypeError(f"{', '.join(twice)}: given by the StaticProblem")
+    if static.material is None:
+        raise ValueError("from_static needs a problem of a material: make the ExplicitProblem of your residual itself")
+    contact = given.get("contact", ())
+    if len(contact) != len(static.contact):
+        raise ValueError(f"the StaticProblem has {len(static.contact)} contacts, given are {len(contact)}")
+    for k, (new, old) in enumerate(zip(contact, static.contact)):
+        if not isinstance(new, Penalty):
+            raise TypeError(f"contact {k}: from_static hands over to Penalty, found {type(new).__name__}")
+        pairs = [(p.slave, p.master) for p in (new.pair, old.pair)]
+        if pairs[0] != pairs[1]:
+            raise ValueError(f"contact {k} is between {pairs[0]}, that of the StaticProblem between {pairs[1]}")
+
+
+def connected_nodes(V: fem.FunctionSpace, nodes: IntArray) -> IntArray:
+    """Nodes of the bodies that some nodes belong to, over all ranks, owned and ghosts. Collective.
+
+    Args:
+        V: displacement space.
+        nodes: nodes of this rank.
+    """
+    mesh, index_map = V.mesh, V.dofmap.index_map
+    cells_map, total = mesh.topology.index_map(mesh.topology.dim), NodalSum(index_map, 1)
+    cells = V.dofmap.list[: cells_map.size_local + cells_map.num_ghosts]
+    pairs = np.repeat(cells[:, :1], cells.shape[1] - 1, axis=1).ravel(), cells[:, 1:].ravel()
+    graph = coo_matrix((np.ones(len(pairs[0])), pairs), shape=(total.num_nodes, total.num_nodes))
+    body = connected_components(graph, directed=False)[1]
+    reached = np.zeros(total.num_nodes)
+    reached[nodes] = 1.0
+    while True:
+        before = np.count_nonzero(reached)
+        reached = np.isin(body, body[reached > 0.0]).astype(float)
+        reached = (total(reached).ravel() > 0.0).astype(float)
+        if not mesh.comm.allreduce(int(np.count_nonzero(reached) != before), MPI.SUM):
+            return np.flatnonzero(reached).astype(np.int32)
+
+
+def free_directions(problem: ExplicitProblem, nodes: IntArray) -> BoolArray:
+    """Directions in which no node of a body is held, (gdim). Collective.
+
+    Args:
+        problem: the explicit problem.
+        nodes: of the body, owned and ghosts.
+    """
+    gdim = problem.space.mesh.geometry.dim
+    held = problem.prescribed.reshape(-1, gdim)[nodes].sum(axis=0)
+    return np.asarray(problem.comm.allreduce(held, MPI.SUM)) == 0
+
+
+def make(kind: type[ExplicitProblem], static: StaticProblem, given: dict[str, Any]) -> Any:
+    """Make the explicit problem; arguments are checked. Collective.
+
+    Args:
+        kind: ExplicitProblem.
+        static: the equilibrium.
+        given: further arguments of the explicit problem.
+    """
+    V = static.u.function_space
+    history = static.history if static.has_history else None
+    given = {"velocity": fem.Function(V, name="velocity"), **given}
+
+    def build(u: fem.Function) -> ExplicitProblem:
+        problem = kind(u, static.material, **given)
+        if history is not None:
+            for name, field in history.items():
+                problem.history[name].values = field.values
+        return problem
+
+    u = fem.Function(V, name=static.u.name)
+    u.x.array[:] = static.u.x.array
+    problem = build(u)
+    bearing = [k for k, c in enumerate(static.contact) if V.mesh.comm.allreduce(int(np.any(c.pressure > 0.0)))]
+    bodies = {}
+    for k in bearing:
+        nodes = connected_nodes(V, static.contact[k].nodes)
+        start = SpringStart(static.contact[k], nodes, problem, free_directions(problem, nodes), k)
+        u.x.array[:] = start.moved(u.x.array, start.approach())
+        bodies[k] = start
+    if bearing:
+        moved = fem.Function(V, name=static.u.name)
+        moved.x.array[:] = u.x.array
+        problem = build(moved)
+    for k, start in bodies.items():
+        SpringStart(static.contact[k], start.nodes, problem, None, k).hand_over()
+    problem.restart_forces()
+    return problem

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""Explicit runs that begin with an equilibrium, on any number of ranks: a block that a load presses on another one."""
+
+import numpy as np
+import pytest
+from dolfinx import fem
+from dolfinx.mesh import compute_midpoints
+from mpi4py import MPI
+
+import dolfinx_impact as di
+from dolfinx_impact import meshes
+from dolfinx_impact.dynamics.static_start import connected_nodes
+
+COMM = MPI.COMM_WORLD
+PRESSURE = 90.0
+
+
+def blocks(yield_stress, penalty="auto", height=0.0):
+    """Two blocks in the plane, the upper one under a dead load on its upper side; the static problem, solved."""
+    made = meshes.make(
+        "two_blocks", COMM, lower=(1.0, 0.5), upper=(0.6, 0.4), lower_cells=(10, 5), upper_cells=(6, 4), gap=height
+    )
+    V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
+    u, tags, facets = fem.Function(V, name="displacement"), made.tags, made.facet_tags
+    bottom = fem.locate_dofs_topological(V, 1, facets.find(tags["bottom"]))
+    middle = fem.locate_dofs_geometrical((V.sub(0), V.sub(0).collapse()[0]), lambda x: np.isclose(x[0], 0.5))
+    held = fem.dirichletbc(np.zeros(2), bottom, V)
+    bcs = [held, fem.dirichletbc(fem.Function(V.sub(0).collapse()[0]), middle, V.sub(0))]
+    law = di.J2Plasticity(2e5, 0.3, 1.0, yield_stress=yield_stress, hardening=2e3, hypothesis="plane_strain")
+    load = di.Traction(facets, tags["top"], (0.0, -PRESSURE))
+    pair = di.ContactPair(facets, tags["slave_surface"], tags["master_surface"], friction=0.2)
+    still = di.ContactPair(facets, tags["slave_surface"], tags["master_surface"])
+    static = di.StaticProblem(u, law, bcs=bcs, loads=[load], contact=[di.Lagrange(still)])
+    return static, bcs, [load], [di.Penalty(pair, penalty=penalty)]
+
+
+def check_equilibrium_goes_on():
+    """Force, history and displacement stay what they are; hardly anything moves."""
+    static, bcs, loads, contact = blocks(80.0)
+    static.solve()
+    plastic = static.history["plastic_strain"].values
+    assert COMM.allreduce(plastic.max(initial=0.0), MPI.MAX) > 1e-5, "the lower block yields at the upper one's edges"
+    before = static.u.x.array.copy()
+    run = di.ExplicitProblem.from_static(static, bcs=bcs, loads=loads, contact=contact)
+    assert np.array_equal(static.u.x.array, before), "the static problem keeps its displacement"
+    assert np.allclose(run.history["plastic_strain"].values, plastic, rtol=0, atol=1e-15)
+    weight = 0.6 * PRESSURE
+    run.advance(2.0 / np.sqrt(2e5))  # a wave goes through both blocks twice
+    force = run.force_history[0][:, 1]
+    # Nodes match, so that both methods give the master the same forces. What is left is the work of the approach: the
+    # springs give way by 1e-4 of the blocks' height, evenly, under pressures that are not even.
+    assert np.abs(force / weight - 1.0).max() < 5e-3
+    impact = PRESSURE / np.sqrt(2e5)  # velocity that the load gives a free surface at once
+    assert COMM.allreduce(np.abs(run.velocity.x.array).max(), MPI.MAX) < 5e-3 * impact
+    after = run.history["plastic_strain"].values
+    assert COMM.allreduce(np.abs(after - plastic).max(initial=0.0) / plastic.max(initial=1e-5), MPI.MAX) < 0.02
+
+
+def check_connected_nodes():
+    """The body of a surface, of all ranks."""
+    static, *_ = blocks(1e9)
+    V = static.u.function_space
+    found = connected_nodes(V, static.contact[0].nodes)
+    places = V.tabulate_dof_coordinates()
+    assert np.array_equal(np.sort(found), np.flatnonzero(upper_nodes(V))), places[found]
+
+
+def upper_nodes(V):
+    """Mask of the nodes of the upper block's cells."""
+    mesh = V.mesh
+    cells = np.arange(mesh.topology.index_map(2).size_local + mesh.topology.index_map(2).num_ghosts, dtype=np.int32)
+    above = compute_midpoints(mesh, 2, cells)[:, 1] > 0.5
+    marker = fem.Function(fem.functionspace(mesh, ("Lagrange", 1)))
+    marker.x.array[np.unique(V.dofmap.list[cells[above]])] = 1.0
+    return marker.x.array > 0.0
+
+
+def check_bad_input():
+    """What cannot be handed over is refused on all ranks."""
+    static, bcs, loads, contact = blocks(1e9)
+    static.solve()
+    with pytest.raises(TypeError, match="material: given by the StaticProblem"):
+        di.ExplicitProblem.from_static(static, material=static.material, contact=contact)
+    with pytest.raises(TypeError, match="takes a StaticProblem, found Function"):
+        di.ExplicitProblem.from_static(static.u)
+    with pytest.raises(ValueError, match="has 1 contacts, given are 0"):
+        di.ExplicitProblem.from_static(static, bcs=bcs)
+    with pytest.raises(TypeError, match="hands over to Penalty, found Kinematic"):
+        di.ExplicitProblem.from_static(static, bcs=bcs, contact=[di.Kinematic(contact[0].pair)])
+    pair = contact[0].pair
+    other = di.Penalty(di.ContactPair(pair.facet_tags, pair.master, pair.slave))
+    with pytest.raises(ValueError, match="that of the StaticProblem between"):
+        di.ExplicitProblem.from_static(static, bcs=bcs, contact=[other])
