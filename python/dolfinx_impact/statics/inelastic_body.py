@@ -46,7 +46,9 @@ class InelasticBody:
     ) -> None:
         self.u, self.space, self.parts = u, u.function_space, parts
         form, laws = parts.force(ufl.TestFunction(self.space))
-        self.force = InternalForce(form if residual is None else form + residual, law=laws)
+        self.force = InternalForce(form, law=laws)
+        # By itself: cells with a point law take one quadrature rule, loads may need another one.
+        self._rest = None if residual is None else InternalForce(residual)
         self.history = MaterialHistory(parts, self.force.history)
         self._functions = self.history.functions()
         self.tangent = self
@@ -74,6 +76,8 @@ class InelasticBody:
         """
         self._values[:] = 0.0
         self.force.assemble(self._values)
+        if self._rest is not None:
+            self._rest.assemble(self._values)
         with b.localForm() as local:
             local.array[:] += self._values
 
