@@ -19,7 +19,7 @@ from ..io.gather import gather_rows
 from ..statics.problem import StaticProblem
 from .model import JointModel
 
-LOAD_STEPS = 2  # of the preload
+TOLERANCE = 1e-6  # of the preload's residual: the time steps that follow make larger errors
 FRAMES = 37  # pictures of a passage
 
 
@@ -141,7 +141,7 @@ class Passage:
             loads=[model.press, model.track, model.centrifugal()], contact=[Lagrange(model.pair(0.0))],
         )  # fmt: skip
         self._give_history(static)
-        static.solve(steps=LOAD_STEPS)
+        static.solve(rtol=TOLERANCE)
         contact = static.contact[0]
         assert contact.force is not None
         self.static_force = model.data.sides * float(contact.force[2])
@@ -258,7 +258,7 @@ class Passage:
         if self.yields:
             self._history = {name: run.history[name].values.copy() for name in run.history}
             self._give_history(static)
-        static.solve()
+        static.solve(rtol=TOLERANCE)
         self.residual = static
         if self.yields:
             self._history = {name: static.history[name].values.copy() for name in static.history}
