@@ -24,6 +24,7 @@ from .dynamics.implicit.problem import NewmarkProblem
 from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
+from .foundation import Foundation
 from .assembly.lumped_mass import lumped_mass
 from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
@@ -43,6 +44,7 @@ __all__ = [
     "Energy",
     "ExplicitProblem",
     "FollowerPressure",
+    "Foundation",
     "InelasticMaterial",
     "InternalForce",
     "J2Plasticity",
