@@ -15,7 +15,8 @@ from mpi4py import MPI
 from .. import meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..contact import ContactPair
 from ..io.run_folder import vertex_average
-from ..loads import BodyForce, Foundation, Traction
+from ..foundation import Foundation
+from ..loads import BodyForce, Traction
 from ..materials import LinearElastic, MaterialMap, StVenantKirchhoff
 from ..plasticity import ArmstrongFrederick, J2Plasticity
 from .parameters import RailJoint
