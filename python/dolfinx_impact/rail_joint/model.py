@@ -159,7 +159,7 @@ class JointModel:
         """
         return ContactPair(
             self.facet_tags, self.tags["slave_surface"], self.tags["master_surface"], friction=friction,
-            smooth=self.data.smooth, name="wheel and rail",
+            name="wheel and rail", **({"smooth": True} if self.data.smooth else {}),
         )  # fmt: skip
 
     def rolling_velocity(self, u: fem.Function) -> fem.Function:

@@ -104,7 +104,7 @@ class RailJoint:
     cells: int = _number(0, "1", "in the contact's half-axis along the rail, 0: by the preset")
     coarse: float = _number(0.0, "m", "largest cells, 0: by the preset")
     penalty: float = _number(0.0, "Pa/m", "of the contact in the explicit run, 0: as stiff as the time step allows")
-    smooth: bool = _number(True, "", "whether the contact sees round surfaces instead of facets")
+    smooth: bool = _number(False, "", "whether the contact sees round surfaces instead of facets")
 
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):
