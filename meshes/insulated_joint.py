@@ -57,7 +57,9 @@ def profiled(profile, crown_radius):
 
 def _check_profile(profile):
     points = np.asarray(profile, dtype=float)
-    require(points.ndim == 2 and points.shape[1] == 2 and len(points) >= 3, "head_profile: at least three points (y, z)")
+    require(
+        points.ndim == 2 and points.shape[1] == 2 and len(points) >= 3, "head_profile: at least three points (y, z)"
+    )
     require(np.all(np.isfinite(points)) and np.all(np.diff(points[:, 0]) > 0), "head_profile: y must ascend")
     reach = points[0, 0] <= -HEAD_HALF_WIDTH and points[-1, 0] >= HEAD_HALF_WIDTH
     require(reach, f"head_profile: its points must reach from y = {-HEAD_HALF_WIDTH} to {HEAD_HALF_WIDTH}")

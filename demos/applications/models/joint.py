@@ -29,9 +29,7 @@ class Rolling:
         friction: Coulomb's coefficient [1]. chi: penalty of the contact [Pa/m].
     """
 
-    def __init__(
-        self, comm, load, mass, speed, begin, end, h, gap, corner, step, continuous, friction, chi, **size
-    ):
+    def __init__(self, comm, load, mass, speed, begin, end, h, gap, corner, step, continuous, friction, chi, **size):
         self.comm, self.load, self.speed, self.begin = comm, load, speed, begin
         self.chi, self.friction = chi, friction
         self.turn = 0.5 * (end - begin) / RADIUS

@@ -190,9 +190,7 @@ class Case:
             equilibrium = self._stage("preload" + what, passage.preload)
             problem = self._stage("start" + what, lambda: passage.start(equilibrium))
             static = passage.static_footprint
-            self._write_state(
-                number, static_force=passage.static_force, footprint=self._comm.bcast(_as_lists(static))
-            )
+            self._write_state(number, static_force=passage.static_force, footprint=self._comm.bcast(_as_lists(static)))
         recorder = problem.record(
             run.file("rolling"), fields=(), points=self._points(), points_every=SAMPLES, every=10**9
         )
@@ -319,9 +317,7 @@ def _as_lists(found: Footprint | None) -> dict[str, Any] | None:
 def _footprint_from(found: dict[str, Any] | None) -> Footprint | None:
     if found is None:
         return None
-    return Footprint(
-        found["place"], np.array(found["points"]), np.array(found["pressure"]), np.array(found["weight"])
-    )
+    return Footprint(found["place"], np.array(found["points"]), np.array(found["pressure"]), np.array(found["weight"]))
 
 
 __all__ = ["FRAMES", "Case", "footprint"]

@@ -106,9 +106,7 @@ class JointModel:
         self.material = MaterialMap(self.cell_tags, laws)
 
     def _held(self, side: str, direction: int) -> fem.DirichletBC:
-        dofs = fem.locate_dofs_topological(
-            self.V.sub(direction), 2, self.facet_tags.find(self.tags[side])
-        )
+        dofs = fem.locate_dofs_topological(self.V.sub(direction), 2, self.facet_tags.find(self.tags[side]))
         return fem.dirichletbc(default_scalar_type(0.0), dofs, self.V.sub(direction))
 
     def upright(self) -> list[fem.DirichletBC]:

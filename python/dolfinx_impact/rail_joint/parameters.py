@@ -226,7 +226,7 @@ class RailJoint:
 
     def to_toml(self) -> str:
         """Text of a TOML file with all parameters, their units and what they are."""
-        lines = ["# Insulated rail joint; numbers are in the units of the comments, or write texts such as \"120 km/h\""]
+        lines = ['# Insulated rail joint; numbers are in the units of the comments, or write texts such as "120 km/h"']
         for item in dataclasses.fields(self):
             value = getattr(self, item.name)
             unit = f"[{item.metadata['unit']}] " if item.metadata["unit"] else ""

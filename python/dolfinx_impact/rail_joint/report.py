@@ -137,7 +137,7 @@ penalty contact, friction {data.friction:g}) and is lifted off.</p>
     write_whole(path, text)
 
 
-STATE = '''# ParaView (5.12 or newer): File, Load State..., or: paraview --state=paraview_state.py
+STATE = """# ParaView (5.12 or newer): File, Load State..., or: paraview --state=paraview_state.py
 # The passage around the joint: von Mises stress of the rails near the path, displacements as they are.
 import os
 
@@ -164,7 +164,7 @@ view.CameraParallelProjection = 1
 view.CameraParallelScale = 0.06
 GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
 Render()
-'''
+"""
 
 
 def write_state(path: Path) -> None:

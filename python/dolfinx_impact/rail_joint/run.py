@@ -72,9 +72,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if arguments.template:
             print(data.to_toml(), end="")
             return 0
-        case = Case(
-            data, arguments.output, comm, not arguments.no_pictures, not arguments.quiet, arguments.resume
-        )
+        case = Case(data, arguments.output, comm, not arguments.no_pictures, not arguments.quiet, arguments.resume)
     except ValueError as error:
         if comm.rank == 0:
             print(f"dolfinx-impact joint: {error}")

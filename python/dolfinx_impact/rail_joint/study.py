@@ -126,7 +126,8 @@ def end_posts(text: str) -> list[str]:
 def parser() -> argparse.ArgumentParser:
     """Parser of the command."""
     out = argparse.ArgumentParser(
-        "dolfinx-impact study", description="All combinations of the given values: a queue of rail joints, a table, plots."
+        "dolfinx-impact study",
+        description="All combinations of the given values: a queue of rail joints, a table, plots.",
     )
     out.add_argument("what", choices=["rail_joint"], help="what is studied")
     out.add_argument("values", nargs="*", metavar="FILE.toml | NAME=VALUE", help="parameters of all cases")
@@ -171,7 +172,14 @@ def run_queue(jobs: Sequence[Job], most: int) -> list[str]:
         Names of cases that failed.
     """
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
     waiting, running, failed = [job for job in jobs if job.summary is None], [], []
     console = Console()

@@ -58,7 +58,9 @@ def check_resumed_run_is_the_same_run():
     def killed(name, work):
         if name != "rolling":
             return stage(name, work)
-        problem = work.__closure__ and next(c.cell_contents for c in work.__closure__ if hasattr(c.cell_contents, "run"))
+        problem = work.__closure__ and next(
+            c.cell_contents for c in work.__closure__ if hasattr(c.cell_contents, "run")
+        )
         advance, count = problem.run.advance, []
 
         def limited(*args, **kwargs):
