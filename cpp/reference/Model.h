@@ -63,8 +63,13 @@ public:
   /// springs, `stiffness` and `elastic_tangent` do not.
   /// @throws std::invalid_argument for a matrix of another model
   void add_foundation(const Csr& springs, const Csr& dashpots);
-  const Csr& springs() const { return springs_; }   ///< on the pattern of the model [F/L]
-  const Csr& dashpots() const { return dashpots_; } ///< likewise [F T/L]
+  /// Let mass on facets be part of `mass`, `lumped_mass` (by its row sums) and all analyses.
+  /// @param mass of `foundation` with the mass per area along each coordinate [M]
+  /// @throws std::invalid_argument for a matrix of another model
+  void add_mass(const Csr& mass) { added_mass_.add(mass); }
+  const Csr& added_mass() const { return added_mass_; } ///< on the pattern of the model [M]
+  const Csr& springs() const { return springs_; }       ///< on the pattern of the model [F/L]
+  const Csr& dashpots() const { return dashpots_; }     ///< likewise [F T/L]
   bool on_foundation() const { return on_foundation_; }
 
   Csr gyroscopic(const Rule& rule, const Vector& spin, const Vector& centre) const;  ///< seed (3.56) [M/T]
@@ -104,6 +109,6 @@ private:
   std::vector<int> tags_, material_of_cell_; // tags of the materials
   Hypothesis hypothesis_;
   bool linear_, on_foundation_ = false;
-  Csr springs_, dashpots_;
+  Csr springs_, dashpots_, added_mass_;
 };
 } // namespace impact_reference

@@ -137,6 +137,16 @@ Csr inertia_matrix(const Model& model, const Rule& rule, const std::string& lump
                                : redistribute(mass(sampler, X, model.material(c), c), T, d);
     model.pattern().add(result, d, nodes, cell);
   }
+  if (not lumped)
+    result.add(model.added_mass());
+  else
+  {
+    const Vector rows = model.added_mass().dot(Vector::Ones(result.size));
+    for (std::int64_t i = 0; i < result.size; ++i)
+      for (std::int64_t k = result.indptr[i]; k < result.indptr[i + 1]; ++k)
+        if (result.indices[k] == i)
+          result.data[k] += rows(i);
+  }
   return result;
 }
 

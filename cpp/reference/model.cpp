@@ -44,7 +44,7 @@ Model::Model(const impact_plain::Mesh& mesh, const std::map<int, Material>& mate
   linear_ =
       std::all_of(materials_.begin(), materials_.end(), [](const Material& m) { return m.law == "linear_elastic"; });
 
-  springs_ = dashpots_ = pattern_.matrix(gdim());
+  springs_ = dashpots_ = added_mass_ = pattern_.matrix(gdim());
 
   // Visits every cell once, so that an inverted cell is named here and not in the middle of an analysis.
   const Sampler probe = sampler(quadrature(geometry_.cell, "table:" + std::to_string(2 * geometry_.degree)));
@@ -134,15 +134,18 @@ Csr Model::stiffness(const Rule& rule) const
 Csr Model::mass(const Rule& rule) const
 {
   const Sampler s = sampler(rule);
-  return assemble(gdim(),
-                  [&](const Matrix& X, std::int64_t c) { return impact_reference::mass(s, X, material(c), c); });
+  Csr M =
+      assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::mass(s, X, material(c), c); });
+  M.add(added_mass_);
+  return M;
 }
 
 Vector Model::lumped_mass(const Rule& rule, const std::string& scheme) const
 {
   const LumpedMass lump(geometry_.cell, field_.degree, geometry_.degree, rule, hypothesis_ == Hypothesis::axisymmetric,
                         scheme);
-  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c) { return lump(X, material(c), c); });
+  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c) { return lump(X, material(c), c); }) +
+         added_mass_.dot(Vector::Ones(num_dofs()));
 }
 
 Csr Model::damping(const Rule& rule, const Rule& mass_rule, double alpha, double beta) const

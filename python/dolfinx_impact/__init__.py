@@ -25,6 +25,7 @@ from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
 from .foundation import Foundation
+from .added_mass import AddedMass
 from .assembly.lumped_mass import lumped_mass
 from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
@@ -39,6 +40,7 @@ from .statics.problem import StaticProblem
 __version__ = "0.1.0"
 
 __all__ = [
+    "AddedMass",
     "ArmstrongFrederick",
     "BodyForce",
     "Energy",

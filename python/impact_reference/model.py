@@ -286,6 +286,17 @@ class Model:
         """
         self._model.add_foundation(self._foundation(facets, stiffness), self._foundation(facets, damping))
 
+    def add_mass(self, facets: ArrayLike, mass: float) -> None:
+        """Spread mass evenly over facets from now on, in `mass` and all analyses of this model.
+
+        Args:
+            facets: points of every facet, shape (num_facets, nodes per facet); its vertices suffice.
+            mass: total [M].
+        """
+        per_area = mass / self.flux_load(facets, 1.0).sum()
+        gdim = self.field_points.shape[1]
+        self._model.add_mass(self._foundation(facets, np.full(gdim, per_area)))
+
     def _foundation(self, facets: ArrayLike, k: ArrayLike) -> _reference.Csr:
         return self._model.foundation(*self._rule("facet"), _integers(facets, "facets", 2), _vector(k))
 

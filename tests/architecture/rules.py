@@ -12,18 +12,8 @@ STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "in
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
 ROOMS = {"search": (".", "closest_point", "node_tracker")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
-PACKAGES = (
-    "common",
-    "materials",
-    "inelastic",
-    "plasticity",
-    "amplitude",
-    "assembly",
-    "loads",
-    "foundation",
-    "io",
-    "theory",
-)
+PACKAGES = ("common", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "foundation")
+PACKAGES += ("added_mass", "io", "theory")
 PACKAGES += ("contact", "statics", "rolling", "dynamics", "creep", "verify", "bench", "cli")
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run

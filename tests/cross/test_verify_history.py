@@ -189,6 +189,11 @@ def test_other_springs_and_dashpots_are_seen(name, foundation, seen):
     assert seen <= failed(case_of("quadrilateral", name), foundation=foundation)
 
 
+def test_another_added_mass_is_seen():
+    case = case_of("quadrilateral", "body on normal springs and dashpots, with mass, neo-hookean")
+    assert {"displacement", "kinetic energy"} <= failed(case, added_mass=case.added_mass * SMALL)
+
+
 def test_springs_that_count_as_loads_are_seen(monkeypatch):
     """The motion is right then, energies are not."""
     right = _cpp.integrators.CentralDifference.add_term

@@ -219,6 +219,11 @@ def test_velocity_of_massless_nodes_is_seen(monkeypatch):
             {"foundation": (np.array([0.3, 0.5]), 0.2 * SMALL)},
             {"velocity", "damping energy"},
         ),
+        (
+            "body on normal springs and dashpots, with mass, neo-hookean, HHT",
+            {"added_mass": 0.7 * SMALL},
+            {"displacement", "kinetic energy"},
+        ),
         ("shaken block", {"gravity": (np.array([0.0, -1e-6]), lambda t: 1.0)}, {"external energy"}),
         (
             "block under a rigid cylinder that moves, lagrange",

@@ -78,7 +78,7 @@ def problem(
         arguments.boundary_values("bcs", getattr(bc, "bc", bc) if in_time else bc, V)
     for load in arguments.sequence("loads", loads, "loads"):
         if not hasattr(load, "form"):
-            kinds = "Traction, BodyForce, FollowerPressure, Foundation"
+            kinds = "Traction, BodyForce, FollowerPressure, Foundation, AddedMass"
             raise TypeError(f"loads must hold {kinds}, found {type(load).__name__}")
         if not in_time and getattr(load, "amplitude", None) is not None:
             raise ValueError(

@@ -27,6 +27,7 @@ from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..forms import materials as laws
+from ..added_mass import AddedMass, added_masses
 from ..foundation import Foundation, dashpot_form, spring_form
 from ..loads import DeadLoad, Load
 from ..common.arguments import number
@@ -190,6 +191,8 @@ class ExplicitProblem(Unique):
             self._frequencies.check_signs()
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
+        for added in added_masses(self.loads):
+            self.mass.array[:] += added.nodal(V, hypothesis or "3d")
         self.bulk_viscosity = self._check_viscosity(bulk_viscosity)
         self._internal = operators.SplitForce(internal, u, law=laws_at_points)
         self._cpp_object = _cpp.integrators.CentralDifference(
@@ -375,8 +378,8 @@ class ExplicitProblem(Unique):
     def _set_loads(self, loads: Sequence[Load], v: ufl.Argument) -> None:
         self.dead_loads: list[DeadLoad] = []
         for load in loads:
-            if isinstance(load, Foundation):
-                continue  # _add_foundations
+            if isinstance(load, (Foundation, AddedMass)):
+                continue  # _add_foundations; in the mass
             form = load.form(self.u, v, self.material)
             amplitude = Amplitude(getattr(load, "amplitude", None), f"amplitude of {type(load).__name__}")
             if self.u in form.coefficients():

@@ -12,6 +12,7 @@ from petsc4py import PETSc
 
 from ..assembly import operators
 from ..assembly.inelastic_part import InelasticParts
+from ..added_mass import AddedMass
 from ..foundation import foundations
 from ..inelastic import InelasticMaterial
 from ..loads import Load
@@ -91,6 +92,8 @@ def external_work(u: fem.Function, material: Material | None, loads: Sequence[Lo
     """
     v, external = ufl.TestFunction(u.function_space), None
     for load in loads:
+        if isinstance(load, AddedMass):
+            continue  # inertia
         form = load.form(u, v, material)
         external = form if external is None else external + form
     return external

@@ -22,6 +22,7 @@ from ..common.types import BoolArray, FloatArray, IntArray
 from ..materials import _Material
 from ..dynamics.explicit import ExplicitProblem
 from ..dynamics.run_history import ENERGIES
+from ..added_mass import AddedMass
 from ..foundation import Foundation
 from ..loads import BodyForce, Load
 from . import bodies, operator
@@ -61,6 +62,7 @@ class Run:
         step_fraction: time step over the stable step [1].
         foundation: stiffness [F/L^3] and damping [F T/L^3] of a Foundation under the facets SLAVE on our side; the
             other side's model has it already (`on_foundation`).
+        added_mass: mass on the facets SLAVE on our side; the other side's model has it already [M].
     """
 
     name: str
@@ -77,6 +79,7 @@ class Run:
     scheme: str = "half_step"
     step_fraction: float = 0.8
     foundation: tuple[Any, Any] | None = None
+    added_mass: float | None = None
 
 
 class RandomVariation:
@@ -476,9 +479,14 @@ def founded(domain: Mesh, degree: int, velocity: VelocityField, gravity: Any) ->
     ):
         body = _body(domain, _face_tags(domain, 0.0), degree, hypothesis, law)
         foundation = on_foundation(body, stiffness, damping)
+        added = 0.7 if np.ndim(damping) else None
+        if added is not None:
+            body.model.add_mass(body.their_facets(body.tags, SLAVE), added)
         what = "normal springs" if np.ndim(stiffness) == 0 else "springs"
-        name = f"body on {what}{' and dashpots' if np.any(damping) else ''}, {law.replace('_', '-')}"
-        yield Run(name, body, velocity, gravity=gravity, foundation=foundation, **more)
+        if np.any(damping):
+            what += " and dashpots"
+        name = f"body on {what}{', with mass' if added else ''}, {law.replace('_', '-')}"
+        yield Run(name, body, velocity, gravity=gravity, foundation=foundation, added_mass=added, **more)
 
 
 MakeRuns: TypeAlias = Callable[..., Iterator[Run]]  # of cell, degree and variation
@@ -512,6 +520,8 @@ def loads_of(case: Run) -> list[Load]:
         case: run.
     """
     loads: list[Load] = [] if case.gravity is None else [BodyForce(case.gravity[0], amplitude=case.gravity[1])]
+    if case.added_mass is not None:
+        loads.append(AddedMass(case.body.tags, SLAVE, case.added_mass))
     return loads if case.foundation is None else [*loads, Foundation(case.body.tags, SLAVE, *case.foundation)]
 
 

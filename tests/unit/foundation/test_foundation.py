@@ -237,6 +237,36 @@ def test_what_problems_refuse():
         di.RollingProblem(u, steel(), cells, {1: di.Translation((1.0, 0.0))}, loads=[damped])
 
 
+def test_masses_that_are_refused():
+    u, tags = block(SELF, n=(2, 2))
+    for mass in (0.0, -1.0, np.inf):
+        with pytest.raises(ValueError, match="mass is"):
+            di.AddedMass(tags, BOTTOM, mass)
+    with pytest.raises(TypeError, match="mass must be a number"):
+        di.AddedMass(tags, BOTTOM, "heavy")
+    with pytest.raises(ValueError, match="no facet carries the tag 17"):
+        di.ExplicitProblem(u, steel(), velocity=uniform(u, 0.0), loads=[di.AddedMass(tags, 17, 1.0)])
+    cells = mesh.meshtags(u.function_space.mesh, 2, np.arange(4, dtype=np.int32), np.full(4, 1, dtype=np.int32))
+    with pytest.raises(ValueError, match="takes no AddedMass"):
+        di.RollingProblem(u, steel(), cells, {1: di.Translation((1.0, 0.0))}, loads=[di.AddedMass(tags, BOTTOM, 1.0)])
+    plane = di.RigidPlane(point=(0.0, -0.01), normal=(0.0, 1.0))
+    pair = di.ContactPair(tags, slave=BOTTOM, master=plane)
+    with pytest.raises(ValueError, match="pass on their mass"):
+        di.NewmarkProblem(
+            u, steel(), velocity=uniform(u, 0.0), loads=[di.AddedMass(tags, BOTTOM, 1.0)], contact=[di.Lagrange(pair)]
+        )
+
+
+def test_statics_do_not_see_masses():
+    u, tags = block(SELF, n=(2, 2))
+    loads = [di.Foundation(tags, BOTTOM, (1.0, 2.0)), di.Traction(tags, TOP, (0.0, -1.0))]
+    di.StaticProblem(u, steel(), loads=loads).solve()
+    expected = u.x.array.copy()
+    u.x.array[:] = 0.0
+    di.StaticProblem(u, steel(), loads=[*loads, di.AddedMass(tags, TOP, 7.0)]).solve()
+    np.testing.assert_array_equal(u.x.array, expected)
+
+
 def test_the_classical_scheme_takes_springs():
     """Springs need no diagonal matrix."""
     u, tags = block(SELF, n=(4, 2))
@@ -249,4 +279,5 @@ def test_the_classical_scheme_takes_springs():
 def test_repr():
     _, tags = block(SELF, n=(2, 2))
     assert repr(di.Foundation(tags, BOTTOM, 2.0)) == "Foundation(tag=1, stiffness=2.0, damping=0.0)"
+    assert repr(di.AddedMass(tags, BOTTOM, 2)) == "AddedMass(tag=1, mass=2.0)"
     assert "expression" in repr(di.Foundation(tags, TOP, ufl.as_ufl(2.0)))

@@ -25,6 +25,7 @@ from ...common.types import ArrayLike, FilePath, FloatArray
 from ...common.unique import Unique, claim
 from ...forms import materials as laws
 from ...io.mesh_check import check_cells
+from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
@@ -201,7 +202,7 @@ class NewmarkProblem(Unique):
         self.supports, self.fixed = motion.parts, motion.mask
         pairs = [c.pair for c in contact]
         surface = ContactNodes(V, pairs) if pairs and impact == "mass_redistribution" else None
-        self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface)
+        self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, added_masses(loads))
         self.inertia.hold(self.fixed[: self.num_owned])
         self.mass = self.inertia.total
         self.moving_body = MovingBody(
