@@ -1,10 +1,10 @@
 # # A wheel rolls over an insulated rail joint, in space
 #
-# Track circuits find trains by the current that wheels and axle lead from rail to rail. Where one circuit ends, the rail
-# is cut and an insulating end post is glued in between. These joints fail early: steel flows over the gap, the glue
-# comes off, cracks start at the edges of the railhead. Why? The end post is softer than steel. The running surface
-# gives way below the wheel, the wheel falls into the dip, a few hundredths of a millimetre deep, and strikes the edge of
-# the next rail.
+# Track circuits find trains by the current that wheels and axle lead from rail to rail. Where one circuit ends, the
+# rail is cut and an insulating end post is glued in between. These joints fail early: steel flows over the gap, the
+# glue comes off, cracks start at the edges of the railhead. Why? The end post is softer than steel. The running surface
+# gives way below the wheel, the wheel falls into the dip, a few hundredths of a millimetre deep, and strikes the edge
+# of the next rail.
 #
 # This demo computes one passage in two stages, as Pang (2008) did: a static one that presses the wheel on the rail, and
 # a dynamic one in which it rolls over the joint. `docs/rail_joint.md` leads through the theory and the results.
@@ -17,6 +17,7 @@ import time
 
 from mpi4py import MPI
 
+import dolfinx_impact as di
 from dolfinx_impact.rail_joint import Case, RailJoint
 
 comm, started = MPI.COMM_WORLD, time.perf_counter()
@@ -24,8 +25,8 @@ fast = os.environ.get("IMPACT_DEMO_FAST") == "1"  # coarse cells, a shorter way,
 
 # ## Parameters
 #
-# Everything has a default: a wheel of 0.46 m under 130 kN at 120 km/h, a 60E1-like rail on sleepers, an end post of 8 mm
-# of epoxy with glass fibres, joint bars glued to the web. `RailJoint.from_toml` reads them from a file, in which
+# Everything has a default: a wheel of 0.46 m under 130 kN at 120 km/h, a 60E1-like rail on sleepers, an end post of
+# 8 mm of epoxy with glass fibres, joint bars glued to the web. `RailJoint.from_toml` reads them from a file, in which
 # `speed = "160 km/h"` may stand. The mesh has four cells in the half-axis of the contact (`preset="coarse"`), 8 and 16
 # with "medium" and "fine".
 
@@ -37,8 +38,8 @@ if fast:
 
 # ## Model and stages
 #
-# By symmetry one half is computed. Steel near the path may yield (J2 plasticity with Armstrong and Frederick's kinematic
-# hardening); the wheel turns and follows St. Venant and Kirchhoff's law; end post and glue are elastic.
+# By symmetry one half is computed. Steel near the path may yield (J2 plasticity with Armstrong and Frederick's
+# kinematic hardening); the wheel turns and follows St. Venant and Kirchhoff's law; end post and glue are elastic.
 #
 # * *Preload*: multipliers press the wheel on the rail, without friction; centrifugal forces of its turning act on it.
 # * *Start*: displacement, plastic history and contact forces go over to the explicit problem

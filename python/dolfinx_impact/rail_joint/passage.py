@@ -18,6 +18,7 @@ from ..dynamics.explicit import ExplicitProblem
 from ..io.gather import gather_rows
 from ..statics.problem import StaticProblem
 from .model import JointModel
+from .way_bar import WayBar
 
 TOLERANCE = 1e-6  # of the preload's residual: the time steps that follow make larger errors
 FRAMES = 37  # pictures of a passage
@@ -130,7 +131,7 @@ class Passage:
         return not np.isinf(self.model.data.yield_stress)
 
     def preload(self) -> StaticProblem:
-        """Press the wheel on the rail at the start of the way: multipliers, no friction, centrifugal forces. Collective.
+        """Press the wheel on the rail at the start: multipliers, no friction, centrifugal forces. Collective.
 
         Raises:
             RuntimeError: no equilibrium was found; on all ranks.
@@ -215,22 +216,24 @@ class Passage:
         stress = NodalStress(self.model, run.u) if show is not None else None
         footprints, before, saved = [], time.perf_counter(), time.perf_counter()
         first = run.step
-        for place in np.append(places[places < data.end], data.end):
-            moment = (place - data.begin) / data.speed
-            if moment < run.time * (1.0 - 1e-12):
-                continue
-            while run.time < moment:
-                run.advance(min(moment, run.time + data.duration / FRAMES), progress=self._progress)
-                late = self.model.comm.bcast(time.perf_counter() - saved > interval)
-                if checkpoint is not None and late:
-                    run.save(checkpoint)
-                    saved = time.perf_counter()
-            found = footprint(run.contact[0], float(place))
-            if found is not None:
-                footprints.append(found)
-            if show is not None and stress is not None:
-                history = run.history if self.yields else None
-                show(Frame(run.time, float(place), run.u, stress.evaluate(history)))
+        with WayBar(self.model.comm, data, self._progress) as bar:
+            for place in np.append(places[places < data.end], data.end):
+                moment = (place - data.begin) / data.speed
+                if moment < run.time * (1.0 - 1e-12):
+                    continue
+                while run.time < moment:
+                    until = min(moment, run.time + data.duration / FRAMES)
+                    run.advance(until, progress=False, callback=bar if self._progress else None)
+                    late = self.model.comm.bcast(time.perf_counter() - saved > interval)
+                    if checkpoint is not None and late:
+                        run.save(checkpoint)
+                        saved = time.perf_counter()
+                found = footprint(run.contact[0], float(place))
+                if found is not None:
+                    footprints.append(found)
+                if show is not None and stress is not None:
+                    history = run.history if self.yields else None
+                    show(Frame(run.time, float(place), run.u, stress.evaluate(history)))
         if checkpoint is not None:
             run.save(checkpoint)
         rows, force = run.energy_history, run.force_history[0]
