@@ -146,7 +146,17 @@ def add_wheel(layout, gap, radius, hub_radius, h, core, rolling, **more):
     require(gap >= 0, f"wheel_gap = {gap!r}: a height of at least 0")
     wheel = layout.body("slave_body")
     wheel_plan(
-        wheel, radius, hub_radius, gap, h, core, SIDES["none"], None, 3 * h if rolling else h, 1 if rolling else 3, **more
+        wheel,
+        radius,
+        hub_radius,
+        gap,
+        h,
+        core,
+        SIDES["none"],
+        None,
+        3 * h if rolling else h,
+        1 if rolling else 3,
+        **more,
     )
 
 

@@ -90,6 +90,17 @@ class UniformDamping:
         return self.alpha + self.beta * square + 2.0 * self.viscosity * np.sqrt(square)
 
 
+def _with_functions(form: ufl.Form) -> set[tuple[str, int]]:
+    """Kinds and tags of integrals that depend on functions; -1 stands for integrals over all entities."""
+    found = set()
+    for integral in form.integrals():
+        if ufl.algorithms.extract_coefficients(integral.integrand()):
+            tags = integral.subdomain_id()
+            for tag in tags if isinstance(tags, tuple) else (tags,):
+                found.add((integral.integral_type(), tag if isinstance(tag, int) else -1))
+    return found
+
+
 class CellMatrices:
     """Cell matrices of a bilinear form; integrals over a cell's facets belong to the cell.
 
@@ -109,6 +120,8 @@ class CellMatrices:
         self._tags = {kind: next((t for t in tags if t is not None), None) for kind, tags in data.items()}
         self.has_place: bool = ufl.algorithms.analysis.has_type(form, ufl.SpatialCoordinate)
         self._inputs = operators.Inputs(self._compiled.constants, self._compiled.coefficients, without)
+        self._varying = _with_functions(form)
+        self._kept: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}  # of integrals without functions
 
     def changed(self) -> bool:
         """Compare constants and coefficients with those of `store_inputs`.
@@ -147,16 +160,24 @@ class CellMatrices:
         """
         V, failed = self.space, False
         out = np.zeros((len(masses), 3))
-        for kernel, functions, entities, constants in self._integrals():
+        for number, (kernel, functions, entities, constants) in enumerate(self._integrals()):
             cells = entities if kernel.integral_type == "cell" else np.ascontiguousarray(entities[::2])
+            given = np.ascontiguousarray(masses[cells]).ravel()
+            # Linear materials keep their stiffness: most cells of a model with a few that deform a lot.
+            before = self._kept.get(number)
+            if before and np.array_equal(before[0], constants) and np.array_equal(before[1], given):
+                np.add.at(out, cells, before[2])
+                continue
             integral = _cpp.operators.Integral(kernel.address, entities, constants)
             coefficients = {name: f._cpp_object for name, f in functions.items()}
-            given = np.ascontiguousarray(masses[cells]).ravel()
             try:
-                found = _cpp.operators.cell_spectra(integral, V._cpp_object, coefficients, given)
-                np.add.at(out, cells, found.reshape(-1, 3))
+                found = _cpp.operators.cell_spectra(integral, V._cpp_object, coefficients, given).reshape(-1, 3)
             except RuntimeError:
                 failed = True
+                continue
+            np.add.at(out, cells, found)
+            if not any((kernel.integral_type, tag) in self._varying for tag in (-1, *kernel.subdomains)):
+                self._kept[number] = np.array(constants), given, found
         if V.mesh.comm.allreduce(bool(failed or not np.all(np.isfinite(out))), MPI.LOR):
             raise ValueError("the stiffness of a cell is not a number: check the material, the mesh and the state")
         return out

@@ -101,8 +101,8 @@ class RailJoint:
     hardening_modulus: float = _number(30e9, "Pa", "C of Armstrong and Frederick's kinematic hardening")
     recovery: float = _number(100.0, "1", "gamma of their dynamic recovery; the back stress saturates at C/gamma")
 
-    begin: float = _number(-26e-3, "m", "place of the wheel at the start, the joint at 0")
-    end: float = _number(32e-3, "m", "place of the wheel at the end")
+    begin: float = _number(-24e-3, "m", "place of the wheel at the start, the joint at 0")
+    end: float = _number(26e-3, "m", "place of the wheel at the end")
     cells: int = _number(0, "1", "in the contact's half-axis along the rail, 0: by the preset")
     coarse: float = _number(0.0, "m", "largest cells, 0: by the preset")
     penalty: float = _number(0.0, "Pa/m", "of the contact in the explicit run, 0: as stiff as the time step allows")

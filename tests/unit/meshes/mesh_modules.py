@@ -190,7 +190,9 @@ CASES = {
     "joint_3d": ("rail_joint_3d", {"h": 8e-3}, True),
     "insulated": ("insulated_joint_3d", {"h": 8e-3, "coarse": 0.1, "rail_length": 0.6}, True),
     "insulated_whole": (
-        "insulated_joint_3d", {"h": 10e-3, "coarse": 0.1, "rail_length": 0.5, "symmetry": "none"}, True
+        "insulated_joint_3d",
+        {"h": 10e-3, "coarse": 0.1, "rail_length": 0.5, "symmetry": "none"},
+        True,
     ),
     "joint_3d_wheel": ("rail_joint_3d", {"wheel": True, "end_post": "none", "h": 8e-3, "coarse": 0.08}, True),
 }
