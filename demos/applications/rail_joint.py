@@ -17,7 +17,6 @@ import time
 
 from mpi4py import MPI
 
-import dolfinx_impact as di
 from dolfinx_impact.rail_joint import Case, RailJoint
 
 comm, started = MPI.COMM_WORLD, time.perf_counter()

@@ -16,9 +16,17 @@ from dolfinx_impact.rail_joint.wheel import HUB_TAGS, RIM_TAG
 
 COMM = MPI.COMM_WORLD
 SMALL = RailJoint().changed(
-    cells=1, coarse=0.1, speed=80.0, begin=-6e-3, end=6e-3, rail_length=0.5, bar_length=0.3, sleepers=0.3,
-    yield_stress=np.inf,    wheel_mass=700.0,
-)  # fmt: skip
+    cells=1,
+    coarse=0.1,
+    speed=80.0,
+    begin=-6e-3,
+    end=6e-3,
+    rail_length=0.5,
+    bar_length=0.3,
+    sleepers=0.3,
+    yield_stress=np.inf,
+    wheel_mass=700.0,
+)
 
 
 def check_the_wheel_is_balanced():
