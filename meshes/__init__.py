@@ -61,7 +61,7 @@ def layout(name, cell=None, degree=1, **parameters):
     unknown = sorted(set(parameters) - set(known))
     require(not unknown, f"{name} has no parameter {unknown}; it takes cell, degree, {', '.join(known)}")
     plan = function(**parameters)
-    cells = _CELLS[plan.dim]
+    cells = plan.made_of or _CELLS[plan.dim]
     cell = cells[0] if cell is None else cell
     require(cell in cells, f"cell = {cell!r}: {name} in {plan.dim}D is made of {' or '.join(cells)}")
     require(degree in (1, 2), f"degree = {degree!r}: the geometry degree is 1 or 2")

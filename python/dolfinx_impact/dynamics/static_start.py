@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Equilibrium as the start of an explicit run: displacement, history of the materials, springs under the static load."""
+"""Equilibrium as the start of an explicit run: displacement, history of materials, springs under the static load."""
 
 from __future__ import annotations
 

@@ -20,6 +20,8 @@ from ..common import arguments
 from ..common.collective import comm_of, guard
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..common.unique import Unique
+from ..added_mass import added_masses
+from ..foundation import foundations
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..common.interrupts import Interrupts
@@ -91,6 +93,10 @@ class RollingProblem(Unique):
         with guard(comm_of(u, bcs, material, cell_tags, loads, contact), "RollingProblem") as ranks:
             given = problem_arguments.problem(u, material, None, bcs, loads, contact)
             inputs.check(u.function_space.mesh, material, cell_tags, motions, contact)
+            if any(f.damps for f in foundations(loads)):
+                raise ValueError("a RollingProblem takes no dashpots: give a Foundation without damping")
+            if added_masses(loads):
+                raise ValueError("a RollingProblem takes no AddedMass: what flows has its density")
             arguments.options(options)
             ranks.same(**given, motions=dict(motions), options=options, prefix=prefix)
         self.u, self.motions = u, {int(tag): motion for tag, motion in motions.items()}

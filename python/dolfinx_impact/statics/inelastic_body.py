@@ -25,6 +25,7 @@ class InelasticBody:
         parts: inelastic parts.
         residual: UFL form of the rest of the residual: elastic parts, minus external forces; None: there is none.
         tangent: UFL form of the derivative of that rest; None: it is zero.
+        has_springs: whether springs to the ground may hold the bodies.
 
     Attributes:
         tangent: derivative of the residual.
@@ -32,6 +33,7 @@ class InelasticBody:
         symmetric: False: kinematic hardening with recovery and finite strain make it unsymmetric.
         inelastic: True.
         has_inertia: False.
+        has_springs: as given.
         force: operator of the internal forces, which keeps the history.
         history: internal variables by name.
     """
@@ -42,11 +44,19 @@ class InelasticBody:
     has_inertia = False
 
     def __init__(
-        self, u: fem.Function, parts: InelasticParts, residual: ufl.Form | None, tangent: ufl.Form | None
+        self,
+        u: fem.Function,
+        parts: InelasticParts,
+        residual: ufl.Form | None,
+        tangent: ufl.Form | None,
+        has_springs: bool = False,
     ) -> None:
+        self.has_springs = has_springs
         self.u, self.space, self.parts = u, u.function_space, parts
         form, laws = parts.force(ufl.TestFunction(self.space))
-        self.force = InternalForce(form if residual is None else form + residual, law=laws)
+        self.force = InternalForce(form, law=laws)
+        # By itself: cells with a point law take one quadrature rule, loads may need another one.
+        self._rest = None if residual is None else InternalForce(residual)
         self.history = MaterialHistory(parts, self.force.history)
         self._functions = self.history.functions()
         self.tangent = self
@@ -74,6 +84,8 @@ class InelasticBody:
         """
         self._values[:] = 0.0
         self.force.assemble(self._values)
+        if self._rest is not None:
+            self._rest.assemble(self._values)
         with b.localForm() as local:
             local.array[:] += self._values
 

@@ -56,6 +56,25 @@ def check_equilibrium_goes_on():
     assert COMM.allreduce(np.abs(after - plastic).max(initial=0.0) / plastic.max(initial=1e-5), MPI.MAX) < 0.02
 
 
+def check_bodies_part_without_a_jump():
+    """Lifted off, nodes open one after the other. Their springs began with offsets of the gap, as pressures are not
+    even; a node that has just opened must not close again, with an energy from nowhere."""
+    static, bcs, loads, contact = blocks(1e9, penalty=3e4)
+    static.solve()
+    V = static.u.function_space
+    velocity = fem.Function(V, name="velocity")
+    velocity.x.array.reshape(-1, 2)[upper_nodes(V), 1] = 2.0
+    run = di.ExplicitProblem.from_static(static, bcs=bcs, loads=loads, contact=contact, velocity=velocity)
+    run.advance(2.0 / np.sqrt(2e5))
+    force, weight = run.force_history[0][:, 1], 0.6 * PRESSURE
+    assert force[0] > 0.99 * weight and np.diff(force).max() <= 1e-12 * weight and force[-1] == 0.0
+    rows = run.energy_history[:, 1:]
+    changes = rows - rows[0]
+    missed = np.abs(changes[:, :-1].sum(axis=1) - changes[:, -1])
+    # Work is kept to round-off but for the last half step of each node: 1e-7; nodes that closed again added 1e-4.
+    assert missed.max() < 1e-5 * np.abs(changes).max(), missed.max() / np.abs(changes).max()
+
+
 def check_connected_nodes():
     """The body of a surface, of all ranks."""
     static, *_ = blocks(1e9)

@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of a passage over a rail joint; called on rank 0 with plain arrays and gathered fields."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from ..common.types import FilePath, FloatArray
+from ..io import plots
+from ..io.gather import Gathered
+from .parameters import RailJoint
+from .passage import Footprint, History
+from .results import P2_FREQUENCY, Summary, low_pass
+
+MM, MPA, KN = 1e3, 1e-6, 1e-3
+VIEW = ((-0.55, -1.4, 0.55), (0, 0, 1))  # towards the viewer, up
+WAVES = 20e3  # stations are shown without what is faster: cells of the coarse mesh carry no more [Hz]
+ZONE = (0.055, 0.03, 0.035)  # half-length, width and depth of what pictures show [m]
+
+
+@dataclass
+class Picture:
+    """Fields of one moment, gathered on rank 0.
+
+    Attributes:
+        place: of the wheel [m].
+        displacement: [m].
+        stress: von Mises stress [Pa].
+    """
+
+    place: float
+    displacement: Gathered
+    stress: Gathered
+
+
+def _shade(axes: Any, data: RailJoint) -> None:
+    half = 0.5 * data.gap * MM
+    axes.axvspan(-half, half, color="#f0e4d8", zorder=0, lw=0)
+
+
+def force(path: FilePath, data: RailJoint, history: History, summary: Summary) -> None:
+    """Contact force over the place of the wheel.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        history: of the passage.
+        summary: its numbers.
+    """
+    plt = plots.pyplot()
+    figure, (up, along) = plt.subplots(
+        2, 1, figsize=(8.5, 5.6), layout="constrained", sharex=True, height_ratios=(2.4, 1)
+    )
+    x, f = history.place * MM, history.force / data.load
+    up.plot(x, f[:, 2], color=plots.COLOURS[0], lw=1.4, label="contact force")
+    slow = low_pass(history)
+    if slow is not None:
+        up.plot(x, slow / data.load, color=plots.COLOURS[3], lw=1.2, label=f"below {P2_FREQUENCY:.0f} Hz")
+    up.plot(summary.peak_place * MM, summary.dynamic_factor, "o", color=plots.COLOURS[1], ms=6)
+    up.annotate(
+        f"{summary.dynamic_factor:.3f} times the load", (summary.peak_place * MM, summary.dynamic_factor), (0, 9),
+        textcoords="offset points", ha="center", color=plots.COLOURS[1],
+    )  # fmt: skip
+    low, high = f[:, 2].min(), f[:, 2].max()
+    up.set(ylabel="contact force / load [1]", ylim=(low - 0.1 * (high - low), high + 0.2 * (high - low)))
+    up.legend(loc="lower right")
+    along.plot(x, f[:, 0], color=plots.COLOURS[2], lw=1.2)
+    along.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="along / load [1]")
+    for axes in (up, along):
+        _shade(axes, data)
+    plots.save(figure, path)
+
+
+def footprints(path: FilePath, data: RailJoint, found: Sequence[Footprint]) -> None:
+    """Contact areas with their pressures at some moments, the ellipse of Hertz beside them.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        found: footprints, up to six.
+    """
+    plt = plots.pyplot()
+    figure, all_axes = plt.subplots(2, 3, figsize=(11, 5.8), layout="constrained", sharey=True)
+    hertz, largest = data.hertz, max(float(f.pressure.max(initial=0.0)) for f in found) * MPA
+    angle, marks = np.linspace(0.0, 2.0 * np.pi, 200), None
+    for axes, f in zip(all_axes.ravel(), found):
+        x, y, p = f.points[:, 0] * MM, f.points[:, 1] * MM, f.pressure * MPA
+        if data.sides == 2:  # the other half
+            off = y > 1e-6
+            x, y, p = (np.concatenate([a, b[off]]) for a, b in ((x, x), (y, -y), (p, p)))
+        size = (0.5 * data.cell_size * MM * 72 / 10) ** 2
+        marks = axes.scatter(x, y, c=p, s=size, marker="s", cmap="viridis", vmin=0.0, vmax=largest)
+        axes.plot(f.place * MM + hertz.a * MM * np.cos(angle), hertz.b * MM * np.sin(angle), "k:", lw=1)
+        _shade(axes, data)
+        middle = f.place * MM
+        axes.set(xlim=(middle - 2 * hertz.a * MM, middle + 2 * hertz.a * MM), aspect="equal", xlabel="x [mm]")
+        axes.set_title(f"axle at {middle:+.1f} mm", fontsize=10)
+        axes.grid(False)
+    all_axes[0, 0].set_ylabel("y [mm]")
+    all_axes[1, 0].set_ylabel("y [mm]")
+    figure.colorbar(marks, ax=all_axes, label="nodal pressure [MPa]", shrink=0.8)
+    plots.save(figure, path)
+
+
+def energies(path: FilePath, data: RailJoint, history: History) -> None:
+    """Changes of the energies, and what their balance misses.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        history: of the passage.
+    """
+    plt = plots.pyplot()
+    figure, (parts, rest) = plt.subplots(
+        2, 1, figsize=(8.5, 5.6), layout="constrained", sharex=True, height_ratios=(2.4, 1)
+    )
+    x = history.place * MM
+    changes = {name: values - values[0] for name, values in history.energy.items()}
+    largest = max(float(np.abs(values).max()) for values in changes.values())
+    for k, (name, values) in enumerate((n, v) for n, v in changes.items() if np.abs(v).max() > 1e-3 * largest):
+        parts.plot(x, values, "--" if name == "external" else "-", color=f"C{k}", lw=1.4, label=name)
+    parts.set(ylabel="change since the start [J]")
+    parts.legend(fontsize=9, ncols=2)
+    balance = sum(v for n, v in changes.items() if n != "external") - changes["external"]
+    rest.plot(x, balance / largest, color=plots.COLOURS[0], lw=1.2)
+    rest.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="missed / largest [1]")
+    plots.save(figure, path)
+
+
+def rail_ends(path: FilePath, data: RailJoint, ends: FloatArray) -> None:
+    """Heights of the rail ends below those at the start.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        ends: place of the wheel and vertical displacement of both ends, (n, 3) [m].
+    """
+    plt = plots.pyplot()
+    figure, axes = plt.subplots(figsize=(8.5, 3.6), layout="constrained")
+    for k, name in ((1, "end of the first rail"), (2, "end of the second rail")):
+        axes.plot(ends[:, 0] * MM, (ends[:, k] - ends[0, k]) * 1e6, color=plots.COLOURS[k - 1], lw=1.4, label=name)
+    axes.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="height since the start [um]")
+    axes.legend()
+    _shade(axes, data)
+    plots.save(figure, path)
+
+
+def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArray, velocity: FloatArray) -> None:
+    """Longitudinal velocities at stations along the second rail, with the fronts of (3.80)'s waves.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        time: since the start, (n) [s].
+        stations: places along the rail, (m) [m].
+        velocity: along the rail, (n, m) [m/s].
+    """
+    plt = plots.pyplot()
+    figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
+    shown = _low_pass(time, velocity)
+    spread = float(np.ptp(shown, axis=0).max(initial=0.0)) or 1.0
+    velocity = shown
+    for k, x in enumerate(stations):
+        axes.plot(time * MM, velocity[:, k] / spread + k, color=f"C{k}", lw=1.1)
+        axes.text(time[-1] * MM, k, f" x = {x:.2f} m", va="center", fontsize=9)
+    # The wheel meets the second rail when the contact's edge gets there.
+    meets = (0.5 * data.gap - data.hertz.a - data.begin) / data.speed
+    for speed, name, style in ((np.sqrt(data.E / data.density), "bar", "--"), (_shear(data), "shear", ":")):
+        axes.plot([(meets + x / speed) * MM for x in stations], range(len(stations)), "k" + style, lw=1,
+                  label=f"from the joint at the {name} wave's {speed:.0f} m/s")  # fmt: skip
+    axes.set(xlabel="time [ms]", ylabel="velocity along the rail below 20 kHz", yticks=[])
+    axes.legend(loc="upper left", fontsize=9)
+    plots.save(figure, path)
+
+
+def _low_pass(time: FloatArray, velocity: FloatArray) -> FloatArray:
+    """Velocities without what is faster than WAVES; where the samples are too few, as they are."""
+    even = len(time) > 40 and np.ptp(np.diff(time)[:-1]) < 1e-3 * (time[1] - time[0])
+    rate = 1.0 / (time[1] - time[0]) if even else 0.0
+    if rate <= 2.5 * WAVES:
+        return velocity
+    filtered: FloatArray = sosfiltfilt(butter(4, WAVES, fs=rate, output="sos"), velocity, axis=0)
+    return filtered
+
+
+def _shear(data: RailJoint) -> float:
+    return float(np.sqrt(data.E / (2.0 * (1.0 + data.nu) * data.density)))
+
+
+def section(picture: Picture, data: RailJoint, clim: tuple[float, float], size: tuple[int, int]) -> Any:
+    """Image of the von Mises stress around the joint: the half behind the plane y = 0.
+
+    Args:
+        picture: the moment.
+        data: the joint.
+        clim: range of the colours [MPa].
+        size: of the image [pixels].
+    """
+    stress, u = picture.stress, picture.displacement
+    assert u.values is not None and stress.values is not None and u.cells is not None and stress.cells is not None
+    moved = np.zeros((len(stress.values), 3))
+    moved[stress.cells.ravel()] = u.values[u.cells.ravel()]
+    grid = plots.grid(stress, moved)
+    grid.point_data["value"] = stress.values[:, 0] * MPA
+    length, width, depth = ZONE
+    first = -1e-4 if data.sides == 2 else 0.0
+    part = grid.clip_box((-length, length, first, width, -depth, 0.8 * depth), invert=False)
+    view = (*VIEW, (0.0, 0.01, -0.004))
+    return plots.draw([part], clim, cmap="viridis", size=size, view=view, above="#fff3b0", zoom=1.45)
+
+
+def sequence(path: FilePath, data: RailJoint, pictures: Sequence[Picture], history: History) -> None:
+    """Von Mises stress at six moments.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        pictures: of the moments.
+        history: of the passage.
+    """
+    plt = plots.pyplot()
+    figure, axes = plt.subplots(2, 3, figsize=(12.5, 6.4), layout="constrained")
+    clim = (0.0, 800.0)
+    for ax, picture in zip(axes.ravel(), pictures):
+        plots.show(ax, section(picture, data, clim, (900, 660)))
+        now = np.interp(picture.place, history.place, history.force[:, 2]) / data.load
+        ax.set_title(f"axle at {picture.place * MM:+.1f} mm, force {now:.2f} of the load", fontsize=10)
+    plots.colour_bar(figure, axes, clim, "von Mises stress [MPa]", shrink=0.7, extend="max")
+    plots.save(figure, path)
+
+
+def animation(path: FilePath, data: RailJoint, pictures: Sequence[Picture]) -> None:
+    """The passage as an animated GIF.
+
+    Args:
+        path: file that is written.
+        data: the joint.
+        pictures: of all frames.
+    """
+    import PIL.Image
+    import PIL.ImageDraw
+
+    frames = []
+    for picture in pictures:
+        image = PIL.Image.fromarray(section(picture, data, (0.0, 800.0), (720, 520)))
+        text = f"axle at {picture.place * MM:+5.1f} mm; von Mises stress 0 (dark) to 800 MPa (yellow)"
+        PIL.ImageDraw.Draw(image).text((12, 500), text, fill="black")
+        frames.append(image.quantize(96))
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=120, loop=0, optimize=True)
+
+
+def field_on_rail(
+    path: FilePath, data: RailJoint, values: Gathered, label: str, clim: tuple[float, float], cmap: str = "magma"
+) -> None:
+    """A field of the rail heads around the joint, cut at y = 0.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        values: field, in the unit of the picture.
+        label: of the colour bar.
+        clim: range of the colours.
+        cmap: colour map.
+    """
+    plt = plots.pyplot()
+    assert values.values is not None and values.points is not None and values.cells is not None
+    grid = plots.grid(values, cell_mask=values.points[values.cells].mean(axis=1)[:, 2] < 0.0)  # without the wheel
+    grid.point_data["value"] = values.values[:, 0]
+    length, width, depth = ZONE
+    first = -1e-4 if data.sides == 2 else 0.0
+    part = grid.clip_box((-length, length, first, width, -depth, 1e-3), invert=False)
+    view = ((-0.3, -1.3, 0.6), (0, 0, 1), (0.0, 0.01, -0.015))
+    figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
+    plots.show(axes, plots.draw([part], clim, cmap=cmap, size=(1100, 560), view=view, edges=False, zoom=1.5))
+    plots.colour_bar(figure, axes, clim, label, cmap=cmap, shrink=0.8)
+    plots.save(figure, path)
