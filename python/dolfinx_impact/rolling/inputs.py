@@ -28,7 +28,7 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
     Raises:
         TypeError: an argument is of the wrong type.
         ValueError: axisymmetric or massless materials, motions that do not fit, internal variables of bodies that
-            stand, tensors of a law of one's own in bodies that spin, or friction by penalty.
+            stand or have friction, tensors of a law of one's own in bodies that spin, or friction by penalty.
     """
     arguments.tags("RollingProblem", cell_tags, mesh, mesh.topology.dim)
     if not isinstance(motions, dict):
@@ -48,6 +48,8 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
         if isinstance(m, InelasticMaterial):
             _check_flowing(m, cell_tags, motions, None if tag is None else material.cell_tags.find(tag))
     if any(c.pair.friction > 0.0 for c in contact):
+        if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
+            raise ValueError("friction together with internal variables that flow with the material comes later")
         for c in contact:
             if not isinstance(c, Lagrange):
                 raise ValueError(

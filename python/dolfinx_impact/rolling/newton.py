@@ -67,7 +67,6 @@ class RollingNewton:
 
     Attributes:
         control: as given; may be changed between runs.
-        again: whether a state that solves the equations at the start is accepted, as it comes from a solve like this.
         seconds: time by part, as in Newton.
     """
 
@@ -86,7 +85,6 @@ class RollingNewton:
         self.contacts: list[RollingContact] = list(problem.contact)  # type: ignore[arg-type]
         # Without friction, to begin with: active sets and forces to start from.
         self._frictionless = Newton(problem, rtol, atol, max_iterations, lambda *_: interrupts.check())
-        self.again = False
         self.seconds = self._frictionless.seconds
         self.comm, self.num_owned = problem.space.mesh.comm, problem.num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
@@ -116,9 +114,6 @@ class RollingNewton:
         changes, K = 0, None
         for iteration in itertools.count():
             residual = p.assemble_residual().array.copy()
-            unsolved = p.body.fault()
-            if unsolved:
-                return result.failed(f"{unsolved} in Newton iteration {iteration}")
             if not np.all(np.isfinite(self.comm.allgather(float(residual @ residual)))):
                 return result.failed(f"the residual is nan in Newton iteration {iteration}")
             for contact in self.contacts:
@@ -145,7 +140,7 @@ class RollingNewton:
             self._interrupts.check()
             if (
                 moved
-                and (iteration > 0 or self.again)
+                and iteration > 0
                 and wrong < VIOLATION
                 and off < VIOLATION
                 and norm <= max(self.atol, self.rtol * scale)

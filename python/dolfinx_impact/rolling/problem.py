@@ -74,8 +74,8 @@ class RollingProblem(Unique):
         TypeError: an argument is of the wrong type; on all ranks.
         ValueError: cells without a motion, motions without cells, a Spin of a body that is neither one of revolution
             about its axis nor a sector that is held at its cuts, friction by penalty, materials without density, bodies
-            with internal variables that stand, or have no streamlines of quadrature points; or what StaticProblem
-            refuses. On all ranks.
+            with internal variables that stand, have friction or no streamlines of quadrature points; or what
+            StaticProblem refuses. On all ranks.
     """
 
     def __init__(
@@ -260,12 +260,11 @@ class RollingProblem(Unique):
                 contact.check_directions()
         good = self._state()
 
-        def equilibrium(number: int, again: bool = False) -> Report:
+        def equilibrium(number: int) -> Report:
             if self._reduced is None:
                 return p.solve(number, rtol, atol, max_iterations, cut_backs, verbose)
             with Interrupts(self.u.function_space.mesh.comm) as interrupts:
                 solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
-                solver.again = again
                 report = run_steps(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)
                 if torque is not None:
                     self._find_spin(solver, torque, report, verbose)
@@ -279,7 +278,7 @@ class RollingProblem(Unique):
         self._transport.update()
         found = False
         try:
-            report = self._transport.solve(lambda first: equilibrium(steps if first else 1, not first), turns)
+            report = self._transport.solve(lambda first: equilibrium(steps if first else 1), turns)
             found = True
         finally:
             if not found:

@@ -197,9 +197,9 @@ class Transport:
                 return report
             if turns is None and turn == MOST_TURNS:
                 raise RuntimeError(
-                    f"after {turn} turns of the body its internal variables still change by {self.turn_changes[-1]:.1e} "
-                    "of the largest in a turn: plastic strain goes on (ratcheting), or hardens slowly; there is no "
-                    "steady state near: give the number of turns"
+                    f"after {turn} turns of the body its internal variables still change by "
+                    f"{self.turn_changes[-1]:.1e} of the largest in a turn: plastic strain goes on (ratcheting), or "
+                    "hardens slowly; there is no steady state near: give the number of turns"
                 )
         raise AssertionError("not reached")
 

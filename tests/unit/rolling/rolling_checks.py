@@ -512,6 +512,8 @@ def check_bad_flows_of_internal_variables():
         flowing_steel(disc(), motion=di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.1))
     with pytest.raises(ValueError, match="turns is for a whole ring"):
         flowing_steel(mesh.create_unit_square(COMM, 4, 4, mesh.CellType.quadrilateral)).solve(turns=2)
+    with pytest.raises(ValueError, match="comes later"):
+        flowing_steel(mesh.create_unit_square(COMM, 4, 4), contact=True)
     for still in (di.Translation((0.0, 0.0)), di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.0)):
         with pytest.raises(ValueError, match="must move"):
             flowing_steel(ring(), motion=still)
