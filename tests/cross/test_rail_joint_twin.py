@@ -97,7 +97,8 @@ def test_two_solvers_make_the_same_passage(both, ours):
 
 
 def test_another_friction_is_seen(both, ours):
-    assert max(differences(both, ours, friction=0.29, steps=10)) > 1e3 * LIMIT
+    """Nodes at the edge of the contact slip soon."""
+    assert max(differences(both, ours, friction=0.01, steps=30)) > 1e3 * LIMIT
 
 
 def test_other_pads_are_seen(ours):

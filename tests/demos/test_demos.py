@@ -124,6 +124,7 @@ def test_the_gallery_shows_the_demos(checkout):
         assert f"demo {name}" in gallery, f"docs/gallery.md does not say how to run {name}"
         for file in FILES.get(name, [f"{name}.png"]):
             if file.endswith(".png"):
-                picture = checkout / "docs" / "figures" / f"demo_{file}"
+                own = file if file.startswith(name) else f"{name}_{file}"
+                picture = checkout / "docs" / "figures" / f"demo_{own}"
                 assert f"figures/{picture.name}" in gallery
                 assert picture.stat().st_size < 200_000

@@ -116,7 +116,7 @@ def write(
         head = ("pass", "largest force / load", "plastic strain [%]", "largest pressure [MPa]")
         rows = [
             (str(k + 1), f"{p['dynamic_factor']:.3f}", f"{100 * p['plastic_strain']:.4f}",
-             f"{p['peak_pressure'] / 1e6:.0f}")
+             "" if p["peak_pressure"] is None else f"{p['peak_pressure'] / 1e6:.0f}")
             for k, p in enumerate(passes)
         ]  # fmt: skip
         several = "<h2>Passages</h2>" + _table([head, *rows])

@@ -11,7 +11,9 @@ from ..common.types import FloatArray
 TOLERANCE = 1e-10  # relative, of an eigenvalue
 SHIFT = 1e-3  # of the mesh's frequency: keeps the factorised matrix regular where rigid motions are free
 GROWTH = 1e-6  # real part over the largest modulus found, at which a mode grows
-RIGID = 10.0  # moduli below this many times the former belong to rigid motions
+RIGID_MOTIONS = 6  # of a body in space
+ROUND_OFF = 5e-8  # of the mesh's frequency: a few times the square root of the unit of round-off
+RIGID = 10.0  # moduli below this many times the larger of the last two belong to rigid motions
 
 
 def solve(
@@ -41,7 +43,8 @@ def solve(
     from slepc4py import SLEPc
 
     diagonals = [A.getDiagonal() for A in (K, M)]
-    shift = SHIFT * float(np.sqrt(diagonals[0].sum() / diagonals[1].sum()))
+    highest = float(np.sqrt(diagonals[0].sum() / diagonals[1].sum()))
+    shift = SHIFT * highest
     for d in diagonals:
         d.destroy()
     pep = SLEPc.PEP().create(K.getComm())
@@ -49,7 +52,7 @@ def solve(
     pep.setProblemType(SLEPc.PEP.ProblemType.GENERAL)
     pep.setType(SLEPc.PEP.Type.TOAR)
     pep.setScale(SLEPc.PEP.Scale.SCALAR)
-    pep.setDimensions(2 * count + 4)
+    pep.setDimensions(2 * count + 2 * RIGID_MOTIONS)  # a body that nothing holds has the rigid motions first
     pep.setTolerances(TOLERANCE, 500)
     pep.setTarget(shift)
     pep.setWhichEigenpairs(SLEPc.PEP.Which.TARGET_MAGNITUDE)
@@ -63,7 +66,7 @@ def solve(
     real, imaginary, product = K.createVecRight(), K.createVecRight(), K.createVecRight()
     values = [pep.getEigenpair(i, real, imaginary) for i in range(pep.getConverged())]
     # Free rigid motions have s = 0 as a double root, which round-off splits into a pair of any phase.
-    small = GROWTH * max((abs(s) for s in values), default=0.0)
+    small = max(GROWTH * max((abs(s) for s in values), default=0.0), ROUND_OFF * highest)
     found: list[float] = []
     growing = 0
     for i, s in enumerate(values):

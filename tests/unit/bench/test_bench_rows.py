@@ -13,6 +13,7 @@ from rich.console import Console
 from dolfinx_impact import _cpp
 from dolfinx_impact.bench import explicit as bench_explicit
 from dolfinx_impact.bench import plastic as bench_plastic
+from dolfinx_impact.bench import rolling as bench_rolling
 from dolfinx_impact.bench import rows, run
 
 PEAKS = """
@@ -94,7 +95,9 @@ def test_jobs_are_all_measurements():
     """A job per case, so that the bar moves; what the options add."""
     small, large = run.jobs(1e10, 1e9), run.jobs(1e10, 1e9, large=True, ranks=2)
     explicit = len(bench_explicit.jobs()) + len(bench_plastic.jobs())
-    assert len(small) == len(run.CASES) + 2 * len(run.FINITE) + len(run.RANK_CELLS) + explicit + 2
+    assert len(small) == len(run.CASES) + 2 * len(run.FINITE) + len(run.RANK_CELLS) + explicit + 2 + len(
+        bench_rolling.jobs(False)
+    )
     assert {what for what, _ in small} < {what for what, _ in large}
     assert "explicit steps on 2 ranks" in {what for what, _ in large}
     assert all(callable(work) for _, work in large)

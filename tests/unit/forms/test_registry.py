@@ -102,38 +102,38 @@ def own_forms(monkeypatch):
     return registration.FORMS
 
 
-def spring_foundation(on, stiffness, centre, u):
+def spring_bed(on, stiffness, centre, u):
     x = ufl.SpatialCoordinate(on.mesh)
     return stiffness * ufl.inner(x - centre, x - centre) * ufl.inner(u, on.test) * on.dx
 
 
 def test_a_form_of_ones_own_is_registered_and_built(own_forms):
     register = registry.registered(
-        "foundation",
+        "spring_bed",
         quadrature=lambda cell, degree, geometry_degree, hypothesis: 2 * degree + geometry_degree,
         constants={"stiffness": registry.SCALAR, "centre": registry.VECTOR},
         coefficients=("u",),
         cells=("triangle", "hexahedron"),
-        excluded={"plane_stress": "a foundation has no thickness"},
+        excluded={"plane_stress": "a spring bed has no thickness"},
     )
-    assert register(spring_foundation) is spring_foundation
-    built = registry.build("foundation", "hexahedron", 2)
+    assert register(spring_bed) is spring_bed
+    built = registry.build("spring_bed", "hexahedron", 2)
     assert built.degree == 5 and built.rule is None
     assert [built.names[c] for c in built.form.constants()] == ["stiffness", "centre"]
     assert [c.ufl_shape for c in built.form.constants()] == [(), (3,)]
     assert [built.names[c] for c in built.form.coefficients()] == ["u"]
     (integral,) = built.form.integrals()
     assert integral.metadata() == {"quadrature_degree": 5}
-    integrals = frontend.form_integrals(built.form, "foundation", built.names, "3d")
-    text, names = emit.source(integrals, "own_foundation")
-    assert len(names) == 1 and "own_foundation" in names[0] and names[0] in text
-    with pytest.raises(ValueError, match="foundation: only for cells triangle, hexahedron"):
-        registry.build("foundation", "tetrahedron", 1)
-    with pytest.raises(ValueError, match="foundation: a foundation has no thickness"):
-        registry.build("foundation", "triangle", 1, hypothesis="plane_stress")
-    with pytest.raises(ValueError, match="'founded' is unknown: .*poisson_residual, .*, foundation"):
-        registry.build("founded", "triangle", 1)
-    assert "foundation" not in registry.NAMES  # the catalogue of the package, which verify compares
+    integrals = frontend.form_integrals(built.form, "spring_bed", built.names, "3d")
+    text, names = emit.source(integrals, "own_spring_bed")
+    assert len(names) == 1 and "own_spring_bed" in names[0] and names[0] in text
+    with pytest.raises(ValueError, match="spring_bed: only for cells triangle, hexahedron"):
+        registry.build("spring_bed", "tetrahedron", 1)
+    with pytest.raises(ValueError, match="spring_bed: a spring bed has no thickness"):
+        registry.build("spring_bed", "triangle", 1, hypothesis="plane_stress")
+    with pytest.raises(ValueError, match="'spring' is unknown: .*poisson_residual, .*, spring_bed"):
+        registry.build("spring", "triangle", 1)
+    assert "spring_bed" not in registry.NAMES  # the catalogue of the package, which verify compares
 
 
 def test_a_scalar_form_with_a_rule_of_its_own(own_forms):
@@ -147,7 +147,7 @@ def test_a_scalar_form_with_a_rule_of_its_own(own_forms):
 
 def test_a_name_is_registered_once(own_forms):
     with pytest.raises(ValueError, match="'mass' is registered already, by .*catalogue.inertia.mass"):
-        registry.registered("mass", quadrature=lambda *_: 1)(spring_foundation)
+        registry.registered("mass", quadrature=lambda *_: 1)(spring_bed)
     with pytest.raises(ValueError, match="cell 'prism' is unknown.*triangle"):
-        registry.registered("foundation", quadrature=lambda *_: 1, cells=("prism",))
-    assert "foundation" not in own_forms
+        registry.registered("spring_bed", quadrature=lambda *_: 1, cells=("prism",))
+    assert "spring_bed" not in own_forms
