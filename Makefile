@@ -3,6 +3,7 @@
 SHELL := /bin/sh
 RUN := env/run
 DEMO ?= rail_joint
+ARGS ?= $(if $(filter rail_joint,$(DEMO)),--ranks 2)
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
@@ -12,7 +13,7 @@ PYTEST ?= python3 -m pytest
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
-demo: ## the flagship run with its figures (another one: make demo DEMO=name; in space: ARGS=--3d)
+demo: ## the flagship run on two ranks, with its figures and a report (another one: make demo DEMO=name)
 	$(RUN) dolfinx-impact demo $(DEMO) $(ARGS)
 
 test: ## the gates, then the whole test suite without the slow studies (a part: make test ARGS="-k name")

@@ -39,6 +39,11 @@ def follower_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
     return facet_degree(cell, degree, geometry_degree, hypothesis) + more
 
 
+def foundation_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
+    """Degree that integrates a constant stiffness against two shape functions over straight facets exactly."""
+    return facet_degree(cell, degree, geometry_degree, hypothesis) + degree - 1
+
+
 def nodal_degree(cell, degree, geometry_degree=1, hypothesis="3d"):
     """Degree of the Gauss-Lobatto rule whose points are the nodes of a quadrilateral or hexahedron."""
     return 2 * degree - 1

@@ -15,9 +15,12 @@ import inspect
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from mpi4py import MPI
 
-from . import bars, blocks, hertz, indenters, insulated_joint, rail_joint, rolling_contact, wheel_rail
+from . import (
+    bars, blocks, hertz, indenters, insulated_joint, rail_joint, rolling_contact, weighted_partition, wheel_rail,
+)  # fmt: skip
 from .layout import require
 from .tags import BODIES, FACETS, NAMES, name_of
 
@@ -61,7 +64,7 @@ def layout(name, cell=None, degree=1, **parameters):
     unknown = sorted(set(parameters) - set(known))
     require(not unknown, f"{name} has no parameter {unknown}; it takes cell, degree, {', '.join(known)}")
     plan = function(**parameters)
-    cells = _CELLS[plan.dim]
+    cells = plan.made_of or _CELLS[plan.dim]
     cell = cells[0] if cell is None else cell
     require(cell in cells, f"cell = {cell!r}: {name} in {plan.dim}D is made of {' or '.join(cells)}")
     require(degree in (1, 2), f"degree = {degree!r}: the geometry degree is 1 or 2")
@@ -69,18 +72,25 @@ def layout(name, cell=None, degree=1, **parameters):
     return plan, cell, {**used, "cell": cell, "degree": degree}
 
 
-def make(name, comm=MPI.COMM_WORLD, cell=None, degree=1, partitioner=None, **parameters):
+def make(name, comm=MPI.COMM_WORLD, cell=None, degree=1, partitioner=None, weight=None, **parameters):
     """Mesh the recipe `name` on rank 0 of `comm` and distribute it. Collective.
 
     `cell`: "quadrilateral" or "triangle", "hexahedron" or "tetrahedron" (default: the first); `degree`: geometry
-    degree, 1 or 2; `partitioner`: as in dolfinx.mesh.create_mesh; all other parameters are those of the recipe.
+    degree, 1 or 2; `partitioner`: as in dolfinx.mesh.create_mesh; `weight`: function of the midpoints of cells,
+    (n, 3) -> (n), what a cell costs: ranks get equal sums, cut along the coordinates (instead of a partitioner, without
+    ghost cells); all other parameters are those of the recipe.
     A bad parameter raises ValueError, a mesh gmsh cannot make RuntimeError, on every rank.
     """
     from dolfinx.io import gmshio
 
     plan, cell, used = layout(name, cell, degree, **parameters)
+    require(weight is None or partitioner is None, "give a weight or a partitioner, not both")
 
     def distribute(model):
+        nonlocal partitioner
+        if weight is not None and comm.size > 1:
+            x = gmshio.extract_geometry(model) if comm.rank == 0 else np.zeros((0, 3))
+            partitioner = weighted_partition.partitioner(x, weight)
         return gmshio.model_to_mesh(model, comm, 0, gdim=plan.dim, partitioner=partitioner)
 
     mesh, cell_tags, facet_tags = _on_rank_0(comm, name, plan, cell, degree, distribute)

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import make
 
-COLOURS = ["#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc"]  # by body number
+COLOURS = ["#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#d9d9d9", "#fff7a8"]  # by body number
 _VTK = {"triangle": 5, "quadrilateral": 9, "tetrahedron": 10, "hexahedron": 12}
 _ORDER = {"quadrilateral": [0, 1, 3, 2], "hexahedron": [0, 1, 3, 2, 4, 5, 7, 6]}
 
@@ -42,6 +42,10 @@ FIGURES = {
     "rail_joint": [
         ("rail_joint_2d", {"wheel": True, "wheel_x": -0.05}, (0, 0, 0), 0.12, None),
         ("rail_joint_3d", {}, (0, 0.03, -0.08), 0.11, (1, 1.6, 0.4)),
+    ],
+    "insulated_joint": [
+        ("insulated_joint_3d", {"rail_length": 0.6}, (0, 0, 0.12), 0.5, (1, 1.6, 0.4)),
+        ("insulated_joint_3d", {"rail_length": 0.6}, (0, 0, -0.05), 0.1, (-0.6, -1.6, 0.5)),
     ],
 }
 
@@ -77,7 +81,7 @@ def draw(panels, path, size=400):
         plotter.add_mesh(
             grid(made),
             scalars="body",
-            clim=(1, 4),
+            clim=(1, len(COLOURS)),
             cmap=COLOURS,
             show_edges=True,
             show_scalar_bar=False,

@@ -57,7 +57,9 @@ def profiled(profile, crown_radius):
 
 def _check_profile(profile):
     points = np.asarray(profile, dtype=float)
-    require(points.ndim == 2 and points.shape[1] == 2 and len(points) >= 3, "head_profile: at least three points (y, z)")
+    require(
+        points.ndim == 2 and points.shape[1] == 2 and len(points) >= 3, "head_profile: at least three points (y, z)"
+    )
     require(np.all(np.isfinite(points)) and np.all(np.diff(points[:, 0]) > 0), "head_profile: y must ascend")
     reach = points[0, 0] <= -HEAD_HALF_WIDTH and points[-1, 0] >= HEAD_HALF_WIDTH
     require(reach, f"head_profile: its points must reach from y = {-HEAD_HALF_WIDTH} to {HEAD_HALF_WIDTH}")
@@ -91,9 +93,9 @@ def insulated_joint_3d(
     bar=0.022, glue=2.0e-3, h=4.0e-3, coarse=0.05, path=(-0.035, 0.039), margin=8.0e-3, symmetry="half",
     wheel_x=-0.035, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, wheel_width=0.06, cone=0.0, fillet=0.0,
 ):  # fmt: skip
-    """Insulated rail joint in 3D with a wheel that rolls over it; hexahedra or tetrahedra. The joint is at x = 0.
+    """Insulated rail joint in 3D with a wheel that rolls over it; hexahedra. The joint is at x = 0.
 
-    rail_length: of each rail [m]
+    rail_length: from the joint to the far end of each rail [m]
     rail_height: [m]
     crown_radius: transverse radius of the head [m]
     head_profile: points (y, z) of the head from left to right instead of the crown, for symmetry = "none" [m]
@@ -155,6 +157,7 @@ def insulated_joint_3d(
             if body.name not in mapped and body.name in (*ENDS, "end_post"):
                 body.map(profiled(head_profile, crown_radius))
             mapped.add(body.name)
+    layout.made_of = ("hexahedron",)  # gmsh's free tetrahedra do not fill the thin layers of glue well
     _add_wheel(layout, h, path, margin, whole, wheel_x, wheel_gap, wheel_radius, hub_radius, wheel_width, cone, fillet)
     return layout
 
@@ -162,8 +165,8 @@ def insulated_joint_3d(
 def _add_wheel(layout, h, path, margin, whole, x, gap, radius, hub_radius, width, cone, fillet):
     """The wheel; its fine zone is what will touch on the path, symmetric about where it touches half way."""
     plan, core = Layout(2, radius), 0.5 * (path[1] - path[0]) + margin
-    add_wheel(plan, gap, radius, hub_radius, h, core, True)
     side, half = max(h, FINE_SIDE), width / 2
+    add_wheel(plan, gap, radius, hub_radius, h, core, True, depth=max(2 * h, 2 * side), corner=(0.2, 0.19, 0.24))
     require(side < half, f"wheel_width = {width!r}: too small for the fine zone, {side!r}")
     ys, sizes = [0.0, side, half], [h, h, max(h, half / 4)]
     if whole:

@@ -99,7 +99,8 @@ class Body:
 class Layout:
     """Bodies made of blocks.
 
-    `structured`: simplices, too, follow the blocks; `snap`: facet name -> map of its nodes onto the true surface.
+    `structured`: simplices, too, follow the blocks; `snap`: facet name -> map of its nodes onto the true surface;
+    `made_of`: names of the cells it may be made of, None for all.
     """
 
     def __init__(self, dim, scale, structured=False):
@@ -107,7 +108,7 @@ class Layout:
         self.tolerance = 1e-9 * scale
         self.points, self.sizes, self.index = [], [], {}
         self.arcs, self.spheres, self.cells, self.named, self.edge_sizes, self.snap = {}, {}, {}, {}, {}, {}
-        self.bodies = []
+        self.bodies, self.made_of = [], None
 
     def body(self, name, glued_to=None):
         """New body; `glued_to` another one it shares the nodes at equal places with."""

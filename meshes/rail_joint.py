@@ -139,13 +139,24 @@ def _tag_rail(body, x0, x1, vertical, bottom):
     body.tag("bottom", at(vertical, bottom))
 
 
-def add_wheel(layout, gap, radius, hub_radius, h, core, rolling):
-    """A wheel of 2D blocks above the origin; if `rolling`, the fine zone is all that may touch, coarser above."""
+def add_wheel(layout, gap, radius, hub_radius, h, core, rolling, **more):
+    """A wheel of 2D blocks above the origin; if `rolling`, the fine zone is all that may touch, coarser above;
+    `more`: of wheel_plan."""
     positive(wheel_radius=radius, hub_radius=hub_radius)
     require(gap >= 0, f"wheel_gap = {gap!r}: a height of at least 0")
     wheel = layout.body("slave_body")
     wheel_plan(
-        wheel, radius, hub_radius, gap, h, core, SIDES["none"], None, 3 * h if rolling else h, 1 if rolling else 3
+        wheel,
+        radius,
+        hub_radius,
+        gap,
+        h,
+        core,
+        SIDES["none"],
+        None,
+        3 * h if rolling else h,
+        1 if rolling else 3,
+        **more,
     )
 
 

@@ -24,14 +24,18 @@ FOOT_EDGE = 0.0115
 FOOT_DEPTH = 0.030
 
 
-def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse, deep=None, num_arcs=3):
+def wheel_plan(
+    body, radius, hub_radius, gap, h, core, sides, coarse, deep=None, num_arcs=3, depth=None, corner=(0.13, 0.15, 0.185)
+):  # fmt: skip
     """Blocks of a wheel (annulus) whose lowest point is (0, gap), fine at that point; `deep`: cell size at the upper
-    end of the fine zone, default h; `num_arcs`: those of the rim, from below, that may touch, the first is fine."""
+    end of the fine zone, default h; `num_arcs`: those of the rim, from below, that may touch, the first is fine;
+    `depth` of the fine zone, default core; `corner`: where blocks above it meet, over the radius: forward, upward, and
+    upward in the middle."""
     require(hub_radius < 0.5 * radius, f"hub_radius = {hub_radius!r}: not less than half the radius, {radius!r}")
     require(core <= 0.1 * radius, f"core = {core!r}: larger than 0.1 of the wheel radius, {radius!r}")
     centre = np.array((0.0, radius + gap))
     far, t = max(h, radius / 8 if coarse is None else coarse), core / radius
-    deep = h if deep is None else deep
+    deep, depth = h if deep is None else deep, core if depth is None else depth
 
     def polar(s, r, degrees, size):
         angle = math.radians(degrees)
@@ -39,10 +43,10 @@ def wheel_plan(body, radius, hub_radius, gap, h, core, sides, coarse, deep=None,
 
     near, bore_size = min(far, h + 0.03 * radius), max(h, min(far, 0.35 * hub_radius))
     for s in sides:
-        a, d = body.point((0, gap), h), body.point((0, core + gap), deep)
-        b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, core + gap), deep)
-        e, f = polar(s, radius, 15, near), body.point((s * 0.13 * radius, 0.15 * radius + gap), near)
-        g, lowest = body.point((0, 0.185 * radius + gap), near), polar(s, hub_radius, 0, bore_size)
+        a, d = body.point((0, gap), h), body.point((0, depth + gap), deep)
+        b, c = polar(s, radius, math.degrees(t), h), body.point((s * core, depth + gap), deep)
+        e, f = polar(s, radius, 15, near), body.point((s * corner[0] * radius, corner[1] * radius + gap), near)
+        g, lowest = body.point((0, corner[2] * radius + gap), near), polar(s, hub_radius, 0, bore_size)
         rim, bore = [], []
         for outer, inner in ((60, 50), (105, 100), (145, 140), (180, 180)):
             rim.append(polar(s, radius, outer, far))

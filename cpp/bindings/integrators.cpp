@@ -138,6 +138,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
   nb::enum_<WorkKind>(m, "WorkKind", "Which energy the work of a force counts to")
       .value("damping", WorkKind::damping)
       .value("viscosity", WorkKind::viscosity)
+      .value("foundation", WorkKind::foundation)
       .value("external", WorkKind::external);
   nb::class_<FormForces>(m, "FormForces", "Forces of a form, and which coefficients the integrator provides")
       .def(

@@ -16,8 +16,9 @@ double size_of_unit_strains(const Model& model, const Csr& K)
 } // namespace
 
 ElasticForces::ElasticForces(const Model& model, Rule rule)
-    : model_(model), rule_(std::move(rule)), stiffness_(model.stiffness(rule_))
+    : model_(model), rule_(std::move(rule)), elastic_(model.stiffness(rule_)), stiffness_(elastic_)
 {
+  stiffness_.add(model.springs());
 }
 
 Vector ElasticForces::force(const Vector& u) const
@@ -31,9 +32,26 @@ Csr ElasticForces::tangent(const Vector& u) const
   return model_.linear() ? stiffness_ : model_.tangent(rule_, u);
 }
 
+Csr ElasticForces::damping_stiffness(const Vector& u) const
+{
+  return model_.linear() ? elastic_ : model_.elastic_tangent(rule_, u);
+}
+
 double ElasticForces::unit_size() const
 {
   return model_.linear() ? 0 : size_of_unit_strains(model_, stiffness_);
+}
+
+Vector PlasticForces::force(const Vector& u) const
+{
+  return body_.evaluate(u, false).force + body_.model().springs().dot(u);
+}
+
+Csr PlasticForces::tangent(const Vector& u) const
+{
+  Csr K = body_.evaluate(u, true).tangent;
+  K.add(body_.model().springs());
+  return K;
 }
 
 Csr PlasticForces::damping_stiffness(const Vector& /*u*/) const

@@ -15,6 +15,8 @@ struct Csr
 
   /// Matrix times vector.
   Vector dot(const Vector& x) const;
+  /// Adds a matrix of the same pattern. @throws std::invalid_argument for another pattern
+  void add(const Csr& other);
 };
 
 /// Nodes that share a cell with each node, sorted: the pattern of every matrix of a field.

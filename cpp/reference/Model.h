@@ -46,6 +46,7 @@ public:
   double energy(const Rule& rule, const Vector& u) const;                                ///< [F L]
   Vector internal_force(const Rule& rule, const Vector& u) const;                        ///< [F]
   Csr tangent(const Rule& rule, const Vector& u) const;                                  ///< [F/L]
+  Csr elastic_tangent(const Rule& rule, const Vector& u) const;                          ///< without springs [F/L]
   /// Stress at the points of every cell, rows cell-major, and the positions of these points.
   std::array<Matrix, 2> stress(const Rule& rule, const Vector& u) const;
 
@@ -55,6 +56,21 @@ public:
   /// Force and tangent of a pressure that follows the facets, which must lie on the boundary.
   std::pair<Vector, Csr> follower_pressure(const Rule& facet_rule, const Cells& facets, const Vector& u,
                                            double p) const;
+
+  /// Matrix of springs (or dashpots) between boundary facets and the ground, see `foundation` [F/L] ([F T/L]).
+  Csr foundation(const Rule& facet_rule, const Cells& facets, const Vector& k) const;
+  /// Let springs and dashpots from now on be part of all analyses: `internal_force`, `tangent` and `energy` have the
+  /// springs, `stiffness` and `elastic_tangent` do not.
+  /// @throws std::invalid_argument for a matrix of another model
+  void add_foundation(const Csr& springs, const Csr& dashpots);
+  /// Let mass on facets be part of `mass`, `lumped_mass` (by its row sums) and all analyses.
+  /// @param mass of `foundation` with the mass per area along each coordinate [M]
+  /// @throws std::invalid_argument for a matrix of another model
+  void add_mass(const Csr& mass) { added_mass_.add(mass); }
+  const Csr& added_mass() const { return added_mass_; } ///< on the pattern of the model [M]
+  const Csr& springs() const { return springs_; }       ///< on the pattern of the model [F/L]
+  const Csr& dashpots() const { return dashpots_; }     ///< likewise [F T/L]
+  bool on_foundation() const { return on_foundation_; }
 
   Csr gyroscopic(const Rule& rule, const Vector& spin, const Vector& centre) const;  ///< seed (3.56) [M/T]
   Csr ale_inertia(const Rule& rule, const Vector& spin, const Vector& centre) const; ///< seed (3.57) [M/T^2]
@@ -92,6 +108,7 @@ private:
   std::vector<Material> materials_;
   std::vector<int> tags_, material_of_cell_; // tags of the materials
   Hypothesis hypothesis_;
-  bool linear_;
+  bool linear_, on_foundation_ = false;
+  Csr springs_, dashpots_, added_mass_;
 };
 } // namespace impact_reference

@@ -81,6 +81,8 @@ Vector MovingBodies::damping_force(const Vector& u, const Vector& v) const
     result += alpha_ * mass_.dot(v);
   if (beta_ > 0)
     result += beta_ * internal_->damping_stiffness(u).dot(v);
+  if (internal_->dashpots())
+    result += internal_->dashpots()->dot(v);
   return result;
 }
 
@@ -95,11 +97,13 @@ Csr MovingBodies::tangent(const Vector& u) const
   if (result.indices != mass_.indices)
     throw std::logic_error("mass and stiffness have different patterns");
   const Csr damping = beta_ > 0 ? internal_->damping_stiffness(u) : Csr{};
+  const Csr* dashpots = internal_->dashpots();
   for (std::int64_t i = 0; i < result.size; ++i)
     for (std::int64_t k = result.indptr[i]; k < result.indptr[i + 1]; ++k)
     {
       const std::int64_t j = result.indices[k];
-      const double M = mass_.data[k], C = alpha_ * M + (beta_ > 0 ? beta_ * damping.data[k] : 0);
+      const double M = mass_.data[k],
+                   C = alpha_ * M + (beta_ > 0 ? beta_ * damping.data[k] : 0) + (dashpots ? dashpots->data[k] : 0);
       result.data[k] += M * motion_.a_slope(j) + C * motion_.v_slope(j);
     }
   return result;
@@ -132,6 +136,16 @@ Csr inertia_matrix(const Model& model, const Rule& rule, const std::string& lump
     const Matrix cell = lumped ? lumped_cell(lump(X, model.material(c), c), T, d)
                                : redistribute(mass(sampler, X, model.material(c), c), T, d);
     model.pattern().add(result, d, nodes, cell);
+  }
+  if (not lumped)
+    result.add(model.added_mass());
+  else
+  {
+    const Vector rows = model.added_mass().dot(Vector::Ones(result.size));
+    for (std::int64_t i = 0; i < result.size; ++i)
+      for (std::int64_t k = result.indptr[i]; k < result.indptr[i + 1]; ++k)
+        if (result.indices[k] == i)
+          result.data[k] += rows(i);
   }
   return result;
 }

@@ -66,6 +66,8 @@ void bind_elements(nb::module_& m)
           need(t, c);
           return traction(c.facet_sampler(), X, facet, t);
         });
+  m.def("element_foundation", [](const Cell& c, const Matrix& X, int facet, const Vector& k)
+        { return foundation(c.facet_sampler(), X, facet, k); });
   m.def("element_follower_pressure",
         [](const Cell& c, const Matrix& X, const Vector& u, int facet, double p)
         {

@@ -51,6 +51,13 @@ void bind_model(nb::module_& m)
       .def("traction", [](const Model& s, P p, W w, const Cells& facets, V t) { return s.traction({p, w}, facets, t); })
       .def("follower_pressure", [](const Model& s, P p, W w, const Cells& facets, V u, double pressure)
            { return s.follower_pressure({p, w}, facets, u, pressure); })
+      .def("foundation",
+           [](const Model& s, P p, W w, const Cells& facets, V k) { return s.foundation({p, w}, facets, k); })
+      .def("add_mass", &Model::add_mass)
+      .def("add_foundation", &Model::add_foundation)
+      .def_prop_ro(
+          "springs", [](const Model& s) { return s.springs(); }, nb::rv_policy::move)
+      .def("springs_energy", [](const Model& s, V u) { return s.springs().dot(u).dot(u) / 2; })
       .def("gyroscopic", [](const Model& s, P p, W w, V spin, V centre) { return s.gyroscopic({p, w}, spin, centre); })
       .def("ale_inertia",
            [](const Model& s, P p, W w, V spin, V centre) { return s.ale_inertia({p, w}, spin, centre); })

@@ -17,6 +17,14 @@ Vector Csr::dot(const Vector& x) const
   return y;
 }
 
+void Csr::add(const Csr& other)
+{
+  if (other.indices != indices or other.indptr != indptr)
+    throw std::invalid_argument("the matrices have different patterns: they belong to different models");
+  for (std::size_t k = 0; k < data.size(); ++k)
+    data[k] += other.data[k];
+}
+
 Pattern::Pattern(const Field& field) : offsets_(field.points.rows() + 1)
 {
   std::vector<std::vector<std::int64_t>> lists(field.points.rows());

@@ -73,6 +73,11 @@ Matrix poisson(const Sampler& sampler, const Matrix& X, double k, std::int64_t c
 /// vector of the whole cell.
 Vector traction(const FacetSampler& sampler, const Matrix& X, int facet, const Vector& t);
 
+/// Matrix of springs or dashpots between a facet and the ground, int N^T D N dS, for the whole cell.
+/// @param k one value: along the normal n of the undeformed facet, D = k n n^T; gdim values: D = diag(k) [F/L^3]
+/// @throws std::invalid_argument for another number of values, negative or NaN
+Matrix foundation(const FacetSampler& sampler, const Matrix& X, int facet, const Vector& k);
+
 /// External force of a pressure that follows the surface, f_i = - int p N_i J F^-T n0 dA0, and its tangent df/du.
 /// By Nanson's formula J F^-T n0 dA0 is the area vector of the deformed facet, x_xi cross x_eta (Bonet & Wood ch. 8.5),
 /// so no gradient of the cell is needed. Plane problems keep thickness 1; axisymmetric ones the current radius.

@@ -68,7 +68,7 @@ public:
       prescribed_[dof] = true;
     }
     if (model.linear() and data.beta > 0)
-      stiffness_ = model.tangent(data.rule, Vector::Zero(num_));
+      stiffness_ = model.elastic_tangent(data.rule, Vector::Zero(num_));
     last_answers_.resize(data.contacts.size());
   }
 
@@ -109,8 +109,9 @@ private:
       return model_.internal_force(data_.rule, u);
     const PlasticBody::Trial trial = data_.plastic->evaluate(u, false);
     data_.plastic->commit(trial);
-    stored_ = trial.energy;
-    return trial.force;
+    const Vector springs = model_.springs().dot(u);
+    stored_ = trial.energy + springs.dot(u) / 2;
+    return trial.force + springs;
   }
 
   Forces forces(int n, double dt, const Vector& u, const Vector& moved, const Vector& half)
@@ -124,7 +125,9 @@ private:
                                           data_.plastic and data_.plastic->finite_strain());
     f.damping = -data_.alpha * mass_.cwiseProduct(half);
     if (data_.beta > 0)
-      f.damping -= data_.beta * (model_.linear() ? stiffness_ : model_.tangent(data_.rule, u)).dot(half);
+      f.damping -= data_.beta * (model_.linear() ? stiffness_ : model_.elastic_tangent(data_.rule, u)).dot(half);
+    if (model_.on_foundation())
+      f.damping -= model_.dashpots().dot(half);
     for (auto* contact : data_.contacts)
       if (not contact->kinematic())
       {

@@ -66,6 +66,32 @@ Vector traction(const FacetSampler& sampler, const Matrix& X, int facet, const V
   return result;
 }
 
+Matrix foundation(const FacetSampler& sampler, const Matrix& X, int facet, const Vector& k)
+{
+  const int d = tdim(sampler.cell());
+  check_load(k, d, "the foundation");
+  if (k.minCoeff() < 0)
+    throw std::invalid_argument("the foundation has a negative stiffness or damping");
+  const std::vector<int> nodes = facet_nodes(sampler.cell(), sampler.degree(), facet);
+  const auto size = Eigen::Index(d * node_vertices(sampler.cell(), sampler.degree()).size());
+  Matrix result = Matrix::Zero(size, size);
+  for (int q = 0; q < sampler.num_points(); ++q)
+  {
+    const FacetSample s = sampler.at(X, facet, q);
+    const Vector area = area_vector(s.tangent);
+    // The columns of N^T are where a displacement of the surface goes in the cell.
+    Eigen::MatrixXd N = Eigen::MatrixXd::Zero(d, size);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (int c = 0; c < d; ++c)
+        N(c, d * nodes[i] + c) = s.N(Eigen::Index(i));
+    Eigen::MatrixXd D = k.size() == 1 and d > 1 ? Eigen::MatrixXd(k(0) * area * area.transpose() / area.squaredNorm())
+                                                : Eigen::MatrixXd(k.asDiagonal());
+    D *= s.weight * area.norm() * circumference(sampler.axisymmetric(), s.radius);
+    result += N.transpose() * D * N;
+  }
+  return result;
+}
+
 Follower follower_pressure(const FacetSampler& sampler, const Matrix& X, const Vector& u, int facet, double p)
 {
   const int d = tdim(sampler.cell()), n = int(node_vertices(sampler.cell(), sampler.degree()).size());

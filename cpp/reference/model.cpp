@@ -44,6 +44,8 @@ Model::Model(const impact_plain::Mesh& mesh, const std::map<int, Material>& mate
   linear_ =
       std::all_of(materials_.begin(), materials_.end(), [](const Material& m) { return m.law == "linear_elastic"; });
 
+  springs_ = dashpots_ = added_mass_ = pattern_.matrix(gdim());
+
   // Visits every cell once, so that an inverted cell is named here and not in the middle of an analysis.
   const Sampler probe = sampler(quadrature(geometry_.cell, "table:" + std::to_string(2 * geometry_.degree)));
   for (std::int64_t c = 0; c < num_cells; ++c)
@@ -132,15 +134,18 @@ Csr Model::stiffness(const Rule& rule) const
 Csr Model::mass(const Rule& rule) const
 {
   const Sampler s = sampler(rule);
-  return assemble(gdim(),
-                  [&](const Matrix& X, std::int64_t c) { return impact_reference::mass(s, X, material(c), c); });
+  Csr M =
+      assemble(gdim(), [&](const Matrix& X, std::int64_t c) { return impact_reference::mass(s, X, material(c), c); });
+  M.add(added_mass_);
+  return M;
 }
 
 Vector Model::lumped_mass(const Rule& rule, const std::string& scheme) const
 {
   const LumpedMass lump(geometry_.cell, field_.degree, geometry_.degree, rule, hypothesis_ == Hypothesis::axisymmetric,
                         scheme);
-  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c) { return lump(X, material(c), c); });
+  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c) { return lump(X, material(c), c); }) +
+         added_mass_.dot(Vector::Ones(num_dofs()));
 }
 
 Csr Model::damping(const Rule& rule, const Rule& mass_rule, double alpha, double beta) const
@@ -161,7 +166,7 @@ double Model::energy(const Rule& rule, const Vector& u) const
   double sum = 0;
   for (std::int64_t c = 0; c < geometry_.cells.rows(); ++c)
     sum += internal(s, cell_points(c), material(c), gather(u, c), false, c).energy;
-  return sum;
+  return sum + u.dot(springs_.dot(u)) / 2;
 }
 
 Vector Model::internal_force(const Rule& rule, const Vector& u) const
@@ -169,10 +174,18 @@ Vector Model::internal_force(const Rule& rule, const Vector& u) const
   check_vector(u);
   const Sampler s = sampler(rule);
   return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c)
-                         { return internal(s, X, material(c), gather(u, c), false, c).force; });
+                         { return internal(s, X, material(c), gather(u, c), false, c).force; }) +
+         springs_.dot(u);
 }
 
 Csr Model::tangent(const Rule& rule, const Vector& u) const
+{
+  Csr K = elastic_tangent(rule, u);
+  K.add(springs_);
+  return K;
+}
+
+Csr Model::elastic_tangent(const Rule& rule, const Vector& u) const
 {
   check_vector(u);
   const Sampler s = sampler(rule);
@@ -238,6 +251,29 @@ std::pair<Vector, Csr> Model::follower_pressure(const Rule& facet_rule, const Ce
     pattern_.add(result.second, gdim(), cell_nodes(place.cell), element.tangent);
   }
   return result;
+}
+
+Csr Model::foundation(const Rule& facet_rule, const Cells& facets, const Vector& k) const
+{
+  const FacetSampler s = facet_sampler(facet_rule);
+  Csr result = pattern_.matrix(gdim());
+  for (std::int64_t f = 0; f < facets.rows(); ++f)
+  {
+    const FacetPlace place = locate(facets, f);
+    if (place.num_cells > 1)
+      throw std::invalid_argument("facet " + std::to_string(f) +
+                                  " lies between two cells: a foundation needs facets on the boundary");
+    pattern_.add(result, gdim(), cell_nodes(place.cell),
+                 impact_reference::foundation(s, cell_points(place.cell), place.facet, k));
+  }
+  return result;
+}
+
+void Model::add_foundation(const Csr& springs, const Csr& dashpots)
+{
+  springs_.add(springs);
+  dashpots_.add(dashpots);
+  on_foundation_ = true;
 }
 
 Csr Model::gyroscopic(const Rule& rule, const Vector& spin, const Vector& centre) const

@@ -33,7 +33,8 @@ public:
     Vector internal = model_.internal_force(rule_, u);
     for (int iteration = 1; iteration <= options_.max_iterations; ++iteration)
     {
-      const Csr K = model_.linear() ? model_.stiffness(rule_) : model_.tangent(rule_, u);
+      Csr K = model_.linear() ? model_.stiffness(rule_) : model_.elastic_tangent(rule_, u);
+      K.add(model_.springs());
       if (not correct(u, K, load - internal, change))
         return false;
       change.setZero();
@@ -129,7 +130,8 @@ StaticSolution solve_static(const Model& model, const Rule& rule, const std::vec
   std::vector<bool> fixed(model.num_dofs());
   for (std::int64_t dof : fixed_dofs)
     fixed[dof] = true;
-  if (const std::string loose = free_rigid_motions(model, fixed); not loose.empty())
+  // Springs to the ground may hold what supports do not; the pivots tell.
+  if (const std::string loose = free_rigid_motions(model, fixed); not loose.empty() and not model.on_foundation())
     throw std::runtime_error("the stiffness is singular: these rigid motions are free: " + loose +
                              "; fix more degrees of freedom");
 

@@ -24,6 +24,8 @@ from .dynamics.implicit.problem import NewmarkProblem
 from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
+from .foundation import Foundation
+from .added_mass import AddedMass
 from .assembly.lumped_mass import lumped_mass
 from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
@@ -38,11 +40,13 @@ from .statics.problem import StaticProblem
 __version__ = "0.1.0"
 
 __all__ = [
+    "AddedMass",
     "ArmstrongFrederick",
     "BodyForce",
     "Energy",
     "ExplicitProblem",
     "FollowerPressure",
+    "Foundation",
     "InelasticMaterial",
     "InternalForce",
     "J2Plasticity",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command `dolfinx-impact`: verify, demo, creep, bench, info."""
+"""The command `dolfinx-impact`: verify, demo, creep, joint, study, bench, info."""
 
 import argparse
 import contextlib
@@ -14,6 +14,8 @@ from pathlib import Path
 FORWARDED = {
     "verify": "generated kernels against the hand-written solver (its own options: dolfinx-impact verify --help)",
     "creep": "creep curve of a wheel on a rail (its own options: dolfinx-impact creep --help)",
+    "joint": "a wheel rolls over an insulated rail joint (its own options: dolfinx-impact joint --help)",
+    "study": "a table of rail joints (its own options: dolfinx-impact study --help)",
     "bench": "the benchmarks (its own options: dolfinx-impact bench --help)",
 }
 
@@ -54,7 +56,7 @@ def _listing() -> str:
     return "\n".join(lines[False] + lines[True])
 
 
-def _environment(output: str | None, in_space: bool = False) -> dict[str, str]:
+def _environment(output: str | None) -> dict[str, str]:
     """Environment of a demo's process: output folder, one thread per rank, Open MPI as root and with few cores."""
     env = dict(os.environ)
     env.setdefault("OMP_NUM_THREADS", "1")
@@ -64,8 +66,6 @@ def _environment(output: str | None, in_space: bool = False) -> dict[str, str]:
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         env.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         env.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
-    if in_space:
-        env["IMPACT_DEMO_3D"] = "1"
     if output:
         env["IMPACT_OUTPUT"] = str(Path(output).absolute())
     return env
@@ -109,9 +109,6 @@ def demo(arguments: argparse.Namespace) -> int:
         print(f"--ranks is {arguments.ranks}: give 1 or more", file=sys.stderr)
         return 2
     path = str(known[arguments.name][0])
-    if arguments.in_space and "IMPACT_DEMO_3D" not in Path(path).read_text(encoding="utf-8"):
-        print(f"the demo {arguments.name} takes no --3d", file=sys.stderr)
-        return 2
     command = [sys.executable, path]
     if arguments.ranks > 1:
         launcher = shutil.which("mpirun") or shutil.which("mpiexec")
@@ -120,7 +117,7 @@ def demo(arguments: argparse.Namespace) -> int:
             return 2
         # -m mpi4py: an exception on one rank ends all of them
         command = [launcher, "-n", str(arguments.ranks), sys.executable, "-m", "mpi4py", path]
-    env = _environment(arguments.output, arguments.in_space)
+    env = _environment(arguments.output)
     if is_application(path):
         return _run(command, env)
     folder = Path(arguments.output or Path("results", arguments.name))
@@ -220,7 +217,6 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--list", action="store_true", help="list the demos and applications")
     sub.add_argument("--ranks", type=int, default=1, metavar="N", help="number of MPI processes (default 1)")
     sub.add_argument("--output", metavar="DIR", help="folder of the results (default results/NAME)")
-    sub.add_argument("--3d", action="store_true", dest="in_space", help="in space, where a demo has both (rail_joint)")
     sub.set_defaults(run=demo)
     sub = commands.add_parser("info", help="versions, kernels, SIMD width, caches")
     sub.set_defaults(run=info)
@@ -245,6 +241,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         from .creep.run import main as creep_main
 
         return creep_main(argv[1:])
+    if argv[:1] == ["joint"]:
+        from .rail_joint.run import main as joint_main
+
+        return joint_main(argv[1:])
+    if argv[:1] == ["study"]:
+        from .rail_joint.study import main as study_main
+
+        return study_main(argv[1:])
     if argv[:1] == ["bench"]:
         from .bench.run import main as bench_main
 

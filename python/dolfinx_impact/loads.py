@@ -95,6 +95,16 @@ class _Load:
             raise ValueError(f"{name} is an expression on another mesh than the displacement")
         return self._prepare(mesh, 1.0) * self.vector
 
+    def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
+        """External virtual work.
+
+        Args:
+            u: displacement [L].
+            v: test function.
+            material: material of the bodies.
+        """
+        raise NotImplementedError
+
     def __repr__(self) -> str:
         where = f"tag={self.tag}, " if isinstance(self, _FacetLoad) else ""
         return f"{type(self).__name__}({where}{self._what()})"
@@ -216,7 +226,7 @@ class FollowerPressure(_FacetLoad):
         return loads.follower_pressure(p, u, v, material.hypothesis_on(mesh), ds)
 
 
-Load: TypeAlias = BodyForce | Traction | FollowerPressure
+Load: TypeAlias = _Load  # those of this module, and Foundation
 
 
 class DeadLoad:

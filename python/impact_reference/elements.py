@@ -367,6 +367,35 @@ def element_traction(
     return _reference.element_traction(cell, _array(X), _facet(cell_type, facet), _vector(t))
 
 
+def element_foundation(
+    cell_type: str,
+    X: ArrayLike,
+    facet: Facet,
+    k: ArrayLike,
+    hypothesis: str | None = None,
+    degree: int = 1,
+    geometry_degree: int = 1,
+    rule: Rule = None,
+) -> FloatArray:
+    """Matrix int N^T D N dS of springs, or dashpots, between a facet and the ground.
+
+    Args:
+        cell_type: cell, "triangle", "quadrilateral", "tetrahedron" or "hexahedron".
+        X: geometry nodes in the order of `reference_nodes`, shape (num_geometry_nodes, gdim) [L].
+        facet: local number of the facet, or a list of its local nodes.
+        k: one number, D = k n n^T with the normal n of the facet; or gdim numbers, D = diag(k) [F/L^3].
+        hypothesis: "axisymmetric" integrates over the full circumference; None: plane or space.
+        degree: degree of the field, 1 or 2.
+        geometry_degree: degree of the geometry, 1 or 2.
+        rule: None (default), a name, or a pair (points, weights), on the facet's cell type.
+
+    Returns:
+        Matrix, shape (gdim n, gdim n) [F/L].
+    """
+    cell = _cell(cell_type, degree, geometry_degree, rule, "facet", hypothesis)
+    return _reference.element_foundation(cell, _array(X), _facet(cell_type, facet), _vector(k))
+
+
 def element_follower_pressure(
     cell_type: str,
     X: ArrayLike,

@@ -343,7 +343,7 @@ def stable_step(
     elif method == "eigenvalue":
         K, mass = model.stiffness(), model.mass(lumped=True, scheme=lumping)
         fixed = np.asarray(fixed_dofs, dtype=np.int64).reshape(-1)
-        springs = [contact.springs(u) for contact in bound]
+        springs = [model._model.springs] + [contact.springs(u) for contact in bound]
         frequency = _reference.highest_frequency(K.indptr, K.indices, K.data, springs, mass, fixed)
     else:
         raise ValueError(f"unknown method {method!r}: use 'length', 'element' or 'eigenvalue'")

@@ -262,6 +262,44 @@ class Model:
         force, tangent = self._model.follower_pressure(*self._rule("facet"), facets, _vector(u), float(p))
         return force, self._matrix(tangent)
 
+    def foundation(self, facets: ArrayLike, k: ArrayLike) -> Csr:
+        """Matrix int N^T D N dS of springs, or dashpots, between boundary facets and the ground.
+
+        Args:
+            facets: points of every facet, shape (num_facets, nodes per facet); its vertices suffice.
+            k: one number, D = k n n^T with the normal n of the undeformed facet; or gdim numbers, D = diag(k)
+                [F/L^3], of dashpots [F T/L^3].
+
+        Returns:
+            Matrix, shape (num_dofs, num_dofs) [F/L], of dashpots [F T/L].
+        """
+        return self._matrix(self._foundation(facets, k))
+
+    def add_foundation(self, facets: ArrayLike, stiffness: ArrayLike, damping: ArrayLike = 0.0) -> None:
+        """Let facets stand on springs and dashpots to the ground from now on, in all analyses of this model: `energy`,
+        `internal_force` and `tangent` have the springs; `stiffness` and Rayleigh's damping do not.
+
+        Args:
+            facets: points of every facet, shape (num_facets, nodes per facet); its vertices suffice.
+            stiffness: of the springs, as in `foundation` [F/L^3].
+            damping: of the dashpots, as in `foundation` [F T/L^3].
+        """
+        self._model.add_foundation(self._foundation(facets, stiffness), self._foundation(facets, damping))
+
+    def add_mass(self, facets: ArrayLike, mass: float) -> None:
+        """Spread mass evenly over facets from now on, in `mass` and all analyses of this model.
+
+        Args:
+            facets: points of every facet, shape (num_facets, nodes per facet); its vertices suffice.
+            mass: total [M].
+        """
+        per_area = mass / self.flux_load(facets, 1.0).sum()
+        gdim = self.field_points.shape[1]
+        self._model.add_mass(self._foundation(facets, np.full(gdim, per_area)))
+
+    def _foundation(self, facets: ArrayLike, k: ArrayLike) -> _reference.Csr:
+        return self._model.foundation(*self._rule("facet"), _integers(facets, "facets", 2), _vector(k))
+
     def gyroscopic(self, spin: ArrayLike, centre: ArrayLike) -> Csr:
         """Gyroscopic matrix G of a rotating frame, seed (3.56).
 

@@ -442,7 +442,7 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
             stored.append(model.energy(level.u))
             return
         trial = plastic.evaluate(level.u, False)
-        stored.append(trial.energy)
+        stored.append(trial.energy + model._model.springs_energy(level.u))
         plastic.commit(trial)
         strains.append(np.array(plastic.history[1]))
 

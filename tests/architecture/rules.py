@@ -12,8 +12,9 @@ STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "in
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
 ROOMS = {"search": (".", "closest_point", "node_tracker")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
-PACKAGES = ("common", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "io", "theory")
-PACKAGES += ("contact", "statics", "rolling", "dynamics", "creep", "verify", "bench", "cli")
+PACKAGES = ("common", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "foundation")
+PACKAGES += ("added_mass", "io", "theory")
+PACKAGES += ("contact", "statics", "rolling", "dynamics", "creep", "rail_joint", "verify", "bench", "cli")
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
 LONG = 400  # lines of a file that are worth a look

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import dolfinx_impact as di
+from dolfinx_impact import _cpp
 from dolfinx_impact.contact.explicit.nodal import NodalResult
+from dolfinx_impact.dynamics import explicit
 from dolfinx_impact.verify import cross_check, history, implicit
 from dolfinx_impact.verify.report import Report
 
@@ -169,6 +171,52 @@ SMALL = 1 + 1e-6
 )
 def test_a_fault_in_what_is_given_is_seen(cell, name, changes, seen):
     assert seen <= failed(case_of(cell, name), **changes)
+
+
+ON_SPRINGS, ON_DASHPOTS = "body on normal springs, linear-elastic", "body on springs and dashpots, linear-elastic"
+
+
+@pytest.mark.parametrize(
+    "name, foundation, seen",
+    (
+        (ON_SPRINGS, (0.4 * SMALL, 0.0), {"displacement", "internal energy"}),
+        (ON_SPRINGS, (np.array([1e-6, 0.4]), 0.0), {"displacement"}),  # no springs along the surface
+        (ON_DASHPOTS, (np.array([0.3, 0.5]), 0.2 * SMALL), {"displacement", "damping energy"}),
+        (ON_DASHPOTS, (np.array([0.3, 0.5]), np.array([1e-6, 0.2])), {"velocity"}),
+    ),
+)
+def test_other_springs_and_dashpots_are_seen(name, foundation, seen):
+    assert seen <= failed(case_of("quadrilateral", name), foundation=foundation)
+
+
+def test_another_added_mass_is_seen():
+    case = case_of("quadrilateral", "body on normal springs and dashpots, with mass, neo-hookean")
+    assert {"displacement", "kinetic energy"} <= failed(case, added_mass=case.added_mass * SMALL)
+
+
+def test_springs_that_count_as_loads_are_seen(monkeypatch):
+    """The motion is right then, energies are not."""
+    right = _cpp.integrators.CentralDifference.add_term
+
+    def wrong(self, forces, kind):
+        kinds = _cpp.integrators.WorkKind
+        return right(self, forces, kinds.damping if kind == kinds.foundation else kind)
+
+    monkeypatch.setattr(_cpp.integrators.CentralDifference, "add_term", wrong)
+    assert failed(case_of("quadrilateral", ON_SPRINGS)) == {"internal energy", "damping energy"}
+
+
+def test_springs_in_the_damping_by_stiffness_are_seen(monkeypatch):
+    """Rayleigh's beta is of the bodies' stiffness alone."""
+    right = explicit.stiffness_damping
+
+    def wrong(u, velocity, v, material, beta):
+        springs = case.body.tags, history.SLAVE, case.foundation[0]
+        return right(u, velocity, v, material, beta) + beta * di.Foundation(*springs).springs(velocity, v)
+
+    case = case_of("quadrilateral", ON_DASHPOTS)
+    monkeypatch.setattr(explicit, "stiffness_damping", wrong)
+    assert {"displacement", "damping energy"} <= failed(case)
 
 
 def test_another_friction_is_seen():

@@ -213,6 +213,17 @@ def test_velocity_of_massless_nodes_is_seen(monkeypatch):
         ("shaken block, HHT, lumped", {"parameters": {"hht": -0.1 * SMALL}}, {"displacement"}),
         ("shaken block, HHT, lumped", {"lumping": None}, {"displacement", "kinetic energy"}),
         ("support that moves, first order", {"motion": lambda t: 0.02 * SMALL * np.sin(3 * t)}, {"external energy"}),
+        ("body on normal springs, linear-elastic", {"foundation": (0.4 * SMALL, 0.0)}, {"displacement"}),
+        (
+            "body on springs and dashpots, linear-elastic, HHT",
+            {"foundation": (np.array([0.3, 0.5]), 0.2 * SMALL)},
+            {"velocity", "damping energy"},
+        ),
+        (
+            "body on normal springs and dashpots, with mass, neo-hookean, HHT",
+            {"added_mass": 0.7 * SMALL},
+            {"displacement", "kinetic energy"},
+        ),
         ("shaken block", {"gravity": (np.array([0.0, -1e-6]), lambda t: 1.0)}, {"external energy"}),
         (
             "block under a rigid cylinder that moves, lagrange",

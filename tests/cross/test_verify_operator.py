@@ -4,10 +4,11 @@
 import impact_reference
 import numpy as np
 import pytest
+import ufl
 from fault_injection import assert_caught, assert_healthy, one_entry, scaled
 
 from dolfinx_impact.assembly import lumped_mass
-from dolfinx_impact.forms import elasticity, loads, materials
+from dolfinx_impact.forms import elasticity, foundation, loads, materials
 from dolfinx_impact.verify import bodies, operator
 from dolfinx_impact.verify.report import Report
 
@@ -44,6 +45,43 @@ def test_healthy_linear_operators_pass(cell, degree, hypothesis, geometry_degree
 @pytest.mark.parametrize("law", ["neo_hookean", "st_venant_kirchhoff"])
 def test_healthy_finite_strain_operators_pass(law):
     assert_healthy(finite(law), "operator", 2)
+
+
+def founded():
+    report = Report()
+    operator._foundation(report, "block", bodies.block("triangle", 2, 2), "plane_strain", 2)
+    return report
+
+
+def test_healthy_springs_pass():
+    report = founded()
+    assert_healthy(report, "operator", 2)
+    assert {r.form for r in report.rows} == {"normal_foundation_tangent", "foundation_tangent"}
+
+
+def test_one_spring_of_the_hand_written_side(monkeypatch):
+    right = impact_reference.Model.foundation
+
+    def wrong(self, facets, k):
+        return right(self, facets, np.asarray(k) * (1 + 1e-9 * (np.ndim(k) == 1)))
+
+    monkeypatch.setattr(impact_reference.Model, "foundation", wrong)
+    assert_caught(founded(), "operator", "foundation_tangent", "springs under block")
+
+
+def test_springs_along_the_wrong_normal(monkeypatch, own_cache):
+    """Along the radius from the block's corner in place of the normal."""
+
+    def wrong(k, u, v, hypothesis="3d", ds=ufl.ds):
+        if k.ufl_shape != ():
+            return right(k, u, v, hypothesis, ds)
+        x = ufl.SpatialCoordinate(ufl.domain.extract_unique_domain(v))
+        n = x / ufl.sqrt(ufl.dot(x, x))
+        return k * ufl.dot(u, n) * ufl.dot(v, n) * ds
+
+    right = foundation.foundation
+    monkeypatch.setattr(foundation, "foundation", wrong)
+    assert_caught(founded(), "operator", "normal_foundation_tangent", "springs under block")
 
 
 @pytest.mark.slow

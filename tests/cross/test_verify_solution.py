@@ -7,6 +7,7 @@ import pytest
 import ufl
 from fault_injection import assert_caught, assert_healthy, scaled
 
+import dolfinx_impact as di
 from dolfinx_impact.statics import problem
 from dolfinx_impact.forms import elasticity, materials, quadrature
 from dolfinx_impact.verify import bodies, solution, spectrum
@@ -39,6 +40,31 @@ def test_healthy_rubber_passes():
     report = Report()
     solution.rubber(report)
     assert_healthy(report, "solution", 6)
+
+
+def founded(cell="triangle", degree=2):
+    report = Report()
+    solution._founded(report, cell, degree)
+    return report
+
+
+@pytest.mark.parametrize("cell, degree", (("triangle", 2), ("hexahedron", 1)))
+def test_a_block_on_springs_passes(cell, degree):
+    assert_healthy(founded(cell, degree), "solution", 2)
+
+
+def test_springs_off_by_one_millionth(monkeypatch):
+    """On the hand-written side; the force, which the load prescribes, does not tell."""
+    right = impact_reference.Model.add_foundation
+    monkeypatch.setattr(
+        impact_reference.Model, "add_foundation", lambda self, f, k, c=0.0: right(self, f, np.multiply(k, 1 + 1e-6), c)
+    )
+    assert_caught(founded(), "solution", "foundation", "u of the block on springs")
+
+
+def test_a_force_of_springs_of_the_wrong_sign(monkeypatch):
+    monkeypatch.setattr(di.Foundation, "force", scaled(di.Foundation.force, -1))
+    assert_caught(founded(), "solution", "foundation", "force of the springs")
 
 
 def test_a_load_off_by_one_millionth(monkeypatch):

@@ -49,6 +49,8 @@ EnergySums EnergyBalance::local(const Sums& sums, const Steps& steps, std::span<
   {
     e.work[std::size_t(term.kind())] += term.work.value();
     e.terms_position += 0.5 * term.signed_position();
+    if (term.kind() == WorkKind::foundation)
+      e.foundation += 0.5 * term.position();
   }
   contact.add_energies(e);
   return e;

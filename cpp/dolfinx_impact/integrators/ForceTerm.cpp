@@ -5,6 +5,13 @@
 
 namespace dolfinx_impact::integrators
 {
+namespace
+{
+/// Share of a rank's degrees of freedom up to which it pays to visit them one by one: loops over all run several at a
+/// time.
+constexpr double few = 0.1;
+} // namespace
+
 double sum_of_products(std::size_t size, const double* a, const double* b)
 {
   double sum[4] = {};
@@ -66,6 +73,12 @@ ForceTerm::ForceTerm(FormForces forms, WorkKind kind, const NodalFields& fields)
   if (kind == WorkKind::contact)
     throw std::invalid_argument("contacts are added by add_contact");
   _forms.check();
+  _dofs = _forms.inner->reached_dofs();
+  const std::vector<std::int32_t> outer = _forms.outer->reached_dofs();
+  _dofs.insert(_dofs.end(), outer.begin(), outer.end());
+  std::sort(_dofs.begin(), _dofs.end());
+  _dofs.erase(std::unique(_dofs.begin(), _dofs.end()), _dofs.end());
+  _few = _dofs.size() < few * fields.own;
   resize(fields);
 }
 
@@ -78,23 +91,39 @@ void ForceTerm::resize(const NodalFields& fields)
 void ForceTerm::reset()
 {
   std::fill(_force.begin(), _force.end(), 0.0);
+  _gathered = false;
   work = {};
 }
 
-double ForceTerm::power(const NodalFields& fields) const
+double ForceTerm::sum_with(std::size_t own, const double* values) const
 {
-  return sum_of_products(fields.own, _force.data(), fields.v.data());
+  if (!_few || _gathered)
+    return sum_of_products(own, _force.data(), values);
+  double sum = 0.0;
+  for (const std::int32_t i : _dofs)
+    sum += _force[i] * values[i];
+  return sum;
 }
 
 void ForceTerm::evaluate(NodalFields& fields, double dt)
 {
   double* force = _force.data();
-  std::fill(force, force + fields.own, 0.0);
-  for (const auto& operation : {_forms.inner, _forms.outer})
+  const bool few = _few && !_gathered;
+  if (few)
+    for (const std::int32_t i : _dofs)
+      force[i] = 0.0;
+  else
+    std::fill(force, force + fields.own, 0.0);
+  _gathered = false;
+  for (InternalForce* operation : {_forms.inner.get(), _forms.outer.get()})
     operation->assemble({force, fields.own});
-  for (std::size_t i = 0; i < fields.own; ++i)
-    fields.r[i] += _sign * force[i];
-  _position = sum_of_products(fields.own, force, fields.u.data());
+  if (_few)
+    for (const std::int32_t i : _dofs)
+      fields.r[i] += _sign * force[i];
+  else
+    for (std::size_t i = 0; i < fields.own; ++i)
+      fields.r[i] += _sign * force[i];
+  _position = sum_with(fields.own, fields.u.data());
   work.before = 0.5 * dt * power(fields);
 }
 
@@ -108,12 +137,14 @@ std::vector<double> ForceTerm::saved_force(NodalFields& fields)
   // Owners take all of it, here as in the run that continues.
   fields.halo->reverse(_force, fields.bs);
   std::fill(_force.begin() + fields.owned, _force.end(), 0.0);
+  _gathered = true;
   return {_force.begin(), _force.begin() + fields.owned};
 }
 
 void ForceTerm::restore(std::span<const double> force, const Work& saved, double position)
 {
   std::copy(force.begin(), force.end(), _force.begin());
+  _gathered = true;
   work = saved;
   _position = position;
 }

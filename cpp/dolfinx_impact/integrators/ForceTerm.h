@@ -33,7 +33,8 @@ struct FormForces
   void read(const NodalFields& fields) const;
 };
 
-/// A force of a form whose work counts to an energy of its own.
+/// A force of a form whose work counts to an energy of its own. A form on a small surface costs what its facets cost:
+/// nothing then is done for all degrees of freedom.
 class ForceTerm
 {
 public:
@@ -62,11 +63,15 @@ public:
   double position() const { return _position; }
 
 private:
-  double power(const NodalFields& fields) const;
+  double power(const NodalFields& fields) const { return sum_with(fields.own, fields.v.data()); }
+  double sum_with(std::size_t own, const double* values) const;
 
   FormForces _forms;
   WorkKind _kind;
-  double _sign; ///< in the residual
+  double _sign;                    ///< in the residual
+  std::vector<std::int32_t> _dofs; ///< local degrees of freedom that the forms reach, increasing
+  bool _few = false;               ///< are they few of all?
+  bool _gathered = false;          ///< the force has contributions of other ranks, beyond `_dofs`
   std::vector<double> _force;
   double _position = 0.0;
 };

@@ -9,12 +9,13 @@ Energies EnergySums::energies(InternalEnergy internal) const
 {
   const auto work_of = [this](WorkKind kind) { return work[std::size_t(kind)]; };
   const double terms = -work_of(WorkKind::contact) + work_of(WorkKind::damping) + work_of(WorkKind::viscosity) -
-                       work_of(WorkKind::external);
+                       work_of(WorkKind::external) + work_of(WorkKind::foundation);
   Energies e;
   e.kinetic = kinetic;
   e.internal = internal == InternalEnergy::quadratic ? position - terms_position
                : internal == InternalEnergy::elastic ? elastic
                                                      : residual_work - terms;
+  e.internal += foundation;
   e.plastic = internal == InternalEnergy::elastic ? residual_work - terms - elastic : 0.0;
   e.contact = stored;
   e.friction = friction;

@@ -12,7 +12,8 @@ enum class WorkKind
   contact,
   damping,
   viscosity,
-  external
+  external,
+  foundation ///< linear springs to the ground, whose energy u . force/2 is internal energy
 };
 
 /// What the internal energy is computed from.
@@ -40,7 +41,7 @@ struct Work
 struct Energies
 {
   double kinetic = 0.0;
-  double internal = 0.0; ///< stored in the bodies
+  double internal = 0.0; ///< stored in the bodies and their foundations
   double contact = 0.0;  ///< stored in springs
   double friction = 0.0;
   double impact = 0.0; ///< what normal forces of contact take from the bodies and do not store
@@ -65,9 +66,10 @@ struct EnergySums
   double load_work = 0.0; ///< of loads and of contact forces on rigid masters that move
   double support_work = 0.0;
   double damped = 0.0;          ///< by mass-proportional damping
-  std::array<double, 4> work{}; ///< of force terms, by WorkKind
+  std::array<double, 5> work{}; ///< of force terms, by WorkKind
   double terms_position = 0.0;  ///< u . force/2 of force terms, with the signs that they have in the residual
-  double stored = 0.0;          ///< in springs
+  double foundation = 0.0;      ///< stored in springs to the ground
+  double stored = 0.0;          ///< in springs of contact
   double friction = 0.0;
   double normal = 0.0;       ///< work of the normal forces of contact, of springs without what they store
   double kinematic = 0.0;    ///< the part of `normal` that kinematic contact does
@@ -78,7 +80,7 @@ struct EnergySums
   double passages = 0.0;     ///< contacts that a node went through
   double unsolved = 0.0;     ///< points whose local equations were not solved
 
-  static constexpr std::size_t size = 23;
+  static constexpr std::size_t size = 25;
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
   static EnergySums of(const std::array<double, size>& values) { return std::bit_cast<EnergySums>(values); }
 

@@ -92,6 +92,8 @@ public:
   const PointFailures& failures() const { return _failures; }
   /// Sum of a name over the cells of the last run; 0 if the kernel has none.
   double sum(const std::string& name) const;
+  /// Numbers of the test space's nodes that a run adds to, some of them several times.
+  std::span<const std::int32_t> test_nodes() const { return _test.dofs; }
   /// Has the kernel a coefficient of this name?
   bool has(const std::string& name) const;
 

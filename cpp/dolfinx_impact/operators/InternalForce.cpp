@@ -50,6 +50,24 @@ double InternalForce::value() const
   return sum;
 }
 
+std::vector<std::int32_t> InternalForce::reached_dofs() const
+{
+  if (!_test)
+    return {};
+  std::vector<std::int32_t> nodes;
+  for (const Batches& batches : _batches)
+    nodes.insert(nodes.end(), batches.test_nodes().begin(), batches.test_nodes().end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  const int bs = _test->dofmap()->index_map_bs();
+  std::vector<std::int32_t> dofs;
+  dofs.reserve(nodes.size() * bs);
+  for (const std::int32_t node : nodes)
+    for (int c = 0; c < bs; ++c)
+      dofs.push_back(bs * node + c);
+  return dofs;
+}
+
 void InternalForce::commit()
 {
   for (const Batches& batches : _batches)

@@ -43,6 +43,8 @@ public:
       batches.read(name, values);
   }
 
+  /// Degrees of freedom of the test space that this rank's cells contribute to, in increasing order.
+  std::vector<std::int32_t> reached_dofs() const;
   /// Has any integral a coefficient of this name?
   bool has(const std::string& name) const
   {

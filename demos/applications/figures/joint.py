@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Figures of rail_joint: called on rank 0 with plain arrays and gathered fields."""
+"""Figures of rail_joint_plane: called on rank 0 with plain arrays and gathered fields."""
 
 import numpy as np
 
@@ -31,7 +31,7 @@ def force(run, history, reference, load, quiet):
     along.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="friction / load [1]")
     for ax in (up, along):
         ax.axvspan(-4, 4, color="#f0e4d8", zorder=0, lw=0)
-    plots.save(figure, run.file("rail_joint_force.png"))
+    plots.save(figure, run.file("rail_joint_plane_force.png"))
 
 
 def _line(history):
@@ -68,14 +68,14 @@ def energy(run, place, columns, balance, exchanged):
     rest.plot(place * MM, balance / exchanged, color=plots.COLOURS[0], lw=1.2)
     rest.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="drift / exchanged [1]")
     rest.ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
-    plots.save(figure, run.file("rail_joint_energy.png"))
+    plots.save(figure, run.file("rail_joint_plane_energy.png"))
 
 
 def sequence(run, pictures, history):
     """Von Mises stress around the contact at the moments."""
     plt = plots.pyplot()
     figure, axes = plt.subplots(2, 3, figsize=(12.5, 6.2), layout="constrained")
-    clim, flat = (0.0, 500.0), pictures[0][1].points.shape[1] == 2
+    clim = (0.0, 500.0)
     box = (-0.045, 0.045, -0.036, 0.034)
     for ax, (place, mises, u) in zip(axes.ravel(), pictures):
         moved = np.zeros(mises.points.shape)
@@ -83,16 +83,9 @@ def sequence(run, pictures, history):
         moved[mises.cells.ravel()] = u.values[corners.ravel()]
         grid = plots.grid(mises, moved)
         grid.point_data["value"] = mises.values[:, 0] / 1e6
-        if flat:
-            image = plots.draw([grid], clim, size=(900, 700), box=box, above="#fff3b0", edges=False)
-            plots.show(ax, image, [v * MM for v in box])
-        else:
-            r = 0.06
-            part = grid.clip_box((-r, r, -1e-3, 0.04, -r, r), invert=False)
-            view = ((-0.5, -1.5, 0.5), (0, 0, 1), (0, 0.015, 0))
-            image = plots.draw([part], clim, size=(900, 700), view=view, above="#fff3b0", zoom=1.3)
-            plots.show(ax, image)
+        image = plots.draw([grid], clim, size=(900, 700), box=box, above="#fff3b0", edges=False)
+        plots.show(ax, image, [v * MM for v in box])
         now = np.interp(place, history[:, 0], history[:, 1])
         ax.set_title(f"axle at {place * MM:+.1f} mm, force {now:.2f} of the load", fontsize=10)
     plots.colour_bar(figure, axes, clim, "von Mises stress [MPa]", shrink=0.7, extend="max")
-    plots.save(figure, run.file("rail_joint_sequence.png"))
+    plots.save(figure, run.file("rail_joint_plane_sequence.png"))

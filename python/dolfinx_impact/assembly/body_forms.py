@@ -53,11 +53,14 @@ def body_forms(u: Function, material: Material) -> BodyForms:
     parts = InelasticParts(u, material)
     form, laws = parts.force(v)
     if isinstance(laws, dict):  # the elastic energy of the other parts is needed, too
+        by_material: dict[int, PointLaw] = {}  # UFL makes one integral of the tags that share a material
         for tag, m in material.parts():
             if tag is not None and not isinstance(m, InelasticMaterial):
-                law: Any = m.law(V.mesh)
-                energy = law.energy_density(u) * weight(V.mesh, law.hypothesis)
-                laws[tag] = PointLaw(outputs={}, sums={ELASTIC_ENERGY: energy})
+                if id(m) not in by_material:
+                    law: Any = m.law(V.mesh)
+                    energy = law.energy_density(u) * weight(V.mesh, law.hypothesis)
+                    by_material[id(m)] = PointLaw(outputs={}, sums={ELASTIC_ENERGY: energy})
+                laws[tag] = by_material[id(m)]
         form, stiffness = form + internal, parts.elastic_tangent(du, v) + stiffness
     else:
         stiffness = parts.elastic_tangent(du, v)

@@ -62,6 +62,7 @@ class InelasticStress:
         dx, degree = cells_measure(u, material)
         form: Any = 0
         laws: dict[int, PointLaw] = {}
+        by_material: dict[int, PointLaw] = {}  # UFL makes one integral of the tags that share an elastic material
         for tag, m in material.parts():
             measure = dx if tag is None else dx(tag)
             if isinstance(m, InelasticMaterial):
@@ -69,6 +70,7 @@ class InelasticStress:
                 work, law = part.force(v, with_stress=True)
             else:
                 work, law = _elastic(u, v, m, measure)
+                law = by_material.setdefault(id(m), law)
             form = form + work
             laws[-1 if tag is None else tag] = law
         self._force = InternalForce(form, law=laws if isinstance(material, MaterialMap) else laws[-1])

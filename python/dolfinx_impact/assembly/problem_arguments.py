@@ -78,7 +78,8 @@ def problem(
         arguments.boundary_values("bcs", getattr(bc, "bc", bc) if in_time else bc, V)
     for load in arguments.sequence("loads", loads, "loads"):
         if not hasattr(load, "form"):
-            raise TypeError(f"loads must hold Traction, BodyForce, FollowerPressure, found {type(load).__name__}")
+            kinds = "Traction, BodyForce, FollowerPressure, Foundation, AddedMass"
+            raise TypeError(f"loads must hold {kinds}, found {type(load).__name__}")
         if not in_time and getattr(load, "amplitude", None) is not None:
             raise ValueError(
                 f"{type(load).__name__} has an amplitude, a function of time: that is for problems in time; static "

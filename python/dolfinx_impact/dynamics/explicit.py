@@ -27,6 +27,8 @@ from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..forms import materials as laws
+from ..added_mass import AddedMass, added_masses
+from ..foundation import Foundation, dashpot_form, spring_form
 from ..loads import DeadLoad, Load
 from ..common.arguments import number
 from ..materials import MaterialMap, Rayleigh, _Material
@@ -39,7 +41,7 @@ from .inputs import Inputs
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
-from .stable_step import METHODS, CellMasses, Frequencies, cell_sizes, damped
+from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, damped
 from .start_values import check_velocity, density_expression
 from .supports import Supports
 from .time_stepper import TimeStepper
@@ -156,6 +158,14 @@ class ExplicitProblem(Unique):
             internal, tangent, linear = forms.internal, forms.stiffness, forms.linear
             laws_at_points, self._parts = forms.laws, forms.parts
             parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
+            springs = spring_form(loads, du, v, material)
+            tangent = tangent if springs is None else tangent + springs
+            damping_tangent = dashpot_form(loads, du, v, material)
+            if damping_tangent is not None and scheme == "classical":
+                raise ValueError(
+                    "a Foundation has dashpots: scheme 'classical' takes mass-proportional damping only, its matrix "
+                    "must be diagonal"
+                )
         else:
             if hypothesis is not None:
                 laws.check_hypothesis(hypothesis, mesh.geometry.dim)
@@ -181,6 +191,8 @@ class ExplicitProblem(Unique):
             self._frequencies.check_signs()
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
+        for added in added_masses(self.loads):
+            self.mass.array[:] += added.nodal(V, hypothesis or "3d")
         self.bulk_viscosity = self._check_viscosity(bulk_viscosity)
         self._internal = operators.SplitForce(internal, u, law=laws_at_points)
         self._cpp_object = _cpp.integrators.CentralDifference(
@@ -196,6 +208,7 @@ class ExplicitProblem(Unique):
             self._term(resisting, _cpp.integrators.WorkKind.damping)
         self.acceleration = fem.Function(V, name="acceleration")
         self._add_damping(v)
+        self._add_foundations(v)
         self._functions = FunctionsOfTime()
         self._set_loads(self.loads, v)
         supports = Supports(bcs, u, self._functions)
@@ -344,6 +357,18 @@ class ExplicitProblem(Unique):
             )  # fmt: skip
             self._term(form, kinds.viscosity)
 
+    def _add_foundations(self, v: ufl.Argument) -> None:
+        """Springs to the ground, whose energy counts as internal, and dashpots. Two terms for all of them: their forms
+        share one set of tags, as those of the stable step do."""
+        if self.material is None:
+            return  # in a residual of a user's own
+        springs = spring_form(self.loads, self.u, v, self.material)
+        if springs is not None:
+            self._term(springs, _cpp.integrators.WorkKind.foundation)
+        dashpots = dashpot_form(self.loads, self.velocity, v, self.material)
+        if dashpots is not None:
+            self._term(dashpots, _cpp.integrators.WorkKind.damping)
+
     def _term(self, form: ufl.Form, kind: _cpp.integrators.WorkKind) -> None:
         """Add a force term to the integrator; `kind` says which energy its work counts to."""
         term = operators.SplitForce(form, self.u, self.velocity)
@@ -353,6 +378,8 @@ class ExplicitProblem(Unique):
     def _set_loads(self, loads: Sequence[Load], v: ufl.Argument) -> None:
         self.dead_loads: list[DeadLoad] = []
         for load in loads:
+            if isinstance(load, (Foundation, AddedMass)):
+                continue  # _add_foundations; in the mass
             form = load.form(self.u, v, self.material)
             amplitude = Amplitude(getattr(load, "amplitude", None), f"amplitude of {type(load).__name__}")
             if self.u in form.coefficients():
@@ -586,14 +613,14 @@ class ExplicitProblem(Unique):
         elif method == "element":
             if self._frequencies.damps:
                 springs = math.hypot(*(c.spring_frequency() for c in self.contact))
-                return self._frequencies.step_bound(self.damping.alpha, springs)
+                return self._frequencies.step_bound(self._uniform_damping, springs)
             omega = self._frequencies.bound()
         else:
             inverse = 1.0 / self.mass.array[: self.num_owned]
             inverse[self.prescribed[: self.num_owned]] = 0.0
             matrix = stiffness(self.contact, self.space, self.u.x.array)
             if self._frequencies.damps:
-                found = self._frequencies.critical_step(inverse, matrix, self.damping.alpha, self.stable_step())
+                found = self._frequencies.critical_step(inverse, matrix, self._uniform_damping, self.stable_step())
             else:
                 omega = self._frequencies.highest(inverse, matrix)
             if matrix is not None:
@@ -603,6 +630,11 @@ class ExplicitProblem(Unique):
         if method != "eigenvalue":
             omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
         return damped(omega, self.damping.alpha, self.damping.beta, self.bulk_viscosity[0], self.scheme)
+
+    @property
+    def _uniform_damping(self) -> UniformDamping:
+        """Damping of all cells alike, beside that of dashpots or of a residual."""
+        return UniformDamping(self.damping.alpha, self.damping.beta, self.bulk_viscosity[0])
 
     def _cell_times(self) -> FloatArray:
         """Time that a dilatational wave takes through each owned cell, (num_cells) [T]."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from dolfinx import default_scalar_type, fem
-from mpi4py import MPI
 
 from ..amplitude import PrescribedMotion
 from ..common.types import BoolArray, FloatArray

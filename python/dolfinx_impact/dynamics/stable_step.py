@@ -4,6 +4,7 @@
 import math
 import warnings
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import basix
@@ -70,6 +71,36 @@ def cell_sizes(mesh: Mesh) -> FloatArray:
     return np.min(np.linalg.norm(x[:, edges[:, 0]] - x[:, edges[:, 1]], axis=2), axis=1)
 
 
+@dataclass(frozen=True)
+class UniformDamping:
+    """Damping of all cells alike.
+
+    Attributes:
+        alpha: factor of mass-proportional damping [1/T].
+        beta: factor of stiffness-proportional damping [T].
+        viscosity: factor of linear bulk viscosity [1].
+    """
+
+    alpha: float = 0.0
+    beta: float = 0.0
+    viscosity: float = 0.0
+
+    def rate(self, square: Any) -> Any:
+        """Eigenvalue of the damping over the mass, of modes of the squared frequency `square` [1/T]."""
+        return self.alpha + self.beta * square + 2.0 * self.viscosity * np.sqrt(square)
+
+
+def _with_functions(form: ufl.Form) -> set[tuple[str, int]]:
+    """Kinds and tags of integrals that depend on functions; -1 stands for integrals over all entities."""
+    found = set()
+    for integral in form.integrals():
+        if ufl.algorithms.extract_coefficients(integral.integrand()):
+            tags = integral.subdomain_id()
+            for tag in tags if isinstance(tags, tuple) else (tags,):
+                found.add((integral.integral_type(), tag if isinstance(tag, int) else -1))
+    return found
+
+
 class CellMatrices:
     """Cell matrices of a bilinear form; integrals over a cell's facets belong to the cell.
 
@@ -89,6 +120,8 @@ class CellMatrices:
         self._tags = {kind: next((t for t in tags if t is not None), None) for kind, tags in data.items()}
         self.has_place: bool = ufl.algorithms.analysis.has_type(form, ufl.SpatialCoordinate)
         self._inputs = operators.Inputs(self._compiled.constants, self._compiled.coefficients, without)
+        self._varying = _with_functions(form)
+        self._kept: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}  # of integrals without functions
 
     def changed(self) -> bool:
         """Compare constants and coefficients with those of `store_inputs`.
@@ -127,16 +160,24 @@ class CellMatrices:
         """
         V, failed = self.space, False
         out = np.zeros((len(masses), 3))
-        for kernel, functions, entities, constants in self._integrals():
+        for number, (kernel, functions, entities, constants) in enumerate(self._integrals()):
             cells = entities if kernel.integral_type == "cell" else np.ascontiguousarray(entities[::2])
+            given = np.ascontiguousarray(masses[cells]).ravel()
+            # Linear materials keep their stiffness: most cells of a model with a few that deform a lot.
+            before = self._kept.get(number)
+            if before and np.array_equal(before[0], constants) and np.array_equal(before[1], given):
+                np.add.at(out, cells, before[2])
+                continue
             integral = _cpp.operators.Integral(kernel.address, entities, constants)
             coefficients = {name: f._cpp_object for name, f in functions.items()}
-            given = np.ascontiguousarray(masses[cells]).ravel()
             try:
-                found = _cpp.operators.cell_spectra(integral, V._cpp_object, coefficients, given)
-                np.add.at(out, cells, found.reshape(-1, 3))
+                found = _cpp.operators.cell_spectra(integral, V._cpp_object, coefficients, given).reshape(-1, 3)
             except RuntimeError:
                 failed = True
+                continue
+            np.add.at(out, cells, found)
+            if not any((kernel.integral_type, tag) in self._varying for tag in (-1, *kernel.subdomains)):
+                self._kept[number] = np.array(constants), given, found
         if V.mesh.comm.allreduce(bool(failed or not np.all(np.isfinite(out))), MPI.LOR):
             raise ValueError("the stiffness of a cell is not a number: check the material, the mesh and the state")
         return out
@@ -179,8 +220,8 @@ class Frequencies:
         u: displacement function.
         tangent: UFL form of rank 2, derivative of the internal force.
         masses: function that returns what lumped_mass.cell_masses does; called when needed, its values are not kept.
-        damping: UFL form of rank 2, derivative of the residual with respect to the velocity; None: the residual does
-            not contain the velocity.
+        damping: UFL form of rank 2, derivative of the residual with respect to the velocity, or the dashpots of
+            foundations; None: there is none.
         velocity: velocity function of the residual.
 
     Attributes:
@@ -208,7 +249,7 @@ class Frequencies:
 
     @property
     def damps(self) -> bool:
-        """Whether the residual contains damping of its own."""
+        """Whether there is damping that differs between cells: of a residual, or of dashpots."""
         return self._damping is not None
 
     def changed(self) -> bool:
@@ -298,19 +339,20 @@ class Frequencies:
         largest = float(np.max(self.by_cell()[0], initial=0.0))
         return math.sqrt(self.comm.allreduce(largest, MPI.MAX))
 
-    def step_bound(self, alpha: float, springs: float) -> float:
-        """Smallest stable step of all cells, with damping of the residual's own. Collective.
+    def step_bound(self, uniform: UniformDamping, springs: float) -> float:
+        """Smallest stable step of all cells, with damping that differs between them. Collective.
 
         Args:
-            alpha: factor of mass-proportional damping [1/T].
+            uniform: damping of all cells alike.
             springs: angular frequency that contact adds [1/T].
 
         Returns:
             Stable step; infinite where nothing limits it [T].
         """
         squares, rates = self.by_cell()
-        half = 0.5 * (rates + alpha)
-        largest = float(np.max(half + np.sqrt(half**2 + squares + springs**2), initial=0.0))
+        squares = squares + springs**2
+        half = 0.5 * (rates + uniform.rate(squares))
+        largest = float(np.max(half + np.sqrt(half**2 + squares), initial=0.0))
         largest = self.comm.allreduce(largest, MPI.MAX)
         return 2.0 / largest if largest > 0.0 else math.inf
 
@@ -333,8 +375,10 @@ class Frequencies:
             thing.destroy()
         return math.sqrt(max(value, 0.0))
 
-    def critical_step(self, inverse_mass: FloatArray, extra: PETSc.Mat | None, alpha: float, start: float) -> float:
-        """Stable step of the assembled system with damping of the residual's own. Collective.
+    def critical_step(
+        self, inverse_mass: FloatArray, extra: PETSc.Mat | None, uniform: UniformDamping, start: float
+    ) -> float:
+        """Stable step of the assembled system with damping that differs between cells. Collective.
 
         At the stable step dt the largest eigenvalue of dt^2/4 K + dt/2 C over the mass is one. Each iteration computes
         the eigenvector of the largest eigenvalue at the present step, then the step at which this vector's Rayleigh
@@ -343,7 +387,8 @@ class Frequencies:
         Args:
             inverse_mass: inverse lumped mass over owned degrees of freedom, zero where motion is prescribed [1/M].
             extra: matrix that is added to the stiffness; None: nothing [F/L].
-            alpha: factor of mass-proportional damping [1/T].
+            uniform: damping of all cells alike; bulk viscosity takes part in the step of a vector, not in the search
+                for it.
             start: step that the iteration starts from [T].
 
         Returns:
@@ -363,13 +408,14 @@ class Frequencies:
             matrix = K.copy()
             matrix.scale(0.25 * dt**2)
             matrix.axpy(0.5 * dt, C)
-            matrix.shift(0.5 * dt * alpha)
+            matrix.axpy(0.5 * dt * uniform.beta, K)
+            matrix.shift(0.5 * dt * uniform.alpha)
             _, x = largest_eigenvalue(matrix)
             y = x.duplicate()
             K.mult(x, y)
             square = max(x.dot(y).real, 0.0)
             C.mult(x, y)
-            half = 0.5 * (max(x.dot(y).real, 0.0) + alpha)
+            half = 0.5 * (max(x.dot(y).real, 0.0) + uniform.rate(square))
             old, dt = dt, 2.0 / (half + math.sqrt(half**2 + square))
             for thing in (x, y, matrix):
                 thing.destroy()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Equilibrium as the start of an explicit run: displacement, history of the materials, springs under the static load."""
+"""Equilibrium as the start of an explicit run: displacement, history of materials, springs under the static load."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mpi4py import MPI
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ..common.types import BoolArray, IntArray
+from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
 from ..contact.penalty.penalty import Penalty
 from ..statics.problem import StaticProblem
@@ -63,12 +63,12 @@ def connected_nodes(V: fem.FunctionSpace, nodes: IntArray) -> IntArray:
     pairs = np.repeat(cells[:, :1], cells.shape[1] - 1, axis=1).ravel(), cells[:, 1:].ravel()
     graph = coo_matrix((np.ones(len(pairs[0])), pairs), shape=(total.num_nodes, total.num_nodes))
     body = connected_components(graph, directed=False)[1]
-    reached = np.zeros(total.num_nodes)
+    reached: FloatArray = np.zeros(total.num_nodes)
     reached[nodes] = 1.0
     while True:
         before = np.count_nonzero(reached)
-        reached = np.isin(body, body[reached > 0.0]).astype(float)
-        reached = (total(reached).ravel() > 0.0).astype(float)
+        here = np.isin(body, body[reached > 0.0]).astype(np.float64)
+        reached = np.asarray(total(here).ravel() > 0.0, dtype=np.float64)
         if not mesh.comm.allreduce(int(np.count_nonzero(reached) != before), MPI.SUM):
             return np.flatnonzero(reached).astype(np.int32)
 
@@ -110,7 +110,8 @@ def make(kind: type[ExplicitProblem], static: StaticProblem, given: dict[str, An
     bearing = [k for k, c in enumerate(static.contact) if V.mesh.comm.allreduce(int(np.any(c.pressure > 0.0)))]
     bodies = {}
     for k in bearing:
-        nodes = connected_nodes(V, static.contact[k].nodes)
+        slave, _ = static.contact[k].pair.surfaces(V)
+        nodes = connected_nodes(V, np.unique(slave.nodes))
         start = SpringStart(static.contact[k], nodes, problem, free_directions(problem, nodes), k)
         u.x.array[:] = start.moved(u.x.array, start.approach())
         bodies[k] = start
@@ -119,6 +120,8 @@ def make(kind: type[ExplicitProblem], static: StaticProblem, given: dict[str, An
         moved.x.array[:] = u.x.array
         problem = build(moved)
     for k, start in bodies.items():
-        SpringStart(static.contact[k], start.nodes, problem, None, k).hand_over()
+        # Static springs are compressed like these ones: the approach is enough, and leaves no offset behind.
+        if static.contact[k].has_multipliers:
+            SpringStart(static.contact[k], start.nodes, problem, None, k).hand_over()
     problem.restart_forces()
     return problem

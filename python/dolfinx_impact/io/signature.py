@@ -16,6 +16,8 @@ from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
 from ..common.types import FloatArray, IntArray
+from ..assembly import operators
+from ..foundation import Foundation, foundations
 from ..loads import DeadLoad, Load
 from ..materials import MaterialMap, Rayleigh, _Material
 
@@ -155,7 +157,22 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
         out[f"sums of load {k}"] = comm.allreduce(
             np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]), MPI.SUM
         )
+    for k, springs in enumerate(foundations(problem.loads)):
+        out[f"sums of foundation {k}"] = _foundation(problem, springs, x)
     return {name: short(value) if isinstance(value, str) else value for name, value in out.items()}
+
+
+def _foundation(problem: Problem, springs: Foundation, x: FloatArray) -> FloatArray:
+    """Sums of the nodal forces of springs and dashpots under the displacement and velocity one. Collective."""
+    assert problem.material is not None  # loads go with materials
+    V, hypothesis, sums = problem.space, problem.material.hypothesis_on(problem.space.mesh), []
+    one = fem.Function(V, name="u")
+    one.x.array[:] = 1.0
+    for work in (springs.springs, springs.dashpots):
+        nodal = operators.InternalForce(work(one, ufl.TestFunction(V), hypothesis)).apply().array
+        values = nodal[: x.shape[0] * V.dofmap.index_map_bs].reshape(len(x), -1)
+        sums.append(np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]))
+    return problem.comm.allreduce(np.concatenate(sums), MPI.SUM)
 
 
 def supports(problem: Problem) -> tuple[IntArray, FloatArray]:

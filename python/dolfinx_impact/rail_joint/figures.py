@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.signal import butter, sosfiltfilt
 
 from ..common.types import FilePath, FloatArray
 from ..io import plots
@@ -18,6 +19,7 @@ from .results import P2_FREQUENCY, Summary, low_pass
 
 MM, MPA, KN = 1e3, 1e-6, 1e-3
 VIEW = ((-0.55, -1.4, 0.55), (0, 0, 1))  # towards the viewer, up
+WAVES = 20e3  # stations are shown without what is faster: cells of the coarse mesh carry no more [Hz]
 ZONE = (0.055, 0.03, 0.035)  # half-length, width and depth of what pictures show [m]
 
 
@@ -160,7 +162,9 @@ def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArra
     """
     plt = plots.pyplot()
     figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
-    spread = float(np.ptp(velocity, axis=0).max(initial=0.0)) or 1.0
+    shown = _low_pass(time, velocity)
+    spread = float(np.ptp(shown, axis=0).max(initial=0.0)) or 1.0
+    velocity = shown
     for k, x in enumerate(stations):
         axes.plot(time * MM, velocity[:, k] / spread + k, color=f"C{k}", lw=1.1)
         axes.text(time[-1] * MM, k, f" x = {x:.2f} m", va="center", fontsize=9)
@@ -169,9 +173,19 @@ def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArra
     for speed, name, style in ((np.sqrt(data.E / data.density), "bar", "--"), (_shear(data), "shear", ":")):
         axes.plot([(meets + x / speed) * MM for x in stations], range(len(stations)), "k" + style, lw=1,
                   label=f"from the joint at the {name} wave's {speed:.0f} m/s")  # fmt: skip
-    axes.set(xlabel="time [ms]", ylabel="velocity along the rail, each in its scale", yticks=[])
+    axes.set(xlabel="time [ms]", ylabel="velocity along the rail below 20 kHz", yticks=[])
     axes.legend(loc="upper left", fontsize=9)
     plots.save(figure, path)
+
+
+def _low_pass(time: FloatArray, velocity: FloatArray) -> FloatArray:
+    """Velocities without what is faster than WAVES; where the samples are too few, as they are."""
+    even = len(time) > 40 and np.ptp(np.diff(time)[:-1]) < 1e-3 * (time[1] - time[0])
+    rate = 1.0 / (time[1] - time[0]) if even else 0.0
+    if rate <= 2.5 * WAVES:
+        return velocity
+    filtered: FloatArray = sosfiltfilt(butter(4, WAVES, fs=rate, output="sos"), velocity, axis=0)
+    return filtered
 
 
 def _shear(data: RailJoint) -> float:
@@ -189,11 +203,14 @@ def section(picture: Picture, data: RailJoint, clim: tuple[float, float], size: 
     """
     stress, u = picture.stress, picture.displacement
     assert u.values is not None and stress.values is not None and u.cells is not None and stress.cells is not None
+    assert stress.points is not None
     moved = np.zeros((len(stress.values), 3))
     moved[stress.cells.ravel()] = u.values[u.cells.ravel()]
-    grid = plots.grid(stress, moved)
-    grid.point_data["value"] = stress.values[:, 0] * MPA
     length, width, depth = ZONE
+    middles = stress.points[stress.cells].mean(axis=1)
+    near = np.all(np.abs(middles) < 2.0 * np.array([length, width, depth]), axis=1)  # clipping all cells takes a second
+    grid = plots.grid(stress, moved, cell_mask=near)
+    grid.point_data["value"] = stress.values[:, 0] * MPA
     first = -1e-4 if data.sides == 2 else 0.0
     part = grid.clip_box((-length, length, first, width, -depth, 0.8 * depth), invert=False)
     view = (*VIEW, (0.0, 0.01, -0.004))
@@ -254,14 +271,14 @@ def field_on_rail(
         cmap: colour map.
     """
     plt = plots.pyplot()
-    grid = plots.grid(values)
-    assert values.values is not None
+    assert values.values is not None and values.points is not None and values.cells is not None
+    grid = plots.grid(values, cell_mask=values.points[values.cells].mean(axis=1)[:, 2] < 0.0)  # without the wheel
     grid.point_data["value"] = values.values[:, 0]
     length, width, depth = ZONE
     first = -1e-4 if data.sides == 2 else 0.0
-    part = grid.clip_box((-length, length, first, width, -depth, 5e-5), invert=False)
+    part = grid.clip_box((-length, length, first, width, -depth, 1e-3), invert=False)
     view = ((-0.3, -1.3, 0.6), (0, 0, 1), (0.0, 0.01, -0.015))
     figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
-    plots.show(axes, plots.draw([part], clim, cmap=cmap, size=(1100, 560), view=view, zoom=1.5))
+    plots.show(axes, plots.draw([part], clim, cmap=cmap, size=(1100, 560), view=view, edges=False, zoom=1.5))
     plots.colour_bar(figure, axes, clim, label, cmap=cmap, shrink=0.8)
     plots.save(figure, path)

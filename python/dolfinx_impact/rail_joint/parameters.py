@@ -37,6 +37,8 @@ KINDS = (
     {"m", "mm", "um"}, {"N", "kN", "MN"}, {"kg", "t"}, {"m/s", "km/h"}, {"Pa", "kPa", "MPa", "GPa"},
     {"kg/m^3", "t/m^3"}, {"N/m", "kN/mm", "MN/m"}, {"N s/m", "kN s/m"}, {"Pa/m"}, {"1", "%"}, {"s", "min"},
 )  # fmt: skip
+SIGNED = ("begin", "end", "cone")
+MAY_BE_ZERO = ("fillet", "cells", "coarse", "friction", "pad_damping", "penalty", "recovery", "hardening_modulus")
 
 
 def _number(default: Any, unit: str, what: str) -> Any:
@@ -82,7 +84,7 @@ class RailJoint:
     crown_radius: float = _number(0.30, "m", "transverse radius of the rail head")
     head_profile: tuple[tuple[float, float], ...] = _number((), "m", "points (y, z) of the head instead of the crown")
 
-    rail_length: float = _number(1.5, "m", "of each rail")
+    rail_length: float = _number(1.5, "m", "from the joint to the far end of each rail")
     bar_length: float = _number(0.9, "m", "of the joint bars")
     bar: float = _number(22e-3, "m", "thickness of a joint bar")
     glue: float = _number(2e-3, "m", "thickness of the insulating layer between joint bar and web")
@@ -99,12 +101,12 @@ class RailJoint:
     hardening_modulus: float = _number(30e9, "Pa", "C of Armstrong and Frederick's kinematic hardening")
     recovery: float = _number(100.0, "1", "gamma of their dynamic recovery; the back stress saturates at C/gamma")
 
-    begin: float = _number(-35e-3, "m", "place of the wheel at the start, the joint at 0")
-    end: float = _number(39e-3, "m", "place of the wheel at the end")
+    begin: float = _number(-24e-3, "m", "place of the wheel at the start, the joint at 0")
+    end: float = _number(26e-3, "m", "place of the wheel at the end")
     cells: int = _number(0, "1", "in the contact's half-axis along the rail, 0: by the preset")
     coarse: float = _number(0.0, "m", "largest cells, 0: by the preset")
     penalty: float = _number(0.0, "Pa/m", "of the contact in the explicit run, 0: as stiff as the time step allows")
-    smooth: bool = _number(True, "", "whether the contact sees round surfaces instead of facets")
+    smooth: bool = _number(False, "", "whether the contact sees round surfaces instead of facets")
 
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):
@@ -127,13 +129,11 @@ class RailJoint:
             return
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError(f"{name} is {value!r}: a number [{item.metadata['unit']}]")
-        signed = name in ("begin", "end", "cone")
-        zero = name in ("fillet", "cells", "coarse", "friction", "pad_damping", "penalty", "recovery", "hardening_modulus", *(
-            ("begin", "end", "cone")))  # fmt: skip
         good = math.isfinite(value) or (name == "yield_stress" and value > 0)
+        signed, zero = name in SIGNED, name in SIGNED + MAY_BE_ZERO
         if not good or (value < 0 and not signed) or (value == 0 and not zero):
-            raise ValueError(f"{name} is {value!r}: a {'finite' if signed else 'positive'} number "
-                             f"[{item.metadata['unit']}]")  # fmt: skip
+            kind = "finite" if signed else "non-negative" if zero else "positive"
+            raise ValueError(f"{name} is {value!r}: a {kind} number [{item.metadata['unit']}]")
 
     @property
     def whole(self) -> bool:
@@ -226,7 +226,7 @@ class RailJoint:
 
     def to_toml(self) -> str:
         """Text of a TOML file with all parameters, their units and what they are."""
-        lines = ["# Insulated rail joint; numbers are in the units of the comments, or write texts such as \"120 km/h\""]
+        lines = ['# Insulated rail joint; numbers are in the units of the comments, or write texts such as "120 km/h"']
         for item in dataclasses.fields(self):
             value = getattr(self, item.name)
             unit = f"[{item.metadata['unit']}] " if item.metadata["unit"] else ""

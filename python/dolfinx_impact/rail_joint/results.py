@@ -24,7 +24,7 @@ class Summary:
 
     Attributes:
         static_force: after the preload [N].
-        mean_before: mean force on the way to the joint over the static one [1].
+        mean_before: mean force on the way to the joint over the static one; nan where the way begins at the joint [1].
         ripple_before: largest deviation of the force from its mean there, over the mean [1].
         least_force: over the static one [1].
         least_place: where it is least [m].
@@ -153,7 +153,7 @@ def summarise(
     """
     force, place = history.force[:, 2] / data.load, history.place
     quiet = before_joint(data, place)
-    before = force[quiet] if np.any(quiet) else force[:1]
+    before = force[quiet] if np.any(quiet) else np.full(1, math.nan)
     behind = place > 0.0
     near = np.abs(place) < 0.5 * data.gap + 2 * data.hertz.a
     peak, least = np.flatnonzero(behind)[force[behind].argmax()], np.flatnonzero(near)[force[near].argmin()]

@@ -14,6 +14,7 @@ from dolfinx.mesh import MeshTags
 from ..assembly import operators
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..forms import ale
+from ..inelastic import InelasticMaterial
 from ..materials import Material
 from .motions import Spin, Translation
 
@@ -185,7 +186,9 @@ class Flow:
             # A straight flow without deformation has no acceleration: no load at zero displacement.
             return ale.ale_inertia(u, v, density, constant, dx)
 
-        return self._sum(inertia, u, material)
+        # Kernels of laws with internal variables have one quadrature rule, that of the stiffness.
+        inelastic = any(isinstance(m, InelasticMaterial) for _, m in material.parts())
+        return self._sum(inertia, u, material, not inelastic)
 
     def softening(self, u: fem.Function, du: Any, v: Any) -> ufl.Form:
         """Bilinear form W; seed (3.57).
@@ -260,8 +263,10 @@ class Flow:
             u, self._material, lambda m, dx: m.mass_density(mesh) * ufl.inner(du, v) * dx, inertia=True
         )
 
-    def _sum(self, term: Callable[[Any, Any, Any, Any], Any], u: fem.Function, material: Material) -> Any:
-        """Sum of a term over materials and motions."""
+    def _sum(
+        self, term: Callable[[Any, Any, Any, Any], Any], u: fem.Function, material: Material, exact: bool = True
+    ) -> Any:
+        """Sum of a term over materials and motions, with the quadrature rule of the mass if it is to be exact."""
         mesh = u.function_space.mesh
         return operators.sum_materials(
             u,
@@ -270,5 +275,5 @@ class Flow:
                 term(motion, self._constants[tag], self._indicators[tag] * m.mass_density(mesh), dx)
                 for tag, motion in self._motions.items()
             ),
-            inertia=True,
+            inertia=exact,
         )

@@ -11,6 +11,7 @@ from dolfinx.mesh import Mesh
 from ..common import arguments
 from ..contact.mortar.lagrange import Lagrange
 from ..inelastic import InelasticMaterial
+from ..plasticity import J2Plasticity
 from .motions import Spin, Translation
 
 
@@ -27,7 +28,7 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
     Raises:
         TypeError: an argument is of the wrong type.
         ValueError: axisymmetric or massless materials, motions that do not fit, internal variables of bodies that
-            spin, stand or have friction, or friction by penalty.
+            stand or have friction, tensors of a law of one's own in bodies that spin, or friction by penalty.
     """
     arguments.tags("RollingProblem", cell_tags, mesh, mesh.topology.dim)
     if not isinstance(motions, dict):
@@ -45,7 +46,7 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
     for tag, m in material.parts():
         m.mass_density(mesh)
         if isinstance(m, InelasticMaterial):
-            _check_straight(m, cell_tags, motions, None if tag is None else material.cell_tags.find(tag))
+            _check_flowing(m, cell_tags, motions, None if tag is None else material.cell_tags.find(tag))
     if any(c.pair.friction > 0.0 for c in contact):
         if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
             raise ValueError("friction together with internal variables that flow with the material comes later")
@@ -59,19 +60,43 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
                 raise ValueError(f"{c.pair.name} has the basis {c.basis!r}: steady rolling with friction needs 'dual'")
 
 
-def _check_straight(m: InelasticMaterial, cell_tags: Any, motions: Any, cells: Any) -> None:
-    """Raise ValueError if cells of a material with internal variables spin, or do not move."""
+def _check_flowing(m: InelasticMaterial, cell_tags: Any, motions: Any, cells: Any) -> None:
+    """Raise ValueError if cells of a material with internal variables do not move, or spin with variables of which it
+    is not known how they turn."""
     for tag, motion in motions.items():
         here = cell_tags.find(tag)
         if not len(here if cells is None else np.intersect1d(here, cells)):
             continue
-        if isinstance(motion, Spin):
+        vectors = [name for name, shape in m.history.items() if shape and not isinstance(m, J2Plasticity)]
+        if isinstance(motion, Spin) and vectors:
             raise ValueError(
-                f"{type(m).__name__} has internal variables, which a RollingProblem carries with straight flows "
-                f"(Translation) only: the body of tag {tag} spins, take an elastic material for it"
+                f"{type(m).__name__} has the internal variables {vectors}, of which a RollingProblem does not know how "
+                f"they turn with the body of tag {tag}, which spins: take J2Plasticity, or numbers alone"
             )
-        if not np.any(motion.velocity):
+        if not np.any(motion.rate):
             raise ValueError(f"{type(m).__name__} has internal variables: the body of tag {tag} must move")
+
+
+def turns(count: Any, closes: bool) -> int | None:
+    """Check a number of turns.
+
+    Args:
+        count: number of turns, or None.
+        closes: is there a ring with internal variables?
+
+    Returns:
+        The number.
+
+    Raises:
+        TypeError: not an integer.
+        ValueError: not positive, or nothing that turns has internal variables.
+    """
+    if count is None:
+        return None
+    number = arguments.integer("turns", count, 1)
+    if not closes:
+        raise ValueError("turns is for a whole ring with internal variables, and there is none")
+    return number
 
 
 def solver(

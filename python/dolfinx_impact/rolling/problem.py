@@ -20,6 +20,8 @@ from ..common import arguments
 from ..common.collective import comm_of, guard
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..common.unique import Unique
+from ..added_mass import added_masses
+from ..foundation import foundations
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..common.interrupts import Interrupts
@@ -52,7 +54,7 @@ class RollingProblem(Unique):
 
     Args:
         u: displacement function. Its value is the initial guess, and becomes the solution [L].
-        material: material or MaterialMap, with densities; internal variables flow with a Translation.
+        material: material or MaterialMap, with densities; internal variables flow along streamlines.
         cell_tags: tags of the bodies; every owned cell must carry one.
         motions: dict from cell tag to Spin or Translation.
         contact: contacts: dolfinx_impact.Lagrange(pair), with friction or without; dolfinx_impact.Penalty(pair)
@@ -72,7 +74,7 @@ class RollingProblem(Unique):
         TypeError: an argument is of the wrong type; on all ranks.
         ValueError: cells without a motion, motions without cells, a Spin of a body that is neither one of revolution
             about its axis nor a sector that is held at its cuts, friction by penalty, materials without density, bodies
-            with internal variables that spin, have friction or no streamlines of quadrature points; or what
+            with internal variables that stand, have friction or no streamlines of quadrature points; or what
             StaticProblem refuses. On all ranks.
     """
 
@@ -91,6 +93,10 @@ class RollingProblem(Unique):
         with guard(comm_of(u, bcs, material, cell_tags, loads, contact), "RollingProblem") as ranks:
             given = problem_arguments.problem(u, material, None, bcs, loads, contact)
             inputs.check(u.function_space.mesh, material, cell_tags, motions, contact)
+            if any(f.damps for f in foundations(loads)):
+                raise ValueError("a RollingProblem takes no dashpots: give a Foundation without damping")
+            if added_masses(loads):
+                raise ValueError("a RollingProblem takes no AddedMass: what flows has its density")
             arguments.options(options)
             ranks.same(**given, motions=dict(motions), options=options, prefix=prefix)
         self.u, self.motions = u, {int(tag): motion for tag, motion in motions.items()}
@@ -159,6 +165,12 @@ class RollingProblem(Unique):
         return self._equilibrium.history
 
     @property
+    def turn_changes(self) -> FloatArray:
+        """Change of the internal variables of rings in each turn of the last solve, relative to the largest, at the
+        places where turns begin, (turns) [1]. Empty without rings that have internal variables."""
+        return np.array(self._transport.turn_changes if self._transport else [])
+
+    @property
     def omega(self) -> float:
         """Angular velocity of the first Spin [1/T].
 
@@ -203,6 +215,7 @@ class RollingProblem(Unique):
         cut_backs: int | None = None,
         verbose: bool = False,
         torque: float | None = None,
+        turns: int | None = None,
     ) -> Report:
         """Find the steady state for the present rates, loads, boundary conditions and obstacles, in steps from those of
         the last solve. Collective.
@@ -218,16 +231,20 @@ class RollingProblem(Unique):
             verbose: print every iteration on rank 0.
             torque: that drives the body of the first Spin; its omega is then an unknown, found from its present value
                 on. Zero is free rolling. None: omega is given [F L]; per length in the plane.
+            turns: turns of a ring with internal variables, which goes on with the history that it has; None: until a
+                turn leaves the history that it began with [1].
 
         Returns:
             Report, as of StaticProblem.solve; with a torque, its last increment finds omega.
 
         Raises:
             TypeError: an argument is of the wrong type; on all ranks.
-            ValueError: as in StaticProblem.solve; a torque without friction or without a Spin; bodies that move against
-                each other at the contact, or friction between bodies that do not move; on all ranks.
-            RuntimeError: no convergence, also because friction cannot bear the torque; or a speed beyond the critical
-                one: the tangent, stiffness minus W, is not positive definite; on all ranks.
+            ValueError: as in StaticProblem.solve; a torque without friction or without a Spin; turns without a whole
+                ring that has internal variables; bodies that move against each other at the contact, or friction
+                between bodies that do not move; on all ranks.
+            RuntimeError: no convergence, also because friction cannot bear the torque, or because turns do not repeat;
+                or a speed beyond the critical one: the tangent, stiffness minus W, is not positive definite; on all
+                ranks.
 
         Warns:
             UserWarning: Lagrange contacts, and the bodies without them are beyond the critical speed.
@@ -235,6 +252,7 @@ class RollingProblem(Unique):
         p = self._equilibrium
         with guard(self.u.function_space.mesh.comm, "RollingProblem.solve") as ranks:
             numbers = inputs.solver(steps, rtol, atol, max_iterations, cut_backs, torque, self._rubs, self._spin)
+            numbers["turns"] = inputs.turns(turns, self._transport is not None and self._transport.closes)
             ranks.same(motions=self.motions, **numbers)
         self._flow.update()
         if self._rubs:
@@ -260,7 +278,7 @@ class RollingProblem(Unique):
         self._transport.update()
         found = False
         try:
-            report = self._transport.solve(lambda first: equilibrium(steps if first else 1))
+            report = self._transport.solve(lambda first: equilibrium(steps if first else 1), turns)
             found = True
         finally:
             if not found:

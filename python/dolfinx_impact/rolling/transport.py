@@ -1,39 +1,48 @@
 # SPDX-License-Identifier: MIT
-"""Internal variables that flow with the material along straight streamlines of quadrature points; docs/rolling.md."""
+"""Internal variables that flow with the material along streamlines of quadrature points; docs/rolling.md."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 
 import numpy as np
-from dolfinx.mesh import exterior_facet_indices
-from mpi4py import MPI
 
-from ..common.types import FloatArray, IntArray
+from ..common.types import BoolArray, FloatArray, IntArray
+from ..forms import plasticity
+from ..plasticity import J2Plasticity
 from ..statics.inelastic_body import InelasticBody
 from ..statics.problem import Report, StaticProblem
 from .flow import Flow
-from .motions import Translation
+from .motions import Spin
+from .point_lines import PointLines
+from .turned_tensors import rotations, turned
 
-SAME = 1e-6  # of a cell: distance across the flow at which points are on one streamline
-APART = 0.75  # of the longer of two cells along the flow: largest distance of neighbours on a streamline
 STILL = 1e-12  # change of internal variables, relative to the largest, at which they are carried to the end
+ROUND_OFF = 1e-14  # of the largest: a point that changes its history by less does not change it
 MOST_ROUNDS = 200
+REPEATS = 1e-5  # change in a turn, relative to the largest, below which turns repeat
+MOST_TURNS = 100
+RESULTS = (plasticity.THICKNESS_STRAIN,)  # follow from strain and other variables: nothing is carried with them
 
 
 class Transport:
-    """Carries internal variables with straight flows: each point starts from what its neighbour upstream has found.
+    """Carries internal variables with the flow: each point starts from what its neighbour upstream has found.
 
     The steady state of a material point's path is that of the points along its streamline, taken as its places at
     successive times: the law's update at a point starts from the history at the point before. What enters the mesh is
-    as the material was at the beginning.
+    as the material was at the beginning. Circles close: a turn begins with the history that the turn before has left.
 
     Args:
         problem: static problem with internal variables.
         flow: flow of its bodies.
 
+    Attributes:
+        turn_changes: change of the internal variables in each turn of the last `solve`, relative to the largest; empty
+            if no streamline closes.
+
     Raises:
-        ValueError: no streamlines of points, or bodies that spin; on all ranks.
+        ValueError: no streamlines of points; on all ranks.
     """
 
     def __init__(self, problem: StaticProblem, flow: Flow) -> None:
@@ -42,79 +51,72 @@ class Transport:
         self._comm = problem.space.mesh.comm
         self._points = self._body.force.history
         self._names = self._points.state_names
-        self._virgin = {name: self._points.values(name).copy() for name in self._names}
-        self._upstream: IntArray = np.zeros(0, dtype=np.int64)
-        self._mine: IntArray = np.zeros(0, dtype=np.int64)
-        self._longest = 0
-        self._velocity: FloatArray | None = None
+        self._carried = [name for name in self._names if name not in RESULTS]
+        # Without isotropic hardening nothing depends on the equivalent plastic strain, which grows in every turn.
+        laws = [part.material for part in self._body.parts]
+        counts = any(not isinstance(m, J2Plasticity) or m.hardening != 0.0 for m in laws)
+        self._telling = [name for name in self._carried if counts or name != plasticity.PLASTIC_STRAIN]
+        self._virgin = self._gathered()
+        self._senses: list[FloatArray] = []
+        self._finite = any(m.finite_strain for m in laws)
+        self.turn_changes: list[float] = []
         self.update()
+        self._start, self._before = self._virgin, self._virgin
+        self._tensors = self._kinds()
 
     def update(self) -> None:
-        """Find the neighbours upstream for the present directions of flow. Collective.
+        """Find the streamlines for the present directions of flow. Collective.
 
         Raises:
             ValueError: the points make no streamlines; on all ranks.
         """
-        velocities = np.array([m.velocity for m in self._flow.motions.values() if isinstance(m, Translation)])
-        if self._velocity is not None and np.array_equal(velocities, self._velocity):
+        senses = [
+            np.sign(np.atleast_1d(m.omega)) if isinstance(m, Spin) else m.velocity / np.linalg.norm(m.velocity)
+            for m in self._flow.motions.values()
+            if np.any(m.rate)
+        ]
+        if len(senses) == len(self._senses) and all(np.array_equal(a, b) for a, b in zip(senses, self._senses)):
             return
-        field = next(iter(self._body.history.values()))
-        space = field.function().function_space
-        mesh = space.mesh
-        num = len(self._virgin[self._names[0]])
-        where = space.tabulate_dof_coordinates()[:, : mesh.geometry.dim][space.dofmap.list[:num]]
-        rows = []
-        for tag, motion in self._flow.motions.items():
-            cells = self._cells(tag)
-            if isinstance(motion, Translation):
-                rows.append(self._rows(cells, where, motion))
-        table = np.vstack([np.zeros((0, 5 + mesh.geometry.dim)), *rows])
-        gathered = self._comm.allgather((table, num * where.shape[1]))
-        counts = [count for _, count in gathered]
-        first = np.concatenate([[0], np.cumsum(counts)])
-        for rank, (part, _) in enumerate(gathered):
-            part[:, 0] += first[rank]
-        everything = np.vstack([part for part, _ in gathered])
-        self._mine = np.arange(first[self._comm.rank], first[self._comm.rank + 1])
-        self._upstream, self._longest, fault = _neighbours(everything, int(first[-1]))
-        if fault:
-            raise ValueError(fault)
-        self._velocity = velocities
+        space = next(iter(self._body.history.values())).function().function_space
+        bodies = [(self._cells(tag), motion) for tag, motion in self._flow.motions.items() if np.any(motion.rate)]
+        lines = PointLines(space, bodies)
+        if lines.fault:
+            raise ValueError(lines.fault)
+        self._lines, self._senses, self._placed = lines, senses, False
+        self._changes: BoolArray = np.zeros(lines.count, dtype=bool)
+
+    @property
+    def closes(self) -> bool:
+        """Does a streamline end where it begins?"""
+        return self._lines.closes
 
     def _cells(self, tag: int) -> IntArray:
         """Owned cells of a motion that have internal variables."""
         cells = self._flow.cells_of(tag)
-        num = len(self._virgin[self._names[0]])
-        cells = cells[cells < num]
+        cells = cells[cells < self._points.num_cells]
         tags = self._problem.material.cell_tags
         found = [cells if p.tag is None else np.intersect1d(cells, tags.find(p.tag)) for p in self._body.parts]
         return np.unique(np.concatenate([cells[:0], *found]))
 
-    def _rows(self, cells: IntArray, where: FloatArray, motion: Translation) -> FloatArray:
-        """Of each point: number, place along the flow, length of its cell along the flow, global number of the cell,
-        whether the cell is at the boundary, and the place across the flow."""
-        mesh = self._problem.space.mesh
-        tdim, gdim = mesh.topology.dim, mesh.geometry.dim
-        speed = float(np.linalg.norm(motion.velocity))
-        if speed == 0.0 or not len(cells):
-            return np.zeros((0, 5 + gdim))
-        along = motion.velocity / speed
-        corners = mesh.geometry.x[:, :gdim][mesh.geometry.dofmap[cells]]
-        length = np.ptp(corners @ along, axis=1)
-        x = where[cells]
-        s = x @ along
-        across = x - s[..., None] * along
-        mesh.topology.create_connectivity(tdim - 1, tdim)
-        mesh.topology.create_connectivity(tdim, tdim - 1)
-        outer = np.zeros(mesh.topology.index_map(tdim - 1).size_local + mesh.topology.index_map(tdim - 1).num_ghosts)
-        outer[exterior_facet_indices(mesh.topology)] = 1.0
-        facets = mesh.topology.connectivity(tdim, tdim - 1)
-        rim = np.array([outer[facets.links(c)].any() for c in cells], dtype=float)
-        original = mesh.topology.original_cell_index[cells].astype(float)
-        per = x.shape[1]
-        number = (cells[:, None] * per + np.arange(per)).ravel().astype(float)
-        columns = [number, s.ravel(), np.repeat(length, per), np.repeat(original, per), np.repeat(rim, per)]
-        return np.column_stack([*columns, across.reshape(-1, gdim)])
+    def _kinds(self) -> list[tuple[str, IntArray, int, bool]]:
+        """Tensors among the variables: name, points of all ranks, number of components, and whether of a deviator."""
+        found = []
+        per, first = self._points.num_points, int(self._lines.mine[0]) if len(self._lines.mine) else 0
+        for part in self._body.parts:
+            if not isinstance(part.material, J2Plasticity):
+                continue  # spinning ones have numbers alone (inputs.py)
+            cells = np.arange(self._points.num_cells)
+            if part.tag is not None:
+                tagged = self._problem.material.cell_tags.find(part.tag)
+                cells = tagged[tagged < self._points.num_cells]
+            points = np.concatenate(self._comm.allgather((first + per * cells[:, None] + np.arange(per)).ravel()))
+            for name, shape in part.response.history.items():
+                if shape:
+                    deviator = name != plasticity.PLASTIC_TENSOR or not part.material.finite_strain
+                    found.append((name, points.astype(np.int64), shape[0], deviator))
+        return found
+
+    # --- values ------------------------------------------------------------------------------------------------------
 
     def state(self) -> dict[str, FloatArray]:
         """Copy of the internal variables."""
@@ -129,105 +131,142 @@ class Transport:
         for name, values in state.items():
             self._points.set_values(name, values)
 
-    def solve(self, equilibrium: Callable[[bool], Report]) -> Report:
+    def _gathered(self, trial: bool = False) -> dict[str, FloatArray]:
+        """Internal variables of the points of all ranks, (count, components). Collective."""
+        out = {}
+        for name in self._names:
+            values = self._points.values(name, trial=trial)
+            out[name] = np.vstack(self._comm.allgather(values.reshape(-1, values.shape[-1])))
+        return out
+
+    def _set(self, everywhere: dict[str, FloatArray]) -> None:
+        """Set the internal variables of this rank's points from those of all."""
+        shape = (self._points.num_cells, self._points.num_points, -1)
+        for name, values in everywhere.items():
+            own = values[self._lines.mine]
+            self._points.set_values(name, own.reshape(*shape[:2], values.shape[1]))
+
+    def _entering(self, state: dict[str, FloatArray]) -> dict[str, FloatArray]:
+        """What each point starts from: the state of the point upstream, turned with the material.
+
+        Args:
+            state: of all points.
+        """
+        source, earlier = self._lines.sources(self._changes)
+        inner = source >= 0
+        out = {}
+        for name in self._names:
+            values = np.where(earlier[:, None], self._before[name][source], state[name][source])
+            out[name] = np.where(inner[:, None], values, self._virgin[name])
+        angle = np.where(inner, self._lines.angle - self._lines.angle[source], 0.0)
+        if np.any(angle):
+            Q = rotations(self._lines.axis, angle)
+            for name, points, width, deviator in self._tensors:
+                out[name][points, :width] = turned(out[name][points, :width], Q[points], deviator)
+        return out
+
+    # --- steady state ------------------------------------------------------------------------------------------------
+
+    def solve(self, equilibrium: Callable[[bool], Report], turns: int | None = None) -> Report:
         """Find displacement and history together. Collective.
 
         Rounds of equilibrium with the history upstream of each point frozen, by Newton's method with the exact tangent
-        of that problem, and of history carried along the streamlines at the displacements found.
+        of that problem, and of history carried along the streamlines at the displacements found. Where streamlines
+        close, this is done for one turn of the body after the other.
 
         Args:
             equilibrium: solves for the displacement; the argument says whether it is the first round.
+            turns: number of turns; None: until they repeat.
 
         Returns:
             Report of the first round, with the iterations of the others.
 
         Raises:
-            RuntimeError: history and displacement do not settle; on all ranks.
+            RuntimeError: history and displacement do not settle, or turns do not repeat; on all ranks.
         """
+        self._before, self.turn_changes = self._gathered(), []
         report: Report | None = None
-        for _ in range(MOST_ROUNDS):
+        for turn in itertools.count(1):
+            report = self._turn(equilibrium, report)
+            if not self.closes:
+                return report
+            state = self._gathered()
+            self.turn_changes.append(self._difference(state, self._before, self._telling, self._lines.exits))
+            self._before = state
+            if turn == turns or (turns is None and self.turn_changes[-1] < REPEATS):
+                return report
+            if turns is None and turn == MOST_TURNS:
+                raise RuntimeError(
+                    f"after {turn} turns of the body its internal variables still change by "
+                    f"{self.turn_changes[-1]:.1e} of the largest in a turn: plastic strain goes on (ratcheting), or "
+                    "hardens slowly; there is no steady state near: give the number of turns"
+                )
+        raise AssertionError("not reached")
+
+    def _turn(self, equilibrium: Callable[[bool], Report], report: Report | None) -> Report:
+        """Displacement and history of one turn, or of a flow that comes in at the inlet. Collective."""
+        for number in range(MOST_ROUNDS):
+            start = self._start
             self._carry()
+            same = self._difference(self._start, start, self._carried) < STILL
             found = equilibrium(report is None)
+            settled = number > 0 and (same or sum(found.iterations) == 0)
             if report is None:
                 report = found
-                settled = False
             else:
-                settled = sum(found.iterations) == 0
                 report.iterations.extend(found.iterations)
                 report.residual_norms.extend(found.residual_norms)
             if settled:
                 return report
+            if self.closes and not self._placed:
+                self._place_seams()
         raise RuntimeError(
             f"displacements and history of the flow did not settle in {MOST_ROUNDS} rounds: is the load more than the "
             "body can bear in steady flow?"
         )
 
-    def _carry(self) -> None:
-        """History along the streamlines at the present displacements, from the inlet to the outlet. Collective."""
-        state = self.state()
-        for _ in range(self._longest + 1):
-            self.restore(self._shifted(state))
-            self._problem.assemble_residual()
-            after = {name: self._points.values(name, trial=True).copy() for name in self._names}
-            change = self._difference(after, state)
-            state = after
-            if change < STILL:
-                break
+    def _place_seams(self) -> None:
+        """Let turns begin opposite to where the material flows plastically, as soon as it does. Collective."""
+        state, flowing = self._gathered(), np.zeros(self._lines.count)
+        for name in self._carried:
+            flowing += np.abs(state[name] - self._start[name]).sum(axis=1)
+        if np.any(flowing):
+            self._lines.place_seams(flowing)
+            self._placed = True
 
-    def _difference(self, new: dict[str, FloatArray], old: dict[str, FloatArray]) -> float:
-        """Largest change of a variable over its largest value, of all ranks. Collective."""
+    def _carry(self) -> None:
+        """History along the streamlines at the present displacements, from inlet or seam to outlet. Collective.
+
+        Points where the history does not change are passed over, so that each evaluation brings what flows to the next
+        point that flows, wherever it is.
+        """
+        state, start = self._gathered(), None
+        for _ in range(self._lines.longest + 2):
+            entering = self._entering(state)
+            if start is not None and self._difference(entering, start, self._carried) < STILL:
+                return
+            start = self._start = entering
+            self._set(start)
+            self._problem.assemble_residual()
+            state = self._gathered(trial=True)
+            self._changes[:] = False
+            for name in self._carried:
+                size = float(np.abs(state[name]).max(initial=0.0))
+                if name == plasticity.PLASTIC_TENSOR and self._finite:
+                    size = max(size, 1.0)  # of C_p^-1, of which the unit tensor is taken away
+                self._changes |= np.any(np.abs(state[name] - start[name]) > ROUND_OFF * size, axis=1)
+
+    def _difference(
+        self,
+        new: dict[str, FloatArray],
+        old: dict[str, FloatArray],
+        names: Sequence[str],
+        at: IntArray | slice = slice(None),
+    ) -> float:
+        """Largest change of some variables at some points over their largest values."""
         largest = 0.0
-        for name in self._names:
-            here = (np.abs(new[name] - old[name]), np.abs(new[name]))
-            change, size = (self._comm.allreduce(float(values.max(initial=0.0)), MPI.MAX) for values in here)
+        for name in names:
+            change = float(np.abs(new[name] - old[name])[at].max(initial=0.0))
+            size = float(np.abs(new[name]).max(initial=0.0))
             largest = max(largest, change / size if size > 0.0 else 0.0)
         return largest
-
-    def _shifted(self, state: dict[str, FloatArray]) -> dict[str, FloatArray]:
-        """What each point starts from: the state of the point upstream, at the inlet that of the beginning."""
-        out = {}
-        source = self._upstream[self._mine]
-        inner = source >= 0
-        for name, values in state.items():
-            width = values.shape[-1] if values.ndim == 3 else 1
-            flat = values.reshape(-1, width)
-            everywhere = np.vstack(self._comm.allgather(flat))
-            virgin = self._virgin[name].reshape(-1, width)
-            out[name] = np.where(inner[:, None], everywhere[source], virgin).reshape(values.shape)
-        return out
-
-
-def _neighbours(points: FloatArray, count: int) -> tuple[IntArray, int, str]:
-    """Number of the neighbour upstream of each point, -1 at the inlet; the most points on a streamline; what is wrong.
-
-    Args:
-        points: rows of Transport._rows of all ranks, the same on all.
-        count: number of points of all ranks.
-    """
-    upstream = np.full(count, -1, dtype=np.int64)
-    if not len(points):
-        return upstream, 0, ""
-    length = points[:, 2]
-    grid = np.rint(points[:, 5:] / (SAME * length.max()) / 4.0).astype(np.int64)
-    order = np.lexsort([points[:, 1], *grid.T])
-    lines = np.cumsum(np.concatenate([[0], np.any(np.diff(grid[order], axis=0) != 0, axis=1)]))
-    same = np.diff(lines) == 0
-    sorted_points = points[order]
-    distance = np.diff(sorted_points[:, 1])
-    far = same & (distance > APART * np.maximum(sorted_points[1:, 2], sorted_points[:-1, 2]))
-    begins = np.concatenate([[True], ~same])
-    inside = begins & (sorted_points[:, 4] == 0.0)
-    ends = np.concatenate([~same, [True]]) & (sorted_points[:, 4] == 0.0)
-    broken = inside | ends | np.concatenate([[False], far])
-    if np.any(broken):
-        k = int(np.flatnonzero(broken)[0])
-        place = np.round(sorted_points[k, 5:], 9)
-        fault = (
-            f"cell {int(sorted_points[k, 3])} (at {place.tolist()} across the flow): no streamline of quadrature "
-            "points goes through it from one end of the body to the other, along which internal variables could flow; "
-            "make the mesh by extrusion along the flow"
-        )
-        return upstream, 0, fault
-    number = sorted_points[:, 0].astype(np.int64)
-    upstream[number[1:][same]] = number[:-1][same]
-    return upstream, int(np.bincount(lines).max()), ""

@@ -12,6 +12,8 @@ from petsc4py import PETSc
 
 from ..assembly import operators
 from ..assembly.inelastic_part import InelasticParts
+from ..added_mass import AddedMass
+from ..foundation import foundations
 from ..inelastic import InelasticMaterial
 from ..loads import Load
 from ..materials import Material
@@ -39,9 +41,10 @@ def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | N
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     if residual is not None:
         _check_measures(residual)
-        return ElasticBody(u, residual, ufl.derivative(residual, u, du))
+        # There may be springs in it.
+        return ElasticBody(u, residual, ufl.derivative(residual, u, du), has_springs=True)
     assert material is not None  # checked by the problem
-    external = external_work(u, material, loads)
+    external, springs = external_work(u, material, loads), bool(foundations(loads))
     follows = external is not None and u in external.coefficients()
     stiffness = ufl.derivative(external, u, du) if follows else None
     inelastic = any(isinstance(m, InelasticMaterial) for _, m in material.parts())
@@ -49,12 +52,12 @@ def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | N
         internal, tangent = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
         whole = internal if external is None else internal - external
         _check_measures(whole)
-        return ElasticBody(u, whole, tangent if stiffness is None else tangent - stiffness)
+        return ElasticBody(u, whole, tangent if stiffness is None else tangent - stiffness, springs)
     rest = _sum(operators.internal_force_form(u, v, material), None if external is None else -external)
     if rest is not None:
         _check_measures(rest)
     tangent = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
-    return InelasticBody(u, InelasticParts(u, material), rest, tangent)
+    return InelasticBody(u, InelasticParts(u, material), rest, tangent, springs)
 
 
 def assemble_residual(u: fem.Function, body: Body, b: PETSc.Vec) -> PETSc.Vec:
@@ -89,6 +92,8 @@ def external_work(u: fem.Function, material: Material | None, loads: Sequence[Lo
     """
     v, external = ufl.TestFunction(u.function_space), None
     for load in loads:
+        if isinstance(load, AddedMass):
+            continue  # inertia
         form = load.form(u, v, material)
         external = form if external is None else external + form
     return external

@@ -31,12 +31,14 @@ class Body(Protocol):
         symmetric: whether the tangent is symmetric, as far as is known.
         inelastic: whether a body has internal variables.
         has_inertia: whether inertia holds the bodies, so that they need no supports.
+        has_springs: whether springs to the ground may hold them.
     """
 
     linear: bool
     symmetric: bool
     inelastic: bool
     has_inertia: bool
+    has_springs: bool
 
     @property
     def origin(self) -> FloatArray | None:

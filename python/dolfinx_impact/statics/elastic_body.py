@@ -18,6 +18,7 @@ class ElasticBody:
         u: displacement function [L].
         residual: UFL form of the internal minus the external forces, of rank 1.
         tangent: UFL form of its derivative, of rank 2.
+        has_springs: whether springs to the ground may hold the bodies.
 
     Attributes:
         tangent: derivative of the residual.
@@ -25,16 +26,17 @@ class ElasticBody:
         symmetric: whether the tangent is symmetric, as far as is known.
         inelastic: False.
         has_inertia: False.
+        has_springs: as given.
     """
 
     inelastic = False
     has_inertia = False
 
-    def __init__(self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form) -> None:
+    def __init__(self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form, has_springs: bool = False) -> None:
         self._residual = fem.form(residual)
         self.tangent = operators.Tangent(tangent)
         self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
-        self.symmetric = True
+        self.symmetric, self.has_springs = True, has_springs
         # A tangent that does not contain u is constant.
         self.linear = not any(c is u for c in tangent.coefficients())
 

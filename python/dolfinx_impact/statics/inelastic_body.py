@@ -25,6 +25,7 @@ class InelasticBody:
         parts: inelastic parts.
         residual: UFL form of the rest of the residual: elastic parts, minus external forces; None: there is none.
         tangent: UFL form of the derivative of that rest; None: it is zero.
+        has_springs: whether springs to the ground may hold the bodies.
 
     Attributes:
         tangent: derivative of the residual.
@@ -32,6 +33,7 @@ class InelasticBody:
         symmetric: False: kinematic hardening with recovery and finite strain make it unsymmetric.
         inelastic: True.
         has_inertia: False.
+        has_springs: as given.
         force: operator of the internal forces, which keeps the history.
         history: internal variables by name.
     """
@@ -42,8 +44,14 @@ class InelasticBody:
     has_inertia = False
 
     def __init__(
-        self, u: fem.Function, parts: InelasticParts, residual: ufl.Form | None, tangent: ufl.Form | None
+        self,
+        u: fem.Function,
+        parts: InelasticParts,
+        residual: ufl.Form | None,
+        tangent: ufl.Form | None,
+        has_springs: bool = False,
     ) -> None:
+        self.has_springs = has_springs
         self.u, self.space, self.parts = u, u.function_space, parts
         form, laws = parts.force(ufl.TestFunction(self.space))
         self.force = InternalForce(form, law=laws)

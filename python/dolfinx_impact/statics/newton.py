@@ -308,7 +308,7 @@ class Newton:
             K: tangent of the bodies [F/L].
         """
         p = self.problem
-        springs = K if p.material is None else None  # a residual of the user's own may have springs
+        springs = K if p.body.has_springs else None
         loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, p.contact, p.u.x.array, p.axisymmetric, springs)
         if not loose:
             return ""

@@ -3,6 +3,7 @@
 
 from typing import Protocol, TypeAlias, Union
 
+import basix
 import impact_reference
 import numpy as np
 from dolfinx import fem, mesh
@@ -13,6 +14,7 @@ from scipy.sparse import csr_matrix, issparse
 from scipy.spatial import cKDTree
 
 from ..common.types import AnyArray, FloatArray, IntArray
+from ..forms import quadrature
 from ..materials import LinearElastic, NeoHookean, StVenantKirchhoff
 from . import nodes
 
@@ -177,6 +179,18 @@ class Body:
         local = [list(to_facet.links(c)).index(f) for c, f in zip(cells, facets)]
         facets = facets[np.lexsort((np.array(local), topology.original_cell_index[cells]))] if len(facets) else facets
         return mesh.entities_to_geometry(self.mesh, self.gdim - 1, facets).astype(np.int64)
+
+
+def foundation_rule(body: Body) -> nodes.TheirRule:
+    """Rule of the other side for a foundation: that of our side on facets.
+
+    Args:
+        body: both sides.
+    """
+    used = quadrature.foundation_degree(body.cell, body.degree, body.geometry_degree, body.hypothesis)
+    if body.cell == "tetrahedron":
+        return basix.make_quadrature(basix.CellType.triangle, used)
+    return f"gauss_jacobi:{used}"
 
 
 def relative(a: FloatArray, b: FloatArray) -> float:

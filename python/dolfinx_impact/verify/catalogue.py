@@ -19,7 +19,8 @@ Case: TypeAlias = tuple[str, str, int, int, str]
 FINITE = ("st_venant_kirchhoff", "neo_hookean")
 # Integrands that are polynomials on every cell, curved and axisymmetric ones too: both sides integrate them exactly.
 POLYNOMIAL = ("mass", "mass_action", "row_sum", "body_force")
-FACET = ("traction", "follower_pressure", "follower_pressure_tangent")
+FOUNDATION = ("normal_foundation", "normal_foundation_tangent", "foundation", "foundation_tangent")
+FACET = ("traction", "follower_pressure", "follower_pressure_tangent", *FOUNDATION)
 SPIN = ("gyroscopic", "ale_inertia", "centrifugal_load", "momentum_balance")
 
 
@@ -158,6 +159,7 @@ def parameters(rng: np.random.Generator, name: str, dim: int) -> dict[str, float
         "q": rng.uniform(0.5, 2.0),
         "f": rng.uniform(-1.0, 1.0, 1 if name.startswith("poisson") else dim),
         "t": rng.uniform(-1.0, 1.0, dim),
+        "springs": rng.uniform(0.5, 2.0, dim),
         "spin": rng.uniform(0.5, 2.0) if dim == 2 else rng.uniform(-1.0, 1.0, 3),
         "centre": rng.uniform(-1.0, 1.0, dim),
     }
@@ -235,6 +237,10 @@ def evaluate(
         return ref.element_follower_pressure(cell, X, u, facet_nodes, v["p"], hypothesis, **d)[0]
     if name == "follower_pressure_tangent":
         return ref.element_follower_pressure(cell, X, u, facet_nodes, v["p"], hypothesis, **d)[1]
+    if name in FOUNDATION:
+        springs = v["k"] if name.startswith("normal") else v["springs"]
+        K = ref.element_foundation(cell, X, facet_nodes, springs, hypothesis, **d)
+        return K if name.endswith("tangent") else K @ u
     if name == "rayleigh":
         if rule is None:
             return ref.element_damping(cell, X, m, v["alpha"], v["beta"], **d)

@@ -22,7 +22,9 @@ from ..common.types import BoolArray, FloatArray, IntArray
 from ..materials import _Material
 from ..dynamics.explicit import ExplicitProblem
 from ..dynamics.run_history import ENERGIES
-from ..loads import BodyForce
+from ..added_mass import AddedMass
+from ..foundation import Foundation
+from ..loads import BodyForce, Load
 from . import bodies, operator
 from .contact_bodies import BOTTOM, MASTER, SLAVE, ObstaclePair, TwoBodies, two_bodies
 from .nodes import TheirRule
@@ -58,6 +60,9 @@ class Run:
         viscosity: linear and quadratic bulk viscosity; None for none [1].
         scheme: "half_step" or "classical".
         step_fraction: time step over the stable step [1].
+        foundation: stiffness [F/L^3] and damping [F T/L^3] of a Foundation under the facets SLAVE on our side; the
+            other side's model has it already (`on_foundation`).
+        added_mass: mass on the facets SLAVE on our side; the other side's model has it already [M].
     """
 
     name: str
@@ -73,6 +78,8 @@ class Run:
     viscosity: tuple[float, float] | None = None
     scheme: str = "half_step"
     step_fraction: float = 0.8
+    foundation: tuple[Any, Any] | None = None
+    added_mass: float | None = None
 
 
 class RandomVariation:
@@ -376,6 +383,22 @@ def rigid(cell: str, degree: int, variation: RandomVariation | None = None) -> I
         )  # fmt: skip
 
 
+def on_foundation(body: TwoBodies, stiffness: Any, damping: Any) -> tuple[Any, Any]:
+    """Put the other side's model on springs and dashpots under the facets SLAVE.
+
+    Args:
+        body: both sides; its model is changed for good.
+        stiffness: of Foundation [F/L^3].
+        damping: of Foundation [F T/L^3].
+
+    Returns:
+        Stiffness and damping, for `Run.foundation`.
+    """
+    body.model.facet_rule = bodies.foundation_rule(body)
+    body.model.add_foundation(body.their_facets(body.tags, SLAVE), stiffness, damping)
+    return stiffness, damping
+
+
 def _face_tags(domain: Mesh, height: float) -> MeshTags:
     """Facets of the horizontal face at a height, 0 or 1, are the slave; those of the other face are the bottom."""
     dim = domain.geometry.dim
@@ -431,6 +454,39 @@ def without_contact(cell: str, degree: int, variation: RandomVariation | None = 
     yield Run(
         "support that moves", body["linear_elastic"], shaken, fixed_nodes=low, motion=lambda t: 0.02 * np.sin(3 * t)
     )
+    yield from founded(domain, degree, shaken, gravity)
+
+
+def founded(domain: Mesh, degree: int, velocity: VelocityField, gravity: Any) -> Iterator[Run]:
+    """A body that stands on springs and dashpots alone: along the normal, and along the coordinates.
+
+    Args:
+        domain: mesh of the body.
+        degree: degree of the displacement, 1 or 2.
+        velocity: initial velocity.
+        gravity: as in Run.
+
+    Yields:
+        Runs.
+    """
+    hypothesis = "plane_strain" if domain.geometry.dim == 2 else "3d"
+    along = np.array([0.3, 0.5, 0.4])[: domain.geometry.dim]
+    rayleigh: dict[str, Any] = {"damping": (0.1, 0.004)}
+    for law, stiffness, damping, more in (
+        ("linear_elastic", 0.4, 0.0, {}),
+        ("linear_elastic", along, 0.2, rayleigh),
+        ("neo_hookean", 0.4, 0.1 * along, {}),
+    ):
+        body = _body(domain, _face_tags(domain, 0.0), degree, hypothesis, law)
+        foundation = on_foundation(body, stiffness, damping)
+        added = 0.7 if np.ndim(damping) else None
+        if added is not None:
+            body.model.add_mass(body.their_facets(body.tags, SLAVE), added)
+        what = "normal springs" if np.ndim(stiffness) == 0 else "springs"
+        if np.any(damping):
+            what += " and dashpots"
+        name = f"body on {what}{', with mass' if added else ''}, {law.replace('_', '-')}"
+        yield Run(name, body, velocity, gravity=gravity, foundation=foundation, added_mass=added, **more)
 
 
 MakeRuns: TypeAlias = Callable[..., Iterator[Run]]  # of cell, degree and variation
@@ -457,6 +513,18 @@ RUNS: tuple[tuple[str, int, MakeRuns], ...] = (
 # --- both sides ------------------------------------------------------------------------------------------------------
 
 
+def loads_of(case: Run) -> list[Load]:
+    """Loads of a run on our side.
+
+    Args:
+        case: run.
+    """
+    loads: list[Load] = [] if case.gravity is None else [BodyForce(case.gravity[0], amplitude=case.gravity[1])]
+    if case.added_mass is not None:
+        loads.append(AddedMass(case.body.tags, SLAVE, case.added_mass))
+    return loads if case.foundation is None else [*loads, Foundation(case.body.tags, SLAVE, *case.foundation)]
+
+
 def ours(case: Run, steps: int) -> tuple[ExplicitProblem, float, tuple[FloatArray, FloatArray]]:
     """Make a run on our side.
 
@@ -479,7 +547,6 @@ def ours(case: Run, steps: int) -> tuple[ExplicitProblem, float, tuple[FloatArra
             bcs = [fem.dirichletbc(np.zeros(body.gdim), nodes, V)]
         else:
             bcs = [PrescribedMotion(fem.dirichletbc(np.eye(body.gdim)[-1], nodes, V), case.motion)]
-    loads = [] if case.gravity is None else [BodyForce(case.gravity[0], amplitude=case.gravity[1])]
     contacts = []
     if case.contact:
         kind = contact.Penalty if case.contact == "penalty" else contact.Kinematic
@@ -488,8 +555,8 @@ def ours(case: Run, steps: int) -> tuple[ExplicitProblem, float, tuple[FloatArra
             body.rigid[0].motion = None if motion is None else lambda t: np.pad(motion(t), (0, 3 - body.gdim))
         contacts = [kind(body.pair(everywhere=False), **case.options)]
     problem = ExplicitProblem(
-        u, cast(_Material, body.material), velocity=v, bcs=bcs, loads=loads, contact=contacts, scheme=case.scheme,
-        damping=materials.Rayleigh(*case.damping), bulk_viscosity=case.viscosity,
+        u, cast(_Material, body.material), velocity=v, bcs=bcs, loads=loads_of(case), contact=contacts,
+        scheme=case.scheme, damping=materials.Rayleigh(*case.damping), bulk_viscosity=case.viscosity,
     )  # fmt: skip
     dt = case.step_fraction * problem.stable_step()
     states: list[tuple[FloatArray, FloatArray]] = []  # the first call of the callback has the initial state

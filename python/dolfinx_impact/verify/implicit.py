@@ -20,7 +20,6 @@ from ..amplitude import PrescribedMotion
 from ..common.types import FloatArray, IntArray
 from ..dynamics.implicit.problem import NewmarkProblem
 from ..dynamics.run_history import ENERGIES
-from ..loads import BodyForce
 from ..materials import _Material
 from ..statics import newton
 from . import bodies, history, plastic_bodies
@@ -186,6 +185,10 @@ def without_contact(cell: str, degree: int, variation: RandomVariation | None = 
         "damped block under a load, generalised-alpha", linear, shaken, **clamped, damping=(0.1, 0.004),
         gravity=gravity, parameters={"rho_inf": 0.6},
     )  # fmt: skip
+    yield from (
+        Run(**{**vars(case), "name": f"{case.name}, HHT" if k else case.name}, parameters={"hht": -0.1} if k else {})
+        for k, case in enumerate(history.founded(domain, degree, shaken, gravity))
+    )
     yield Run("hinged block that swings, neo-Hookean", large, swinging, fixed_nodes=corner, parameters={"rho_inf": 0.8})
     if not plane:
         return
@@ -375,7 +378,6 @@ def ours(case: Run, steps: int) -> tuple[NewmarkProblem, States]:
             bcs = [fem.dirichletbc(np.zeros(body.gdim), nodes, V)]
         else:
             bcs = [PrescribedMotion(fem.dirichletbc(np.eye(body.gdim)[-1], nodes, V), case.motion)]
-    loads = [] if case.gravity is None else [BodyForce(case.gravity[0], amplitude=case.gravity[1])]
     contacts: list[contact.Penalty | contact.Lagrange] = []
     if case.contact:
         if body.rigid:
@@ -387,9 +389,9 @@ def ours(case: Run, steps: int) -> tuple[NewmarkProblem, States]:
         else:
             contacts = [contact.Lagrange(pair, quadrature_degree=3 * body.degree + 4)]
     problem = NewmarkProblem(
-        u, cast(_Material, body.material), velocity=v, bcs=bcs, loads=loads, contact=contacts, lumping=case.lumping,
-        damping=materials.Rayleigh(*case.damping) if any(case.damping) else None, impact=case.impact,
-        **case.parameters,
+        u, cast(_Material, body.material), velocity=v, bcs=bcs, loads=history.loads_of(case), contact=contacts,
+        lumping=case.lumping, damping=materials.Rayleigh(*case.damping) if any(case.damping) else None,
+        impact=case.impact, **case.parameters,
     )  # fmt: skip
     return problem, advance(problem, time_step(case), steps, case.error)
 

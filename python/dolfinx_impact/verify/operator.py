@@ -6,9 +6,9 @@ from typing import TypeAlias, Union
 import basix
 import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, mesh
 from dolfinx.fem import Function
-from dolfinx.mesh import Mesh
+from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
@@ -16,6 +16,7 @@ from .. import materials
 from ..assembly import lumped_mass, operators
 from ..common.types import FloatArray
 from ..forms import elasticity, inertia, loads, quadrature
+from ..foundation import Foundation
 from . import bodies
 from .nodes import TheirRule
 from .report import Report
@@ -66,6 +67,7 @@ def run(report: Report, progress: bool = True) -> None:
             if not report.wants(domain.topology.cell_name(), degree):
                 continue
             _linear(report, name, domain, hypothesis, degree)
+            _foundation(report, name, domain, hypothesis, degree)
             for law in ("st_venant_kirchhoff", "neo_hookean"):
                 _finite(report, name, domain, hypothesis, degree, law)
 
@@ -133,6 +135,30 @@ def _linear(report: Report, name: str, domain: Mesh, hypothesis: str, degree: in
     other = body.model.energy(body.to_theirs(u.x.array))
     _row(report, body, "linear_elastic.energy", f"energy on {name}", energy, other)
     _masses(report, name, body, steel)
+
+
+def _foundation(report: Report, name: str, domain: Mesh, hypothesis: str, degree: int) -> None:
+    """Springs under the whole boundary, along the normal and along the coordinates."""
+    body = bodies.Body(domain, degree, materials.LinearElastic(2.0, 0.3, 1.5, hypothesis))
+    tags, V = _boundary(domain), body.V
+    body.model.facet_rule = bodies.foundation_rule(body)
+    v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+    for form, springs in (
+        ("normal_foundation_tangent", 0.7),
+        ("foundation_tangent", np.arange(1.0, body.gdim + 1)),
+    ):
+        foundation = Foundation(tags, 1, springs)
+        K = bodies.petsc_to_scipy(operators.Tangent(foundation.springs(du, v, hypothesis)).assemble())
+        theirs = body.matrix_to_ours(body.model.foundation(body.their_facets(tags, 1), springs))
+        _row(report, body, form, f"springs under {name}", K, theirs)
+
+
+def _boundary(domain: Mesh) -> MeshTags:
+    """All facets of the boundary, tag 1."""
+    dim = domain.topology.dim - 1
+    domain.topology.create_connectivity(dim, dim + 1)
+    facets = mesh.exterior_facet_indices(domain.topology)
+    return mesh.meshtags(domain, dim, facets, np.full(len(facets), 1, dtype=np.int32))
 
 
 def _masses(report: Report, name: str, body: bodies.Body, steel: materials.LinearElastic) -> None:

@@ -14,6 +14,7 @@ from mpi4py import MPI
 from .. import loads, materials
 from ..common.types import FloatArray, IntArray
 from ..forms import quadrature
+from ..foundation import Foundation
 from ..statics.problem import StaticProblem
 from . import bodies
 from .nodes import TheirRule
@@ -33,6 +34,7 @@ def run(report: Report, progress: bool = True) -> None:
     if report.wants("quadrilateral", 1):
         wheel(report)
     block(report)
+    founded(report)
     rubber(report)
 
 
@@ -143,6 +145,46 @@ def _block(report: Report, cell: str, hypothesis: str, degree: int) -> None:
     fixed = (dim * clamped[:, None] + np.arange(dim)).ravel()
     theirs = body.model.solve_static(body.order[fixed], 0.0, load)
     _compare(report, body, "linear_elastic.tangent", "block", u.x.array, problem.reactions().x.array, theirs)
+
+
+def founded(report: Report) -> None:
+    """Add the rows of a block on springs alone, along the coordinates below and along the normal at its sides.
+
+    Args:
+        report: report to add to.
+    """
+    for cell, degree in (("triangle", 2), ("quadrilateral", 1), ("tetrahedron", 1), ("hexahedron", 2)):
+        if report.wants(cell, degree):
+            _founded(report, cell, degree)
+
+
+def _founded(report: Report, cell: str, degree: int) -> None:
+    domain = bodies.block(cell, 4)
+    dim = domain.geometry.dim
+    hypothesis = "plane_strain" if dim == 2 else "3d"
+    steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
+    body = bodies.Body(domain, degree, steel)
+    model, tags = body.model, _tags(domain, dim - 1)
+    along, t = 0.5 + 0.1 * np.arange(dim), np.arange(1.0, dim + 1) / 100
+    foundation = Foundation(tags, 1, along)
+    u = fem.Function(body.V, name="u")
+    springs = [foundation, Foundation(tags, 2, 0.3)]
+    StaticProblem(u, steel, loads=[*springs, loads.Traction(tags, 2, t)]).solve()
+    load = model.traction(body.their_facets(tags, 2), t)
+    if cell not in quadrature.SIMPLICES:
+        model.rule = f"gauss_jacobi:{quadrature.stiffness_degree(cell, degree, 1, hypothesis)}"
+    model.facet_rule = bodies.foundation_rule(body)
+    model.add_foundation(body.their_facets(tags, 1), along)
+    model.add_foundation(body.their_facets(tags, 2), 0.3)
+    theirs = model.solve_static(np.zeros(0, dtype=np.int64), 0.0, load)
+    element = (cell, degree, 1, hypothesis)
+    difference, note = bodies.largest_difference(body, u.x.array, body.to_ours(theirs.u))
+    report.add("solution", "foundation", *element, difference, TOLERANCE, REASON, "u of the block on springs", note)
+    force = -(model.foundation(body.their_facets(tags, 1), along) @ theirs.u).reshape(-1, dim).sum(axis=0)
+    found = foundation.force(u)
+    note = f"UFL {found.tolist()}, hand-written {force.tolist()}"
+    difference = bodies.relative(found, force)
+    report.add("solution", "foundation", *element, difference, TOLERANCE, REASON, "force of the springs", note)
 
 
 def _tags(domain: Mesh, dim: int) -> MeshTags:

@@ -51,7 +51,7 @@ def volumes(mesh, cell_tags):
     part = np.abs(np.linalg.det(jacobian)) @ weights
     owned = cell_tags.indices < len(part)
     sums = {}
-    for tag in range(1, 5):
+    for tag in range(1, 7):
         chosen = cell_tags.indices[owned & (cell_tags.values == tag)]
         sums[tag] = mesh.comm.allreduce(float(part[chosen].sum()))
     return {tag: value for tag, value in sums.items() if value > 0}
@@ -103,6 +103,14 @@ def exact(name, p):
         area = wheel_rail.rail_area(p["crown_radius"], p["rail_height"])
         return {"master_body": halves * area * p["rail_length"], "slave_body": wheel}
     area = p["rail_height"]
+    if name == "insulated_joint_3d":
+        area = halves * wheel_rail.rail_area(p["crown_radius"], p["rail_height"])
+        web = p["rail_height"] - wheel_rail.HEAD_DEPTH - wheel_rail.FOOT_DEPTH
+        layer, rail = 2 * halves * web * p["bar_length"], area * (p["rail_length"] - p["gap"] / 2)
+        return {
+            "master_body": rail, "second_rail": rail, "slave_body": wheel,
+            "end_post": area * p["gap"], "glue": p["glue"] * layer, "joint_bar": p["bar"] * layer,
+        }  # fmt: skip
     if name == "rail_joint_3d":
         area = halves * wheel_rail.rail_area(p["crown_radius"], p["rail_height"])
     bodies = {"master_body": area * p["rail_length"], "second_rail": area * p["rail_length"]}
@@ -180,5 +188,11 @@ CASES = {
         True,
     ),
     "joint_3d": ("rail_joint_3d", {"h": 8e-3}, True),
+    "insulated": ("insulated_joint_3d", {"h": 8e-3, "coarse": 0.1, "rail_length": 0.6}, True),
+    "insulated_whole": (
+        "insulated_joint_3d",
+        {"h": 10e-3, "coarse": 0.1, "rail_length": 0.5, "symmetry": "none"},
+        True,
+    ),
     "joint_3d_wheel": ("rail_joint_3d", {"wheel": True, "end_post": "none", "h": 8e-3, "coarse": 0.08}, True),
 }

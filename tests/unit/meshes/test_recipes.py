@@ -11,9 +11,13 @@ RECIPES = {name for name, _, _ in CASES.values()}
 QUALITY = {"quadrilateral": 0.3, "hexahedron": 0.3, "triangle": 0.25, "tetrahedron": 0.005}
 CUBE = {"block_3d", "two_blocks_3d", "two_bars_3d", "sphere", "sphere_whole", "cone", "wheel_3d"}
 CUBE |= {"punch_3d", "wedge_3d", "joint_3d", "joint_3d_wheel", "joint_3d_rolling", "rolling_contact"}
+HEXAHEDRA = {"insulated", "insulated_whole"}
+CUBE |= HEXAHEDRA
 
 
 def cells_of(case):
+    if case in HEXAHEDRA:
+        return ("hexahedron",)
     return ("hexahedron", "tetrahedron") if case in CUBE else ("quadrilateral", "triangle")
 
 
@@ -73,6 +77,8 @@ PROMISED = {
     "slave_surface free",
     "joint_2d_rolling": "left right bottom master_surface joint_left joint_right hub slave_surface free",
     "joint_3d": "left right bottom master_surface free symmetry_y",
+    "insulated": "left right bottom master_surface hub slave_surface slave_back free symmetry_y",
+    "insulated_whole": "left right bottom master_surface hub slave_surface slave_front slave_back free",
     "joint_3d_rolling": "left right bottom master_surface joint_left joint_right hub slave_surface slave_back free "
     "symmetry_y",
 }

@@ -508,9 +508,33 @@ def check_bad_flows_of_internal_variables():
     x[inner, 1] += 0.03 * np.sin(7.0 * x[inner, 0])
     with pytest.raises(ValueError, match=r"cell \d+ .*streamline of quadrature points"):
         flowing_steel(domain)
-    with pytest.raises(ValueError, match="the body of tag 1 spins"):
-        flowing_steel(ring(), motion=di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.1))
+    with pytest.raises(ValueError, match=r"cell \d+ .*streamline of quadrature points"):
+        flowing_steel(disc(), motion=di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.1))
+    with pytest.raises(ValueError, match="turns is for a whole ring"):
+        flowing_steel(mesh.create_unit_square(COMM, 4, 4, mesh.CellType.quadrilateral)).solve(turns=2)
     with pytest.raises(ValueError, match="comes later"):
         flowing_steel(mesh.create_unit_square(COMM, 4, 4), contact=True)
-    with pytest.raises(ValueError, match="must move"):
-        flowing_steel(domain, motion=di.Translation((0.0, 0.0)))
+    for still in (di.Translation((0.0, 0.0)), di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.0)):
+        with pytest.raises(ValueError, match="must move"):
+            flowing_steel(ring(), motion=still)
+    spin = di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), 0.1)
+    with pytest.raises(ValueError, match="does not know how they turn"):
+        u = fem.Function(fem.functionspace(ring(), ("Lagrange", 1, (2,))))
+        di.RollingProblem(
+            u, Creeping(1.0, 0.3, density=1.0, hypothesis="plane_strain"), tagged(u.function_space.mesh), {1: spin}
+        )
+
+
+class Creeping(di.InelasticMaterial):
+    """A law with a vector of which nobody knows how it turns."""
+
+    history = {"something": (2,)}
+
+
+def disc():
+    """A disc from a square: lines of constant maximum norm become circles, lines of cells near the middle do not."""
+    domain = mesh.create_rectangle(COMM, [(-1.0, -1.0), (1.0, 1.0)], (8, 8), mesh.CellType.quadrilateral)
+    x = domain.geometry.x
+    longest, length = np.max(np.abs(x), axis=1), np.linalg.norm(x, axis=1)
+    x *= np.divide(longest, length, out=np.ones_like(length), where=length > 0)[:, None]
+    return domain

@@ -161,6 +161,8 @@ void PenaltyContact::drop_stored_energy(std::size_t i)
   double squared = 0.0;
   for (int c = 0; c < _gdim; ++c)
     squared += _tangential[i * _gdim + c] * _tangential[i * _gdim + c];
+  if (spring.force > 0.0) // nodes that have borne nothing yet keep it
+    spring.offset = 0.0;
   _energy.normal -= normal_release(spring, 0.0);
   _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance);
 }
@@ -260,6 +262,9 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std:
   {
     if (!begins)
       open_spring<D>(i, n, change, motion);
+    // A node that is open only by its offset would close again in the next step, with a force from nowhere.
+    if (at.gap > 0.0)
+      spring.offset = 0.0;
     return open(i, at, state.u.data());
   }
   if (!_rigid)

@@ -15,7 +15,7 @@ struct Spring
   double gap = 0.0;                ///< [L]
   double surplus = 0.0;            ///< energy absorbed by the normal force minus energy stored; negative: deficit [F L]
   double tangential_surplus = 0.0; ///< energy deficit of friction, never positive [F L]
-  double offset = 0.0;             ///< added to the gap until the node opens: a run that starts pressed [L]
+  double offset = 0.0;             ///< added to the gap until the node is open without it: a start under load [L]
 
   double stored() const { return 0.5 * force * force * compliance; }
 };
@@ -58,8 +58,6 @@ inline double normal_step(Spring& spring, double wanted, double k, double per_k,
 inline double normal_release(Spring& spring, double change)
 {
   const double last = spring.surplus, left = last + spring.stored() - 0.5 * spring.force * change;
-  if (spring.force > 0.0) // nodes that have borne nothing yet keep it
-    spring.offset = 0.0;
   spring.force = 0.0;
   spring.surplus = std::min(left, 0.0);
   return left - last;

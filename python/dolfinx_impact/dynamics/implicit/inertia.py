@@ -3,12 +3,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+import ufl
 from dolfinx.fem import FunctionSpace
 from dolfinx.mesh import MeshTags
+from mpi4py import MPI
 from petsc4py import PETSc
 
-from ...assembly import lumped_mass
+from ...added_mass import AddedMass
+from ...assembly import lumped_mass, operators
 from ...assembly.consistent_mass import ConsistentMass, Densities
 from ...common.types import BoolArray, FloatArray
 from .contact_nodes import ContactNodes
@@ -28,6 +33,7 @@ class Inertia:
         cell_tags: cell tags of the densities; None: one density.
         lumping: lumping scheme, as for lumped_mass; None: consistent mass.
         surface: contact nodes whose mass goes to the nodes behind them; None: all nodes keep theirs.
+        added: masses on surfaces.
 
     Attributes:
         matrix: M [M].
@@ -35,7 +41,8 @@ class Inertia:
         lumping: lumping scheme, or None.
 
     Raises:
-        ValueError: a density is not positive, or the lumping scheme does not fit; on all ranks.
+        ValueError: a density is not positive, the lumping scheme does not fit, or a mass is added to contact nodes that
+            pass theirs on; on all ranks.
     """
 
     def __init__(
@@ -46,6 +53,7 @@ class Inertia:
         cell_tags: MeshTags | None,
         lumping: str | None,
         surface: ContactNodes | None,
+        added: Sequence[AddedMass] = (),
     ) -> None:
         self.space, self.lumping = V, lumping
         bs = V.dofmap.index_map_bs
@@ -69,7 +77,24 @@ class Inertia:
             first = self.matrix.getOwnershipRange()[0]
             self.matrix.setValuesCSR(at, at[:-1] + np.int32(first), diagonal)
             self.matrix.assemble()
+        for mass in added:
+            self._add(mass, hypothesis)
         self._x, self._y = self.matrix.createVecs()
+
+    def _add(self, mass: AddedMass, hypothesis: str) -> None:
+        """Add a mass on a surface. Collective."""
+        V, nodal = self.space, mass.nodal(self.space, hypothesis)
+        if V.mesh.comm.allreduce(bool(np.any(nodal[: self._num_owned][self.massless] != 0.0)), MPI.LOR):
+            raise ValueError("an AddedMass is on a contact surface, whose nodes pass on their mass: give impact='none'")
+        self.total.array[:] += nodal
+        if self.lumping is None:
+            form = mass.matrix_form(ufl.TrialFunction(V), ufl.TestFunction(V), hypothesis)
+            self.matrix.axpy(1.0, operators.Tangent(form).assemble())
+        else:
+            diagonal = self.matrix.createVecRight()
+            diagonal.array[:] = nodal[: self._num_owned]
+            self.matrix.setDiagonal(diagonal, PETSc.InsertMode.ADD_VALUES)
+            self.matrix.assemble()
 
     def hold(self, fixed: BoolArray) -> None:
         """Prescribed degrees of freedom follow their functions of time, with or without mass.

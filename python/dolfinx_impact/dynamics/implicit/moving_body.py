@@ -35,6 +35,7 @@ class MovingBody:
         symmetric: whether the tangent is symmetric, as far as is known.
         inelastic: whether the bodies have internal variables.
         has_inertia: True: the bodies need no supports.
+        has_springs: as of the bodies.
     """
 
     has_inertia = True
@@ -52,7 +53,7 @@ class MovingBody:
         self.displacement, self.velocity = displacement, velocity
         self.linear = body.linear and (damping is None or damping.linear)
         self.symmetric = body.symmetric and damping is None
-        self.inelastic = body.inelastic
+        self.inelastic, self.has_springs = body.inelastic, body.has_springs
         self.tangent = self
         self._num_owned = len(inertia.massless)
         self._step: StepMotion | None = None

@@ -25,6 +25,8 @@ from ...common.types import ArrayLike, FilePath, FloatArray
 from ...common.unique import Unique, claim
 from ...forms import materials as laws
 from ...io.mesh_check import check_cells
+from ...added_mass import added_masses
+from ...foundation import dashpot_form, foundations
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
@@ -200,7 +202,7 @@ class NewmarkProblem(Unique):
         self.supports, self.fixed = motion.parts, motion.mask
         pairs = [c.pair for c in contact]
         surface = ContactNodes(V, pairs) if pairs and impact == "mass_redistribution" else None
-        self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface)
+        self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, added_masses(loads))
         self.inertia.hold(self.fixed[: self.num_owned])
         self.mass = self.inertia.total
         self.moving_body = MovingBody(
@@ -213,9 +215,11 @@ class NewmarkProblem(Unique):
         )
         self.linear_solver = self.equations.linear_solver
         self.motion = MotionFunctions(u, self.velocity, self.acceleration)
-        self._stored = StoredEnergy(u, material, self.body)
+        # Forces of springs to the ground count as internal ones, and their energy with that of the bodies.
+        springs = foundations(self.loads)
+        self._stored = StoredEnergy(u, material, self.body, springs)
         owned = self.fixed[: self.num_owned]
-        work = external_work(u, material, self.loads)
+        work = external_work(u, material, [load for load in self.loads if load not in springs])
         self._balance = ForceBalance(u, self.moving_body, self.loads_in_time, work, self.contact, owned)
         self.start_displacement: FloatArray = u.x.array[: self.num_owned].copy()
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
@@ -240,11 +244,13 @@ class NewmarkProblem(Unique):
         return f"NewmarkProblem({size} unknowns, {what}, {parts}, {self.scheme}, {now})"
 
     def _damping_force(self, resisting: ufl.Form | None) -> DampingForce | None:
-        form = resisting
-        if self.damping.beta > 0.0:
-            assert self.material is not None  # checked with the arguments
-            beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
-            form = stiffness_damping(self.u, self.velocity, ufl.TestFunction(self.space), self.material, beta)
+        form, v = resisting, ufl.TestFunction(self.space)
+        if self.material is not None:  # loads and damping by the stiffness go with materials only
+            form = dashpot_form(self.loads, self.velocity, v, self.material)
+            if self.damping.beta > 0.0:
+                beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
+                rayleigh = stiffness_damping(self.u, self.velocity, v, self.material, beta)
+                form = rayleigh if form is None else rayleigh + form
         return None if form is None else DampingForce(form, self.u, self.velocity)
 
     def _start(self, start: TimeValues) -> State:

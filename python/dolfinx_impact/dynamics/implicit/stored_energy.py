@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Energy stored in the bodies of an implicit problem."""
+"""Energy stored in the bodies of an implicit problem and in their foundations."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
 
 import ufl
 from dolfinx import fem
 
 from ...assembly import operators
+from ...foundation import Foundation
 from ...forms.inelastic import ELASTIC_ENERGY
 from ...materials import MaterialMap, _Material
 from ...statics.body import Body
@@ -14,17 +18,27 @@ from ...statics.inelastic_body import InelasticBody
 
 
 class StoredEnergy:
-    """Strain energy of elastic materials, and elastic energy of those with internal variables.
+    """Strain energy of elastic materials, elastic energy of those with internal variables, and that of foundations.
 
     Args:
         u: displacement function [L].
         material: material or MaterialMap; None: a residual of the user's own, whose energy is not known.
         body: bodies without inertia.
+        foundations: springs to the ground, with a material.
     """
 
-    def __init__(self, u: fem.Function, material: _Material | MaterialMap | None, body: Body) -> None:
+    def __init__(
+        self,
+        u: fem.Function,
+        material: _Material | MaterialMap | None,
+        body: Body,
+        foundations: Sequence[Foundation] = (),
+    ) -> None:
         self._known, self._body = material is not None, body
-        form = None if material is None else operators.strain_energy_form(u, material)
+        form: Any = None if material is None else operators.strain_energy_form(u, material)
+        if foundations:  # an inelastic body alone has no strain energy: its form is zero
+            springs = [f.energy_form(u, material) for f in foundations]
+            form = sum(springs, form) if isinstance(form, ufl.Form) else sum(springs[1:], springs[0])
         self._elastic = operators.Energy(form) if isinstance(form, ufl.Form) else None
 
     def value(self) -> float | None:

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""Numbers, report and study of rail joints, from made-up runs."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from dolfinx_impact.io import plots
+from dolfinx_impact.rail_joint import RailJoint, report, study
+from dolfinx_impact.rail_joint.passage import ENERGIES, Footprint, History
+from dolfinx_impact.rail_joint.results import P2_FREQUENCY, half_axes, low_pass, summarise
+
+JOINT = RailJoint()
+
+
+def history(force, joint=JOINT):
+    """A passage with a force over the place of the wheel."""
+    time = np.linspace(0.0, joint.duration, 2001)
+    place = joint.begin + joint.speed * time
+    up = joint.load * force(place)
+    energy = {name: np.zeros_like(time) for name in ENERGIES}
+    energy["internal"], energy["external"] = 2.0 * time / joint.duration, 1.99 * time / joint.duration
+    rows = np.column_stack([0.1 * up, 0.0 * up, up])
+    return History(time, place, rows, energy, 2000, float(time[1]), 1.0)
+
+
+def footprint(a=7e-3, b=5e-3, n=60, half=True):
+    """The pressure of Hertz on a grid."""
+    x, y = np.meshgrid(np.linspace(-a, a, 2 * n + 1), np.linspace(0.0 if half else -b, b, n + 1))
+    p = np.sqrt(np.maximum(0.0, 1.0 - (x / a) ** 2 - (y / b) ** 2))
+    weight = np.full(x.shape, (a / n) * (b / n if half else 2 * b / n))
+    weight[y == y.min()] *= 0.5 if half else 1.0
+    on = p > 0.0
+    return Footprint(0.0, np.column_stack([x[on], y[on], 0 * x[on]]), 1e9 * p[on], weight[on])
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_half_axes_of_an_ellipse(half):
+    """Cells at the rim count as a whole or not at all: an error of the order of a cell, 1/60."""
+    found = half_axes(footprint(half=half), 2 if half else 1)
+    assert found == pytest.approx((7e-3, 5e-3), rel=0.02)
+
+
+def test_numbers_of_a_passage():
+    def force(x):
+        return 1.0 - 0.2 * np.exp(-((x / 4e-3) ** 2)) + 0.3 * np.exp(-(((x - 15e-3) / 4e-3) ** 2))
+
+    ends = np.array([[-0.035, -1e-4, -1e-4], [-0.004, -2e-4, -1.5e-4], [0.03, -1e-4, -1.2e-4]])
+    s = summarise(JOINT, history(force), JOINT.load, footprint(), 1e-3, 100, 2, ends)
+    assert s.mean_before == pytest.approx(1.0, abs=1e-3) and s.ripple_before < 1e-3
+    assert s.least_force == pytest.approx(0.8, abs=1e-3) and s.least_place == pytest.approx(0.0, abs=1e-4)
+    assert s.dynamic_factor == pytest.approx(1.3, abs=1e-3) and s.peak_place == pytest.approx(15e-3, abs=1e-4)
+    assert s.peak_force == pytest.approx(1.3 * JOINT.load, rel=1e-3)
+    assert s.deflection == pytest.approx(1e-4) and s.step == pytest.approx(5e-5)
+    assert s.energy_exchanged == pytest.approx(2.0) and s.energy_missed == pytest.approx(0.005)
+
+
+def test_low_frequencies():
+    """A fast part is taken away, a slow one stays."""
+    joint = JOINT.changed(end=0.4)
+    fast, slow = 10 * P2_FREQUENCY, 0.2 * P2_FREQUENCY
+
+    def force(x):
+        t = (x - joint.begin) / joint.speed
+        return 1.0 + 0.1 * np.sin(2 * np.pi * slow * t) + 0.3 * np.sin(2 * np.pi * fast * t)
+
+    run = history(force, joint)
+    found = low_pass(run) / joint.load
+    inside = slice(500, -500)  # a period and more of the cut-off from the ends
+    assert np.abs(found - 1.0 - 0.1 * np.sin(2 * np.pi * slow * run.time))[inside].max() < 1e-3
+    assert low_pass(history(force, JOINT.changed(end=0.01))) is None, "shorter than a period"
+
+
+def test_the_report_holds_pictures_and_numbers(tmp_path):
+    s = summarise(JOINT, history(lambda x: 1.0 + 0.2 * (x > 0)), JOINT.load, footprint(), 0.0, 100, 2)
+    figure, axes = plots.pyplot().subplots()
+    axes.plot([0, 1])
+    plots.save(figure, tmp_path / "force.png")
+    passes = [s.as_dict(), {**s.as_dict(), "dynamic_factor": 1.4321}]
+    report.write(tmp_path / "r.html", JOINT, s, {"force.png": "the <force>", "none.png": ""}, {"rolling": 3.0}, passes)
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "data:image/png;base64," in text and "the &lt;force&gt;" in text and "none.png" not in text
+    assert "120 km/h" in text and "1.4321"[:5] in text and "friction: coefficient" in text and "dolfinx" in text
+    report.write_state(tmp_path / "paraview_state.py")
+    compile((tmp_path / "paraview_state.py").read_text(encoding="utf-8"), "state", "exec")
+
+
+class Quick(study.Job):
+    """A case that takes no time, fails where the gap is 7 mm, and counts how often it was started."""
+
+    def start(self):
+        self.folder.mkdir(parents=True, exist_ok=True)
+        s = summarise(self.data, history(lambda x: 1.0 + 10 * self.data.gap * (x > 0), self.data), self.data.load,
+                      footprint(), 0.0, 100, 1)  # fmt: skip
+        record = {"parameters": self.data.to_toml(), "summary": s.as_dict()}
+        code = f"open({str(self.folder / 'count')!r}, 'a').write('x')\n"
+        if round(1e3 * self.data.gap) != 7:
+            code += f"open({str(self.folder / 'summary.json')!r}, 'w').write({json.dumps(record)!r})\n"
+        self.process = subprocess.Popen([sys.executable, "-c", code])
+
+
+def test_a_study_goes_on_where_it_was(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(study, "Job", Quick)
+    command = ["rail_joint", "--gap", "5,6", "--speed", "80,120", "--end-post", "epoxy,nylon", "--jobs", "2",
+               "--output", str(tmp_path)]  # fmt: skip
+    assert study.main(command) == 0
+    assert "8 cases, 0 done already" in capsys.readouterr().out
+    table = (tmp_path / "study.csv").read_text().splitlines()
+    assert len(table) == 9 and table[0].startswith("end_post_modulus [Pa],gap [m],speed [m/s]")
+    assert (tmp_path / "study.png").stat().st_size > 10_000 and (tmp_path / "study.h5").exists()
+    command[2] = "5,6,7"
+    assert study.main(command) == 1, "one of the gaps fails"
+    said = capsys.readouterr().out
+    assert "12 cases, 8 done already" in said and "4 of 12 cases failed" in said and "output.txt" in said
+    counts = [len(path.read_text()) for path in tmp_path.glob("*/count")]
+    assert counts == [1] * 12, "what was done is not done again"
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [(["--gap", "0,3"], "positive numbers with commas"), (["--end-post", "oak"], "end posts are epoxy")],
+)
+def test_bad_options_of_a_study(arguments, message, capsys):
+    with pytest.raises(SystemExit):
+        study.main(["rail_joint", *arguments])
+    assert message in capsys.readouterr().err
+    assert study.main(["rail_joint", "gap=-3"]) == 2 and "a positive number" in capsys.readouterr().out

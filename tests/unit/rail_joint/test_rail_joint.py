@@ -1,0 +1,7 @@
+# SPDX-License-Identifier: MIT
+"""Model and passage of a rail joint with coarse cells."""
+
+import joint_checks
+from on_ranks import rank_tests
+
+test_one_rank, test_several_ranks = rank_tests(joint_checks, ranks=(2,), timeout=300)

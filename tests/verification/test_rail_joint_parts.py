@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""The rail joint by its parts: no joint, no impact; Hertz in mid-rail; mesh, step and penalty; trends.
+
+No measured force of a passage over an insulated joint names all that the model needs, so nothing is compared with one.
+"""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from dolfinx_impact.rail_joint import JointModel, Passage, RailJoint
+from dolfinx_impact.rail_joint.results import half_axes, summarise
+
+pytestmark = pytest.mark.slow
+COMM = MPI.COMM_WORLD
+# Elastic, two cells in the half-axis; rails and bars short.
+PLAIN = RailJoint().changed(
+    cells=2, coarse=0.08, begin=-0.020, end=0.020, rail_length=0.7, bar_length=0.4, yield_stress=np.inf
+)  # fmt: skip
+
+
+def passage(joint, dt="auto"):
+    """Numbers and history of a passage, and the Passage."""
+    run = Passage(JointModel(joint, COMM), False)
+    run.start(run.preload())
+    history = run.roll(dt=dt)
+    summary = summarise(joint, history, run.static_force, run.static_footprint, run.plastic_strain(), 0, COMM.size)
+    return summary, history, run
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return passage(PLAIN)
+
+
+def test_a_continuous_rail_makes_no_impact():
+    """No joint, no bars, the same support everywhere: behind the first half-axis, in which the start settles, the force
+    is the load within 1.5 %. Facets are off the wheel's circle by h^2/8R, 4 um, of which the contact's stiffness of 1.6
+    GN/m makes 5 % if a single one bore the load; a contact bears on several."""
+    joint = PLAIN.changed(end_post="steel", support="winkler", rail_length=1.5, glue_modulus=1e5)
+    _, history, _ = passage(joint)
+    force = history.force[history.place > joint.begin + joint.hertz.a, 2] / joint.load
+    assert 0.985 < force.min() and force.max() < 1.015, (force.min(), force.max())
+
+
+def test_footprint_in_mid_rail():
+    """Elastic: Hertz's ellipse within one cell, its pressure within 5 % with four cells in the half-axis."""
+    joint = PLAIN.changed(cells=4, begin=-0.024)
+    run = Passage(JointModel(joint, COMM), False)
+    run.preload()
+    footprint = run.static_footprint
+    for size, theory in zip(half_axes(footprint, joint.sides), (joint.hertz.a, joint.hertz.b)):
+        assert abs(size - theory) < joint.cell_size, (size, theory)
+    assert footprint.pressure.max() == pytest.approx(joint.hertz.peak_pressure, rel=0.05)
+
+
+def test_step_and_penalty_do_not_matter(plain):
+    """Half the step, and twice the penalty: largest and least force within 3 %."""
+    summary, history, run = plain
+    half, _, _ = passage(PLAIN, dt=0.5 * history.dt)
+    contact = run.run.contact[0]
+    closed = contact.stiffness > 0.0
+    penalty = COMM.allreduce(float((contact.stiffness[closed] / contact.weight[closed]).max(initial=0.0)), MPI.MAX)
+    hard, _, _ = passage(PLAIN.changed(penalty=2.0 * penalty))
+    for other in (half, hard):
+        assert other.dynamic_factor == pytest.approx(summary.dynamic_factor, rel=0.03)
+        assert other.least_force == pytest.approx(summary.least_force, rel=0.03)
+
+
+def test_half_the_cells(plain):
+    """Twice as many cells along all edges near the contact: largest force within 3 %."""
+    fine, _, _ = passage(PLAIN.changed(cells=4))
+    assert fine.dynamic_factor == pytest.approx(plain[0].dynamic_factor, rel=0.03)
+
+
+def test_published_trends(plain):
+    """The peak grows with speed, gap and softness of the end post."""
+    peak = plain[0].dynamic_factor
+    assert passage(PLAIN.changed(speed=160 / 3.6))[0].dynamic_factor > peak
+    assert passage(PLAIN.changed(gap=10e-3))[0].dynamic_factor > peak
+    assert passage(PLAIN.changed(end_post="nylon"))[0].dynamic_factor > peak
