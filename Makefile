@@ -3,7 +3,6 @@
 SHELL := /bin/sh
 RUN := env/run
 DEMO ?= rail_joint
-ARGS ?= $(if $(filter rail_joint,$(DEMO)),--ranks 2)
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
@@ -13,6 +12,7 @@ PYTEST ?= python3 -m pytest
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
+demo: ARGS ?= $(if $(filter rail_joint,$(DEMO)),--ranks 2)
 demo: ## the flagship run on two ranks, with its figures and a report (another one: make demo DEMO=name)
 	$(RUN) dolfinx-impact demo $(DEMO) $(ARGS)
 

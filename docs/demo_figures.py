@@ -2,7 +2,7 @@
 """Figures and printed output of the demos: `python3 docs/demo_figures.py [FOLDER] [NAME...]`, default docs/figures.
 
 Runs the demos and applications (all, or those named) and writes their PNG files, with fewer colours, as
-demo_<file>.png, and what they print as demo_<name>.txt.
+demo_<name>_<file>.png, or demo_<file>.png where the file begins with the name, and what they print as demo_<name>.txt.
 """
 
 import subprocess
@@ -38,7 +38,7 @@ def main():
             lines = done.stdout.replace(results, f"results/{name}").strip().splitlines()
             (folder / f"demo_{name}.txt").write_text("".join(f"{line.rstrip()}\n" for line in lines))
             for picture in sorted(Path(results).glob("*.png")):
-                target = folder / f"demo_{picture.name}"
+                target = folder / f"demo_{picture.name if picture.stem.startswith(name) else f'{name}_{picture.name}'}"
                 shrink(picture, target)
                 print(f"{target}: {target.stat().st_size / 1000:.0f} kB")
     return 0

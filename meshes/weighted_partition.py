@@ -35,8 +35,7 @@ def partitioner(x, weight):
     from dolfinx.graph import adjacencylist
 
     def part(comm, num_parts, cell_types, cells):
-        corners = 4 if cell_types[0].name in ("quadrilateral", "tetrahedron") else 8
-        corners = 3 if cell_types[0].name == "triangle" else corners
+        corners = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}[cell_types[0].name]
         middles = x[np.asarray(cells[0]).reshape(-1, corners)].mean(axis=1).reshape(-1, 3)
         found = bisect(middles, np.asarray(weight(middles), dtype=float), num_parts)
         return adjacencylist(found, np.arange(len(found) + 1, dtype=np.int32))

@@ -76,8 +76,8 @@ class Summary:
     energy_missed: float
 
     def as_dict(self) -> dict[str, Any]:
-        """Numbers by name, for JSON."""
-        return asdict(self)
+        """Numbers by name, for JSON, which has no name for what is not a number: None."""
+        return {name: None if value != value else value for name, value in asdict(self).items()}
 
 
 def low_pass(history: History, frequency: float = P2_FREQUENCY) -> FloatArray | None:
