@@ -10,7 +10,7 @@ namespace dolfinx_impact::surface
 struct FacetFrame
 {
   int gdim;
-  double axes[3][3]; ///< those beyond gdim are not set
+  double axes[3][3] = {}; ///< those beyond gdim are zero
   double size;       ///< area (length) of the facet per reference area (length) at the centre
 
   /// @param[in] num corners of the facet
@@ -67,56 +67,6 @@ struct FacetFrame
     const double determinant = first * second - mixed * mixed;
     out[0] = (along * second - across * mixed) / determinant;
     out[1] = (across * first - along * mixed) / determinant;
-  }
-
-  /// Change of a vector of fixed components when the facet's corners move.
-  /// @param[in] tangents changes of the tangents, [alpha][c]
-  void change(const double* components, const double tangents[2][3], double* out) const
-  {
-    double w[3];
-    const double* n = axes[gdim - 1];
-    if (gdim == 2)
-    {
-      w[0] = tangents[0][1];
-      w[1] = -tangents[0][0];
-    }
-    else
-    {
-      double other[3];
-      cross(tangents[0], axes[1], w);
-      cross(axes[0], tangents[1], other);
-      for (int c = 0; c < 3; ++c)
-        w[c] += other[c];
-    }
-    const double along = inner(w, n);
-    for (int c = 0; c < gdim; ++c)
-    {
-      out[c] = components[gdim - 1] * (w[c] - along * n[c]) / size;
-      for (int a = 0; a < gdim - 1; ++a)
-        out[c] += components[a] * tangents[a][c];
-    }
-  }
-
-  /// The transpose of `change`: what a force at the end of the vector is to the tangents.
-  /// @param[out] out force times length for each tangent, [alpha][c]
-  void transpose(const double* components, const double* force, double out[2][3]) const
-  {
-    const double* n = axes[gdim - 1];
-    const double along = inner(force, n), height = components[gdim - 1];
-    double g[3];
-    for (int c = 0; c < gdim; ++c)
-      g[c] = height * (force[c] - along * n[c]) / size;
-    if (gdim == 2)
-    {
-      out[0][0] = components[0] * force[0] - g[1];
-      out[0][1] = components[0] * force[1] + g[0];
-      return;
-    }
-    cross(axes[1], g, out[0]);
-    cross(g, axes[0], out[1]);
-    for (int a = 0; a < 2; ++a)
-      for (int c = 0; c < 3; ++c)
-        out[a][c] += components[a] * force[c];
   }
 
 private:

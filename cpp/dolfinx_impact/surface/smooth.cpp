@@ -450,4 +450,22 @@ Facets make_smooth(const FunctionSpace& V, const Facets& facets, const SmoothOpt
   out.x = out.X;
   return out;
 }
+
+Facets flat(const Facets& facets)
+{
+  if (!facets.smooth)
+    return facets;
+  Facets out = facets;
+  out.smooth = false;
+  out.geometry.degree = 1;
+  const std::size_t gdim = facets.gdim, corners = gdim * out.geometry.num_nodes();
+  out.X.clear();
+  out.x.clear();
+  for (std::size_t f = 0; f < facets.size(); ++f)
+  {
+    out.X.insert(out.X.end(), facets.X_of(f), facets.X_of(f) + corners);
+    out.x.insert(out.x.end(), facets.x_of(f), facets.x_of(f) + corners);
+  }
+  return out;
+}
 } // namespace dolfinx_impact::surface

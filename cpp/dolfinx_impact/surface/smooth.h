@@ -24,4 +24,7 @@ struct SmoothOptions
 /// @throws std::invalid_argument on all ranks for facets of degree 2, another number of normals, normals that point
 /// into the body, or a crease that is no angle between 0 and pi
 Facets make_smooth(const FunctionSpace& V, const Facets& facets, const SmoothOptions& options);
+
+/// The facets of degree 1 between the corners of smooth facets; other facets as they are.
+Facets flat(const Facets& facets);
 } // namespace dolfinx_impact::surface

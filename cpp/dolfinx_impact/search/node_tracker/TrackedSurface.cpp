@@ -2,6 +2,7 @@
 #include "TrackedSurface.h"
 #include "../../common/vectors.h"
 #include "../../surface/normals.h"
+#include "../../surface/turned.h"
 #include "../boxes.h"
 #include "../closest_point/edge_normals.h"
 #include "../closest_point/linear_facet.h"
@@ -27,6 +28,31 @@ struct Corners
       X[i] = facet + i * gdim;
   }
 };
+
+/// Upper bound on the motion of the offsets of smooth facets per motion of a corner. With the components k of an offset
+/// it is C (|k_1| + |k_2|) + 2.94 Q |k_n| (NormalRotation), Q and C those of the flat facet's centre.
+double largest_offset_motion(const surface::Facets& facets, const std::vector<double>& offsets)
+{
+  if (!facets.smooth)
+    return 0.0;
+  const int gdim = facets.gdim, n_x = facets.geometry.num_nodes();
+  const double slope = NormalRotation::slope(facets.displacement);
+  double largest = 0.0;
+  for (std::size_t f = 0; f < facets.size(); ++f)
+  {
+    const surface::FacetFrame frame = surface::frame_of(facets, facets.X_of(f));
+    const double rate = NormalRotation::rate(gdim - 1, frame.axes, slope);
+    for (int i = 0; i < n_x; ++i)
+    {
+      const double* k = offsets.data() + (f * n_x + i) * gdim;
+      double along = 0.0;
+      for (int a = 0; a < gdim - 1; ++a)
+        along += std::abs(k[a]);
+      largest = std::max(largest, slope * along + 2.94 * rate * std::abs(k[gdim - 1]));
+    }
+  }
+  return largest;
+}
 } // namespace
 
 void TrackedSurface::reset(surface::Facets facets)
@@ -42,7 +68,9 @@ void TrackedSurface::reset(surface::Facets facets)
   for (std::size_t f = 0; f < _facets.size(); ++f)
     _diameters[f] = surface::diameter(_facets, f);
   _largest = _diameters.empty() ? 0.0 : *std::max_element(_diameters.begin(), _diameters.end());
-  _slope = NormalRotation::slope(element);
+  _offsets = surface::offset_components(_facets);
+  _stretch = 1.0 + largest_offset_motion(_facets, _offsets);
+  _slope = _stretch * NormalRotation::slope(element);
   _phi.assign(n_x * n_u, 0.0);
   for (int i = 0; i < n_x; ++i)
     _facets.displacement.values(element.node(i).data(), _phi.data() + i * n_u);
@@ -75,7 +103,7 @@ double TrackedSurface::moved(const double* u) const
       const double x = _undeformed[k * gdim + c] + u[std::size_t(_nodes[k]) * gdim + c];
       largest = std::max(largest, std::abs(x - _node_data[k].x[c]));
     }
-  return std::sqrt(double(gdim)) * largest;
+  return _stretch * std::sqrt(double(gdim)) * largest;
 }
 
 void TrackedSurface::positions(std::int32_t f, Configuration at, double* x) const
@@ -92,6 +120,14 @@ void TrackedSurface::positions(std::int32_t f, Configuration at, double* x) cons
         x[i * gdim + c] = X[i * gdim + c] + at.at(k);
       }
     return;
+  }
+  if (_facets.smooth)
+  {
+    double corners[3 * FacetElement::max_nodes];
+    for (int j = 0; j < n_u; ++j)
+      for (int c = 0; c < gdim; ++c)
+        corners[j * gdim + c] = X[j * gdim + c] + at.at(std::size_t(nodes[j]) * gdim + c);
+    return surface::turned_positions(_facets, _offsets.data() + std::size_t(f) * n_x * gdim, corners, x);
   }
   for (int i = 0; i < n_x; ++i)
     for (int c = 0; c < gdim; ++c)
