@@ -73,7 +73,7 @@ public:
   /// Upper bound on the rotation rate of that normal (NormalRotation) [1/L].
   double rotation_rate(std::int32_t facet, const double* nodes, const double* xi) const;
   /// Distance of a point from the box around a facet's stored positions: a lower bound on the facet's distance. Zero
-  /// for facets of degree 2 [L].
+  /// for facets of degree 2 that are not smooth ones [L].
   double box_distance(std::int32_t facet, const double* x) const;
   /// Closest point of the surface from that of its nearest facet: signs the gap, and treats edges, vertices and the
   /// rim.
@@ -109,6 +109,9 @@ private:
   double _largest = 0.0, _slope = 2.0;  ///< _slope: NormalRotation
   std::vector<double> _offsets;         ///< of smooth facets: surface::offset_components
   double _stretch = 1.0;
+  std::vector<double> _centre; ///< derivatives of the shape functions of displacements at the centre
+  std::vector<double> _height; ///< of smooth facets: how far they leave the flat facet between their corners [L]
+  std::vector<Starts> _starts; ///< of smooth facets
   BoxTree _tree;
   std::vector<double> _boxes;
   std::vector<std::int32_t> _nodes, _corners;
