@@ -2,6 +2,8 @@
 #include "dolfinx_impact/surface/Surface.h"
 #include "arrays.h"
 #include "dolfinx_impact/surface/normals.h"
+#include "dolfinx_impact/surface/smooth.h"
+#include "dolfinx_impact/surface/turned.h"
 
 using namespace dolfinx_impact::surface;
 
@@ -84,6 +86,17 @@ void dolfinx_impact::bindings::surface(nb::module_& m)
             move(f, u.data());
           },
           nb::arg("u"), "Current positions from displacements, numbered as `nodes`")
+      .def_prop_ro("smooth", [](const Facets& f) { return f.smooth; })
+      .def(
+          "move_and_turn",
+          [](Facets& f, Values u)
+          {
+            for (std::int32_t node : f.nodes)
+              if (std::size_t(node + 1) * f.gdim > u.size())
+                throw std::invalid_argument("the displacements are fewer than the surface's nodes");
+            move_and_turn(f, offset_components(f), u.data());
+          },
+          nb::arg("u"), "As `move`, where smooth facets turn by any angle")
       .def(
           "evaluate",
           [](const Facets& f, std::size_t facet, double x, double y)
@@ -102,4 +115,10 @@ void dolfinx_impact::bindings::surface(nb::module_& m)
       "make_surface",
       [](const FunctionSpace& V, Indices facets) { return make_surface(V, {facets.data(), facets.size()}); },
       nb::arg("V"), nb::arg("facets"), "This rank's facets of a surface; nodes number the blocks of V's dofmap");
+  m.def(
+      "make_smooth", [](const FunctionSpace& V, const Facets& facets, double crease, Values normals)
+      { return make_smooth(V, facets, {crease, {normals.data(), normals.size()}}); }, nb::arg("V"), nb::arg("facets"),
+      nb::arg("crease"), nb::arg("normals"),
+      "Curved facets of degree 2 through the corners of facets of degree 1; normals at these corners, or none. "
+      "Collective");
 }

@@ -11,9 +11,9 @@ namespace
 using Obstacles = std::vector<std::tuple<std::string, Vector, Vector, double>>;
 
 // What both kinds of contact are made of; master has no facets if there is an obstacle. A search distance that is not a
-// number stands for the default one.
+// number stands for the default one. Normals of a smooth master at the vertices of its facets, or none.
 NodePairs node_pairs(const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
-                     double distance, const Vector& mass, const Matrix& displacement)
+                     double distance, const Vector& mass, const Matrix& displacement, const Matrix& normals)
 {
   std::optional<double> search_distance;
   if (not std::isnan(distance))
@@ -21,8 +21,12 @@ NodePairs node_pairs(const Model& model, const Cells& slave, const Cells& master
   if (distance <= 0)
     throw std::invalid_argument("the search distance must be positive");
   if (obstacle.empty())
-    return {model,       surface(model, slave, "slave"), surface(model, master, "master"), {}, search_distance, mass,
-            displacement};
+  {
+    Surface other = surface(model, master, "master");
+    if (normals.rows() > 0)
+      smooth(other, master, normals);
+    return {model, surface(model, slave, "slave"), std::move(other), {}, search_distance, mass, displacement};
+  }
   const auto& [shape, point, direction, radius] = obstacle[0];
   if (displacement.cols() != model.gdim() or not displacement.allFinite())
     throw std::invalid_argument("the obstacle's displacements must be finite, a row per time level");
@@ -53,7 +57,8 @@ void bind_explicit(nb::module_& m)
       .def(
           "__init__",
           [](NodalPenalty* self, const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
-             double search_distance, V mass, P displacement, double friction, double penalty, bool balanced)
+             double search_distance, V mass, P displacement, P slave_normals, P master_normals, double friction,
+             double penalty, bool balanced)
           {
             check_friction(friction);
             if (not(penalty >= 0) or not std::isfinite(penalty))
@@ -61,9 +66,10 @@ void bind_explicit(nb::module_& m)
             if (balanced and not obstacle.empty())
               throw std::invalid_argument("a balanced pair needs a deformable master: leave out balanced");
             std::vector<NodePairs> pairs{
-                node_pairs(model, slave, master, obstacle, search_distance, mass, displacement)};
+                node_pairs(model, slave, master, obstacle, search_distance, mass, displacement, master_normals)};
             if (balanced)
-              pairs.push_back(node_pairs(model, master, slave, obstacle, search_distance, mass, displacement));
+              pairs.push_back(
+                  node_pairs(model, master, slave, obstacle, search_distance, mass, displacement, slave_normals));
             new (self) NodalPenalty(std::move(pairs), friction, penalty);
           },
           nb::keep_alive<1, 2>())
@@ -73,13 +79,15 @@ void bind_explicit(nb::module_& m)
       .def(
           "__init__",
           [](NodalKinematic* self, const Model& model, const Cells& slave, const Cells& master,
-             const Obstacles& obstacle, double search_distance, V mass, P displacement, double friction, int sweeps)
+             const Obstacles& obstacle, double search_distance, V mass, P displacement, P, P master_normals,
+             double friction, int sweeps)
           {
             check_friction(friction);
             if (sweeps < 1)
               throw std::invalid_argument("kinematic contact needs at least one sweep");
-            new (self) NodalKinematic(node_pairs(model, slave, master, obstacle, search_distance, mass, displacement),
-                                      friction, sweeps);
+            new (self) NodalKinematic(
+                node_pairs(model, slave, master, obstacle, search_distance, mass, displacement, master_normals),
+                friction, sweeps);
           },
           nb::keep_alive<1, 2>());
   nb::class_<ContactHistories>(m, "ContactHistories")

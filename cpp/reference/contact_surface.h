@@ -16,6 +16,8 @@ struct Facet
   std::vector<std::int64_t> nodes;    ///< field nodes, in the order of the facet's own element
   std::vector<std::int64_t> vertices; ///< geometry nodes
   Matrix X;                           ///< geometry nodes (num_geometry_nodes, gdim) [L]
+  /// Of a smooth facet, by geometry node: what it has beyond the flat facet, along the `axes` at rest.
+  std::vector<Eigen::Vector3d> beyond = {};
 };
 
 struct Surface
@@ -24,6 +26,7 @@ struct Surface
   int degree, geometry_degree, gdim;
   bool axisymmetric;
   std::vector<Facet> facets;
+  bool smooth = false; ///< curved facets (`smooth`) that turn with their corners
 
   int tdim() const { return gdim - 1; }
   int num_nodes() const { return int(node_vertices(type, degree).size()); }
@@ -34,6 +37,13 @@ struct Surface
 /// @param facets geometry nodes, one facet per row; vertices suffice
 /// @throws std::invalid_argument if there is none, one is repeated, inside the body or belongs to no cell
 Surface surface(const Model& model, const Cells& facets, const std::string& name);
+
+/// Curve the facets of degree 1 of a surface through their vertices (docs/contact.md, "Smooth surfaces"): every edge is
+/// a parabola as high as the arc of a circle whose slopes at the ends are the mean of what the normals there ask for.
+/// @param facets as in `surface`; normals out of the body at their nodes, a row per node, facet after facet; not a
+/// number: that of the flat facet
+/// @throws std::invalid_argument for facets of degree 2, facets with more nodes than vertices, other numbers of normals
+void smooth(Surface& s, const Cells& facets, const Matrix& normals);
 
 using Local = std::array<double, 2>;
 /// Reference coordinates of a facet's centre and vertices.
@@ -159,10 +169,63 @@ T reference_area(const Surface& s, const Facet& facet, const std::array<T, 2>& x
   return s.axisymmetric ? 2 * std::numbers::pi * spot.x[0] * area : area;
 }
 
+/// Tangents and unit normal at the centre of the flat facet between vertices at y.
+template <typename T>
+std::array<Vec<T>, 3> axes(const Surface& s, const std::vector<Vec<T>>& y)
+{
+  const Local centre = facet_centre(s.type);
+  const auto f = facet_functions<double>(s.type, 1, centre);
+  std::array<Vec<T>, 3> result;
+  for (std::size_t j = 0; j < y.size(); ++j)
+    for (int k = 0; k < s.tdim(); ++k)
+      result[k] = result[k] + f.dN[k][j] * y[j];
+  if (s.gdim == 2)
+    result[1][2] = T(1);
+  result[2] = unit(cross(result[0], result[1]));
+  return result;
+}
+
+/// Point of a smooth facet: what it has beyond the flat facet keeps its components along the `axes`.
+template <typename T>
+Spot<T> smooth_spot(const Surface& s, const Facet& facet, const std::vector<Vec<T>>& u, const std::array<T, 2>& xi)
+{
+  const int n = s.num_vertices();
+  std::vector<Vec<T>> y(n);
+  for (int j = 0; j < n; ++j)
+    for (int c = 0; c < s.gdim; ++c)
+      y[j][c] = facet.X(j, c) + u[j][c];
+  Spot<T> result;
+  result.f = facet_functions(s.type, 1, xi);
+  for (int j = 0; j < n; ++j)
+  {
+    result.x = result.x + result.f.N[j] * y[j];
+    for (int k = 0; k < s.tdim(); ++k)
+      result.a[k] = result.a[k] + result.f.dN[k][j] * y[j];
+  }
+  const auto frame = axes(s, y);
+  const auto curved = facet_functions(s.type, 2, xi);
+  for (std::size_t i = n; i < facet.beyond.size(); ++i)
+  {
+    Vec<T> d;
+    for (int k = 0; k < 3; ++k)
+      d = d + facet.beyond[i](k) * frame[k];
+    if (s.gdim == 2)
+      d[2] = T(0);
+    result.x = result.x + curved.N[i] * d;
+    for (int k = 0; k < s.tdim(); ++k)
+      result.a[k] = result.a[k] + curved.dN[k][i] * d;
+  }
+  if (s.gdim == 2)
+    result.a[1][2] = T(1);
+  return result;
+}
+
 /// Current position, x = X + u.
 template <typename T>
 Spot<T> spot(const Surface& s, const Facet& facet, const std::vector<Vec<T>>& u, const std::array<T, 2>& xi)
 {
+  if (s.smooth)
+    return smooth_spot(s, facet, u, xi);
   Spot<T> result = reference_spot(s, facet, xi);
   result.f = facet_functions(s.type, s.degree, xi);
   for (std::size_t i = 0; i < u.size(); ++i)

@@ -38,13 +38,17 @@ class _Nodal:
         friction: float,
         search_distance: float | None,
         motion: TimeValues | None,
+        normals: dict[str, ArrayLike | None],
     ) -> None:
         self.slave, self.master, self.friction = slave, master, float(friction)
+        self.normals = normals
         self.search_distance = np.nan if search_distance is None else float(search_distance)
         self.motion = motion
         self.rigid = isinstance(master, (RigidPlane, RigidSphere, RigidCylinder))
         if motion is not None and not self.rigid:
             raise ValueError("motion is for rigid masters; a deformable one moves with its nodes")
+        if self.rigid and any(given is not None for given in normals.values()):
+            raise ValueError("normals are for smooth surfaces of deformable masters")
 
     def _bind(self, model: Model, times: FloatArray, lumping: str) -> Any:  # an object of the compiled module
         raise NotImplementedError
@@ -61,7 +65,14 @@ class _Nodal:
         displacement = _time_levels(0.0 if motion is None else motion, times, d, "motion")
         mass = model.mass(lumped=True, scheme=lumping)
         slave = _integers(self.slave, "slave", 2)
-        return model._model, slave, facets, obstacle, self.search_distance, mass, displacement
+        normals = []
+        for side, surface in (("slave", slave), ("master", facets)):
+            given = self.normals.get(side)
+            values = np.zeros((0, d)) if given is None else np.asarray(given, dtype=float)
+            if given is not None and values.shape != (*surface.shape, d):
+                raise ValueError(f"normals of the {side} have shape {values.shape}, not {(*surface.shape, d)}")
+            normals.append(np.ascontiguousarray(values.reshape(-1, d)))
+        return model._model, slave, facets, obstacle, self.search_distance, mass, displacement, *normals
 
 
 class NodalPenalty(_Nodal):
@@ -80,9 +91,12 @@ class NodalPenalty(_Nodal):
             facet [L].
         motion: displacement of a rigid master over time: shape (gdim), a function of t, or a table (times, values) with
             values of shape (n, gdim); None takes `master.displacement` at all times [L].
+        master_normals: of a smooth master (docs/contact.md, "Smooth surfaces"): normals at the vertices of its facets,
+            shape (num_facets, vertices per facet, gdim), not a number for that of the facet; None: facets as they are.
+        slave_normals: likewise, for the direction of a balanced contact in which the slave is the master.
 
     Raises:
-        ValueError: a penalty that is not positive, or a motion of a deformable master.
+        ValueError: a penalty that is not positive, a motion of a deformable master, or normals of another shape.
     """
 
     def __init__(
@@ -94,8 +108,11 @@ class NodalPenalty(_Nodal):
         balanced: bool = False,
         search_distance: float | None = None,
         motion: TimeValues | None = None,
+        master_normals: ArrayLike | None = None,
+        slave_normals: ArrayLike | None = None,
     ) -> None:
-        super().__init__(slave, master, friction, search_distance, motion)
+        normals = {"slave": slave_normals, "master": master_normals}
+        super().__init__(slave, master, friction, search_distance, motion, normals)
         if penalty is not None and not penalty > 0:
             raise ValueError(f"penalty is {penalty!r}: it must be positive, or None")
         self.penalty, self.balanced = penalty, bool(balanced)
@@ -115,9 +132,10 @@ class NodalKinematic(_Nodal):
         sweeps: number of sweeps over the nodes in a step.
         search_distance: masters further away are ignored, as in `NodalPenalty` [L].
         motion: displacement of a rigid master over time, as in `NodalPenalty` [L].
+        master_normals: of a smooth master, as in `NodalPenalty`.
 
     Raises:
-        ValueError: a motion of a deformable master.
+        ValueError: a motion of a deformable master, or normals of another shape.
     """
 
     def __init__(
@@ -128,8 +146,9 @@ class NodalKinematic(_Nodal):
         sweeps: int = 3,
         search_distance: float | None = None,
         motion: TimeValues | None = None,
+        master_normals: ArrayLike | None = None,
     ) -> None:
-        super().__init__(slave, master, friction, search_distance, motion)
+        super().__init__(slave, master, friction, search_distance, motion, {"master": master_normals})
         self.sweeps = int(sweeps)
 
     def _bind(self, model: Model, times: FloatArray, lumping: str) -> _reference.NodalKinematic:

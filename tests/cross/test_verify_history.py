@@ -143,6 +143,11 @@ def failed(case, monkeypatch=None, change=None, **changes):
 SMALL = 1 + 1e-6
 
 
+def tilted(x):
+    """Normals of the smooth hill, a millionth off."""
+    return np.vstack([SMALL * (x[0] - 0.5), np.ones(x.shape[1])])
+
+
 @pytest.mark.parametrize(
     "cell, name, changes, seen",
     (
@@ -161,6 +166,9 @@ SMALL = 1 + 1e-6
         ("quadrilateral", "shaken", {"gravity": (np.array([0.0, -1e-6]), lambda t: 1.0)}, {"external energy"}),
         ("quadrilateral", "disc on a block, penalty", {"options": {"balanced": True}}, {"contact force"}),
         ("quadrilateral", "disc on a block, kinematic", {"options": {"sweeps": 2}}, {"contact force"}),
+        ("quadrilateral", "body on a smooth hill, balanced penalty", {"smooth": None}, {"contact force"}),
+        ("hexahedron", "body on a smooth hill, penalty", {"smooth": None}, {"contact force", "displacement"}),
+        ("triangle", "body on a smooth hill, kinematic", {"smooth": tilted}, {"contact force", "displacement"}),
         (
             "quadrilateral",
             "block under a rigid cylinder that moves, penalty",

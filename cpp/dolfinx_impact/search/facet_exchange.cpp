@@ -150,6 +150,7 @@ FacetPackets send(MPI_Comm neighbours, const FacetPackets& mine, const std::vect
   out.facets.gdim = gdim;
   out.facets.displacement = facets.displacement;
   out.facets.geometry = facets.geometry;
+  out.facets.smooth = facets.smooth;
   for (std::size_t r : order)
   {
     const std::int64_t* row = integers.data() + r * width;

@@ -15,6 +15,8 @@ struct Facets
   int gdim = 3;
   FacetElement displacement;
   FacetElement geometry;
+  /// Does the geometry of degree 2 belong to a smooth surface through the corners of facets of degree 1 (smooth.h)?
+  bool smooth = false;
   /// Displacement nodes: nodes[facet*displacement.num_nodes() + i]. What they number is told by whoever made the
   /// struct: blocks of the space's dofmap (Surface), or entries of the pair's nodal map (search::Exchange).
   std::vector<std::int32_t> nodes;

@@ -49,7 +49,7 @@ void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double
 {
   const FacetElement& element = facets.displacement;
   const int n = element.num_nodes(), tdim = element.tdim();
-  const Rule gauss = rule(element.shape, element.shape == FacetShape::triangle ? 4 : 5);
+  const Rule gauss = rule(element.shape, 5);
   const std::vector<double> share = element.degree == 2 ? shares(element) : std::vector<double>();
   for (std::size_t f = 0; f < facets.size(); ++f)
     for (std::size_t q = 0; q < gauss.weights.size(); ++q)

@@ -15,12 +15,13 @@ from mpi4py import MPI
 from .. import _cpp
 from ..common.arguments import LARGEST_DEGREE, integer, number
 from ..common.collective import comm_of, guard
-from ..common.types import IntArray
+from ..common.types import FloatArray, IntArray
 from ..loads import _tag, check_tag, facet_tags_of
 from .nodal_sum import NodalSum
 from .rigid import _Rigid
 
 _Result = TypeVar("_Result")
+Smooth = bool | Callable[[FloatArray], Any]
 
 
 class ContactStatus(enum.IntEnum):
@@ -42,12 +43,17 @@ class ContactPair:
         search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
             start; for meshes that overlap although the bodies do not.
+        smooth: lay smooth surfaces of degree 2 through the nodes of linear facets (docs/contact.md, "Smooth
+            surfaces"): True, False, or a function of positions, (3, n) -> (gdim, n), that gives normals out of the
+            body, whose length does not count; where they are not a number, or off the facet by more than `crease`,
+            the mean normals of the facets are used. Two of these, (slave, master): each side its own.
+        crease: smooth surfaces keep edges sharp where facets meet at a larger angle [degrees].
         name: name for messages and files.
 
     Raises:
         TypeError: a tag is not an integer, or the master is neither a tag nor a rigid obstacle; on all ranks.
-        ValueError: slave and master are the same surface, or friction is negative or not finite; on all ranks. The
-            tags are compared with the mesh when a problem is made.
+        ValueError: slave and master are the same surface, friction is negative or not finite, or crease is no angle
+            above 0 up to 180; on all ranks. The tags are compared with the mesh when a problem is made.
     """
 
     facet_tags: MeshTags
@@ -57,6 +63,8 @@ class ContactPair:
     friction: float
     search_distance: float | None
     remove_penetration: bool
+    smooth: tuple[Smooth, Smooth]
+    crease: float
     name: str
 
     def __init__(
@@ -68,10 +76,17 @@ class ContactPair:
         search_distance: float | None = None,
         remove_penetration: bool = False,
         name: str | None = None,
+        smooth: Smooth | tuple[Smooth, Smooth] = False,
+        crease: float = 30.0,
     ) -> None:
         given = dict(slave=slave, master=master, friction=friction, search_distance=search_distance, name=name)
+        given |= dict(crease=crease, smooth=[_kind(side) for side in _sides(smooth)])
         with guard(comm_of(facet_tags), "ContactPair", **given, remove_penetration=bool(remove_penetration)):
             self._check(facet_tags, slave, master, friction, search_distance)
+            self.smooth = _check_smooth(smooth)
+            self.crease = number("crease", crease, 0.0, " [degrees]")
+            if self.crease > 180.0:
+                raise ValueError(f"crease is {self.crease}: it is an angle of up to 180 degrees")
         self.remove_penetration = bool(remove_penetration)
         self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
 
@@ -138,11 +153,20 @@ class ContactPair:
                 raise ValueError(f"{self.name}: {inside} facets with the tag {tag} lie inside the body")
             outside = np.intersect1d(facets, exterior)
             made.append(_guarded(mesh.comm, functools.partial(_surface, V, outside)))
+        for side, normals in enumerate(self.smooth[: len(made)]):
+            if normals is not False:
+                made[side] = self._smoothed(V, made[side], normals)
         if self.rigid:
             return made[0], None
         slave, master = made
         self._check_shared_nodes(V, slave, master)
         return slave, master
+
+    def _smoothed(self, V: FunctionSpace, facets: _cpp.surface.Facets, normals: Smooth) -> _cpp.surface.Facets:
+        """Smooth surface through the nodes of facets. Collective."""
+        given = _guarded(V.mesh.comm, functools.partial(_normals_at, normals, facets, self.name))
+        crease = float(np.radians(self.crease))
+        return _guarded(V.mesh.comm, lambda: _cpp.surface.make_smooth(V._cpp_object, facets, crease, given.ravel()))
 
     def _check_shared_nodes(self, V: FunctionSpace, slave: _cpp.surface.Facets, master: _cpp.surface.Facets) -> None:
         """Refuse surfaces that share nodes. Collective."""
@@ -164,6 +188,45 @@ class ContactPair:
 
 def _surface(V: FunctionSpace, facets: IntArray) -> _cpp.surface.Facets:
     return _cpp.surface.make_surface(V._cpp_object, np.ascontiguousarray(facets, dtype=np.int32))
+
+
+def _sides(smooth: Any) -> tuple[Any, Any]:
+    """What is asked for slave and master."""
+    return tuple(smooth) if isinstance(smooth, (tuple, list)) and len(smooth) == 2 else (smooth, smooth)
+
+
+def _kind(smooth: Any) -> str:
+    """What all ranks must ask for alike: functions may differ in their addresses."""
+    return "function" if callable(smooth) else repr(smooth)[:60]
+
+
+def _check_smooth(smooth: Any) -> tuple[Smooth, Smooth]:
+    """Check the argument `smooth`, on this rank."""
+    sides = _sides(smooth)
+    for side in sides:
+        if not (callable(side) or isinstance(side, (bool, np.bool_))):
+            raise TypeError(f"smooth is {side!r:.60}: True, False, a function of positions, or two of these")
+    first, second = (side if callable(side) else bool(side) for side in sides)
+    return first, second
+
+
+def _normals_at(normals: Smooth, facets: _cpp.surface.Facets, name: str) -> FloatArray:
+    """Normals of a function at the corners of facets, (facets, corners, gdim); none without a function."""
+    if not callable(normals):
+        return np.zeros(0)
+    X = facets.X
+    points = np.zeros((3, X.shape[0] * X.shape[1]))
+    points[: facets.gdim] = X.reshape(-1, facets.gdim).T
+    try:
+        found = np.asarray(normals(points), dtype=float)
+    except Exception as e:  # on this rank alone: the others must hear of it
+        raise ValueError(f"{name}: the normals of the smooth surface raised {type(e).__name__}: {e}") from e
+    if found.ndim != 2 or found.shape[0] not in (facets.gdim, 3) or found.shape[1] != points.shape[1]:
+        raise ValueError(
+            f"{name}: the normals of the smooth surface have shape {found.shape}, not ({facets.gdim}, "
+            f"{points.shape[1]}) as the positions"
+        )
+    return np.ascontiguousarray(found[: facets.gdim].T).reshape(X.shape)
 
 
 def _boundary(mesh: Mesh, exterior: IntArray) -> IntArray:

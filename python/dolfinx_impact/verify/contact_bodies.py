@@ -17,6 +17,7 @@ from scipy.sparse import csr_matrix
 
 from .. import contact, materials
 from ..common.types import AnyArray, FloatArray, IntArray
+from ..contact.pair import Smooth
 from . import bodies, nodes
 
 SLAVE, MASTER, TOP, BOTTOM = 1, 2, 3, 4
@@ -161,19 +162,22 @@ class TwoBodies(bodies.Body):
         self.nodes = self.order[:: self.gdim] // self.gdim  # their number of each of our nodes
         self.size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
-    def pair(self, everywhere: bool = True) -> contact.ContactPair:
+    def pair(self, everywhere: bool = True, smooth: Smooth = False) -> contact.ContactPair:
         """Our pair of surfaces.
 
         Args:
             everywhere: search masters at any distance, as the other side's static contact does; False takes the default
                 of explicit runs, which is the same on both sides.
+            smooth: normals of a smooth master, as ContactPair takes them.
 
         Returns:
             Pair of surfaces.
         """
         master: int | OurObstacle = self.rigid[0] if self.rigid else MASTER
         distance = None if self.rigid or not everywhere else self.size
-        return contact.ContactPair(self.tags, SLAVE, master, self.friction, search_distance=distance)
+        return contact.ContactPair(
+            self.tags, SLAVE, master, self.friction, search_distance=distance, smooth=(False, smooth)
+        )
 
     def theirs(self, points_and_weights: tuple[FloatArray, FloatArray]) -> impact_reference.Contact:
         """The other side's contact.

@@ -63,6 +63,7 @@ class Run:
         foundation: stiffness [F/L^3] and damping [F T/L^3] of a Foundation under the facets SLAVE on our side; the
             other side's model has it already (`on_foundation`).
         added_mass: mass on the facets SLAVE on our side; the other side's model has it already [M].
+        smooth: of a smooth master, function of positions, shape (gdim or more, n), that gives normals, (gdim, n).
     """
 
     name: str
@@ -80,6 +81,7 @@ class Run:
     step_fraction: float = 0.8
     foundation: tuple[Any, Any] | None = None
     added_mass: float | None = None
+    smooth: Callable[[FloatArray], FloatArray] | None = None
 
 
 class RandomVariation:
@@ -312,6 +314,43 @@ def blocks(cell: str, degree: int, variation: RandomVariation = RandomVariation(
         yield Run(f"block on a block, {law.replace('_', '-')}, {kind}", body, falling(0.05, 0.03), kind)
 
 
+def smooth_hill(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Run]:
+    """A block thrown on a round one that turns, whose surface is smooth, with friction.
+
+    Args:
+        cell: cell.
+        degree: degree of the displacement, 1.
+        variation: random variation of the runs.
+
+    Yields:
+        Runs.
+    """
+    dim = 2 if cell in ("triangle", "quadrilateral") else 3
+    lower, upper_cells = ((7, 3), (5, 3)) if dim == 2 else ((3, 3, 2), (2, 2, 2))
+
+    def normals(x: FloatArray) -> FloatArray:
+        return np.vstack([x[: dim - 1] - 0.5, np.ones((1, x.shape[1]))])
+
+    def velocity(positions: FloatArray) -> FloatArray:
+        v = falling(0.05, 0.03)(positions)
+        turning, x = ~_is_upper(positions), positions - 0.5
+        v[turning, 0], v[turning, dim - 1] = 0.1 * x[turning, dim - 1], -0.1 * x[turning, 0]
+        return v
+
+    methods: tuple[tuple[str, dict[str, Any]], ...]
+    methods = (("penalty", {}), ("penalty", {"balanced": True}), ("kinematic", {}))
+    for kind, options in methods:
+        domain, tags = two_bodies(cell, lower, upper_cells, start=(0.21, 0.17))
+        x, upper = domain.geometry.x, _open_gap(domain, GAP)
+        squared = ((x[:, : dim - 1] - 0.5) ** 2).sum(axis=1)
+        x[upper, dim - 1] += 0.2 * squared[upper]
+        x[~upper, dim - 1] *= 1.0 - 0.5 * squared[~upper]  # the top's height is 1 - r^2/2, its normal (x, y, 1)
+        variation.rotate_upper_body(domain)
+        body = _body(domain, tags, degree, "3d" if dim == 3 else "plane_strain", friction=0.3)
+        name = f"body on a smooth hill, {'balanced ' if options else ''}{kind}"
+        yield Run(name, body, velocity, kind, options, smooth=normals)
+
+
 def overhang(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Run]:
     """A block thrown over the edge of another one: some nodes pass beside the edge and return below the surface.
 
@@ -497,6 +536,10 @@ RUNS: tuple[tuple[str, int, MakeRuns], ...] = (
     ("quadrilateral", 1, disc),
     ("hexahedron", 1, blocks),
     ("tetrahedron", 1, blocks),
+    ("quadrilateral", 1, smooth_hill),
+    ("triangle", 1, smooth_hill),
+    ("hexahedron", 1, smooth_hill),
+    ("tetrahedron", 1, smooth_hill),
     ("quadrilateral", 1, overhang),
     ("hexahedron", 1, overhang),
     ("tetrahedron", 2, overhang),
@@ -553,7 +596,7 @@ def ours(case: Run, steps: int) -> tuple[ExplicitProblem, float, tuple[FloatArra
         if body.rigid:
             motion = case.obstacle
             body.rigid[0].motion = None if motion is None else lambda t: np.pad(motion(t), (0, 3 - body.gdim))
-        contacts = [kind(body.pair(everywhere=False), **case.options)]
+        contacts = [kind(body.pair(everywhere=False, smooth=case.smooth or False), **case.options)]
     problem = ExplicitProblem(
         u, cast(_Material, body.material), velocity=v, bcs=bcs, loads=loads_of(case), contact=contacts,
         scheme=case.scheme, damping=materials.Rayleigh(*case.damping), bulk_viscosity=case.viscosity,
@@ -601,6 +644,10 @@ def theirs(case: Run, dt: float, steps: int) -> ExplicitResult:
             options["motion"] = case.obstacle
         else:
             master = body.their_facets(body.tags, MASTER)
+        if case.smooth is not None:
+            x = body.mesh.geometry.x[master]
+            normals = case.smooth(x.reshape(-1, 3).T[: body.gdim]).T
+            options["master_normals"] = normals.reshape(*master.shape, body.gdim)
         contacts = [kind(slave, master, body.friction, **options)]
     return body.model.run_explicit(
         dt, steps, v0=v0, fixed_dofs=body.order[fixed_dofs], values=values, loads=loads, alpha=case.damping[0],

@@ -2,6 +2,8 @@
 #include "NodeCandidates.h"
 #include "../../common/vectors.h"
 #include "../../surface/nodal.h"
+#include "../../surface/smooth.h"
+#include "../../surface/turned.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -46,7 +48,7 @@ surface::Facets as_facets(int gdim, const std::vector<double>& x)
 NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::Facets& slave,
                                const surface::Facets* master, double distance, bool axisymmetric)
     : _rigid(master == nullptr), _comm(V.mesh()->comm()), _distance(distance), _halo(V.dofmap()->index_map),
-      _slave(slave)
+      _slave(surface::flat(slave))
 {
   const int gdim = V.mesh()->geometry().dim();
   if (slave.gdim != gdim || V.dofmap()->index_map_bs() != gdim || (master && master->gdim != gdim))
@@ -58,7 +60,10 @@ NodeCandidates::NodeCandidates(const surface::FunctionSpace& V, const surface::F
       if (node < 0 || node >= _halo.num_nodes())
         throw std::invalid_argument("the facets were made for another displacement space");
   if (master)
+  {
     _mine = search::pack(*V.dofmap()->index_map, *master);
+    _offsets = surface::offset_components(_mine.facets);
+  }
   const auto [smallest, largest] = diameters(_mine.facets);
   double sizes[2] = {std::max(diameters(_slave).second, largest), -smallest}, all[2];
   check_error(_comm, MPI_Allreduce(sizes, all, 2, MPI_DOUBLE, MPI_MAX, _comm));
@@ -117,7 +122,7 @@ void NodeCandidates::search(std::span<const double> u, std::span<const double> d
   ++_searches;
   std::copy_n(u.begin(), std::size_t(_halo.num_owned()) * gdim, _u.begin());
   _halo.forward(_u, gdim);
-  surface::move(_mine.facets, _u.data());
+  surface::move_and_turn(_mine.facets, _offsets, _u.data());
   std::vector<double> points(_undeformed);
   for (std::size_t i = 0; i < _nodes.size(); ++i)
     for (int c = 0; c < gdim; ++c)

@@ -67,6 +67,7 @@ private:
   mutable operators::Halo _halo; ///< of the space
   surface::Facets _slave;
   search::FacetPackets _mine; ///< this rank's master facets
+  std::vector<double> _offsets; ///< of smooth ones: surface::offset_components
   std::vector<std::int32_t> _nodes, _watched, _numbers, _watched_numbers;
   std::vector<double> _watched_X, _undeformed, _areas, _master_areas;
   search::FacetPackets _found, _slave_facets; ///< candidates; slave facets at nodes()

@@ -178,7 +178,7 @@ void try_edge(const FacetElement& element, int gdim, const double* nodes, const 
 } // namespace
 
 FacetProjection project_on_facet(const FacetElement& element, int gdim, const double* nodes, const double* point,
-                                 Starts starts, double margin)
+                                 Starts starts, double margin, const double* start)
 {
   FacetProjection best;
   const int corners = element.num_corners();
@@ -186,7 +186,10 @@ FacetProjection project_on_facet(const FacetElement& element, int gdim, const do
     try_edge(element, gdim, nodes, point, 0, margin, best);
   else
   {
-    try_inside(element, nodes, point, starts, margin, best);
+    if (start && starts == Starts::nearest)
+      try_interior(element, nodes, point, start, margin, best);
+    if (best.status != ProjectionStatus::converged)
+      try_inside(element, nodes, point, starts, margin, best);
     if (starts == Starts::nearest && best.status == ProjectionStatus::converged)
       return best;
     for (int e = 0; e < corners; ++e)

@@ -54,8 +54,10 @@ enum class Starts
 /// @param[in] nodes positions of the facet's nodes, nodes[i*gdim + c] [L]
 /// @param[in] point gdim coordinates [L]
 /// @param[in] margin points that are outside by less than this in reference coordinates count as inside
+/// @param[in] start reference coordinates near the closest point, or null: tried first if there is only one minimum
 FacetProjection project_on_facet(const surface::FacetElement& element, int gdim, const double* nodes,
-                                 const double* point, Starts starts, double margin = 1e-9);
+                                 const double* point, Starts starts, double margin = 1e-9,
+                                 const double* start = nullptr);
 
 /// How strongly a facet is curved.
 struct Bend

@@ -241,18 +241,26 @@ bool NodeTracker::locate_listed(std::size_t i, const double* u, const double* du
       const std::int32_t f = entry.facet;
       if (f == first || entry.bound - moved > (nearest >= 0 ? best.distance : range.radius()))
         continue;
-      if constexpr (!general)
-        if (nearest >= 0)
+      // Most facets are farther than the best one even by the distance of their box.
+      if constexpr (general)
+      {
+        const double far = nearest >= 0 ? _surface.box_distance(f, x) : 0.0;
+        if (nearest >= 0 && far > best.distance + room)
         {
-          // Most facets are farther than the best one even by the distance of their box.
-          corners_of(f);
-          const double squared = linear::box_distance<S>(X, x), limit = best.distance + room;
-          if (squared > limit * limit)
-          {
-            CandidateLists::set_distance(entry, std::sqrt(squared), path);
-            continue;
-          }
+          CandidateLists::set_distance(entry, far, path);
+          continue;
         }
+      }
+      else if (nearest >= 0)
+      {
+        corners_of(f);
+        const double squared = linear::box_distance<S>(X, x), limit = best.distance + room;
+        if (squared > limit * limit)
+        {
+          CandidateLists::set_distance(entry, std::sqrt(squared), path);
+          continue;
+        }
+      }
       project(f, nullptr, at);
       CandidateLists::set_distance(entry, at.distance, path);
       if (range.contains(_surface, f, at) &&

@@ -94,7 +94,7 @@ void RelativeMotion::add_step(const double* u, const double* du, TrackedSurface&
     move(master, master_shift, surface.X(k), u + node, _master.from.data() + k * D, data[k].x);
     std::copy_n(du + node, D, data[k].du);
   }
-  const double by_surface = room * std::sqrt(master.largest);
+  const double by_surface = room * surface.stretch() * std::sqrt(master.largest);
   for (std::size_t i = 0; i < size(); ++i)
   {
     const double* now = u + std::size_t(_nodes[i]) * D;
@@ -143,7 +143,8 @@ void RelativeMotion::restart(const double* du, const TrackedSurface& master)
     _slave.mean_step[c] /= std::max(num_slaves, 1.0);
     _master.mean_step[c] /= std::max(num_masters, 1.0);
   }
-  _step = largest_motion(_gdim, _nodes, du, _mean_step) + largest_motion(_gdim, nodes, du, _mean_step);
+  _step = largest_motion(_gdim, _nodes, du, _mean_step) +
+          master.stretch() * largest_motion(_gdim, nodes, du, _mean_step);
 }
 
 void RelativeMotion::advance(const double* u, const double* du, TrackedSurface& master)

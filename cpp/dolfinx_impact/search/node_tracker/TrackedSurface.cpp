@@ -2,6 +2,7 @@
 #include "TrackedSurface.h"
 #include "../../common/vectors.h"
 #include "../../surface/normals.h"
+#include "../../surface/turned.h"
 #include "../boxes.h"
 #include "../closest_point/edge_normals.h"
 #include "../closest_point/linear_facet.h"
@@ -27,6 +28,53 @@ struct Corners
       X[i] = facet + i * gdim;
   }
 };
+
+/// Upper bound on the motion of the offsets of smooth facets per motion of a corner. With the components k of an offset
+/// it is C (|k_1| + |k_2|) + 2.94 Q |k_n| (NormalRotation), Q and C those of the flat facet's centre.
+double largest_offset_motion(const surface::Facets& facets, const std::vector<double>& offsets)
+{
+  if (!facets.smooth)
+    return 0.0;
+  const int gdim = facets.gdim, n_x = facets.geometry.num_nodes();
+  const double slope = NormalRotation::slope(facets.displacement);
+  double largest = 0.0;
+  for (std::size_t f = 0; f < facets.size(); ++f)
+  {
+    const surface::FacetFrame frame = surface::frame_of(facets, facets.X_of(f));
+    const double rate = NormalRotation::rate(gdim - 1, frame.axes, slope);
+    for (int i = 0; i < n_x; ++i)
+    {
+      const double* k = offsets.data() + (f * n_x + i) * gdim;
+      double along = 0.0;
+      for (int a = 0; a < gdim - 1; ++a)
+        along += std::abs(k[a]);
+      largest = std::max(largest, slope * along + 2.94 * rate * std::abs(k[gdim - 1]));
+    }
+  }
+  return largest;
+}
+/// Longest offset of a geometry node from the flat facet: no place of the facet has a longer one, as the functions of
+/// these nodes are positive and their sum is at most 1, but for a fifth on triangles.
+double largest_offset(const surface::Facets& facets, std::size_t f)
+{
+  const int gdim = facets.gdim, n_u = facets.displacement.num_nodes();
+  const double* X = facets.X_of(f);
+  double largest = 0.0;
+  for (int i = n_u; i < facets.geometry.num_nodes(); ++i)
+  {
+    double phi[FacetElement::max_nodes], squared = 0.0;
+    facets.displacement.values(facets.geometry.node(i).data(), phi);
+    for (int c = 0; c < gdim; ++c)
+    {
+      double d = X[i * gdim + c];
+      for (int j = 0; j < n_u; ++j)
+        d -= phi[j] * X[j * gdim + c];
+      squared += d * d;
+    }
+    largest = std::max(largest, std::sqrt(squared));
+  }
+  return largest;
+}
 } // namespace
 
 void TrackedSurface::reset(surface::Facets facets)
@@ -42,10 +90,23 @@ void TrackedSurface::reset(surface::Facets facets)
   for (std::size_t f = 0; f < _facets.size(); ++f)
     _diameters[f] = surface::diameter(_facets, f);
   _largest = _diameters.empty() ? 0.0 : *std::max_element(_diameters.begin(), _diameters.end());
-  _slope = NormalRotation::slope(element);
+  _offsets = surface::offset_components(_facets);
+  _stretch = 1.0 + largest_offset_motion(_facets, _offsets);
+  _height.assign(_facets.smooth ? _facets.size() : 0, 0.0);
+  _starts.assign(_height.size(), Starts::nearest);
+  for (std::size_t f = 0; f < _height.size(); ++f)
+  {
+    // Room for facets that are stretched, and then are bent otherwise.
+    _height[f] = 2.0 * largest_offset(_facets, f);
+    if (gdim == 3)
+      _starts[f] = bend(element, gdim, _facets.X_of(f)).starts(4 * _diameters[f]);
+  }
+  _slope = _stretch * NormalRotation::slope(element);
   _phi.assign(n_x * n_u, 0.0);
   for (int i = 0; i < n_x; ++i)
     _facets.displacement.values(element.node(i).data(), _phi.data() + i * n_u);
+  _centre.assign(2 * FacetElement::max_nodes, 0.0);
+  _facets.displacement.derivatives(_facets.displacement.centre().data(), _centre.data());
   bounding_boxes(_facets, _boxes);
   _tree = BoxTree(gdim, _boxes);
   _nodes = _facets.nodes;
@@ -75,7 +136,7 @@ double TrackedSurface::moved(const double* u) const
       const double x = _undeformed[k * gdim + c] + u[std::size_t(_nodes[k]) * gdim + c];
       largest = std::max(largest, std::abs(x - _node_data[k].x[c]));
     }
-  return std::sqrt(double(gdim)) * largest;
+  return _stretch * std::sqrt(double(gdim)) * largest;
 }
 
 void TrackedSurface::positions(std::int32_t f, Configuration at, double* x) const
@@ -91,6 +152,29 @@ void TrackedSurface::positions(std::int32_t f, Configuration at, double* x) cons
         const std::size_t k = std::size_t(nodes[i]) * gdim + c;
         x[i * gdim + c] = X[i * gdim + c] + at.at(k);
       }
+    return;
+  }
+  if (_facets.smooth)
+  {
+    // As surface::turned_positions, with the values of shape functions that are known here.
+    const double* offsets = _offsets.data() + std::size_t(f) * n_x * gdim;
+    for (int j = 0; j < n_u; ++j) // the corners are the first of the geometry nodes
+      for (int c = 0; c < gdim; ++c)
+        x[j * gdim + c] = X[j * gdim + c] + at.at(std::size_t(nodes[j]) * gdim + c);
+    surface::FacetFrame frame;
+    frame.set(gdim, n_u, _centre.data(), [&](int j, int c) { return x[j * gdim + c]; });
+    for (int i = n_u; i < n_x; ++i)
+    {
+      double offset[3];
+      frame.vector(offsets + i * gdim, offset);
+      for (int c = 0; c < gdim; ++c)
+      {
+        double sum = offset[c];
+        for (int j = 0; j < n_u; ++j)
+          sum += _phi[i * n_u + j] * x[j * gdim + c];
+        x[i * gdim + c] = sum;
+      }
+    }
     return;
   }
   for (int i = 0; i < n_x; ++i)
@@ -129,9 +213,10 @@ FacetProjection TrackedSurface::project(std::int32_t f, const double* facet, con
   if (found)
     return out;
   const bool curved = _facets.geometry.tdim() == 2;
-  const Starts starts =
-      curved ? bend(_facets.geometry, _facets.gdim, facet).starts(2 * _diameters[f]) : Starts::nearest;
-  return project_on_facet(_facets.geometry, _facets.gdim, facet, x, starts);
+  const Starts starts = !curved           ? Starts::nearest
+                        : _facets.smooth ? _starts[f]
+                                         : bend(_facets.geometry, _facets.gdim, facet).starts(2 * _diameters[f]);
+  return project_on_facet(_facets.geometry, _facets.gdim, facet, x, starts, linear::margin, start);
 }
 
 void TrackedSurface::normal(std::int32_t f, const double* facet, const double* xi, double* normal) const
@@ -159,26 +244,25 @@ double TrackedSurface::rotation_rate(std::int32_t f, const double* facet, const 
 
 double TrackedSurface::box_distance(std::int32_t f, const double* x) const
 {
-  const auto corner = [&](int j) { return _node_data[corners(f)[j]].x; };
+  if (_kind == Kind::general && !_facets.smooth)
+    return 0.0;
   const double* X[4];
-  switch (_kind)
+  for (int j = 0; j < std::min(_nodes_per_facet, 4); ++j)
+    X[j] = _node_data[corners(f)[j]].x;
+  double squared = 0.0;
+  switch (_facets.displacement.shape)
   {
-  case Kind::interval:
-    for (int j = 0; j < 2; ++j)
-      X[j] = corner(j);
-    return std::sqrt(linear::box_distance<FacetShape::interval>(X, x));
-  case Kind::triangle:
-    for (int j = 0; j < 3; ++j)
-      X[j] = corner(j);
-    return std::sqrt(linear::box_distance<FacetShape::triangle>(X, x));
-  case Kind::quadrilateral:
-    for (int j = 0; j < 4; ++j)
-      X[j] = corner(j);
-    return std::sqrt(linear::box_distance<FacetShape::quadrilateral>(X, x));
-  case Kind::general:
+  case FacetShape::interval:
+    squared = linear::box_distance<FacetShape::interval>(X, x);
+    break;
+  case FacetShape::triangle:
+    squared = linear::box_distance<FacetShape::triangle>(X, x);
+    break;
+  case FacetShape::quadrilateral:
+    squared = linear::box_distance<FacetShape::quadrilateral>(X, x);
     break;
   }
-  return 0.0;
+  return std::max(std::sqrt(squared) - (_facets.smooth ? _height[f] : 0.0), 0.0);
 }
 
 Projection TrackedSurface::closest_point(const double* x, std::int32_t facet, const double* normal,

@@ -55,7 +55,10 @@ public:
   {
     return _corners.data() + std::size_t(facet) * _nodes_per_facet;
   }
-  /// Upper bound on the distance of the nodes' positions X + u from the stored ones [L].
+  /// A place of the surface moves by no more than this times the largest motion of a node: 1, and more where smooth
+  /// facets turn [1].
+  double stretch() const { return _stretch; }
+  /// Upper bound on the distance of the surface in the configuration X + u from the stored one [L].
   double moved(const double* u) const;
 
   /// Positions of a facet's geometry nodes, x[i*gdim + c] [L].
@@ -70,7 +73,7 @@ public:
   /// Upper bound on the rotation rate of that normal (NormalRotation) [1/L].
   double rotation_rate(std::int32_t facet, const double* nodes, const double* xi) const;
   /// Distance of a point from the box around a facet's stored positions: a lower bound on the facet's distance. Zero
-  /// for facets of degree 2 [L].
+  /// for facets of degree 2 that are not smooth ones [L].
   double box_distance(std::int32_t facet, const double* x) const;
   /// Closest point of the surface from that of its nearest facet: signs the gap, and treats edges, vertices and the
   /// rim.
@@ -104,6 +107,11 @@ private:
   Kind _kind = Kind::general;
   std::vector<double> _diameters, _phi; ///< _phi: shape functions of displacements at geometry nodes
   double _largest = 0.0, _slope = 2.0;  ///< _slope: NormalRotation
+  std::vector<double> _offsets;         ///< of smooth facets: surface::offset_components
+  double _stretch = 1.0;
+  std::vector<double> _centre; ///< derivatives of the shape functions of displacements at the centre
+  std::vector<double> _height; ///< of smooth facets: how far they leave the flat facet between their corners [L]
+  std::vector<Starts> _starts; ///< of smooth facets
   BoxTree _tree;
   std::vector<double> _boxes;
   std::vector<std::int32_t> _nodes, _corners;
