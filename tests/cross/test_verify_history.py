@@ -167,7 +167,7 @@ def tilted(x):
         ("quadrilateral", "disc on a block, penalty", {"options": {"balanced": True}}, {"contact force"}),
         ("quadrilateral", "disc on a block, kinematic", {"options": {"sweeps": 2}}, {"contact force"}),
         ("quadrilateral", "body on a smooth hill, balanced penalty", {"smooth": None}, {"contact force"}),
-        ("hexahedron", "body on a smooth hill, penalty", {"smooth": None}, {"contact force", "displacement"}),
+        ("hexahedron", "body on a smooth hill, balanced penalty", {"smooth": None}, {"contact force", "displacement"}),
         ("triangle", "body on a smooth hill, kinematic", {"smooth": tilted}, {"contact force", "displacement"}),
         (
             "quadrilateral",

@@ -54,8 +54,8 @@ def test_footprint_in_mid_rail():
 
 
 def test_step_penalty_and_cells_do_not_matter(plain):
-    """With four cells in the half-axis, as in the preset `coarse`: half the step, whose springs are four times as stiff,
-    and twice the penalty change the largest and the least force by less than 3 %, as do twice as many cells."""
+    """With four cells in the half-axis, as in the preset `coarse`: half the step, whose springs are four times as
+    stiff, twice the penalty and half as many cells change the largest and the least force by less than 3 %."""
     coarse, history, run = passage(PLAIN.changed(cells=4))
     half, _, _ = passage(PLAIN.changed(cells=4), dt=0.5 * history.dt)
     contact = run.run.contact[0]

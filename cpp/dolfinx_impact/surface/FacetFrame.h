@@ -11,7 +11,7 @@ struct FacetFrame
 {
   int gdim;
   double axes[3][3] = {}; ///< those beyond gdim are zero
-  double size;       ///< area (length) of the facet per reference area (length) at the centre
+  double size;            ///< area (length) of the facet per reference area (length) at the centre
 
   /// @param[in] num corners of the facet
   /// @param[in] dphi derivatives of their shape functions at the centre, dphi[alpha*num + j]

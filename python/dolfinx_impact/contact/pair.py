@@ -79,8 +79,8 @@ class ContactPair:
         smooth: Smooth | tuple[Smooth, Smooth] = False,
         crease: float = 30.0,
     ) -> None:
-        given = dict(slave=slave, master=master, friction=friction, search_distance=search_distance, name=name)
-        given |= dict(crease=crease, smooth=[_kind(side) for side in _sides(smooth)])
+        given: dict[str, Any] = dict(slave=slave, master=master, friction=friction, name=name)
+        given |= dict(search_distance=search_distance, crease=crease, smooth=[_kind(s) for s in _sides(smooth)])
         with guard(comm_of(facet_tags), "ContactPair", **given, remove_penetration=bool(remove_penetration)):
             self._check(facet_tags, slave, master, friction, search_distance)
             self.smooth = _check_smooth(smooth)

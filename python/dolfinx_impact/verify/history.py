@@ -337,9 +337,9 @@ def smooth_hill(cell: str, degree: int, variation: RandomVariation = RandomVaria
         v[turning, 0], v[turning, dim - 1] = 0.1 * x[turning, dim - 1], -0.1 * x[turning, 0]
         return v
 
-    methods: tuple[tuple[str, dict[str, Any]], ...]
-    methods = (("penalty", {}), ("penalty", {"balanced": True}), ("kinematic", {}))
-    for kind, options in methods:
+    methods: list[tuple[str, dict[str, Any]]]
+    methods = [("penalty", {})] if dim == 2 else []
+    for kind, options in (*methods, ("penalty", {"balanced": True}), ("kinematic", {})):
         domain, tags = two_bodies(cell, lower, upper_cells, start=(0.21, 0.17))
         x, upper = domain.geometry.x, _open_gap(domain, GAP)
         squared = ((x[:, : dim - 1] - 0.5) ** 2).sum(axis=1)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Contact with smooth surfaces: wheels of few facets. See on_ranks.py."""
 
+import functools
+
 import basix.ufl
 import numpy as np
 import ufl
@@ -23,11 +25,12 @@ class WheelOnRail:
         dim: 2 or 3.
         depth: of the wheel in the rail [m].
         cells: of the rail, along it.
+        facets: around the wheel.
     """
 
-    def __init__(self, dim, depth=DEPTH, cells=70, comm=COMM):
-        self.dim, self.comm, axle = dim, comm, 1.0 - depth
-        angles, radii = np.linspace(0.0, 2.0 * np.pi, FACETS + 1), np.array([0.8, 1.0])
+    def __init__(self, dim, depth=DEPTH, cells=70, comm=COMM, facets=FACETS):
+        self.dim, axle = dim, 1.0 - depth
+        angles, radii = np.linspace(0.0, 2.0 * np.pi, facets + 1), np.array([0.8, 1.0])
         across = np.linspace(0.0, WIDTH, 2) if dim == 3 else np.zeros(1)
         a, y, r = np.meshgrid(angles, across, radii, indexing="ij")
         ring = np.stack([r * np.sin(a), y, axle - r * np.cos(a)], axis=-1)
@@ -151,3 +154,26 @@ def check_ranks_agree():
         assert np.abs(found[1]).max() > 0.0
         # Sums in another order: 1e-12 of a force, through some hundred steps.
         assert np.abs(found[0] - found[1]).max() <= 1e-9 * np.abs(found[1]).max(), (method, found)
+
+
+def force_of_pressing(method, facets, smooth=False):
+    """Force on a stiff wheel that is pressed into an elastic rail, the slave, by a given way: static contact."""
+    body = WheelOnRail(2, depth=0.0, cells=140, facets=facets)
+    u = fem.Function(body.V)
+    low = fem.locate_dofs_geometrical(body.V, lambda x: np.abs(x[1] + 0.05) < 1e-9)
+    down = np.array([0.0, -0.003])
+    bcs = [fem.dirichletbc(np.zeros(2), low, body.V), fem.dirichletbc(down, body.wheel, body.V)]
+    pair = di.ContactPair(body.tags, RAIL, WHEEL, smooth=(False, smooth))
+    law = di.LinearElastic(1.0, 0.3, hypothesis="plane_strain")
+    problem = di.StaticProblem(u, law, bcs=bcs, contact=[method(pair)])
+    problem.solve()
+    return abs(problem.contact[0].force[1])
+
+
+def check_a_smooth_master_is_round_in_static_contact():
+    """A wheel of 96 smooth facets is pressed as one of 960 flat ones; 96 flat ones are not."""
+    for method in (di.Lagrange, functools.partial(di.Penalty, penalty=1e3)):
+        fine, coarse = force_of_pressing(method, 960), force_of_pressing(method, 96)
+        smooth = force_of_pressing(method, 96, smooth=True)
+        assert abs(coarse / fine - 1.0) > 0.02, (coarse, fine)
+        assert abs(smooth / fine - 1.0) < 0.005, (smooth, fine)

@@ -66,7 +66,7 @@ private:
   double _distance, _size = 0.0, _smallest = 0.0;
   mutable operators::Halo _halo; ///< of the space
   surface::Facets _slave;
-  search::FacetPackets _mine; ///< this rank's master facets
+  search::FacetPackets _mine;   ///< this rank's master facets
   std::vector<double> _offsets; ///< of smooth ones: surface::offset_components
   std::vector<std::int32_t> _nodes, _watched, _numbers, _watched_numbers;
   std::vector<double> _watched_X, _undeformed, _areas, _master_areas;

@@ -143,8 +143,8 @@ void RelativeMotion::restart(const double* du, const TrackedSurface& master)
     _slave.mean_step[c] /= std::max(num_slaves, 1.0);
     _master.mean_step[c] /= std::max(num_masters, 1.0);
   }
-  _step = largest_motion(_gdim, _nodes, du, _mean_step) +
-          master.stretch() * largest_motion(_gdim, nodes, du, _mean_step);
+  _step =
+      largest_motion(_gdim, _nodes, du, _mean_step) + master.stretch() * largest_motion(_gdim, nodes, du, _mean_step);
 }
 
 void RelativeMotion::advance(const double* u, const double* du, TrackedSurface& master)

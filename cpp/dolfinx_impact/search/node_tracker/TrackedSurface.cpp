@@ -213,7 +213,7 @@ FacetProjection TrackedSurface::project(std::int32_t f, const double* facet, con
   if (found)
     return out;
   const bool curved = _facets.geometry.tdim() == 2;
-  const Starts starts = !curved           ? Starts::nearest
+  const Starts starts = !curved          ? Starts::nearest
                         : _facets.smooth ? _starts[f]
                                          : bend(_facets.geometry, _facets.gdim, facet).starts(2 * _diameters[f]);
   return project_on_facet(_facets.geometry, _facets.gdim, facet, x, starts, linear::margin, start);
