@@ -60,6 +60,7 @@ class Case:
         progress: show progress bars on rank 0.
         resume: go on from the folder's checkpoint if there is one; else begin anew.
         interval: wall-clock time between checkpoints [s].
+        frames: pictures of the animation, and moments at which fields are written [1].
 
     Attributes:
         data: as given.
@@ -79,9 +80,10 @@ class Case:
         progress: bool = True,
         resume: bool = False,
         interval: float = 240.0,
+        frames: int = FRAMES,
     ) -> None:
         self.data, self._comm, self._pictures, self._progress = data, comm, pictures, progress
-        self._interval = interval
+        self._interval, self._frames = interval, frames
         folder = RunFolder(path, comm=comm, name="rail_joint", parameters={"toml": data.to_toml().splitlines()})
         self.run = folder
         self._state = self._read_state() if resume else {}
@@ -213,8 +215,9 @@ class Case:
 
         last = number == data.passes - 1
         pictured = self._pictures and last
+        places = [float(x) for x in np.linspace(data.begin, data.end, self._frames)]
         history = self._stage("rolling" + what, lambda: passage.roll(
-            show=show if pictured else None, checkpoint=run.file(CHECKPOINT), interval=self._interval))  # fmt: skip
+            places, show if pictured else None, run.file(CHECKPOINT), self._interval))  # fmt: skip
         recorder.close()
         for frames in writer:
             frames.close()

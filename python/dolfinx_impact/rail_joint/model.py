@@ -173,7 +173,7 @@ class JointModel:
         """
         return ContactPair(
             self.facet_tags, self.tags["slave_surface"], self.tags["master_surface"], friction=friction,
-            name="wheel and rail", **({"smooth": True} if self.data.smooth else {}),
+            name="wheel and rail", smooth=self.data.smooth,
         )  # fmt: skip
 
     def rolling_velocity(self, u: fem.Function) -> fem.Function:

@@ -89,9 +89,10 @@ def check_resumed_run_is_the_same_run():
     with pytest.raises(ValueError, match="checkpoint of another joint"):
         Case(other, folder / "killed", COMM, resume=True)
     resumed = Case(SMALL, folder / "killed", COMM, pictures=False, progress=False, resume=True).solve()
-    # Restarts are exact; the tables begin where the run was resumed, so only what is behind the joint is compared.
+    # Restarts are exact; the tables begin where the run was resumed, so only what is behind the joint is compared. On
+    # several ranks MUMPS does not repeat the last digits of the preload, nor do forces that settle from it.
     for name in ("static_force", "dynamic_factor", "peak_place"):
-        assert getattr(resumed, name) == pytest.approx(getattr(whole, name), rel=1e-9), name
+        assert getattr(resumed, name) == pytest.approx(getattr(whole, name), rel=1e-9 if COMM.size == 1 else 1e-6), name
     assert not (folder / "killed" / "checkpoint.h5").exists(), "nothing is left to resume"
     record = json.loads((folder / "killed" / "summary.json").read_text())
     assert record["summary"]["steps"] == whole.steps

@@ -413,8 +413,9 @@ def check_an_explicit_run_goes_on_with_the_contact_forces():
     # Facets of a coarse wheel close and open one by one; without the friction the run would begin at zero.
     assert abs(run.contact[0].force[1] / steady[1] - 1.0) < 0.1
     assert run.contact[0].force[0] > 0.5 * steady[0] > 0.0
+    # The hub, of radius 0.5, which is held 0.01 lower, turns with omega = -1.01 or so.
     axle = run.supports[0][0][:1]
-    assert COMM.allreduce(len(axle)) >= 1 and np.allclose(run.velocity.x.array[axle], 0.0, atol=0.51)
+    assert COMM.allreduce(len(axle)) >= 1 and np.abs(run.velocity.x.array[axle]).max(initial=0.0) < 0.53
 
 
 def check_bad_starts():
