@@ -15,6 +15,12 @@ from ufl.utils.counted import Counted
 MOST = 3  # ranks in `make test`
 
 
+def number_in_make_test(index, ranks):
+    """On how many ranks `make test` runs the check of an index, of the numbers it is for: each of them in turn."""
+    few = [n for n in ranks if n <= MOST] or [min(ranks)]
+    return few[index % len(few)]
+
+
 def checks_of(names):
     """name -> function, of a module's names; those that it imports do not count."""
     own = {k: f for k, f in names.items() if k.startswith("check_") and f.__code__.co_filename == names["__file__"]}
@@ -24,8 +30,8 @@ def checks_of(names):
 def rank_tests(module, ranks=(2, 3), timeout=300):
     """Tests of a module of checks: `test_one_rank, test_several_ranks = rank_tests(module)`.
 
-    More ranks than MOST repeat what fewer have checked, at a multiple of the cost on two cores: `make verify` runs
-    them.
+    `make test` runs each check on one rank and on several: half of a module's checks on two, half on three. On the
+    other numbers `make verify` runs them; they repeat what was checked, at a multiple of the cost on two cores.
 
     Args:
         module: with functions check_* without arguments.
@@ -34,12 +40,13 @@ def rank_tests(module, ranks=(2, 3), timeout=300):
     """
     checks = checks_of(vars(module))
     assert checks, f"{module.__name__} has no function check_*"
+    chosen = {name: number_in_make_test(index, ranks) for index, name in enumerate(checks)}
 
     @pytest.mark.parametrize("name", checks)
     def test_one_rank(name):
         checks[name]()
 
-    @pytest.mark.long_rows(where=lambda ranks: ranks > MOST)
+    @pytest.mark.long_rows(where=lambda ranks, name: ranks != chosen[name])
     @pytest.mark.parametrize("name", checks)
     @pytest.mark.parametrize("ranks", ranks)
     def test_several_ranks(rank_group, ranks, name):

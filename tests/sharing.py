@@ -2,8 +2,10 @@
 """One suite shared by several pytest processes: `pytest --share FOLDER`, each with the same folder and arguments.
 
 A process takes the next part that nobody has taken, until none is left: no list says which tests are whose, a new
-module is shared as well, and the processes end together whatever the parts take. A part is a module, or all tests on
-the ranks of a group: the ranks are started once. Tests marked `alone` come last, in the process that is the last one.
+module is shared as well, and the processes end together whatever the parts take. A part is a module. Tests that need
+the machine for themselves come last, in the process that is the last one: those on the ranks of a group, which start
+once and wait for each other in busy loops, so that beside other work everything takes several times as long; and those
+marked `alone`.
 """
 
 import fcntl
@@ -21,11 +23,11 @@ def part_of(item):
 
 
 def parts_of(items):
-    """Name -> tests, in the order in which parts are taken: that on ranks is the longest."""
-    parts = {RANKS: []}
+    """Name -> tests, in the order in which parts are taken."""
+    parts = {}
     for item in items:
         parts.setdefault(part_of(item), []).append(item)
-    return {name: tests for name, tests in parts.items() if tests}
+    return parts
 
 
 class Share:
@@ -58,7 +60,7 @@ class Share:
 def run(session, folder):
     """Run this process's share of the tests that were collected."""
     share, parts = Share(folder), parts_of(session.items)
-    alone = parts.pop(ALONE, [])
+    alone = parts.pop(RANKS, []) + parts.pop(ALONE, [])
     _run(session, itertools.chain.from_iterable(tests for name, tests in parts.items() if share.take(name)))
     share.wait_for_the_others()
     if alone and share.take(ALONE):

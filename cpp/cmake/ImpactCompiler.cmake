@@ -25,3 +25,9 @@ function(impact_precompile target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>) # for ccache
   endif()
 endfunction()
+
+# impact_unite(TARGET N): N sources at a time are one compilation, which reads headers and instantiates templates once. With
+# a small N the unit of a source that was changed is still compiled in a few seconds.
+function(impact_unite target number)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${number})
+endfunction()

@@ -27,14 +27,7 @@ Matrix gradient_matrix(Hypothesis h, const Sample& s)
   return G;
 }
 
-using Column = Eigen::Matrix<double, 9, 1>;
-
-Column column(const Tensor& a)
-{
-  return {a(0, 0), a(0, 1), a(0, 2), a(1, 0), a(1, 1), a(1, 2), a(2, 0), a(2, 1), a(2, 2)};
-}
-
-Tensor tensor(const Column& c)
+Tensor tensor(const Components& c)
 {
   Tensor a;
   a << c(0), c(1), c(2), c(3), c(4), c(5), c(6), c(7), c(8);
@@ -133,7 +126,7 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
 
   if (k.strain == PlasticStrain::small)
   {
-    const Column identity = column(Tensor::Identity());
+    const Components identity = components(Tensor::Identity());
     if (replaced)
     {
       Matrix trace(x.rows(), n); // tr eps = trace . u at the points
@@ -150,7 +143,7 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
       const Tensor strain = 0.5 * (H + H.transpose());
       const J2Answer answer = law.answer(k.strain, k.hypothesis, strain, committed[q], with_tangent);
       add(result, weight, answer);
-      result.force.noalias() += weight * G.transpose() * column(answer.stress);
+      result.force.noalias() += weight * G.transpose() * components(answer.stress);
       if (with_tangent)
         result.tangent.noalias() += weight * G.transpose() * answer.tangent * G;
     }
@@ -169,7 +162,7 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
       throw std::domain_error("the deformation turns cell " + std::to_string(cell) + " inside out: det F is " +
                               std::to_string(J));
     const Eigen::Index q = Eigen::Index(F.size()) - 1;
-    t.row(q) = column(F.back().inverse().transpose()).transpose() * p.G;
+    t.row(q) = components(F.back().inverse().transpose()).transpose() * p.G;
     dilatations(q) = J;
   }
   Vector mean = dilatations;
@@ -196,10 +189,10 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
     // F_bar = alpha F, d alpha = alpha change . du
     const double alpha = replaced ? std::cbrt(mean(row) / dilatations(row)) : 1;
     const Eigen::RowVectorXd change = (m.row(row) - t.row(row)) / 3;
-    const Matrix B = alpha * (G + column(F[q]) * change);
+    const Matrix B = alpha * (G + components(F[q]) * change);
     const J2Answer answer = law.answer(k.strain, k.hypothesis, alpha * F[q], committed[q], with_tangent);
     add(result, weight, answer);
-    const Column stress = column(answer.stress);
+    const Components stress = components(answer.stress);
     result.force.noalias() += weight * B.transpose() * stress;
     if (not with_tangent)
       continue;
@@ -212,7 +205,7 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
       const Eigen::RowVectorXd work = stress.transpose() * G;
       const Matrix second = change.transpose() * change + (dm + trace_of_products(F[q].inverse(), G)) / 3;
       result.tangent +=
-          weight * alpha * (change.transpose() * work + work.transpose() * change + stress.dot(column(F[q])) * second);
+          weight * alpha * (change.transpose() * work + work.transpose() * change + stress.dot(components(F[q])) * second);
     }
   }
   return result;

@@ -31,12 +31,6 @@ Tensor deviator(const Tensor& a)
   return a - a.trace() / 3 * Tensor::Identity();
 }
 
-// Row-major: component ij stands at 3 i + j.
-Eigen::Matrix<double, 9, 1> column(const Tensor& a)
-{
-  return {a(0, 0), a(0, 1), a(0, 2), a(1, 0), a(1, 1), a(1, 2), a(2, 0), a(2, 1), a(2, 2)};
-}
-
 Tensor unit(int i, int j)
 {
   Tensor e = Tensor::Zero();
@@ -219,6 +213,11 @@ double log_slope(double a, double b)
 }
 } // namespace
 
+Components components(const Tensor& A)
+{
+  return {A(0, 0), A(0, 1), A(0, 2), A(1, 0), A(1, 1), A(1, 2), A(2, 0), A(2, 1), A(2, 2)};
+}
+
 PlasticStrain plastic_strain(const std::string& name)
 {
   if (name == "small")
@@ -342,7 +341,7 @@ J2Answer J2::small_strain(const Tensor& strain, const J2History& history, bool w
       {
         const Tensor d = 0.5 * (unit(k, l) + unit(l, k));
         const Tensor d_stress = step.derivative(2 * shear_ * deviator(d), Tensor::Zero());
-        answer.tangent.col(3 * k + l) = column(bulk_ * d.trace() * Tensor::Identity() + d_stress);
+        answer.tangent.col(3 * k + l) = components(bulk_ * d.trace() * Tensor::Identity() + d_stress);
       }
   return answer;
 }
@@ -394,7 +393,7 @@ J2Answer J2::hencky(const Tensor& F, const J2History& history, bool with_tangent
       const Tensor d = V * of_log.cwiseProduct(V.transpose() * (half + half.transpose()) * V) * V.transpose();
       const Tensor d_back = polar.forward_derivative(history.back_stress, dF);
       const Tensor d_tau = bulk_ * d.trace() * Tensor::Identity() + step.derivative(2 * shear_ * deviator(d), d_back);
-      answer.tangent.col(3 * k + l) = column((d_tau - answer.stress * dF.transpose()) * inverse.transpose());
+      answer.tangent.col(3 * k + l) = components((d_tau - answer.stress * dF.transpose()) * inverse.transpose());
     }
   return answer;
 }
@@ -438,7 +437,7 @@ J2Answer J2::simo(const Tensor& F, const J2History& history, bool with_tangent) 
       const Tensor d_back = polar.forward_derivative(history.back_stress, dF);
       const Tensor d_s = step.derivative(shear_ * deviator(d), d_back, shear_ * d.trace() / 3);
       const Tensor d_tau = bulk_ * J * dJ * Tensor::Identity() + d_s;
-      answer.tangent.col(3 * k + l) = column((d_tau - answer.stress * dF.transpose()) * inverse.transpose());
+      answer.tangent.col(3 * k + l) = components((d_tau - answer.stress * dF.transpose()) * inverse.transpose());
     }
   return answer;
 }

@@ -12,6 +12,9 @@ namespace impact_reference
 using Tensor = Eigen::Matrix3d;
 /// Derivative of a tensor by a tensor: entry (3 i + j, 3 k + l) is dA_ij / dB_kl.
 using Tensor4 = Eigen::Matrix<double, 9, 9>;
+/// A tensor's components row by row: A_ij at 3 i + j.
+using Components = Eigen::Matrix<double, 9, 1>;
+Components components(const Tensor& A);
 
 /// Strain that the law works with.
 enum class PlasticStrain

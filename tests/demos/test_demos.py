@@ -53,13 +53,17 @@ def test_every_application_says_what_it_leaves():
     assert set(FILES) == {name for name, (path, _) in cli.demos().items() if cli.is_application(path)}
 
 
+# Of the applications, which are studies, `make test` runs the flagship, one of each kind of problem, and one on two ranks;
+# the others run in `make verify`.
+IN_MAKE_TEST = {
+    ("rail_joint", 1), ("rolling_disc", 1), ("rolling_disc", 2), ("hertz_cylinder", 1), ("impact_bars", 1),
+}  # fmt: skip
+
+
 @pytest.mark.mpi
-# The short demos run on two ranks in `make test`; the applications do so in `make verify`, one of them here too.
-@pytest.mark.parametrize(
-    "name, ranks",
-    [(name, 1) for name in sorted(FILES)]
-    + [pytest.param(name, 2, marks=[] if name == "rolling_disc" else [pytest.mark.slow]) for name in sorted(FILES)],
-)
+@pytest.mark.long_rows(where=lambda name, ranks: (name, ranks) not in IN_MAKE_TEST)
+@pytest.mark.parametrize("ranks", (1, 2))
+@pytest.mark.parametrize("name", sorted(FILES))
 def test_an_application_runs_and_leaves_its_files(name, ranks, impact, tmp_path):
     folder = tmp_path / "here"
     status, output, errors = impact("demo", name, "--ranks", ranks, "--output", folder)

@@ -9,7 +9,7 @@ namespace dolfinx_impact::gap
 {
 namespace
 {
-void check(const Points& points, const surface::Facets& slave)
+void check_points(const Points& points, const surface::Facets& slave)
 {
   if (points.gdim != slave.gdim || points.size() != points.per_facet * slave.size())
     throw std::invalid_argument("these points belong to another surface");
@@ -50,7 +50,7 @@ Points make_points(const surface::Facets& slave, std::span<const double> points,
 
 void update(Points& points, const surface::Facets& slave, const search::SurfaceSearch& master, double reach, bool keep)
 {
-  check(points, slave);
+  check_points(points, slave);
   const int gdim = points.gdim;
   points.hessian.clear();
   for (std::size_t q = 0; q < points.size(); ++q)
@@ -70,7 +70,7 @@ void update(Points& points, const surface::Facets& slave, const search::SurfaceS
 
 void update(Points& points, const surface::Facets& slave, const Rigid& master)
 {
-  check(points, slave);
+  check_points(points, slave);
   const int gdim = points.gdim;
   if (master.gdim != gdim)
     throw std::invalid_argument("the rigid master has another dimension than the slave");

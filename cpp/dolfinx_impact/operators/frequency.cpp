@@ -3,7 +3,7 @@
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
 #include "CellValues.h"
-#include <Eigen/Eigenvalues>
+#include "SymmetricMatrix.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,27 +12,6 @@
 
 namespace dolfinx_impact::operators
 {
-namespace
-{
-/// Traces of the powers one to three: matrices that have them in common are those of congruent cells.
-struct Traces
-{
-  double first, second, third;
-
-  bool operator==(const Traces& other) const
-  {
-    const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
-    return same(first, other.first) && same(second, other.second) && same(third, other.third);
-  }
-};
-
-Traces traces(const Eigen::MatrixXd& A, Eigen::MatrixXd& square)
-{
-  square.noalias() = A * A;
-  return {A.trace(), A.squaredNorm(), square.cwiseProduct(A).sum()};
-}
-} // namespace
-
 std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
                                  const std::map<std::string, std::shared_ptr<const Function>>& coefficients,
                                  std::span<const double> masses)
@@ -50,8 +29,7 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
   const impact_tabulate tabulate = kernels::tabulate(k, 1);
   std::vector<double> K(std::size_t(n) * n), out;
   out.reserve(3 * num);
-  Eigen::MatrixXd A(n, n), square(n, n);
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(n);
+  SymmetricMatrix A(n);
   std::unordered_map<long long, std::vector<std::pair<Traces, std::array<double, 2>>>> known;
   for (std::size_t e = 0; e < num; ++e)
   {
@@ -69,15 +47,14 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
         A(i, j) = 0.5 * (to + fro) / std::sqrt(m[i] * m[j]);
         skew += 0.25 * (to - fro) * (to - fro) / (m[i] * m[j]);
       }
-    const Traces t = traces(A, square);
+    const Traces t = A.traces();
     if (!std::isfinite(t.second))
       throw std::runtime_error("the stiffness of cell " + std::to_string(cell) + " of this rank is not a number");
     auto& bucket = known[std::llround(1e9 * std::log(std::max(t.second, 1e-300)))];
     auto same = std::find_if(bucket.begin(), bucket.end(), [&](const auto& entry) { return entry.first == t; });
     if (same == bucket.end())
     {
-      solver.compute(A, Eigen::EigenvaluesOnly);
-      bucket.push_back({t, {solver.eigenvalues()[0], solver.eigenvalues()[n - 1]}});
+      bucket.push_back({t, A.extreme_eigenvalues()});
       same = bucket.end() - 1;
     }
     out.insert(out.end(), {same->second[0], same->second[1], std::sqrt(skew)});
