@@ -204,8 +204,8 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
         dm += P(row, Eigen::Index(r)) / mean(row) * second_J[r];
       const Eigen::RowVectorXd work = stress.transpose() * G;
       const Matrix second = change.transpose() * change + (dm + trace_of_products(F[q].inverse(), G)) / 3;
-      result.tangent +=
-          weight * alpha * (change.transpose() * work + work.transpose() * change + stress.dot(components(F[q])) * second);
+      result.tangent += weight * alpha *
+                        (change.transpose() * work + work.transpose() * change + stress.dot(components(F[q])) * second);
     }
   }
   return result;

@@ -18,8 +18,8 @@ struct Traces
   }
 };
 
-/// A symmetric matrix, its square and its extreme eigenvalues by BLAS and LAPACK. The memory serves one matrix after the
-/// other: write all entries, then ask.
+/// A symmetric matrix, its square and its extreme eigenvalues by BLAS and LAPACK. The memory serves one matrix after
+/// the other: write all entries, then ask.
 class SymmetricMatrix
 {
 public:

@@ -35,8 +35,8 @@ from ..forms.point_law import PointLaw
 Laws = PointLaw | Mapping[int, PointLaw]
 
 INCLUDE = Path(__file__).parent.parent / "include"
-# Instructions of this processor, but in the order of no processor: GCC's scheduler needs most of a minute to lay out a long
-# kernel for the pipelines of a recent one, and the kernel is not faster for it. The package's own kernels have it so, too.
+# Instructions of this processor, but scheduled for none in particular, as in the package's own kernels: GCC takes up to
+# half a minute to schedule a long kernel for the pipelines of a recent processor, and the kernel is not faster for it.
 TARGET = ["-march=native", "-mtune=generic"]
 FLAGS = ["-std=c++20", "-O3", *TARGET, "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
 
