@@ -268,7 +268,7 @@ def check_options():
 
 
 def check_multigrid_that_is_indefinite():
-    """Jacobi sweeps without damping make multigrid indefinite: conjugate gradients give up, GMRES finds the solution."""
+    """Jacobi sweeps without damping make multigrid indefinite: conjugate gradients give up, GMRES goes on."""
     domain = body("hexahedron", 8)
     V = space(domain)
     law, load = di.LinearElastic(2.0, 0.3), di.Traction(facets_at(domain, x=1.0), 1, (0.0, 0.1, 0.0))
