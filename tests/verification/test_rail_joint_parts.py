@@ -54,17 +54,24 @@ def test_footprint_in_mid_rail():
 
 
 def test_step_penalty_and_cells_do_not_matter(plain):
-    """With four cells in the half-axis, as in the preset `coarse`: half the step, whose springs are four times as
-    stiff, twice the penalty and half as many cells change the largest and the least force by less than 3 %."""
+    """With four cells in the half-axis, as in the preset `coarse`: half the step with the same springs, twice the
+    penalty and half as many cells change the largest and the least force by less than 3 %."""
     coarse, history, run = passage(PLAIN.changed(cells=4))
-    half, _, _ = passage(PLAIN.changed(cells=4), dt=0.5 * history.dt)
     contact = run.run.contact[0]
     closed = contact.stiffness > 0.0
     penalty = COMM.allreduce(float((contact.stiffness[closed] / contact.weight[closed]).max(initial=0.0)), MPI.MAX)
+    half, _, _ = passage(PLAIN.changed(cells=4, penalty=penalty), dt=0.5 * history.dt)
     hard, _, _ = passage(PLAIN.changed(cells=4, penalty=2.0 * penalty))
     for other in (half, hard, plain[0]):
         assert other.dynamic_factor == pytest.approx(coarse.dynamic_factor, rel=0.03)
         assert other.least_force == pytest.approx(coarse.least_force, rel=0.03)
+
+
+def test_a_step_of_its_own_needs_a_penalty_of_its_own(plain):
+    """The springs of "auto" follow from the step, and the start is an equilibrium of theirs."""
+    _, history, run = plain
+    with pytest.raises(ValueError, match="penalty"):
+        run.roll(dt=0.5 * history.dt)
 
 
 def test_published_trends(plain):
