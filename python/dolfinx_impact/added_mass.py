@@ -4,6 +4,7 @@
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.fem import FunctionSpace
@@ -78,9 +79,9 @@ class AddedMass(_FacetLoad):
         p, g = V.element.basix_element.degree, mesh.geometry.cmap.degree
         metadata = quadrature.metadata(quadrature.foundation_degree(mesh.topology.cell_name(), p, g, hypothesis))
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.facet_tags, metadata=metadata)(self.tag)
-        one = fem.Constant(mesh, 1.0)
+        one = fem.Constant(mesh, np.float64(1.0))
         area = mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * weight(mesh, hypothesis) * ds)), MPI.SUM)
-        return fem.Constant(mesh, self.mass / area), ds
+        return fem.Constant(mesh, np.float64(self.mass / area)), ds
 
 
 def added_masses(given: Iterable[Any]) -> list[AddedMass]:

@@ -103,7 +103,7 @@ class CreepModel:
         bcs = [fem.dirichletbc(self._hub, self._axle), fem.dirichletbc(np.zeros(3), bottom, V)]
         if not whole:
             across = fem.locate_dofs_topological(V.sub(1), fdim, made.facet_tags.find(tags["symmetry_y"]))
-            bcs.append(fem.dirichletbc(np.float64(0.0), across, V.sub(1)))
+            bcs.append(fem.dirichletbc(fem.Constant(V.mesh, np.float64(0.0)), across, V.sub(1)))
         self._bcs, self._steel, self._made = bcs, law(data.E, data.nu, density=data.density), made
         self.wheel = Spin((0.0, 0.0, data.radius), (0.0, 1.0, 0.0), data.speed / data.radius)
         self._press(self.rolling(0.0))
@@ -122,7 +122,7 @@ class CreepModel:
             friction: coefficient [1].
         """
         tags = self._made.tags
-        motions = {
+        motions: dict[int, Spin | Translation] = {
             tags["slave_body"]: self.wheel,
             tags["master_body"]: Translation((-self.data.speed, 0.0, 0.0)),
         }

@@ -7,6 +7,7 @@ import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -62,7 +63,7 @@ def parser() -> argparse.ArgumentParser:
         "dolfinx-impact creep", description="Creep forces of a wheel that rolls on a rail, in 3D, with friction."
     )
     default = WheelOnRail()
-    number = {"type": _positive, "metavar": "X"}
+    number: dict[str, Any] = {"type": _positive, "metavar": "X"}
     out.add_argument("--load", default=default.load, help="wheel load [N] (default %(default)g)", **number)
     out.add_argument("--friction", default=default.friction, help="coefficient [1] (default %(default)g)", **number)
     out.add_argument("--creep", type=sequence, default=sequence("0:3e-3:13"), metavar="FIRST:LAST:COUNT",

@@ -7,6 +7,7 @@ import json
 import resource
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -155,7 +156,7 @@ class Case:
                 run.file("report.html"), data, summary, CAPTIONS, seconds, self._passes))  # fmt: skip
             run.write("paraview_state.py", lambda: report.write_state(run.file("paraview_state.py")))
         for name in (CHECKPOINT, STATE):
-            run.write(name, lambda name=name: run.file(name).unlink(missing_ok=True))
+            run.write(name, partial(run.file(name).unlink, missing_ok=True))
         run.print(report.text_table(report.rows_of(data, summary)))
         return summary
 

@@ -72,7 +72,7 @@ class JointModel:
         self._set_materials()
         self.bcs = [] if data.whole else [self._held("symmetry_y", 1)]
         hub = ufl.Measure("ds", domain=self.mesh, subdomain_data=self.facet_tags)(self.tags["hub"])
-        area = comm.allreduce(fem.assemble_scalar(fem.form(fem.Constant(self.mesh, 1.0) * hub)), MPI.SUM)
+        area = comm.allreduce(fem.assemble_scalar(fem.form(fem.Constant(self.mesh, np.float64(1.0)) * hub)), MPI.SUM)
         self.press = Traction(self.facet_tags, self.tags["hub"], (0.0, 0.0, -data.load / data.sides / area))
         self.track = self._track()
 
@@ -112,7 +112,7 @@ class JointModel:
             self.tags["glue"]: LinearElastic(data.glue_modulus, 0.35, 1500.0),
             **turning,
         }
-        self.path_law = self.rail_law
+        self.path_law: LinearElastic | J2Plasticity = self.rail_law
         if not math.isinf(data.yield_stress):
             kinematic = ArmstrongFrederick(data.hardening_modulus, data.recovery) if data.hardening_modulus else None
             self.path_law = J2Plasticity(

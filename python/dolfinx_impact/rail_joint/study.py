@@ -181,7 +181,9 @@ def run_queue(jobs: Sequence[Job], most: int) -> list[str]:
         TimeRemainingColumn,
     )
 
-    waiting, running, failed = [job for job in jobs if job.summary is None], [], []
+    waiting = [job for job in jobs if job.summary is None]
+    running: list[Job] = []
+    failed: list[str] = []
     console = Console()
     columns = (TextColumn("cases"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console) as bar:

@@ -76,14 +76,14 @@ class Wheel:
         lever, moments = self._upward(*self._in_plane(self.arm())), {}
         for tag in (RIM_TAG, *HUB_TAGS):
             dx = ufl.Measure("dx", domain=mesh, subdomain_data=self.cell_tags)(tag)
-            parts = [fem.assemble_scalar(fem.form(f * dx)) for f in (fem.Constant(mesh, 1.0), lever)]
+            parts = [fem.assemble_scalar(fem.form(f * dx)) for f in (fem.Constant(mesh, np.float64(1.0)), lever)]
             moments[tag] = mesh.comm.allreduce(np.array(parts), MPI.SUM)
         wanted = np.array([data.wheel_mass / data.sides, 0.0]) - data.density * moments[RIM_TAG]
         found = np.linalg.solve(np.column_stack([moments[t] for t in HUB_TAGS]), wanted)
         if np.any(found <= 0.0):
             rim = data.sides * data.density * moments[RIM_TAG][0]
             raise ValueError(f"wheel_mass is {data.wheel_mass} kg: the rim alone weighs {rim:.0f} kg")
-        return dict(zip(HUB_TAGS, found.tolist()))
+        return {tag: float(density) for tag, density in zip(HUB_TAGS, found)}
 
     @property
     def cells(self) -> IntArray:
