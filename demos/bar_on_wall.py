@@ -87,3 +87,4 @@ if comm.rank == 0:
 # Stress and duration within 1 %, which is the limit of the benchmarks for such bars; energy to round-off.
 
 assert abs(mean / exact.stress - 1) < 0.01 and abs(duration / T - 1) < 0.01 and abs(problem.energy["drift"]) < 1e-12
+# SPDX-License-Identifier: MIT

@@ -96,3 +96,4 @@ if comm.rank == 0:
 
 assert np.allclose(moved[[4, 8, 12]] / exact.end_displacement, [1.0, 0.5, -1.0], atol=0.01)
 assert abs(cycle / expected - 1) < 0.01
+# SPDX-License-Identifier: MIT

@@ -95,6 +95,6 @@ if comm.rank == 0:
     right.legend()
     figure.savefig("hertz.png", dpi=120)
 
-# The load is that of equilibrium, to round-off. The peak must agree to 1 %, the half-width to a facet, $a/16$.
-
+# The load is that of equilibrium, to round-off. The peak must agree to 1 %, the half-width to a facet, a/16.
 assert abs(2 * contact.force[1] / P - 1) < 1e-9 and abs(peak / p0 - 1) < 0.01 and abs(contact.area / a - 1) < 1 / 16
+# SPDX-License-Identifier: MIT

@@ -94,7 +94,7 @@ if comm.rank == 0:
     figure.savefig("own_form.png", dpi=120)
 
 # ## What must hold
-#
 # Round-off for the vectors, the tolerance of Newton's method for the balance of forces.
 
 assert check.passed and differs < 1e-13 and abs(support / force + 1) < 1e-8
+# SPDX-License-Identifier: MIT

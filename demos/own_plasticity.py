@@ -4,9 +4,8 @@
 #
 # $$ \Phi = \frac{q^2}{Y^2} + 2 q_1 f \cosh\frac{3 q_2 p}{2 Y} - 1 - (q_1 f)^2 = 0 $$
 #
-# and flows along the gradient of $\Phi$; $q$ is von Mises' stress, $p$ the mean stress, $Y$ the yield stress
-# between the voids. A step has three unknowns at each point: the increments of the deviatoric, of the volumetric and of
-# the metal's own plastic strain.
+# and flows along the gradient of $\Phi$; $q$ is von Mises' stress, $p$ the mean stress, $Y$ the metal's yield stress.
+# Unknown at each point: the increments of the deviatoric, of the volumetric and of the metal's own plastic strain.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -98,3 +97,4 @@ if comm.rank == 0:
     right.legend()
     figure.savefig("own_plasticity.png", dpi=120)
 assert abs(fast_voids[-1] / slow_voids[-1] - 1) < 0.1 and abs(fast.energy["drift"]) < 1e-3
+# SPDX-License-Identifier: MIT

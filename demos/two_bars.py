@@ -96,5 +96,5 @@ if comm.rank == 0:
     figure.savefig("two_bars.png", dpi=120)
 
 # Stress and velocity must agree to 1 %, the limit of the benchmarks for such bars, and momentum to round-off.
-
 assert abs(mean / exact.stress - 1) < 0.01 and abs(rear_velocity / exact.rear_velocity - 1) < 0.01 and lost < 1e-12
+# SPDX-License-Identifier: MIT

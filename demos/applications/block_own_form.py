@@ -154,3 +154,4 @@ run.print(f"results in {run.path}")
 assert kernels < 1e-13
 assert abs(stress / theory - 1) < 1e-9 and abs(1 + side - stretch**-0.25) < 1e-9
 assert converged and solvers < 1e-8
+# SPDX-License-Identifier: MIT

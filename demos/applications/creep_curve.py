@@ -113,3 +113,4 @@ run.print(f"results in {run.path}")
 # is 2 % too large.
 error = np.abs(ratio - exact).max()
 assert error < (0.1 if fast else 0.03), f"creep forces differ from Carter's by {error:.3f}"
+# SPDX-License-Identifier: MIT

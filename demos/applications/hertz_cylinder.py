@@ -220,3 +220,4 @@ assert abs(peak / 561.081e6 - 1) < 0.02 and abs(width - 4.538523e-3) < a / fines
 assert np.all(table[table[:, 1] == table[:, 1].min()][:, 3] < (0.1 if fast else 0.03))
 assert np.all(table[[2, 5], 3] < table[[0, 3], 3]), "the error falls with the cells"
 assert abs(force / P - 1) < 1e-9 and unbalanced < 1e-12 and tension >= 0 and penetration < 1e-10 * size
+# SPDX-License-Identifier: MIT

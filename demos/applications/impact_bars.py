@@ -158,3 +158,4 @@ assert np.abs(table[:, [0, 4]] - 1).max() < 0.01 and table[:, 5].max() < 0.01
 assert np.abs(against[[0, 2, 4, 6]] - 1).max() < 0.01
 assert max(beyond) < 0.0
 assert min(low) > 1 / np.sqrt(2) and max(high) < 0.0
+# SPDX-License-Identifier: MIT

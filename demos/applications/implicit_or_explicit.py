@@ -90,3 +90,4 @@ others = [errors for method, errors in presses.items() if "penalty" not in metho
 assert np.all(np.diff(waves) < 0.0) and waves[:, -1].max() < 0.35
 assert max(results["ball", method][-1].error for method in METHODS) < 0.03
 assert np.all(np.diff(by_springs) < 0.0) and max(errors[-1] for errors in others) < 0.03
+# SPDX-License-Identifier: MIT

@@ -64,3 +64,4 @@ assert abs(found.static_force / joint.load - 1.0) < 1e-4
 assert abs(found.mean_before - 1.0) < (0.10 if fast else 0.03)
 assert found.least_force < found.mean_before and found.dynamic_factor > 1.0
 assert found.energy_missed < 0.01
+# SPDX-License-Identifier: MIT

@@ -151,3 +151,4 @@ assert abs(static / load - 1) < 1e-4
 assert uneven < (0.02 if fast else 0.01)
 assert early < (0.04 if fast else 0.02)
 assert drift < 0.01 and drop < 0.9 and peak > 1.2
+# SPDX-License-Identifier: MIT

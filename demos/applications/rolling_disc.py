@@ -181,3 +181,4 @@ accuracy = 2e-4 if fast else 1e-5
 assert abs(exact(R, 2000.0, False) - 2567.413e-6) < 1e-9 and abs(exact(R, 2000.0, True) - 2584.969e-6) < 1e-9
 assert np.abs(rows[:, 2] / rows[:, 3] - 1).max() < accuracy
 assert np.abs(rows[-2:, 2] / [2567.413e-6, 2584.969e-6] - 1).max() < accuracy
+# SPDX-License-Identifier: MIT

@@ -130,3 +130,4 @@ run.print(f"results in {run.path}")
 steady_error, time_error = abs(Q / (friction * P) / carter - 1.0), np.abs(ratio / carter - 1.0).max()
 assert steady_error < (0.12 if fast else 0.05), f"the steady state differs from Carter's by {steady_error:.3f}"
 assert time_error < (0.12 if fast else 0.05), f"the run differs from Carter's force by {time_error:.3f}"
+# SPDX-License-Identifier: MIT

@@ -186,3 +186,4 @@ for part, x, w, exact in shapes:
     assert np.abs(w - exact).max() < (0.1 if part > 0.9 else 0.04 if fast else 0.02) * exact.max()
 assert "critical" in refused
 assert np.all(frequencies[0] > 0.0) and np.any(frequencies[1:] < 0.0)
+# SPDX-License-Identifier: MIT

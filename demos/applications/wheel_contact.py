@@ -150,3 +150,4 @@ assert report.converged and balance < 1e-9 and opposite < 1e-12
 assert summary["open"] > -1e-10 and comm.allreduce(float(np.min(contact.pressure, initial=0.0)), MPI.MIN) >= 0.0
 assert abs(hertz.peak_pressure - 1225.744e6) < 1e3
 assert abs(peak) < (0.06 if fast else 0.03) and abs(contact_area) < facets
+# SPDX-License-Identifier: MIT

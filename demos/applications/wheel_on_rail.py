@@ -345,3 +345,4 @@ assert max(flat["balance"], solid["balance"]) < 1e-9
 assert measured["misfit"] < (0.1 if fast else 0.03)
 assert abs(measured["depth"] - 0.786) < 1.5 * cell_size / a
 assert abs(measured["tau"] - 0.30028) < (0.02 if fast else 0.01)
+# SPDX-License-Identifier: MIT

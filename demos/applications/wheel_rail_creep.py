@@ -85,3 +85,4 @@ theirs = np.array([published[round(float(c), 6)] for c in creep if round(float(c
 ours = np.array([r for c, r in zip(creep, curve["ratio"]) if round(float(c), 6) in published])
 error = np.abs(ours / theirs - 1.0).max()
 assert error < (0.1 if fast else 0.03), f"creep forces differ from CONTACT's by {error:.3f}"
+# SPDX-License-Identifier: MIT

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
+import scipy
 from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..common.types import BoolArray, FloatArray, IntArray
 
@@ -50,7 +49,9 @@ def bodies(V: FunctionSpace) -> tuple[IntArray, int]:
     num = index_map.size_local + index_map.num_ghosts
     cells = V.dofmap.list
     rows, cols = np.repeat(cells[:, 0], cells.shape[1]), cells.ravel()
-    count, local = connected_components(coo_matrix((np.ones(len(rows)), (rows, cols)), shape=(num, num)), False)
+    count, local = scipy.sparse.csgraph.connected_components(
+        scipy.sparse.coo_matrix((np.ones(len(rows)), (rows, cols)), shape=(num, num)), False
+    )
     offsets = np.concatenate([[0], np.cumsum(comm.allgather(count))])
     label = local + offsets[comm.rank]
     # Parts of different ranks that share a node belong to one body: the owner of a ghost node gets its label.
@@ -62,7 +63,9 @@ def bodies(V: FunctionSpace) -> tuple[IntArray, int]:
         shared.append(np.column_stack([label[nodes[mine] - low], labels[mine]]))
     edges = np.concatenate(comm.allgather(np.concatenate(shared)))
     shape = (offsets[-1], offsets[-1])
-    _, number = connected_components(coo_matrix((np.ones(len(edges)), edges.T), shape=shape), False)
+    _, number = scipy.sparse.csgraph.connected_components(
+        scipy.sparse.coo_matrix((np.ones(len(edges)), edges.T), shape=shape), False
+    )
     number = number[label]
     used = np.unique(np.concatenate(comm.allgather(np.unique(number))))  # parts that have nodes
     return np.searchsorted(used, number), len(used)

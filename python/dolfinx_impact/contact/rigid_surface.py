@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from dolfinx.mesh import Mesh, MeshTags, entities_to_geometry
-from scipy.linalg import solve_banded
 
 from .. import _cpp
 from ..common.arguments import number
@@ -279,4 +279,4 @@ def _through(values: FloatArray, n: int) -> FloatArray:
     flat = values.reshape(n + 1, -1)
     right = np.zeros((n + 3, flat.shape[1]))
     right[1:-1] = flat
-    return solve_banded((4, 4), bands, right).reshape(n + 3, *values.shape[1:])
+    return scipy.linalg.solve_banded((4, 4), bands, right).reshape(n + 3, *values.shape[1:])

@@ -6,8 +6,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 from mpi4py import MPI
-from scipy.optimize import brentq
 
 from .. import _cpp
 from ..common.types import BoolArray, FloatArray, IntArray
@@ -79,7 +79,7 @@ class SpringStart:
                 if step > self._contact.facet_length:
                     raise RuntimeError("springs of the explicit contact do not bear the steady force: refine the mesh")
                 low, high, step = high, high + step, 2.0 * step
-        return float(brentq(excess, low, high, xtol=CLOSE * (high - low), rtol=CLOSE))
+        return float(scipy.optimize.brentq(excess, low, high, xtol=CLOSE * (high - low), rtol=CLOSE))
 
     def moved(self, u: FloatArray, distance: float) -> FloatArray:
         """Displacements with the slave body moved against the normal.

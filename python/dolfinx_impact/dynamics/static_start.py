@@ -6,10 +6,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 from dolfinx import fem
 from mpi4py import MPI
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
@@ -61,8 +60,8 @@ def connected_nodes(V: fem.FunctionSpace, nodes: IntArray) -> IntArray:
     cells_map, total = mesh.topology.index_map(mesh.topology.dim), NodalSum(index_map, 1)
     cells = V.dofmap.list[: cells_map.size_local + cells_map.num_ghosts]
     pairs = np.repeat(cells[:, :1], cells.shape[1] - 1, axis=1).ravel(), cells[:, 1:].ravel()
-    graph = coo_matrix((np.ones(len(pairs[0])), pairs), shape=(total.num_nodes, total.num_nodes))
-    body = connected_components(graph, directed=False)[1]
+    graph = scipy.sparse.coo_matrix((np.ones(len(pairs[0])), pairs), shape=(total.num_nodes, total.num_nodes))
+    body = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
     reached: FloatArray = np.zeros(total.num_nodes)
     reached[nodes] = 1.0
     while True:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 from petsc4py import PETSc
 
 from ..common.types import FloatArray, IntArray
@@ -145,9 +145,10 @@ class BodyResponse:
         factors, comm = self._ksp.getPC().getFactorMatrix(), self._bare.getComm().tompi4py()
         starts, cols, values = operators.forces.getValuesCSR()
         num, total = self._bare.getLocalSize()[0], operators.forces.getSize()[1]
-        B = sparse.csr_matrix((values, cols, starts), shape=(num, total)).tocsc()
+        B = scipy.sparse.csr_matrix((values, cols, starts), shape=(num, total)).tocsc()
         wanted = operators.columns(candidates)
-        jumps, velocities = [], []
+        jumps: list[FloatArray] = []  # on rank 0
+        velocities: list[FloatArray] = []
         for first in range(0, len(wanted), BLOCK):
             block = wanted[first : first + BLOCK]
             right = B[:, block].toarray()
@@ -165,7 +166,8 @@ class BodyResponse:
                 parts = [_relative(c, getattr(c, name), columns, operators.gdim) for c in operators.contacts]
                 here = [part[nodes] for part, nodes in zip(parts, candidates.local)]
                 gathered = comm.gather(np.concatenate(here))
-                found.append(None if gathered is None else np.concatenate(gathered))
+                if gathered is not None:
+                    found.append(np.concatenate(gathered))
         if comm.rank:
             return None
         n, gdim = candidates.count, operators.gdim

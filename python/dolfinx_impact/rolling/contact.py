@@ -65,12 +65,12 @@ class RollingContact(LagrangeContact):
         surfaces = [s for s in (self.geometry.slave, self.geometry.master) if s is not None]
         self._streamlines = StreamlineDerivative(problem.space, surfaces)
         self._derivative: PETSc.Mat | None = None
-        self._w = np.zeros((self.geometry.sum.num_nodes, self.gdim))
+        self._w: FloatArray = np.zeros((self.geometry.sum.num_nodes, self.gdim))
         self.jump: PETSc.Mat | None = None
         self.velocity_jump: PETSc.Mat | None = None
         self.rate: float | None = None
-        self.held = np.zeros((len(self.nodes), self.gdim), dtype=bool)
-        self.slip_velocity = np.zeros((len(self.nodes), self.gdim))
+        self.held: BoolArray = np.zeros((len(self.nodes), self.gdim), dtype=bool)
+        self.slip_velocity: FloatArray = np.zeros((len(self.nodes), self.gdim))
         self.friction_power = 0.0
 
     @property

@@ -28,7 +28,7 @@ class Candidates:
         count: of all ranks.
     """
 
-    def __init__(self, comm: MPI.Comm, chosen: Sequence[BoolArray]) -> None:
+    def __init__(self, comm: MPI.Intracomm, chosen: Sequence[BoolArray]) -> None:
         self._comm = comm
         self.local = [np.flatnonzero(mask) for mask in chosen]
         here = sum(len(nodes) for nodes in self.local)
@@ -88,7 +88,7 @@ class ContactOperators:
         first = np.where(np.abs(c.slip_velocity) > 0.0, c.slip_velocity, c.main_direction())
         return np.concatenate([normal[:, None, :], tangents(normal, first, c.fixed)], axis=1)
 
-    def _force_matrix(self, comm: MPI.Comm) -> PETSc.Mat:
+    def _force_matrix(self, comm: MPI.Intracomm) -> PETSc.Mat:
         none = np.zeros(0, dtype=np.int64)
         rows, cols, values = [none], [none], [np.zeros(0)]
         first = int(comm.exscan(int(self._starts[-1])) or 0)

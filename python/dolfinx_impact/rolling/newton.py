@@ -7,7 +7,6 @@ multipliers of the nodes that touch (ReducedContacts).
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -112,7 +111,9 @@ class RollingNewton:
     def _with_friction(self, target: FloatArray, log: StepLog) -> Increment:
         p, result, scale = self.problem, Increment(), 0.0
         changes, K = 0, None
-        for iteration in itertools.count():
+        iteration = -1
+        while True:
+            iteration += 1
             residual = p.assemble_residual().array.copy()
             if not np.all(np.isfinite(self.comm.allgather(float(residual @ residual)))):
                 return result.failed(f"the residual is nan in Newton iteration {iteration}")
@@ -213,7 +214,7 @@ class RollingNewton:
             return HELD_BY_CONTACT, 0
         weights = operators.weights()
         torque = self.control.linearise(self.contacts, operators, response) if self.control else None
-        forces = [w[:, None] * c.vector for w, c in zip(weights, self.contacts)]
+        forces: list[FloatArray] = [w[:, None] * c.vector for w, c in zip(weights, self.contacts)]
         best, corrections, change = np.inf, 0, 0.0
         while True:
             load = operators.nodal_forces(forces) - residual
@@ -222,7 +223,7 @@ class RollingNewton:
             moved, fault = response.solve(load, jump)
             if fault:
                 break
-            vectors = [f / np.where(w > 0.0, w, 1.0)[:, None] for f, w in zip(forces, weights)]
+            vectors: list[FloatArray] = [f / np.where(w > 0.0, w, 1.0)[:, None] for f, w in zip(forces, weights)]
             trial = self._trial(moved, vectors, change, torque)
             off = max(trial.off, torque.missing(operators, forces, moved) if torque else 0.0)
             if corrections and (off < STILL or (off < NEARLY and off > 0.5 * best)):
@@ -267,7 +268,8 @@ class RollingNewton:
         self, moved: FloatArray, vectors: list[FloatArray], change: float, torque: ReducedTorque | None
     ) -> _Trial:
         """Gaps, slip velocities and law of the linearised problem. Collective."""
-        gaps, slips = [], []
+        gaps: list[FloatArray] = []
+        slips: list[FloatArray] = []
         for c in self.contacts:
             assert c.jump is not None and c.velocity_jump is not None
             gaps.append(c.geometry.gap + np.einsum("na,na->n", c.geometry.normal, c.means(c.jump, moved)))

@@ -145,14 +145,13 @@ def _rows(space: fem.FunctionSpace, body: int, cells: IntArray, motion: Spin | T
     """Rows of the points of this rank's cells of a body."""
     mesh = space.mesh
     gdim, tdim = mesh.geometry.dim, mesh.topology.dim
-    spins = isinstance(motion, Spin)
-    width = ACROSS + (2 if spins else gdim)
+    width = ACROSS + (2 if isinstance(motion, Spin) else gdim)
     if not len(cells):
         return np.zeros((0, width))
     nodes = mesh.geometry.x[mesh.geometry.dofmap[cells]]
     points = space.tabulate_dof_coordinates()[space.dofmap.list[cells]]
     per = points.shape[1]
-    if spins:
+    if isinstance(motion, Spin):
         along, across = _cylindrical(nodes, motion)
         functions = mesh.ufl_domain().ufl_coordinate_element().basix_element.tabulate(0, _reference_points(space))[0]
         functions = functions[..., 0] if functions.ndim == 3 else functions
@@ -179,7 +178,8 @@ def _rows(space: fem.FunctionSpace, body: int, cells: IntArray, motion: Spin | T
     outer = np.zeros(facet_map.size_local + facet_map.num_ghosts, dtype=bool)
     outer[exterior_facet_indices(mesh.topology)] = True
     facets = mesh.topology.connectivity(tdim, tdim - 1)
-    out[:, RIM] = np.repeat([outer[facets.links(c)].any() for c in cells], per)
+    of_cells = facets.array.reshape(facets.num_nodes, -1)[cells]
+    out[:, RIM] = np.repeat(outer[of_cells].any(axis=1), per)
     out[:, ACROSS:] = beside.reshape(len(out), -1)
     return out
 

@@ -35,6 +35,7 @@ from .newton import RollingNewton
 from .power_balance import PowerBalance, power_balance
 from .progress import progress_bar
 from .reduced_contacts import ReducedContacts
+from .sweep import Fingerprint
 from .torque import Torque, TorqueControl
 from .transport import Transport
 
@@ -344,19 +345,19 @@ class RollingProblem(Unique):
 
         return sweep.run(comm, points, solve, file, progress, self._fingerprint())
 
-    def _fingerprint(self) -> sweep.Fingerprint:
+    def _fingerprint(self) -> Fingerprint:
         """What tells the points of another problem. Collective."""
         p, V = self._equilibrium, self._equilibrium.space
         values = self.u.copy()
         for bc in p.bcs:
             bc.set(values.x.array)
         prescribed = values.x.array[: p.num_owned][p.fixed[: p.num_owned]]
-        loads = [np.ravel(load.constant.value) for load in p.loads if hasattr(load, "constant")]
-        rates = [np.ravel(motion.rate) for motion in self.motions.values()]
+        loads: list[FloatArray] = [np.ravel(load.constant.value) for load in p.loads if hasattr(load, "constant")]
+        rates: list[FloatArray] = [np.ravel(motion.rate) for motion in self.motions.values()]
         rates += [c.pair.rigid_master.velocity for c in p.contact if c.pair.rigid]
         size = V.mesh.comm.allreduce(float(prescribed @ prescribed)) ** 0.5
         text = repr([p.material, V.dofmap.index_map.size_global, [c.pair for c in p.contact]])
-        return sweep.Fingerprint(text, np.concatenate([[size], *loads, *rates]))
+        return Fingerprint(text, np.concatenate([[size], *loads, *rates]))
 
     def _rolling_contacts(self) -> list[RollingContact]:
         return cast("list[RollingContact]", self._equilibrium.contact)

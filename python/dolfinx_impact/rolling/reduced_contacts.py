@@ -31,7 +31,7 @@ class ReducedContacts:
         response: of the bodies.
     """
 
-    def __init__(self, comm: MPI.Comm, fixed: IntArray) -> None:
+    def __init__(self, comm: MPI.Intracomm, fixed: IntArray) -> None:
         self._comm, self.response = comm, BodyResponse(fixed)
         self._chosen: list[BoolArray] = []
         self._candidates: Candidates | None = None

@@ -11,6 +11,7 @@ from dolfinx import fem
 from dolfinx.mesh import MeshTags, exterior_facet_indices
 
 from ..common.cell_numbers import input_cell_numbers
+from ..common.types import FloatArray
 from .motions import Spin
 
 # Root mean square of w . N over |w| on a facet, over the facet's size divided by its distance from the axis. A chord of
@@ -46,7 +47,7 @@ def fault(V: fem.FunctionSpace, cell_tags: MeshTags, tag: int, spin: Spin, bcs: 
     piecewise = fem.functionspace(mesh, ("DG", 0))
     c, N, w = ufl.TestFunction(piecewise), ufl.FacetNormal(mesh), spin.velocity(mesh, 1.0)
 
-    def on_cells(integrand: ufl.core.expr.Expr) -> np.ndarray:
+    def on_cells(integrand: ufl.core.expr.Expr) -> FloatArray:
         values = fem.assemble_vector(fem.form(integrand * c * ufl.ds(domain=mesh, degree=4)))
         return values.array[cells]
 

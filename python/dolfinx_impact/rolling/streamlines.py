@@ -78,7 +78,11 @@ class StreamlineDerivative:
         parts = [part for facets in self._surfaces for part in _candidates(facets, w)]
         at = np.concatenate([none, *(index_map.local_to_global(part.node) for part in parts)])
         share = self._shares(at, np.concatenate([nothing, *(part.score for part in parts)]))
-        rows, cols, slopes, entries, times = [none], [none], [nothing], [nothing], [nothing]
+        rows: list[IntArray] = [none]
+        cols: list[IntArray] = [none]
+        slopes: list[FloatArray] = [nothing]
+        entries: list[FloatArray] = [nothing]
+        times: list[FloatArray] = [nothing]
         start = 0
         for part in parts:
             end = start + len(part.node)

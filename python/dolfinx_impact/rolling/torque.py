@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from mpi4py import MPI
-from scipy.optimize import brentq
 
 from ..common.types import FloatArray, IntArray
 from ..statics.problem import StaticProblem
@@ -199,7 +199,7 @@ class ReducedTorque:
         speed: float,
     ) -> None:
         self._control, self._contacts, self.load, self.slopes, self._speed = control, contacts, load, slopes, speed
-        self._forces = sum(c.contact_forces() for c in contacts)
+        self._forces: FloatArray = np.sum([c.contact_forces() for c in contacts], axis=0)
         self._turned, self.fault = response.solve(-load)
         self._lever = response.solve(control.torque.lever_of(self._forces))[0]
         self._now = 0.0
@@ -312,6 +312,6 @@ class TorqueOfCandidates:
             return last, 0.0, fault
         if here == 0.0:
             return last, 0.0, ""
-        change = float(brentq(missing, low, high, xtol=1e-16 * self.speed / largest, rtol=1e-14))
+        change = float(scipy.optimize.brentq(missing, low, high, xtol=1e-16 * self.speed / largest, rtol=1e-14))
         last, text = problem.solve(state.plus(change, self.slope), last)
         return last, change, fault or text

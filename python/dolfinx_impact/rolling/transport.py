@@ -10,6 +10,7 @@ import numpy as np
 
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..forms import plasticity
+from ..materials import MaterialMap
 from ..plasticity import J2Plasticity
 from ..statics.inelastic_body import InelasticBody
 from ..statics.problem import Report, StaticProblem
@@ -94,9 +95,14 @@ class Transport:
         """Owned cells of a motion that have internal variables."""
         cells = self._flow.cells_of(tag)
         cells = cells[cells < self._points.num_cells]
-        tags = self._problem.material.cell_tags
-        found = [cells if p.tag is None else np.intersect1d(cells, tags.find(p.tag)) for p in self._body.parts]
+        found = [cells if p.tag is None else np.intersect1d(cells, self._tagged(p.tag)) for p in self._body.parts]
         return np.unique(np.concatenate([cells[:0], *found]))
+
+    def _tagged(self, tag: int) -> IntArray:
+        """Cells of a part of the material map, owned and ghosts."""
+        material = self._problem.material
+        assert isinstance(material, MaterialMap)
+        return material.cell_tags.find(tag)
 
     def _kinds(self) -> list[tuple[str, IntArray, int, bool]]:
         """Tensors among the variables: name, points of all ranks, number of components, and whether of a deviator."""
@@ -105,9 +111,9 @@ class Transport:
         for part in self._body.parts:
             if not isinstance(part.material, J2Plasticity):
                 continue  # spinning ones have numbers alone (inputs.py)
-            cells = np.arange(self._points.num_cells)
+            cells: IntArray = np.arange(self._points.num_cells)
             if part.tag is not None:
-                tagged = self._problem.material.cell_tags.find(part.tag)
+                tagged = self._tagged(part.tag)
                 cells = tagged[tagged < self._points.num_cells]
             points = np.concatenate(self._comm.allgather((first + per * cells[:, None] + np.arange(per)).ravel()))
             for name, shape in part.response.history.items():

@@ -33,6 +33,9 @@ ITERATIVE: dict[str, Any] = {
 # Above these numbers of unknowns factors of 3D and 2D meshes cost more than iterations (measured: 108k unknowns in 3D,
 # factorisation 10 s, conjugate gradients 3 s).
 LARGEST_DIRECT = {2: 400_000, 3: 40_000}
+# Up to these numbers of unknowns a system whose iterations do not converge is factorised after all. Factors in space
+# take some 2 GB at 200k unknowns, and grow with the power 4/3.
+LARGEST_LAST_RESORT = {2: 4_000_000, 3: 400_000}
 WORTH = 10  # iterations that cost as much as factors of other packages than MUMPS, which do not tell
 # Operations of a factorisation run this much faster than those of a solution with the factors (measured: 4.5 on meshes
 # of the plane, 5.5 in space).
@@ -120,8 +123,8 @@ class LinearSolver:
     """
 
     def __init__(self, V: Any, options: dict[str, Any] | None, prefix: str, indefinite: bool = False) -> None:
-        size = V.dofmap.index_map.size_global * V.dofmap.index_map_bs
-        self.default = DIRECT if indefinite or size <= LARGEST_DIRECT[V.mesh.geometry.dim] else ITERATIVE
+        size, gdim = V.dofmap.index_map.size_global * V.dofmap.index_map_bs, V.mesh.geometry.dim
+        self.default = DIRECT if indefinite or size <= LARGEST_DIRECT[gdim] else ITERATIVE
         database, own = PETSc.Options(), f"{prefix}{next(_SOLVERS)}_"
         given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
         chosen = {**(options or {}), **given}
@@ -146,6 +149,9 @@ class LinearSolver:
             )
         self.near_nullspace = None if self.direct else rigid_motions(V)
         self._given_rtol = "ksp_rtol" in chosen
+        self._prefix = own
+        by_size = not {"ksp_type", "pc_type"} & {*(options or {}), *given}
+        self._may_factorise = by_size and not self.direct and size <= LARGEST_LAST_RESORT[gdim]
         self._pins = chosen.get("ksp_type") == "cg"
         # A method of the user's own is taken by the word: no iterations with a preconditioner of an earlier matrix.
         self._keeps = chosen.get("ksp_type") == base["ksp_type"]
@@ -224,7 +230,29 @@ class LinearSolver:
             self._run(system, b, x)
             fault = self._fault(system, b, x)
         self._judge(rtol)
+        if fault and self._may_factorise and np.isfinite(b.norm()):
+            self._factorise(fault)
+            x.set(0.0)
+            return self.solve(system, b, x, rtol)
         return fault
+
+    def _factorise(self, fault: str) -> None:
+        """From now on solve by factors: the iterations that were chosen by size do not converge. Collective."""
+        if self.ksp.getComm().rank == 0:
+            warnings.warn(
+                f"conjugate gradients with multigrid do not solve the linear system ({fault}): it is factorised, as "
+                "those that follow are, which takes more memory and time; options choose another solver",
+                stacklevel=4,
+            )
+        self._may_factorise, self._pins, self.near_nullspace = False, False, None
+        self.reset()
+        database = PETSc.Options()
+        for key, value in DIRECT.items():
+            database[self._prefix + key] = value
+        weakref.finalize(self, _forget, [self._prefix + key for key in DIRECT])
+        self.ksp.reset()
+        self.ksp.setFromOptions()
+        self.ksp.setNormType(PETSc.KSP.NormType.DEFAULT)
 
     def _choose_method(self, method: str) -> None:
         """Set the Krylov method where it is not the user's own, and how its residuals are measured."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from mpi4py import MPI
@@ -15,7 +15,6 @@ from ..common.types import FloatArray
 
 if TYPE_CHECKING:
     from .problem import StaticProblem
-    from .snes import Solver
 
 LOG = logging.getLogger("dolfinx_impact")
 SAME = 1e-3  # relative difference of the residuals of states that count as equal
@@ -266,7 +265,26 @@ def _back(problem: StaticProblem, good: FloatArray, states: Sequence[dict[str, A
         contact.restore_state(state)
 
 
-def run_steps(problem: StaticProblem, solver: Solver, steps: int, cut_backs: int, verbose: bool) -> Report:
+class IncrementSolver(Protocol):
+    """What `run_steps` asks of a solver of increments.
+
+    Attributes:
+        seconds: time by part.
+    """
+
+    seconds: dict[str, float]
+
+    def run(self, target: FloatArray, log: StepLog) -> Increment:
+        """Solve from the present u to prescribed values. Collective.
+
+        Args:
+            target: displacements over all degrees of freedom, of which only prescribed entries are used [L].
+            log: log of the iterations.
+        """
+        ...
+
+
+def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_backs: int, verbose: bool) -> Report:
     """Solve all increments of a load step. Collective.
 
     Args:

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Bodies of different materials: Dundurs' constants, contact without slip and free rolling, seed (3.15), (3.16)."""
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from . import checks
 from ..common.types import AnyArray, ArrayLike, FloatArray
@@ -133,9 +134,11 @@ def bonded_indentation(
     return BondedIndentation(contact, of_bodies(contact.bodies).beta)
 
 
-# Creep of free rolling over 2 beta a/R: half of the load lies within |x| < x0, and the factor is sqrt(1 - x0^2/a^2)/2.
-_HALF_LOAD = brentq(lambda t: math.asin(t) + t * math.sqrt(1 - t * t) - math.pi / 4, 0.0, 1.0, xtol=1e-15)
-_CREEP_FACTOR = math.sqrt(1 - _HALF_LOAD**2) / 2
+@functools.cache
+def _creep_factor() -> float:
+    """Creep of free rolling over 2 beta a/R: half of the load lies within |x| < x0, then sqrt(1 - x0^2/a^2)/2 [1]."""
+    half = scipy.optimize.brentq(lambda t: math.asin(t) + t * math.sqrt(1 - t * t) - math.pi / 4, 0.0, 1.0, xtol=1e-15)
+    return math.sqrt(1 - half**2) / 2
 
 
 def bentall_johnson(
@@ -155,4 +158,4 @@ def bentall_johnson(
         ValueError: a value outside its range, a pair that is not convex. TypeError: no numbers.
     """
     contact = hertz_line(load_per_length, R1, R2, E1, nu1, E2, nu2)
-    return _CREEP_FACTOR * 2 * of_bodies(contact.bodies).beta * contact.half_width / contact.radius
+    return _creep_factor() * 2 * of_bodies(contact.bodies).beta * contact.half_width / contact.radius

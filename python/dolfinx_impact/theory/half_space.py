@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.integrate import quad
+import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
@@ -102,7 +102,9 @@ def half_plane_displacement(
             return float(pressure(s)) * math.cos(angle) * a * kernel
 
         pieces = zip(ends[:-1], ends[1:])
-        return sum(quad(value, low, high, epsabs=0.0, epsrel=1e-10, limit=200)[0] for low, high in pieces)
+        return sum(
+            scipy.integrate.quad(value, low, high, epsabs=0.0, epsrel=1e-10, limit=200)[0] for low, high in pieces
+        )
 
     u = np.array([integral(X) for X in x.ravel()]).reshape(x.shape)
     return (-2.0 * (1.0 - nu**2) / (math.pi * E) * u)[()]

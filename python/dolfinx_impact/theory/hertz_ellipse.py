@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import elliprd, elliprf
+import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
@@ -78,8 +77,8 @@ class HertzElliptic(Result):
         # Two forms of one root, each where it does not cancel.
         small = np.divide(-2 * q, p + spread, out=np.zeros_like(p), where=p + spread > 0)
         s = np.maximum(np.where(p > 0, small, (spread - p) / 2), 0.0)
-        u = 2 * elliprf(s, a2 + s, b2 + s)
-        u -= 2 / 3 * (x**2 * elliprd(s, b2 + s, a2 + s) + y**2 * elliprd(s, a2 + s, b2 + s))
+        u = 2 * scipy.special.elliprf(s, a2 + s, b2 + s)
+        u -= 2 / 3 * (x**2 * scipy.special.elliprd(s, b2 + s, a2 + s) + y**2 * scipy.special.elliprd(s, a2 + s, b2 + s))
         factor = 0.75 * self.load / (math.pi * self.bodies.modulus)
         return (self.bodies.share(body) * factor * u)[()]
 
@@ -107,11 +106,11 @@ def axis_ratio(ratio: float) -> float:
 
     def residual(log_k: float) -> float:
         k2 = math.exp(2 * log_k)
-        return math.log(elliprd(0.0, k2, 1.0) / elliprd(0.0, 1.0, k2)) - math.log(ratio)
+        return math.log(scipy.special.elliprd(0.0, k2, 1.0) / scipy.special.elliprd(0.0, 1.0, k2)) - math.log(ratio)
 
     low, high = math.log(ratio) / 1.5, math.log(ratio) / 2
     margin = 1e-12 + 1e-12 * abs(low)  # near the circle the bracket is as narrow as round-off
-    return math.exp(brentq(residual, low - margin, min(high + margin, 0.0), xtol=1e-15, rtol=1e-15))
+    return math.exp(scipy.optimize.brentq(residual, low - margin, min(high + margin, 0.0), xtol=1e-15, rtol=1e-15))
 
 
 def hertz_elliptic(
@@ -156,7 +155,9 @@ def hertz_elliptic(
         )
     # Along the larger semi-axis c: C = P/(2 pi E*) RD(0, k^2 c^2, c^2) = P/(2 pi E* c^3) RD(0, k^2, 1), C = min(A, B).
     k = axis_ratio(min(A, B) / max(A, B))
-    c = (load * float(elliprd(0.0, k**2, 1.0)) / (2 * math.pi * bodies.modulus * min(A, B))) ** (1.0 / 3.0)
+    c = (load * float(scipy.special.elliprd(0.0, k**2, 1.0)) / (2 * math.pi * bodies.modulus * min(A, B))) ** (
+        1.0 / 3.0
+    )
     a, b = (c, k * c) if A <= B else (k * c, c)
-    approach = 1.5 * load / (math.pi * bodies.modulus) * elliprf(0.0, a**2, b**2)
+    approach = 1.5 * load / (math.pi * bodies.modulus) * scipy.special.elliprf(0.0, a**2, b**2)
     return HertzElliptic(load, curvature, bodies, a, b, float(approach), 1.5 * load / (math.pi * a * b))

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.special import gamma
+import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
@@ -17,7 +16,7 @@ from .curvature import relative_radius
 from .result import Result
 
 # Duration over (largest approach/velocity): 2.943275.
-_DURATION = 4 * math.sqrt(math.pi) * float(gamma(0.4) / gamma(0.9)) / 5
+_DURATION = 4 * math.sqrt(math.pi) * math.gamma(0.4) / math.gamma(0.9) / 5
 
 
 @functools.cache
@@ -26,7 +25,7 @@ def _approach_curve() -> Any:
 
     The same for every impact. Integrated to the turning point only: the way out mirrors the way in.
     """
-    return solve_ivp(
+    return scipy.integrate.solve_ivp(
         lambda s, y: (y[1], -1.25 * max(y[0], 0.0) ** 1.5),
         (0.0, _DURATION / 2),
         (0.0, 1.0),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import binom
+import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
@@ -155,7 +155,9 @@ def _loop(q: float) -> float:
     if q > 0.1:
         return 1 - (1 - q) ** (5 / 3) - 5 * q / 6 * (1 + (1 - q) ** (2 / 3))
     n = np.arange(3, 30)
-    return float(np.sum((-1.0) ** n * (5 / 6 * binom(2 / 3, n - 1) - binom(5 / 3, n)) * q**n))
+    return float(
+        np.sum((-1.0) ** n * (5 / 6 * scipy.special.binom(2 / 3, n - 1) - scipy.special.binom(5 / 3, n)) * q**n)
+    )
 
 
 def cattaneo_mindlin(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
@@ -97,7 +97,7 @@ def _state(
     p = checks.number("pressure", pressure, "[F/L^2]", high=of_front(b))
     if p <= of_front(a):
         return p, a, p / of_front(a)
-    return p, brentq(lambda c: of_front(c) - p, a, b, xtol=1e-15 * b, rtol=1e-14), 1.0
+    return p, scipy.optimize.brentq(lambda c: of_front(c) - p, a, b, xtol=1e-15 * b, rtol=1e-14), 1.0
 
 
 def plastic_sphere(

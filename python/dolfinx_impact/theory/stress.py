@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from ..common.types import FloatArray
 
@@ -51,7 +51,9 @@ def largest(field: Callable[[Any], Any], depth: float) -> tuple[float, float]:
     z = np.linspace(0.0, depth, 601)
     best = int(np.argmax(field(z)))
     around = z[max(best - 1, 0)], z[min(best + 1, len(z) - 1)]
-    found = minimize_scalar(lambda s: -field(s), bounds=around, method="bounded", options={"xatol": 1e-10 * depth})
+    found = scipy.optimize.minimize_scalar(
+        lambda s: -field(s), bounds=around, method="bounded", options={"xatol": 1e-10 * depth}
+    )
     # A largest value at the surface lies at the end of the interval, which the search does not reach.
     if field(z[best]) >= -found.fun * (1 - 1e-12):
         return float(field(z[best])), float(z[best])

@@ -6,8 +6,7 @@ order and a size that are known beforehand.
 """
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import airy, itairy
+import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
@@ -130,7 +129,9 @@ def early_release(echo: float) -> float:
 
     def front(xi: float) -> float:
         """Integral of Ai from xi to infinity; itairy's are from 0 to abs(xi)."""
-        return 1 / 3 - itairy(xi)[0] if xi >= 0 else 1 / 3 + itairy(-xi)[2]
+        return 1 / 3 - scipy.special.itairy(xi)[0] if xi >= 0 else 1 / 3 + scipy.special.itairy(-xi)[2]
 
-    xi = brentq(lambda xi: front(xi) - 1 / echo, -2.338, 10.0)  # up to the first zero of Ai the integral rises
-    return float(-echo * airy(xi)[1])
+    xi = scipy.optimize.brentq(
+        lambda xi: front(xi) - 1 / echo, -2.338, 10.0
+    )  # up to the first zero of Ai the integral rises
+    return float(-echo * scipy.special.airy(xi)[1])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Static problems with known or foreign solutions, on the ranks of COMM_WORLD; see on_ranks.py."""
 
+import warnings
+
 import dolfinx.fem.petsc as petsc
 import numpy as np
 import ufl
@@ -8,6 +10,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact.statics import linear_solver
 
 COMM = MPI.COMM_WORLD
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
@@ -279,6 +282,32 @@ def check_multigrid_that_is_indefinite():
     other.solve()
     assert other.linear_solver.ksp.getType() == "gmres"
     assert largest(first.x.array - second.x.array) < 1e-8 * largest(first.x.array)  # Newton's tolerance
+
+
+def check_iterations_that_do_not_converge():
+    """A solver that was chosen by size and fails: the system is factorised, and a warning says so."""
+    domain = body("hexahedron", 4)
+    V = space(domain)
+    law, load = di.LinearElastic(2.0, 0.3), di.Traction(facets_at(domain, x=1.0), 1, (0.0, 0.1, 0.0))
+    first, second = fem.Function(V, name="u"), fem.Function(V, name="u")
+    di.StaticProblem(first, law, bcs=[clamp(V)], loads=[load]).solve()
+    kept = linear_solver.LARGEST_DIRECT
+    linear_solver.LARGEST_DIRECT = {2: 0, 3: 0}
+    try:
+        other = di.StaticProblem(second, law, bcs=[clamp(V)], loads=[load], options={"ksp_max_it": 2})
+        own = {"ksp_type": "cg", "pc_type": "jacobi", "ksp_max_it": 2}
+        refused = di.StaticProblem(fem.Function(V, name="u"), law, bcs=[clamp(V)], loads=[load], options=own)
+    finally:
+        linear_solver.LARGEST_DIRECT = kept
+    assert not other.linear_solver.direct
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        other.solve()
+    said = [str(w.message) for w in caught if "factorised" in str(w.message)]
+    assert len(said) == (COMM.rank == 0), said
+    assert other.linear_solver.direct
+    assert largest(first.x.array - second.x.array) < 1e-8 * largest(first.x.array)  # Newton's tolerance
+    refuses(refused, refused.u, "PETSc reason")  # who chooses a solver is told that it fails
 
 
 def check_nothing_to_do():
