@@ -57,6 +57,7 @@ def checks(tmp_path_factory):
 
 
 @pytest.mark.mpi
+@pytest.mark.long_rows(where=lambda ranks: ranks == 2)
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_demo_runs(program, ranks):
     output = run(["mpirun", "-n", ranks, program]) if ranks > 1 else run([program])
@@ -80,7 +81,12 @@ CHECKS = {
 }
 
 
+# On one rank, and by turns on two or three; `make verify` has the other rows.
+OTHER = {"penalty_friction": 2, "hertz_multipliers": 3, "explicit_impact": 2}
+
+
 @pytest.mark.mpi
+@pytest.mark.long_rows(where=lambda ranks, name: ranks == OTHER[name])
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 @pytest.mark.parametrize("name", CHECKS)
 def test_contact_demos_meet_closed_forms(demos, name, ranks):
@@ -109,6 +115,7 @@ def test_widths_agree(program):
 
 
 @pytest.mark.mpi
+@pytest.mark.long_rows(where=lambda ranks: ranks == 3)
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_library(checks, ranks):
     """Tangent, energy and force against each other, boundary conditions, errors."""

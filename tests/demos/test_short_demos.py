@@ -79,6 +79,7 @@ def test_every_demo_is_a_notebook(notebooks):
         assert cells[0].cell_type == "markdown" and {cell.cell_type for cell in cells} == {"markdown", "code"}
 
 
+@pytest.mark.long_rows(where=lambda name: name not in ("hertz", "own_form"))
 @pytest.mark.parametrize("name", DEMOS)
 def test_a_notebook_runs(name, notebooks, checkout, tmp_path):
     """On one rank: its code cells, in order, in one namespace, as a kernel runs them."""

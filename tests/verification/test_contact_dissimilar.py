@@ -40,6 +40,7 @@ def press(method, soft_above, h, steps):
     return m, contact, exact
 
 
+@pytest.mark.long_rows(where=lambda soft_above: soft_above)
 @pytest.mark.parametrize("soft_above", [True, False])
 def test_goodman_by_penalty(soft_above):
     """Shear traction on |x| < 0.8 a: 5 % of its largest at every node, 2 % in the mean; pressure 3 %. 20 steps.
@@ -59,6 +60,7 @@ def test_goodman_by_penalty(soft_above):
     assert np.all(np.abs(pressure) < 0.03 * exact.pressure(x))
 
 
+@pytest.mark.long_rows(where=lambda soft_above: soft_above)
 @pytest.mark.parametrize("soft_above", [True, False])
 def test_goodman_by_multipliers(soft_above):
     """Shear traction on |x| < 0.8 a: 3 % of its largest at every node, 1.5 % in the mean; pressure 3 %. 20 steps."""

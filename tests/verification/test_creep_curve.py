@@ -23,6 +23,7 @@ def model():
     return CreepModel(data)
 
 
+@pytest.mark.slow
 def test_eurosprinter(model):
     """Found: 1.8 % too large at the small creep, within 1 % above. The grid of CONTACT is 1 to 2 % high."""
     hertz = model.hertz

@@ -127,9 +127,9 @@ case "$*" in
   *"import dolfinx"*) [ -e "$FAKE_DOLFINX" ] ;;
   "-m venv"*) venv=${!#}; mkdir -p "$venv/bin" "$venv/lib"; cp -- "$0" "$venv/bin/python3" ;;
   *sysconfig*) echo "$(cd -- "$(dirname -- "$0")/.." && pwd)/lib" ;;
-  *"-m pip"*) echo "  [1/8] Building CXX object a/first.cpp.o"; sleep 3
-              echo "  [6/8] Building CXX object b/later.cpp.o"; sleep 3
-              echo "  *** Making wheel..."; sleep 3 ;;
+  *"-m pip"*) echo "  [1/8] Building CXX object a/first.cpp.o"; sleep 2
+              echo "  [6/8] Building CXX object b/later.cpp.o"; sleep 2
+              echo "  *** Making wheel..."; sleep 2 ;;
 esac"""
 REPORTS = [
     r"env/run: build: 12 % \(1 of 8, first\.cpp\.o\), \d+ s",

@@ -91,6 +91,7 @@ print("went on", flush=True)
 
 
 @pytest.mark.mpi
+@pytest.mark.long_rows(where=lambda case, room, ranks: ranks == 1 and room)
 @pytest.mark.parametrize(
     "case, room",
     [("histories", True), ("fields", True), ("fields", False)],
@@ -104,6 +105,7 @@ def test_beyond_a_limit_of_file_sizes(ranks, case, room, mpirun, tmp_path):
 
 
 @pytest.mark.mpi
+@pytest.mark.long_rows(where=lambda ranks: ranks == 1)
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_a_disk_that_is_full(ranks, mpirun, tmp_path):
     """A small file system of its own, where the process may mount one."""

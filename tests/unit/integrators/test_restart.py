@@ -75,6 +75,7 @@ problem.advance(end, callback=lambda p: p.save(sys.argv[1]), progress=False)
 """
 
 
+@pytest.mark.long_rows(where=lambda number: number >= 6)
 @pytest.mark.parametrize("number", range(20))
 def test_killed_at_any_moment_the_last_checkpoint_opens(number, tmp_path_factory):
     """SIGKILL while a checkpoint is written at every step: the last one opens, and the run goes on from there."""
@@ -139,6 +140,7 @@ print("went on", flush=True)
 
 
 @pytest.mark.mpi
+@pytest.mark.long_rows(where=lambda case, ranks: ranks == 1 and case != "all")
 @pytest.mark.parametrize("case", ("all", "last rank", "unreserved"))
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_a_write_that_fails_in_the_middle(ranks, case, mpirun, tmp_path):

@@ -233,6 +233,7 @@ def test_a_link_counts_as_what_it_leads_to(tmp_path, run_here):
 @pytest.mark.parametrize(
     "name", ["a b  c", "K\u00f6rper \u63a5\u89e6", b"latin \xe4"], ids=["blanks", "unicode", "bytes"]
 )
+@pytest.mark.long_rows(where=lambda name, locale: (locale == "C") != (name == "K\u00f6rper \u63a5\u89e6"))
 @pytest.mark.parametrize("locale", ["C.UTF-8", "C"])
 def test_names_of_folders(tmp_path, name, locale):
     """Compiled and found again, in a locale that knows no letters but ASCII's as well."""

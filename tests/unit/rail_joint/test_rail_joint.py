@@ -4,4 +4,6 @@
 import joint_checks
 from on_ranks import rank_tests
 
-test_one_rank, test_several_ranks = rank_tests(joint_checks, ranks=(2,), timeout=300)
+test_one_rank, test_several_ranks = rank_tests(
+    joint_checks, ranks=(2,), timeout=300, in_make_test={"resumed_run_is_the_same_run": 0}
+)
