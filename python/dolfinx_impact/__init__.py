@@ -8,6 +8,7 @@ closed-form solutions, and `verify` compares the package with the hand-written s
 
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
+from .common.visible_warnings import undo_capture
 from .contact import (
     ContactPair,
     ContactStatus,
@@ -36,6 +37,8 @@ from .assembly.operators import Energy, InternalForce, PointValues, Tangent
 from .rolling.motions import Spin, Translation
 from .rolling.problem import RollingProblem
 from .statics.problem import StaticProblem
+
+undo_capture()
 
 __version__ = "0.1.0"
 
