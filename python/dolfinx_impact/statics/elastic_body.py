@@ -37,8 +37,9 @@ class ElasticBody:
         self.tangent = operators.Tangent(tangent)
         self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self.symmetric, self.has_springs = True, has_springs
-        # A tangent that does not contain u is constant.
-        self.linear = not any(c is u for c in tangent.coefficients())
+        # A tangent that does not contain u is constant. Before derivatives are expanded, they contain u in any case.
+        expanded = ufl.algorithms.expand_derivatives(tangent)
+        self.linear = not any(c is u for c in expanded.coefficients())
 
     @property
     def origin(self) -> None:

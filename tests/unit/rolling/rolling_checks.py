@@ -14,6 +14,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact.rolling import stability
 
 COMM = MPI.COMM_WORLD
 INNER, OUTER = 1.0, 2.0
@@ -332,6 +333,20 @@ def shared_folder():
     COMM.barrier()
     if made:
         made.cleanup()
+
+
+def check_linear_bodies_have_one_tangent():
+    """Points of a rising creep curve need no further factors to tell that they are below the critical speed; bodies of
+    finite strain need them at each."""
+    for law, number in ((di.LinearElastic, 1), (di.StVenantKirchhoff, 3)):
+        problem = wheel_on_plane(law=law)
+        counted, calls = stability.negative_directions, []
+        stability.negative_directions = lambda p: calls.append(p.body.linear) or counted(p)
+        try:
+            problem.sweep(creep=[0.0, 1e-3, 2e-3], progress=False)
+        finally:
+            stability.negative_directions = counted
+        assert calls == [law is di.LinearElastic] * number
 
 
 def check_bad_friction():
