@@ -27,7 +27,9 @@ class Body(Protocol):
     """Bodies of a problem.
 
     Attributes:
-        linear: whether the tangent is constant.
+        linear: whether the tangent does not depend on the displacement, so that one serves an increment.
+        keeps_tangent: whether it is that of linear materials alone, so that one serves all steps: loads and residuals
+            of a user's own may contain what changes with time.
         symmetric: whether the tangent is symmetric, as far as is known.
         inelastic: whether a body has internal variables.
         has_inertia: whether inertia holds the bodies, so that they need no supports.
@@ -35,6 +37,7 @@ class Body(Protocol):
     """
 
     linear: bool
+    keeps_tangent: bool
     symmetric: bool
     inelastic: bool
     has_inertia: bool

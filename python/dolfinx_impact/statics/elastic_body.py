@@ -22,7 +22,7 @@ class ElasticBody:
 
     Attributes:
         tangent: derivative of the residual.
-        linear: whether the tangent is constant.
+        linear, keeps_tangent: see Body.
         symmetric: whether the tangent is symmetric, as far as is known.
         inelastic: False.
         has_inertia: False.
@@ -37,7 +37,8 @@ class ElasticBody:
         self.tangent = operators.Tangent(tangent)
         self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self.symmetric, self.has_springs = True, has_springs
-        # A tangent that does not contain u is constant. Before derivatives are expanded, they contain u in any case.
+        # The tangent of linear materials is written without u. Derivatives contain u until they are expanded.
+        self.keeps_tangent = not any(c is u for c in tangent.coefficients())
         expanded = ufl.algorithms.expand_derivatives(tangent)
         self.linear = not any(c is u for c in expanded.coefficients())
 

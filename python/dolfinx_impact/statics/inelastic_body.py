@@ -29,7 +29,7 @@ class InelasticBody:
 
     Attributes:
         tangent: derivative of the residual.
-        linear: False.
+        linear, keeps_tangent: False.
         symmetric: False: kinematic hardening with recovery and finite strain make it unsymmetric.
         inelastic: True.
         has_inertia: False.
@@ -39,6 +39,7 @@ class InelasticBody:
     """
 
     linear = False
+    keeps_tangent = False
     symmetric = False
     inelastic = True
     has_inertia = False

@@ -155,9 +155,8 @@ def hertz_elliptic(
         )
     # Along the larger semi-axis c: C = P/(2 pi E*) RD(0, k^2 c^2, c^2) = P/(2 pi E* c^3) RD(0, k^2, 1), C = min(A, B).
     k = axis_ratio(min(A, B) / max(A, B))
-    c = (load * float(scipy.special.elliprd(0.0, k**2, 1.0)) / (2 * math.pi * bodies.modulus * min(A, B))) ** (
-        1.0 / 3.0
-    )
+    cube = load * float(scipy.special.elliprd(0.0, k**2, 1.0)) / (2 * math.pi * bodies.modulus * min(A, B))
+    c = cube ** (1.0 / 3.0)
     a, b = (c, k * c) if A <= B else (k * c, c)
     approach = 1.5 * load / (math.pi * bodies.modulus) * scipy.special.elliprf(0.0, a**2, b**2)
     return HertzElliptic(load, curvature, bodies, a, b, float(approach), 1.5 * load / (math.pi * a * b))

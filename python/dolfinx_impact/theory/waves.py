@@ -131,7 +131,6 @@ def early_release(echo: float) -> float:
         """Integral of Ai from xi to infinity; itairy's are from 0 to abs(xi)."""
         return 1 / 3 - scipy.special.itairy(xi)[0] if xi >= 0 else 1 / 3 + scipy.special.itairy(-xi)[2]
 
-    xi = scipy.optimize.brentq(
-        lambda xi: front(xi) - 1 / echo, -2.338, 10.0
-    )  # up to the first zero of Ai the integral rises
+    # Up to the first zero of Ai the integral rises.
+    xi = scipy.optimize.brentq(lambda xi: front(xi) - 1 / echo, -2.338, 10.0)
     return float(-echo * scipy.special.airy(xi)[1])

@@ -284,6 +284,19 @@ def check_multigrid_that_is_indefinite():
     assert largest(first.x.array - second.x.array) < 1e-8 * largest(first.x.array)  # Newton's tolerance
 
 
+def check_what_changes_a_tangent():
+    """Of a linear residual of one's own it does not depend on u, but its coefficients may change from step to step."""
+    V = space(body("triangle"))
+    u, v, stiffness = fem.Function(V, name="u"), ufl.TestFunction(V), fem.Constant(V.mesh, 1.0)
+    linear = stiffness * ufl.inner(ufl.grad(u), ufl.grad(v)) * ufl.dx
+    for residual, expected in ((linear, True), (linear + ufl.inner(u, u) * ufl.inner(u, v) * ufl.dx, False)):
+        made = di.StaticProblem(u, residual=residual, bcs=[clamp(V)]).body
+        assert (made.linear, made.keeps_tangent) == (expected, False)
+    law = di.LinearElastic(2.0, 0.3, hypothesis="plane_strain")
+    made = di.StaticProblem(u, law, bcs=[clamp(V)]).body
+    assert (made.linear, made.keeps_tangent) == (True, True)
+
+
 def check_iterations_that_do_not_converge():
     """A solver that was chosen by size and fails: the system is factorised, and a warning says so."""
     domain = body("hexahedron", 4)

@@ -31,7 +31,8 @@ class MovingBody:
         tangent: this object.
         origin: displacements at the start of the step, over owned degrees of freedom [L].
         matrix: the matrix [F/L].
-        linear: whether the tangent is constant within a step.
+        linear: whether the tangent is the same in all steps of one size.
+        keeps_tangent: as linear.
         symmetric: whether the tangent is symmetric, as far as is known.
         inelastic: whether the bodies have internal variables.
         has_inertia: True: the bodies need no supports.
@@ -51,7 +52,8 @@ class MovingBody:
     ) -> None:
         self.body, self.inertia, self.alpha, self.damping = body, inertia, alpha, damping
         self.displacement, self.velocity = displacement, velocity
-        self.linear = body.linear and (damping is None or damping.linear)
+        self.linear = body.keeps_tangent and (damping is None or damping.linear)
+        self.keeps_tangent = self.linear
         self.symmetric = body.symmetric and damping is None
         self.inelastic, self.has_springs = body.inelastic, body.has_springs
         self.tangent = self
