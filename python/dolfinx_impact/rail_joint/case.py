@@ -138,7 +138,7 @@ class Case:
         )
         passage = Passage(model, self._progress)
         if data.preset != "coarse":
-            self._stage("trial", lambda: self._predict(model))
+            self._stage("trial", lambda: self._predict(passage))
         first = int(self._state.get("pass", 0))
         summary: Summary | None = None
         for number in range(first, data.passes):
@@ -160,11 +160,11 @@ class Case:
         run.print(report.text_table(report.rows_of(data, summary)))
         return summary
 
-    def _predict(self, model: JointModel) -> None:
-        """Time and memory of the run, from some seconds of steps at rest. Collective."""
-        data = self.data
+    def _predict(self, passage: Passage) -> None:
+        """Time and memory of the run, from some seconds of steps with the wheel at its start. Collective."""
+        data, model = self.data, passage.model
         u, v = fem.Function(model.V), fem.Function(model.V)
-        trial = ExplicitProblem(u, model.material, velocity=v, bcs=model.bcs, loads=[model.press])
+        trial = ExplicitProblem(u, model.material, velocity=v, **passage.explicit_arguments())
         dt, started = trial.stable_step(), time.perf_counter()
         trial.advance(3 * dt, progress=False)
         step, started, more = trial.step, time.perf_counter(), 10

@@ -124,6 +124,10 @@ class Passage:
         self.run: ExplicitProblem | None = None
         self.residual: StaticProblem | None = None
         self._history: dict[str, AnyArray] = {}  # of the materials, from earlier passages
+        self._penalty: float | None = None  # median of the springs with which the explicit problem begins [Pa/m]
+        self._unloaded: FloatArray | None = None  # displacements after the passage before, without a wheel [m]
+        self._pressed: FloatArray | None = None  # what the last preload added to the displacements [m]
+        self._sunk: FloatArray | None = None  # what springs in the place of its multipliers added to them [m]
 
     @property
     def yields(self) -> bool:
@@ -148,11 +152,16 @@ class Passage:
         """
         model = self.model
         static = self._static(Lagrange(model.pair(0.0)))
-        # A sphere that overlaps a plane by half of Hertz's approach cuts out Hertz's contact: the active set of the
-        # start is hardly wrong.
-        wheel = np.unique(model.V.dofmap.list[model.wheel.cells])
-        self.u.x.array.reshape(-1, 3)[wheel, 2] -= 0.5 * model.data.hertz.approach
+        before: FloatArray = self.u.x.array.copy()
+        if self._pressed is None:
+            # A sphere that overlaps a plane by half of Hertz's approach cuts out Hertz's contact: the active set of the
+            # start is hardly wrong.
+            wheel = np.unique(model.V.dofmap.list[model.wheel.cells])
+            self.u.x.array.reshape(-1, 3)[wheel, 2] -= 0.5 * model.data.hertz.approach
+        else:
+            self.u.x.array[:] += self._pressed  # the wheel comes back to a rail that has hardly changed there
         static.solve(rtol=TOLERANCE)
+        self._pressed = self.u.x.array - before
         contact = static.contact[0]
         assert contact.force is not None
         self.static_force = model.data.sides * float(contact.force[2])
@@ -163,8 +172,8 @@ class Passage:
         for name, values in self._history.items():
             problem.history[name].values = values
 
-    def _explicit(self) -> dict[str, Any]:
-        """Arguments of the explicit problem."""
+    def explicit_arguments(self) -> dict[str, Any]:
+        """Supports, loads and contact of the explicit problem."""
         model = self.model
         data = model.data
         return {
@@ -181,15 +190,21 @@ class Passage:
         Raises:
             RuntimeError: the springs found no equilibrium; on all ranks.
         """
-        trial = ExplicitProblem.from_static(static, **self._explicit()).contact[0]
-        closed = trial.stiffness > 0.0
-        found = self.model.comm.allgather(trial.stiffness[closed] / trial.weight[closed])
+        if self._penalty is None:
+            trial = ExplicitProblem.from_static(static, **self.explicit_arguments()).contact[0]
+            closed = trial.stiffness > 0.0
+            found = self.model.comm.allgather(trial.stiffness[closed] / trial.weight[closed])
+            self._penalty = float(np.median(np.concatenate(found)))
         # The springs' compliance makes the contact a little longer: without this equilibrium of their own, their
         # transition to it would make the force swing by 3 % in the first 20 mm.
-        springs = self._static(Penalty(self.model.pair(0.0), penalty=float(np.median(np.concatenate(found)))))
+        springs = self._static(Penalty(self.model.pair(0.0), penalty=self._penalty))
+        before: FloatArray = self.u.x.array.copy()
+        if self._sunk is not None:
+            self.u.x.array[:] += self._sunk
         springs.solve(rtol=TOLERANCE)
+        self._sunk = self.u.x.array - before
         velocity = self.model.rolling_velocity(self.u)
-        self.run = ExplicitProblem.from_static(springs, velocity=velocity, **self._explicit())
+        self.run = ExplicitProblem.from_static(springs, velocity=velocity, **self.explicit_arguments())
         self.u = self.run.u
         return self.run
 
@@ -205,7 +220,7 @@ class Passage:
         """
         model = self.model
         zero = fem.Function(model.V, name="velocity")
-        self.run = ExplicitProblem(self.u, model.material, velocity=zero, **self._explicit())
+        self.run = ExplicitProblem(self.u, model.material, velocity=zero, **self.explicit_arguments())
         self.run.restore(checkpoint)
         return self.run
 
@@ -280,9 +295,12 @@ class Passage:
         model, run = self.model, self.run
         assert run is not None, "roll comes first"
         u = fem.Function(model.V, name="displacement")
-        u.x.array[:] = run.u.x.array
-        wheel = np.unique(model.V.dofmap.list[model.wheel.cells])
-        u.x.array.reshape(-1, 3)[wheel] = 0.0  # lifted off, without load
+        if self._unloaded is None:
+            u.x.array[:] = run.u.x.array
+            wheel = np.unique(model.V.dofmap.list[model.wheel.cells])
+            u.x.array.reshape(-1, 3)[wheel] = 0.0  # lifted off, without load
+        else:
+            u.x.array[:] = self._unloaded  # a passage adds little to what the passages before have left
         static = StaticProblem(u, model.material, bcs=[*model.bcs, *model.parked()], loads=[model.track])
         if self.yields:
             self._history = {name: run.history[name].values.copy() for name in run.history}
@@ -293,6 +311,7 @@ class Passage:
             self._history = {name: static.history[name].values.copy() for name in static.history}
         self.u = fem.Function(model.V, name="displacement")
         self.u.x.array[:] = u.x.array
+        self._unloaded = u.x.array.copy()
         return static
 
     def plastic_strain(self) -> float:

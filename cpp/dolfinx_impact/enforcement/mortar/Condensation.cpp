@@ -159,10 +159,12 @@ Mat Condensation::condense(Mat K) const
   if (_symmetric)
   {
     check(MatPtAP(K, right(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &out), "a matrix is condensed");
+    check(MatProductClear(out), "a product is forgotten"); // it keeps K and work of several times its size
     return out;
   }
   check(MatMatMult(K, right(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product), "a matrix is condensed");
   check(MatTransposeMatMult(left(), product, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &out), "a matrix is condensed");
+  check(MatProductClear(out), "a product is forgotten");
   check(MatDestroy(&product), "a matrix is destroyed");
   return out;
 }
