@@ -18,6 +18,7 @@ from ..assembly import operators, problem_arguments
 from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
+from ..common.memory import free_garbage
 from ..common.types import ArrayLike, FilePath, FloatArray
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
@@ -140,6 +141,7 @@ class ExplicitProblem(Unique):
         self.u, self.space, self.material = u, u.function_space, material
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
+        free_garbage(self.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
         self.damping, self.scheme = damping or Rayleigh(), scheme
         self.lumping, self.mass_scaling = lumping, mass_scaling
         self.loads, self.residual_form, self.given_density = list(loads), residual, density

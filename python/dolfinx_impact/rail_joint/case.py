@@ -42,6 +42,7 @@ CAPTIONS = {
     "sequence.png": "Von Mises stress around the contact, cut in the middle of the rail.",
     "passage.gif": "The passage.",
     "ends.png": "Heights of the rail ends: the dip that the wheel has to climb out of.",
+    "passages.png": "What the passages leave: equivalent plastic strain, what each adds to it, and its largest force.",
     "plastic.png": "Equivalent plastic strain of the rail heads after the last passage.",
     "residual.png": "Residual stress along the rail without a wheel.",
     "shear.png": "Shear stress in the plane of the rail while the wheel is on the edge of the second rail.",
@@ -151,6 +152,8 @@ class Case:
              "seconds": self._seconds}, indent=1, default=float) + "\n"))  # fmt: skip
         if self._pictures:
             self._stage("drawing", lambda: self._draw_residual(passage))
+            if len(self._passes) > 1 and passage.yields:
+                run.pictures(figures.passages, run.file("passages.png"), self._passes)
             seconds = dict(self._seconds)
             run.write("report.html", lambda: report.write(
                 run.file("report.html"), data, summary, CAPTIONS, seconds, self._passes))  # fmt: skip
@@ -191,7 +194,8 @@ class Case:
             static = _footprint_from(self._state.get("footprint"))
         else:
             equilibrium = self._stage("preload" + what, passage.preload)
-            problem = self._stage("start" + what, lambda: passage.start(equilibrium))
+            problem = self._stage("start" + what, partial(passage.start, equilibrium))
+            del equilibrium  # its matrices are larger than all that the wheel needs to roll
             static = passage.static_footprint
             self._write_state(number, static_force=passage.static_force, footprint=self._comm.bcast(_as_lists(static)))
         recorder = problem.record(

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -129,6 +129,33 @@ def energies(path: FilePath, data: RailJoint, history: History) -> None:
     balance = sum(v for n, v in changes.items() if n != "external") - changes["external"]
     rest.plot(x, balance / largest, color=plots.COLOURS[0], lw=1.2)
     rest.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="missed / largest [1]")
+    plots.save(figure, path)
+
+
+def passages(path: FilePath, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Plastic strain after each passage and what the passage added, beside the largest force.
+
+    Args:
+        path: PNG that is written.
+        rows: numbers of each passage, at least two, as Summary.as_dict.
+    """
+    plt = plots.pyplot()
+    figure, (strain, gain, load) = plt.subplots(1, 3, figsize=(11, 3.4), layout="constrained")
+    number = np.arange(1, len(rows) + 1)
+    plastic = np.array([float(row["plastic_strain"]) for row in rows]) * 100.0
+    strain.plot(number, plastic, "o-", color=plots.COLOURS[0], lw=1.2, ms=4)
+    strain.set(ylabel="largest equivalent plastic strain [%]", ylim=(0.0, 1.1 * plastic.max()))
+    added = np.diff(plastic, prepend=0.0)
+    grows = added > 0.0
+    gain.semilogy(number[grows], added[grows], "o-", color=plots.COLOURS[1], lw=1.2, ms=4)
+    gain.set(ylabel="added by the passage [%]")
+    factors = [float(row["dynamic_factor"]) for row in rows]
+    load.plot(number, factors, "o-", color=plots.COLOURS[2], lw=1.2, ms=4)
+    load.set(ylabel="largest force / load [1]", ylim=(min(factors) - 0.01, max(factors) + 0.01))
+    load.ticklabel_format(useOffset=False)
+    for axes in (strain, gain, load):
+        axes.set(xlabel="passage", xlim=(0.5, len(rows) + 0.5))
+        axes.xaxis.get_major_locator().set_params(integer=True)
     plots.save(figure, path)
 
 

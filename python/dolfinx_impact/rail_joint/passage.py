@@ -12,6 +12,7 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+from ..common.memory import free_garbage
 from ..common.types import AnyArray, FilePath, FloatArray
 from ..contact import Lagrange, Penalty
 from ..dynamics.explicit import ExplicitProblem
@@ -151,6 +152,7 @@ class Passage:
             RuntimeError: no equilibrium was found; on all ranks.
         """
         model = self.model
+        self.residual = None  # its matrices need not lie beside those of the next passage
         static = self._static(Lagrange(model.pair(0.0)))
         before: FloatArray = self.u.x.array.copy()
         if self._pressed is None:
@@ -161,6 +163,7 @@ class Passage:
         else:
             self.u.x.array[:] += self._pressed  # the wheel comes back to a rail that has hardly changed there
         static.solve(rtol=TOLERANCE)
+        static.linear_solver.reset()
         self._pressed = self.u.x.array - before
         contact = static.contact[0]
         assert contact.force is not None
@@ -257,6 +260,7 @@ class Passage:
         stress = NodalStress(self.model, run.u) if show is not None else None
         footprints, before, saved = [], time.perf_counter(), time.perf_counter()
         first = run.step
+        free_garbage(self.model.mesh.comm, 3 * self.model.V.dofmap.index_map.size_global)  # matrices of the equilibria
         with WayBar(self.model.comm, data, self._progress) as bar:
             for place in np.append(places[places < data.end], data.end):
                 moment = (place - data.begin) / data.speed
@@ -306,6 +310,7 @@ class Passage:
             self._history = {name: run.history[name].values.copy() for name in run.history}
             self._give_history(static)
         static.solve(rtol=TOLERANCE)
+        static.linear_solver.reset()
         self.residual = static
         if self.yields:
             self._history = {name: static.history[name].values.copy() for name in static.history}

@@ -10,6 +10,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from .. import _cpp
+from ..common.memory import free_garbage
 from ..common.types import BoolArray, FloatArray
 
 # LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
@@ -107,6 +108,30 @@ class System(Protocol):
         """A as a matrix of its own, for a preconditioner. Collective."""
 
 
+class Product:
+    """Products with the present system; one operator for all systems, as preconditioners keep it.
+
+    It is an object of its own because PETSc's operator keeps it, and the garbage collector does not see through PETSc's
+    objects: a solver that were its own operator would never be freed, and neither would its factors.
+
+    Attributes:
+        system: that products are taken with.
+    """
+
+    def __init__(self) -> None:
+        self.system: System | None = None
+
+    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Product with the system; PETSc calls it.
+
+        Args:
+            x: unknowns.
+            y: is overwritten.
+        """
+        assert self.system is not None
+        self.system.mult(x, y)
+
+
 class LinearSolver:
     """A KSP with options of its own.
 
@@ -137,6 +162,7 @@ class LinearSolver:
         for key, value in chosen.items():
             database[own + key] = value
         weakref.finalize(self, _forget, [own + key for key in chosen])
+        free_garbage(V.mesh.comm, size)
         self.ksp = PETSc.KSP().create(V.mesh.comm)
         self.ksp.setOptionsPrefix(own)
         try:
@@ -164,7 +190,7 @@ class LinearSolver:
         if self._keeps:
             self.ksp.setTolerances(divtol=1e30)  # the guess may be far worse than none
         self._operator: PETSc.Mat | None = None
-        self._system: System | None = None  # that products are taken with
+        self._product = Product()
         self._own: System | None = None  # that the preconditioner was made of
         self._matrix: PETSc.Mat | None = None
         self._pinned: BoolArray = np.zeros(0, dtype=bool)
@@ -183,10 +209,17 @@ class LinearSolver:
             )
 
     def reset(self) -> None:
-        """Forget the preconditioner, so that the next solution does not depend on earlier systems. Collective."""
+        """Forget the preconditioner and give back its memory: the next solution does not depend on earlier systems.
+        Collective."""
+        self._forget_matrix()
+        self._own, self._product.system, self._spent = None, None, 0
+
+    def _forget_matrix(self) -> None:
+        """Free the preconditioner's matrix and its factors or hierarchy. Collective."""
         if self._matrix is not None:
             self._matrix.destroy()
-        self._matrix, self._own, self._spent = None, None, 0
+            self.ksp.getPC().reset()
+        self._matrix = None
 
     @property
     def direct(self) -> bool:
@@ -327,9 +360,7 @@ class LinearSolver:
 
     def _prepare(self, system: System) -> None:
         """Preconditioner of the present system."""
-        if self._matrix is not None:
-            self._matrix.destroy()
-            self.ksp.getPC().reset()  # the old hierarchy need not live beside the new one
+        self._forget_matrix()
         self._matrix = system.assemble()
         if self.near_nullspace is not None:
             self._matrix.setNearNullSpace(self.near_nullspace)
@@ -341,24 +372,14 @@ class LinearSolver:
     def _run(self, system: System, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve with the present preconditioner. Collective."""
         if self._operator is None:
-            self._operator = PETSc.Mat().createPython(system.sizes, self, comm=system.K.getComm())
+            self._operator = PETSc.Mat().createPython(system.sizes, self._product, comm=system.K.getComm())
             self._operator.setUp()
             self.ksp.getPC().setUseAmat(False)
-        self._system = system
+        self._product.system = system
         self.ksp.setOperators(self._operator, self._matrix)
         self.ksp.solve(b, x)
         self.ksp.getPC().setReusePreconditioner(True)
         self.num_iterations += self.ksp.getIterationNumber()
-
-    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """Product with the present system; PETSc calls it. One operator for all systems: preconditioners keep it.
-
-        Args:
-            x: unknowns.
-            y: is overwritten.
-        """
-        assert self._system is not None
-        self._system.mult(x, y)
 
     def _fault(self, system: System, b: PETSc.Vec, x: PETSc.Vec) -> str | None:
         """What is wrong with a solution, or None. Collective."""

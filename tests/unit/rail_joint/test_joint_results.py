@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dolfinx_impact.io import plots
-from dolfinx_impact.rail_joint import RailJoint, report, study
+from dolfinx_impact.rail_joint import RailJoint, figures, report, study
 from dolfinx_impact.rail_joint.passage import ENERGIES, Footprint, History
 from dolfinx_impact.rail_joint.results import P2_FREQUENCY, half_axes, low_pass, summarise
 
@@ -86,6 +86,22 @@ def test_the_report_holds_pictures_and_numbers(tmp_path):
     assert "120 km/h" in text and "1.4321"[:5] in text and "friction: coefficient" in text and "dolfinx" in text
     report.write_state(tmp_path / "paraview_state.py")
     compile((tmp_path / "paraview_state.py").read_text(encoding="utf-8"), "state", "exec")
+
+
+def test_picture_of_passages(tmp_path):
+    """Each has a point in all three parts; one that adds nothing has none on the logarithmic axis."""
+    s = summarise(JOINT, history(lambda x: 1.0 + 0.2 * (x > 0)), JOINT.load, footprint(), 0.0, 100, 2).as_dict()
+    rows = [{**s, "plastic_strain": strain} for strain in (1e-3, 1.2e-3, 1.2e-3)]
+    plt, drawn = plots.pyplot(), []
+    save, plots.save = plots.save, lambda figure, path: drawn.append(figure)
+    try:
+        figures.passages(tmp_path / "passages.png", rows)
+    finally:
+        plots.save = save
+    points = [axes.lines[0].get_xydata() for axes in drawn[0].axes]
+    plt.close(drawn[0])
+    assert points[0] == pytest.approx(np.array([[1, 0.1], [2, 0.12], [3, 0.12]]))
+    assert points[1] == pytest.approx(np.array([[1, 0.1], [2, 0.02]])) and len(points[2]) == 3
 
 
 class Quick(study.Job):
