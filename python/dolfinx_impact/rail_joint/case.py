@@ -33,6 +33,9 @@ CHECKPOINT, STATE = "checkpoint.h5", "state.json"
 STATIONS = (0.10, 0.25, 0.40)  # places along the second rail where waves are recorded [m]
 STATION_HEIGHT = -0.02  # in the rail head [m]
 SAMPLES = 5  # steps between samples of points
+# Time of the equilibria of a passage over that of its rolling, and memory by unknown [B]; measured with `coarse` and
+# `medium` on two ranks.
+STATIC_TIME, STATIC_MEMORY = 1.5, 8e3
 TRIAL = 20.0  # wall-clock time of the measurement before a long run [s]
 
 CAPTIONS = {
@@ -177,10 +180,12 @@ class Case:
         rate = (trial.step - step) / self._comm.bcast(time.perf_counter() - started)
         memory = self._comm.allreduce(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1e6
         steps = data.duration / dt
+        minutes, unknowns = steps / rate / 60, 3 * model.V.dofmap.index_map.size_global
         self.run.print(
-            f"predicted: {data.passes} x {steps:.0f} steps of {1e9 * dt:.0f} ns, {data.passes * steps / rate / 60:.0f} "
-            f"min of rolling at {rate:.1f} steps per second, and the static stages; {memory:.1f} GB so far, of all "
-            "ranks, and two to four times as much in the static stages"
+            f"predicted: {data.passes} x {steps:.0f} steps of {1e9 * dt:.0f} ns, {data.passes * minutes:.0f} min of "
+            f"rolling at {rate:.1f} steps per second, some {STATIC_TIME * minutes:.0f} min of equilibria in the first "
+            f"passage and half of it in others; {memory:.1f} GB so far, of all ranks, and "
+            f"{STATIC_MEMORY * unknowns / 1e9:.0f} GB more for equilibria"
         )
 
     def _pass(self, passage: Passage, number: int, resume: bool) -> Summary:

@@ -2,7 +2,9 @@
 """Model and passage of a rail joint with coarse cells, on any number of ranks."""
 
 import json
+import re
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
+import dolfinx_impact.rail_joint.case as case_module
 from dolfinx_impact.rail_joint import Case, JointModel, Passage, RailJoint
 from dolfinx_impact.rail_joint.wheel import HUB_TAGS, RIM_TAG
 
@@ -98,16 +101,38 @@ def check_resumed_run_is_the_same_run():
     assert record["summary"]["steps"] == whole.steps
 
 
+def check_prediction_of_a_long_run():
+    """Number of steps and rate are those of the run itself, within what pressed springs change."""
+    folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
+    case, said, trial = Case(SMALL, folder, COMM, pictures=False, progress=False), [], case_module.TRIAL
+    case.run.print = said.append
+    passage = Passage(JointModel(SMALL, COMM), progress=False)
+    case_module.TRIAL = 0.5
+    try:
+        case._predict(passage)
+    finally:
+        case_module.TRIAL = trial
+    (text,) = said
+    steps, rate = (float(x) for x in re.search(r"1 x (\d+) steps .* ([\d.]+) steps per second", text).groups())
+    run = passage.start(passage.preload())
+    begun, step = time.perf_counter(), run.step
+    run.advance(0.1 * SMALL.duration, progress=False)
+    measured = (run.step - step) / (time.perf_counter() - begun)
+    assert steps == pytest.approx(10 * (run.step - step), rel=0.25)
+    assert 0.1 < rate / measured < 10.0, "the machine may be busy with one of the two"
+    assert "GB more for equilibria" in text
+
+
 def check_equilibria_of_a_second_passage():
     """They are those that are found without the first one's as a start; the steel keeps what has flowed."""
     passage = Passage(JointModel(SMALL.changed(yield_stress=300e6), COMM), progress=False)
-    passage.start(passage.preload())
-    passage.roll()
+    passage.start(passage.preload()).advance(0.2 * SMALL.duration, progress=False)
     flowed = passage.plastic_strain()
     passage.unload()
     unloaded = passage.u.x.array.copy()
     passage.start(passage.preload())
     found, force = passage.u.x.array.copy(), passage.static_force
+    passage.u = fem.Function(passage.model.V, name="displacement")
     passage.u.x.array[:] = unloaded
     passage._pressed = passage._sunk = None
     passage.start(passage.preload())
@@ -116,7 +141,7 @@ def check_equilibria_of_a_second_passage():
     assert COMM.allreduce(np.abs(found - passage.u.x.array).max(), MPI.MAX) < 1e-3 * largest
     assert force == pytest.approx(passage.static_force, rel=1e-4)
     assert passage.plastic_strain() >= flowed > 1e-4
-    passage.roll()
+    passage.run.advance(0.2 * SMALL.duration, progress=False)
     again = passage.u.x.array.copy()
     passage.unload()
     assert COMM.allreduce(np.abs(again - unloaded).max(), MPI.MAX) > 0.1 * largest, "the wheel was lifted off"

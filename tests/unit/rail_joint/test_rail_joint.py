@@ -5,5 +5,10 @@ import joint_checks
 from on_ranks import rank_tests
 
 test_one_rank, test_several_ranks = rank_tests(
-    joint_checks, ranks=(2,), timeout=300, in_make_test={"resumed_run_is_the_same_run": 0}
+    joint_checks,
+    ranks=(2,),
+    timeout=300,
+    in_make_test=dict.fromkeys(
+        ("resumed_run_is_the_same_run", "prediction_of_a_long_run", "equilibria_of_a_second_passage"), 0
+    ),
 )
