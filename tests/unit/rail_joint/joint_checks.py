@@ -121,30 +121,3 @@ def check_prediction_of_a_long_run():
     assert steps == pytest.approx(10 * (run.step - step), rel=0.25)
     assert 0.1 < rate / measured < 10.0, "the machine may be busy with one of the two"
     assert "GB more for equilibria" in text
-
-
-def check_equilibria_of_a_second_passage():
-    """They are those that are found without the first one's as a start; the steel keeps what has flowed."""
-    passage = Passage(JointModel(SMALL.changed(yield_stress=300e6), COMM), progress=False)
-    passage.start(passage.preload()).advance(0.2 * SMALL.duration, progress=False)
-    flowed = passage.plastic_strain()
-    passage.unload()
-    unloaded = passage.u.x.array.copy()
-    passage.start(passage.preload())
-    found, force = passage.u.x.array.copy(), passage.static_force
-    passage.u = fem.Function(passage.model.V, name="displacement")
-    passage.u.x.array[:] = unloaded
-    passage._pressed = passage._sunk = None
-    passage.start(passage.preload())
-    # Both are solved to 3e-5 of the forces; a wheel on two cells yields by much more than it does on the second way.
-    largest = COMM.allreduce(np.abs(found).max(), MPI.MAX)
-    assert COMM.allreduce(np.abs(found - passage.u.x.array).max(), MPI.MAX) < 1e-3 * largest
-    assert force == pytest.approx(passage.static_force, rel=1e-4)
-    assert passage.plastic_strain() >= flowed > 1e-4
-    passage.run.advance(0.2 * SMALL.duration, progress=False)
-    again = passage.u.x.array.copy()
-    passage.unload()
-    assert COMM.allreduce(np.abs(again - unloaded).max(), MPI.MAX) > 0.1 * largest, "the wheel was lifted off"
-    moved, rail = np.abs(passage.u.x.array - unloaded).reshape(-1, 3), np.ones(len(unloaded) // 3, dtype=bool)
-    rail[np.unique(passage.model.V.dofmap.list[passage.model.wheel.cells])] = False
-    assert COMM.allreduce(moved[rail].max(initial=0.0), MPI.MAX) < 0.1 * largest, "a rail that has changed little"
