@@ -33,8 +33,8 @@ CHECKPOINT, STATE = "checkpoint.h5", "state.json"
 STATIONS = (0.10, 0.25, 0.40)  # places along the second rail where waves are recorded [m]
 STATION_HEIGHT = -0.02  # in the rail head [m]
 SAMPLES = 5  # steps between samples of points
-# Time of the equilibria of a passage over that of its rolling, and memory by unknown [B]; measured with `coarse` and
-# `medium` on two ranks.
+# Time of the equilibria of a passage over that of its rolling, measured with `coarse` and `medium`, and memory by
+# unknown [B], measured with `coarse`; on two ranks.
 STATIC_TIME, STATIC_MEMORY = 1.5, 8e3
 TRIAL = 20.0  # wall-clock time of the measurement before a long run [s]
 

@@ -37,8 +37,8 @@ LARGEST_DIRECT = {2: 400_000, 3: 40_000}
 # Up to these numbers of unknowns a system whose iterations do not converge is factorised after all. Factors in space
 # take some 2 GB at 200k unknowns, and grow with the power 4/3.
 LARGEST_LAST_RESORT = {2: 4_000_000, 3: 400_000}
-# Vectors that GMRES keeps before it begins anew. With PETSc's 30 a wheel on a rail of 700,000 unknowns takes 250
-# iterations for three digits instead of 100; they take less memory than the matrix.
+# Vectors that GMRES keeps before it begins anew. With PETSc's 30 a wheel on a rail of 235,000 unknowns takes 105
+# iterations for three digits instead of 65; they take less memory than the matrix.
 RESTART = 100
 WORTH = 10  # iterations that cost as much as factors of other packages than MUMPS, which do not tell
 # Operations of a factorisation run this much faster than those of a solution with the factors (measured: 4.5 on meshes
