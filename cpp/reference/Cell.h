@@ -8,6 +8,8 @@
 /// The hand-written solver: classical finite elements on Eigen matrices, independent of the FEniCS side on purpose.
 namespace impact_reference
 {
+/// Matrices of cells and facets are small: their products are written with lazyProduct, entry by entry. Eigen's product
+/// for large matrices works in blocks, which takes the compiler several seconds in every source.
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 

@@ -34,7 +34,8 @@ Matrix redistribute(const Matrix& m, const Eigen::MatrixXd& T, int d)
     for (Eigen::Index k = 0; k < T.cols(); ++k)
       for (int a = 0; a < d; ++a)
         all(d * i + a, d * k + a) = T(i, k);
-  return all.transpose() * m * all;
+  const Matrix m_all = m.lazyProduct(all);
+  return all.transpose().lazyProduct(m_all);
 }
 
 Matrix lumped_cell(const Vector& lumped, const Eigen::MatrixXd& T, int d)

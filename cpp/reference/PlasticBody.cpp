@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "PlasticBody.h"
 #include "rigid.h"
-#include <Eigen/SparseLU>
+#include "solve.h"
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -164,18 +164,15 @@ private:
       return true;
     Eigen::SparseMatrix<double> reduced = reduce(K, numbers_);
     reduced.makeCompressed();
-    Eigen::SparseLU<Eigen::SparseMatrix<double>> solver(reduced);
-    if (solver.info() != Eigen::Success)
+    const std::optional<Vector> solved = solve_lu(reduced, right);
+    if (not solved)
     {
       why = "the tangent became singular";
       return false;
     }
-    const Vector solved = solver.solve(right);
-    if (not solved.allFinite())
-      return false;
     for (std::size_t i = 0; i < numbers_.size(); ++i)
       if (numbers_[i] >= 0)
-        u(Eigen::Index(i)) += solved(numbers_[i]);
+        u(Eigen::Index(i)) += (*solved)(numbers_[i]);
     return true;
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "contact_mortar.h"
+#include "DenseLu.h"
 #include "contact_segments.h"
 
 namespace impact_reference
@@ -127,7 +128,7 @@ private:
     for (const auto& s : sums)
       d += s.value.d;
     if (basis_ == Basis::linear)
-      d = detail::corner_functions(pair_.slave) * d;
+      d = Vector(detail::corner_functions(pair_.slave).lazyProduct(d));
     for (int j = 0; j < n_; ++j)
       out_.nodes.at(slave.nodes[j]).cover += d(j);
   }
@@ -191,14 +192,15 @@ private:
       return;
     for (int j = 0; j < n_; ++j)
       z.row(j).head(d_) = z_.row(slave.nodes[j]);
-    const Eigen::FullPivLU<Square> lu(m);
+    const DenseLu lu(m);
     Square A = B;
     if (is_dual())
-      A = B * lu.solve(Square(d.asDiagonal())).transpose();
+      A = B.lazyProduct(lu.solve(Square(d.asDiagonal())).transpose());
     else if (basis_ == Basis::linear)
-      A = B * detail::corner_functions(pair_.slave);
-    const Square D = is_dual() ? Square(B * d.asDiagonal()) : Square(A * m);
-    const Matrix zhat = A.transpose() * z, gamma = A * distance, slip = A * moved, force = D.transpose() * z;
+      A = B.lazyProduct(detail::corner_functions(pair_.slave));
+    const Square D = is_dual() ? Square(B * d.asDiagonal()) : Square(A.lazyProduct(m));
+    const Matrix zhat = A.transpose().lazyProduct(z), gamma = A.lazyProduct(distance), slip = A.lazyProduct(moved),
+                 force = D.transpose().lazyProduct(z);
     for (int j = 0; j < n_; ++j)
     {
       MortarNode& node = out_.nodes.at(slave.nodes[j]);
@@ -212,26 +214,26 @@ private:
     }
     for (const auto& s : sums)
     {
-      const Square mixed = A * s.value.mixed;
+      const Square mixed = A.lazyProduct(s.value.mixed);
       for (int l = 0; l < n_; ++l)
       {
         for (int j = 0; j < n_; ++j)
           if (mixed(j, l) != 0)
             out_.M.emplace_back(slave.nodes[j], s.master->nodes[l], mixed(j, l));
-        add(s.master->nodes[l], -mixed.col(l).transpose() * z);
+        add(s.master->nodes[l], -mixed.col(l).transpose().lazyProduct(z));
       }
     }
     for (const auto& s : sums)
-      differentiate(slave, sums, s, lu, A, B, distance, moved, B.transpose() * z, zhat);
+      differentiate(slave, sums, s, lu, A, B, distance, moved, B.transpose().lazyProduct(z), zhat);
   }
 
   bool is_dual() const { return basis_ == Basis::dual; }
 
   // Derivatives by the degrees of freedom of one pair. With A m = B diag(d): dA = (B diag(dd) - A dm) m^-1.
   // zb = B^T z, zhat = A^T z.
-  void differentiate(const Facet& slave, const std::vector<Sums>& sums, const Sums& s,
-                     const Eigen::FullPivLU<Square>& lu, const Square& A, const Square& B, const Matrix& distance,
-                     const Matrix& moved, const Matrix& zb, const Matrix& zhat)
+  void differentiate(const Facet& slave, const std::vector<Sums>& sums, const Sums& s, const DenseLu& lu,
+                     const Square& A, const Square& B, const Matrix& distance, const Matrix& moved, const Matrix& zb,
+                     const Matrix& zhat)
   {
     const Matrix distance_m = lu.solve(distance), moved_m = lu.solve(moved);
     auto dofs = facet_dofs(pair_.slave, slave);
@@ -241,27 +243,30 @@ private:
     {
       const Square &dm = s.slope[v].m, &dmixed = s.slope[v].mixed;
       const Vector& dd = s.slope[v].d;
-      Matrix dgamma = A * s.slope[v].distance, dslip = A * s.slope[v].moved, dzhat = Matrix::Zero(n_, 3);
+      Matrix dgamma = A.lazyProduct(s.slope[v].distance), dslip = A.lazyProduct(s.slope[v].moved),
+             dzhat = Matrix::Zero(n_, 3);
       if (is_dual())
       {
-        dgamma += B * dd.asDiagonal() * distance_m - A * dm * distance_m;
-        dslip += B * dd.asDiagonal() * moved_m - A * dm * moved_m;
-        dzhat = lu.solve(Matrix(dd.asDiagonal() * zb - dm * zhat));
+        const Square dA_m = B * dd.asDiagonal() - A.lazyProduct(dm); // dA m
+        dgamma += dA_m.lazyProduct(distance_m);
+        dslip += dA_m.lazyProduct(moved_m);
+        dzhat = lu.solve(dd.asDiagonal() * zb - dm.lazyProduct(zhat));
       }
       for (int j = 0; j < n_; ++j)
       {
         MortarNode& node = out_.nodes.at(slave.nodes[j]);
         node.gamma.slope.emplace_back(dofs[v], vec(dgamma.row(j)));
         node.moved.slope.emplace_back(dofs[v], vec(dslip.row(j)));
-        const Eigen::RowVectorXd force = is_dual() ? Eigen::RowVectorXd(dd(j) * zb.row(j)) : dm.row(j) * zhat;
+        const Eigen::RowVectorXd force =
+            is_dual() ? Eigen::RowVectorXd(dd(j) * zb.row(j)) : Eigen::RowVectorXd(dm.row(j).lazyProduct(zhat));
         add(slave.nodes[j], dofs[v], force);
       }
       for (int l = 0; l < n_; ++l)
-        add(s.master->nodes[l], dofs[v], -dmixed.col(l).transpose() * zhat);
+        add(s.master->nodes[l], dofs[v], -dmixed.col(l).transpose().lazyProduct(zhat));
       if (is_dual() and not dzhat.isZero(0))
         for (const auto& other : sums)
         {
-          const Matrix force = other.value.mixed.transpose() * dzhat;
+          const Matrix force = other.value.mixed.transpose().lazyProduct(dzhat);
           for (int l = 0; l < n_; ++l)
             add(other.master->nodes[l], dofs[v], -force.row(l));
         }

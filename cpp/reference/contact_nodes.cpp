@@ -104,7 +104,7 @@ void areas(const ContactPair& pair, Basis basis, Mortar& out)
         share(j) += w * f.N[j];
     }
     if (basis == Basis::linear)
-      share = linear * share;
+      share = Vector(linear.lazyProduct(share));
     for (int j = 0; j < s.num_nodes(); ++j)
     {
       out.nodes[facet.nodes[j]].area += area;
@@ -141,7 +141,10 @@ void against_obstacle(const ContactPair& pair, const Rigid& rigid, const Rule& r
     }
     Eigen::MatrixXd D = m.rowwise().sum().asDiagonal();
     if (basis != Basis::dual)
-      D = handed_over(facet, out) * (basis == Basis::linear ? corner_functions(s) * m : m);
+    {
+      const Eigen::MatrixXd A = basis == Basis::linear ? Eigen::MatrixXd(corner_functions(s).lazyProduct(m)) : m;
+      D = handed_over(facet, out).lazyProduct(A);
+    }
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k)
         if (D(j, k) != 0)

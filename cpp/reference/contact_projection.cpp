@@ -101,9 +101,8 @@ bool Projector::converge(std::int64_t facet, const Vec<double>& x, Foot& foot) c
     const SymmetricEigen eigen(H);
     const double largest = eigen.eigenvalues().cwiseAbs().maxCoeff();
     const Vector e = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-3 * largest);
-    Vector step = -(eigen.eigenvectors() * e.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * r);
-    if (eigen.eigenvalues().minCoeff() > 1e-3 * largest)
-      step = -H.partialPivLu().solve(r);
+    const Vector along = eigen.eigenvectors().transpose().lazyProduct(r);
+    Vector step = -eigen.eigenvectors().lazyProduct(along.cwiseQuotient(e));
     if (step.norm() > 0.5)
       step *= 0.5 / step.norm();
     Local next = foot.xi;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "contact_solve.h"
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -69,14 +68,7 @@ std::optional<Vector> solve(const Entries& entries, const Vector& right)
 {
   Eigen::SparseMatrix<double> matrix(right.size(), right.size());
   matrix.setFromTriplets(entries.begin(), entries.end());
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> lu(matrix);
-  if (lu.info() != Eigen::Success)
-    return std::nullopt;
-  Vector x = lu.solve(right);
-  x += lu.solve(right - matrix * x); // one refinement: rows of forces and of gaps differ in size
-  if (not x.allFinite())
-    return std::nullopt;
-  return x;
+  return solve_lu(matrix, right);
 }
 
 ContactSolution solve_in_steps(const System& system, const ContactPair& bodies, const ContactState& start,

@@ -50,7 +50,7 @@ void add_geometric(Matrix& K, const Sample& s, Hypothesis h, const Vector& S)
     T(1, 2) = T(2, 1) = S(4);
     T(0, 2) = T(2, 0) = S(5);
   }
-  const Matrix H = s.dN * T.topLeftCorner(d, d) * s.dN.transpose();
+  const Matrix NT = s.dN.lazyProduct(T.topLeftCorner(d, d)), H = NT.lazyProduct(s.dN.transpose());
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
     {
@@ -61,6 +61,12 @@ void add_geometric(Matrix& K, const Sample& s, Hypothesis h, const Vector& S)
     }
 }
 } // namespace
+
+void add_square(Matrix& result, double weight, const Matrix& B, const Matrix& C)
+{
+  const Matrix CB = C.lazyProduct(B);
+  result += weight * B.transpose().lazyProduct(CB);
+}
 
 Matrix strain_matrix(Hypothesis h, const Sample& s)
 {
@@ -113,7 +119,7 @@ Eigen::Matrix3d deformation_gradient(const Sample& s, const Vector& u)
   const int n = int(s.N.size()), d = int(s.dN.cols());
   const Eigen::Map<const Matrix> nodal(u.data(), n, d);
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F.topLeftCorner(d, d) += nodal.transpose() * s.dN;
+  F.topLeftCorner(d, d) += nodal.transpose().lazyProduct(s.dN);
   if (s.radius > 0)
     F(2, 2) += nodal.col(0).dot(s.N) / s.radius;
   return F;
@@ -130,7 +136,7 @@ Matrix stiffness(const Sampler& sampler, const Matrix& X, const Material& materi
   {
     const Sample s = sampler.at(X, q, cell);
     const Matrix B = strain_matrix(hypothesis(material.hypothesis), s);
-    K.noalias() += B.transpose() * (s.weight * D * B);
+    add_square(K, s.weight, B, D);
   }
   return K;
 }
@@ -152,10 +158,10 @@ Internal internal(const Sampler& sampler, const Matrix& X, const Material& mater
     const Stress answer = linear ? small_strain(material, F) : second_piola(material, F);
     const Matrix B = linear ? strain_matrix(h, s) : green_strain_matrix(h, s, F);
     result.energy += s.weight * answer.energy;
-    result.force.noalias() += B.transpose() * (s.weight * answer.S);
+    result.force += s.weight * B.transpose().lazyProduct(answer.S);
     if (with_tangent)
     {
-      result.tangent.noalias() += B.transpose() * (s.weight * answer.C * B);
+      add_square(result.tangent, s.weight, B, answer.C);
       if (not linear)
         add_geometric(result.tangent, s, h, answer.S);
     }

@@ -51,10 +51,10 @@ Vector Model::viscous_force(const Rule& rule, const Vector& u, const Vector& v, 
       Eigen::Matrix3d F = linear ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : deformation_gradient(p, ue);
       const Matrix B = linear ? strain_matrix(hypothesis_, p) : green_strain_matrix(hypothesis_, p, F);
       const Vector metric = inverse_metric(hypothesis_, F);
-      const double rate = metric.dot(B * ve); // div v: B makes engineering shears
+      const double rate = metric.dot(B.lazyProduct(ve)); // div v: B makes engineering shears
       const double pressure = b1 * m.density * wave_speed(m) * length * rate +
                               b2 * b2 * m.density * length * length * std::abs(rate) * std::min(0.0, rate);
-      force.noalias() += B.transpose() * (p.weight * pressure * F.determinant() * metric);
+      force += (p.weight * pressure * F.determinant()) * B.transpose().lazyProduct(metric);
     }
     scatter(result, d, c, force);
   }

@@ -32,7 +32,8 @@ Matrix nodal_mass(const Sampler& sampler, const Matrix& X, double density, std::
 Rule nodal_rule(CellType cell, int degree)
 {
   const Rule exact = quadrature(cell, "table:" + std::to_string(degree));
-  return {reference_nodes(cell, degree), shape_functions(cell, degree, exact.points).N.transpose() * exact.weights};
+  return {reference_nodes(cell, degree),
+          shape_functions(cell, degree, exact.points).N.transpose().lazyProduct(exact.weights)};
 }
 
 Vector velocity(const Vector& spin, const Vector& x)
@@ -108,7 +109,7 @@ Ale ale(const Sampler& sampler, const Matrix& X, const Material& material, const
   for (int q = 0; q < sampler.num_points(); ++q)
   {
     const Sample s = sampler.at(X, q, cell);
-    const Vector w = velocity(spin, s.x - centre), A = s.dN * w;
+    const Vector w = velocity(spin, s.x - centre), A = s.dN.lazyProduct(w);
     const double rho = material.density * s.weight;
     G += rho * (s.N * A.transpose() - A * s.N.transpose());
     W += rho * A * A.transpose();
@@ -129,7 +130,7 @@ Ale ale_translation(const Sampler& sampler, const Matrix& X, const Material& mat
   for (int q = 0; q < sampler.num_points(); ++q)
   {
     const Sample s = sampler.at(X, q, cell);
-    const Vector A = s.dN * velocity;
+    const Vector A = s.dN.lazyProduct(velocity);
     const double rho = material.density * s.weight;
     G += rho * (s.N * A.transpose() - A * s.N.transpose());
     W += rho * A * A.transpose();

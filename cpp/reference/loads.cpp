@@ -45,7 +45,7 @@ Matrix poisson(const Sampler& sampler, const Matrix& X, double k, std::int64_t c
   for (int q = 0; q < sampler.num_points(); ++q)
   {
     const Sample s = sampler.at(X, q, cell);
-    result.noalias() += (k * s.weight) * s.dN * s.dN.transpose();
+    result += (k * s.weight) * s.dN.lazyProduct(s.dN.transpose());
   }
   return result;
 }
@@ -87,7 +87,8 @@ Matrix foundation(const FacetSampler& sampler, const Matrix& X, int facet, const
     Eigen::MatrixXd D = k.size() == 1 and d > 1 ? Eigen::MatrixXd(k(0) * area * area.transpose() / area.squaredNorm())
                                                 : Eigen::MatrixXd(k.asDiagonal());
     D *= s.weight * area.norm() * circumference(sampler.axisymmetric(), s.radius);
-    result += N.transpose() * D * N;
+    const Eigen::MatrixXd DN = D.lazyProduct(N);
+    result += N.transpose().lazyProduct(DN);
   }
   return result;
 }
@@ -106,7 +107,7 @@ Follower follower_pressure(const FacetSampler& sampler, const Matrix& X, const V
   for (int q = 0; q < sampler.num_points(); ++q)
   {
     const FacetSample s = sampler.at(X, facet, q);
-    const Matrix tangent = s.tangent + U.transpose() * s.dN;
+    const Matrix tangent = s.tangent + U.transpose().lazyProduct(s.dN);
     const Vector normal = area_vector(tangent);
     const double radius = s.radius + (sampler.axisymmetric() ? U.col(0).dot(s.N) : 0);
     const double around = circumference(sampler.axisymmetric(), radius);

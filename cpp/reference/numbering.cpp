@@ -94,7 +94,7 @@ Field number_field(const Geometry& g, int degree)
   for (std::int64_t c = 0; c < g.cells.rows(); ++c)
   {
     const Key own(g.cells.row(c).begin(), g.cells.row(c).end());
-    const Matrix x = N * g.points(own, Eigen::all);
+    const Matrix vertices = g.points(own, Eigen::all), x = N.lazyProduct(vertices);
     for (std::size_t i = 0; i < nodes.size(); ++i)
     {
       field.cells(c, i) = numbers.at(entity(c, i));

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "plastic_element.h"
+#include "DenseLu.h"
+#include "element.h"
 #include <cmath>
 #include <stdexcept>
 
@@ -45,7 +47,7 @@ Matrix trace_of_products(const Tensor& A, const Matrix& G)
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       T.row(3 * i + j) = M.row(3 * j + i);
-  return M.transpose() * T;
+  return M.transpose().lazyProduct(T);
 }
 
 void check(const Sampler& sampler, const PlasticKinematics& k, const Vector& u, std::span<const J2History> committed)
@@ -88,10 +90,10 @@ Matrix fit(const std::vector<Point>& points, const Matrix& x, Dilatation dilatat
     basis.rightCols(x.cols()) = x.rowwise() - x.row(0); // from the first point: digits of places far away are kept
   for (Eigen::Index q = 0; q < n; ++q)
     weighted.col(q) = points[std::size_t(q)].weight * basis.row(q).transpose();
-  const Eigen::FullPivLU<Matrix> normal(weighted * basis); // the normal equations
-  if (not normal.isInvertible())
+  const DenseLu normal(weighted.lazyProduct(basis)); // the normal equations
+  if (not normal.invertible())
     throw std::invalid_argument("a linear dilatation needs more points than the cell has, not in one plane");
-  return basis * normal.solve(weighted);
+  return basis.lazyProduct(normal.solve(weighted));
 }
 } // namespace
 
@@ -131,21 +133,21 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
     {
       Matrix trace(x.rows(), n); // tr eps = trace . u at the points
       for (Eigen::Index q = 0; q < x.rows(); ++q)
-        trace.row(q) = identity.transpose() * points[std::size_t(q)].G;
-      const Matrix change = (P * trace - trace) / 3;
+        trace.row(q) = identity.transpose().lazyProduct(points[std::size_t(q)].G);
+      const Matrix change = (P.lazyProduct(trace) - trace) / 3;
       for (Eigen::Index q = 0; q < x.rows(); ++q)
         points[std::size_t(q)].G += identity * change.row(q);
     }
     for (std::size_t q = 0; q < points.size(); ++q)
     {
       const auto& [weight, G] = points[q];
-      const Tensor H = tensor(G * u);
+      const Tensor H = tensor(G.lazyProduct(u));
       const Tensor strain = 0.5 * (H + H.transpose());
       const J2Answer answer = law.answer(k.strain, k.hypothesis, strain, committed[q], with_tangent);
       add(result, weight, answer);
-      result.force.noalias() += weight * G.transpose() * components(answer.stress);
+      result.force += weight * G.transpose().lazyProduct(components(answer.stress));
       if (with_tangent)
-        result.tangent.noalias() += weight * G.transpose() * answer.tangent * G;
+        add_square(result.tangent, weight, G, answer.tangent);
     }
     return result;
   }
@@ -156,13 +158,13 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
   Matrix t(x.rows(), n);
   for (const Point& p : points)
   {
-    F.push_back(Tensor::Identity() + tensor(p.G * u));
+    F.push_back(Tensor::Identity() + tensor(p.G.lazyProduct(u)));
     const double J = F.back().determinant();
     if (not(J > 0))
       throw std::domain_error("the deformation turns cell " + std::to_string(cell) + " inside out: det F is " +
                               std::to_string(J));
     const Eigen::Index q = Eigen::Index(F.size()) - 1;
-    t.row(q) = components(F.back().inverse().transpose()).transpose() * p.G;
+    t.row(q) = components(F.back().inverse().transpose()).transpose().lazyProduct(p.G);
     dilatations(q) = J;
   }
   Vector mean = dilatations;
@@ -170,8 +172,8 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
   std::vector<Matrix> second_J; // second derivatives of J
   if (replaced)
   {
-    mean = P * dilatations;
-    m = mean.cwiseInverse().asDiagonal() * P * dilatations.asDiagonal() * t;
+    mean = P.lazyProduct(dilatations);
+    m = Matrix(mean.cwiseInverse().asDiagonal() * P * dilatations.asDiagonal()).lazyProduct(t);
     if (not(mean.minCoeff() > 0))
       throw std::domain_error("the deformation turns cell " + std::to_string(cell) +
                               " inside out: the fit of det F is " + std::to_string(mean.minCoeff()));
@@ -193,16 +195,16 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
     const J2Answer answer = law.answer(k.strain, k.hypothesis, alpha * F[q], committed[q], with_tangent);
     add(result, weight, answer);
     const Components stress = components(answer.stress);
-    result.force.noalias() += weight * B.transpose() * stress;
+    result.force += weight * B.transpose().lazyProduct(stress);
     if (not with_tangent)
       continue;
-    result.tangent.noalias() += weight * B.transpose() * answer.tangent * B;
+    add_square(result.tangent, weight, B, answer.tangent);
     if (replaced) // stress : d2 F_bar
     {
       Matrix dm = -m.row(row).transpose() * m.row(row); // derivative of m
       for (std::size_t r = 0; r < points.size(); ++r)
         dm += P(row, Eigen::Index(r)) / mean(row) * second_J[r];
-      const Eigen::RowVectorXd work = stress.transpose() * G;
+      const Eigen::RowVectorXd work = stress.transpose().lazyProduct(G);
       const Matrix second = change.transpose() * change + (dm + trace_of_products(F[q].inverse(), G)) / 3;
       result.tangent += weight * alpha *
                         (change.transpose() * work + work.transpose() * change + stress.dot(components(F[q])) * second);

@@ -42,6 +42,21 @@ void check_nodes(CellType type, const Matrix& X, Eigen::Index expected, bool axi
     invalid("cell ", cell, " has a node with r = ", X.col(0).minCoeff(),
             ": an axisymmetric mesh must have x = r >= 0 everywhere; move or mirror it");
 }
+
+// Determinant and inverse of a Jacobian: Eigen's closed forms for fixed sizes.
+double determinant(const Matrix& J)
+{
+  if (J.rows() == 1)
+    return J(0, 0);
+  return J.rows() == 2 ? Eigen::Matrix2d(J).determinant() : Eigen::Matrix3d(J).determinant();
+}
+
+Matrix inverse(const Matrix& J)
+{
+  if (J.rows() == 1)
+    return J.cwiseInverse();
+  return J.rows() == 2 ? Matrix(Eigen::Matrix2d(J).inverse()) : Matrix(Eigen::Matrix3d(J).inverse());
+}
 } // namespace
 
 Sampler::Sampler(CellType cell, int degree, int geometry_degree, const Rule& rule, bool axisymmetric)
@@ -57,16 +72,16 @@ Sampler::Sampler(CellType cell, int degree, int geometry_degree, const Rule& rul
 Sample Sampler::at(const Matrix& X, int q, std::int64_t cell) const
 {
   check_nodes(cell_, X, geometry_.N.cols(), axisymmetric_, cell);
-  const Matrix J = X.transpose() * geometry_.dN[q]; // J_ab = dx_a / dxi_b
-  const double det = J.determinant(), h = size(X);
+  const Matrix J = X.transpose().lazyProduct(geometry_.dN[q]); // J_ab = dx_a / dxi_b
+  const double det = determinant(J), h = size(X);
   if (not(det > 1e-14 * std::pow(h, J.rows())))
     invalid("cell ", cell, " is inverted or has no volume: the determinant of its Jacobian is ", det, " at ",
             field_.N.rows() == 1 ? "its centre" : "an integration point",
             "; order its nodes counter-clockwise (first face seen from inside in 3D) and check their positions");
   Sample s;
-  s.x = (geometry_.N.row(q) * X).transpose();
+  s.x = X.transpose().lazyProduct(geometry_.N.row(q).transpose());
   s.N = field_.N.row(q).transpose();
-  s.dN = field_.dN[q] * J.inverse();
+  s.dN = field_.dN[q].lazyProduct(inverse(J));
   s.radius = axisymmetric_ ? s.x(0) : 0;
   s.weight = weights_(q) * det * (axisymmetric_ ? 2 * std::numbers::pi * s.radius : 1);
   return s;
@@ -90,10 +105,10 @@ FacetSample FacetSampler::at(const Matrix& X, int facet, int q) const
   const Matrix Xf = X(nodes, Eigen::all);
   FacetSample s;
   s.weight = weights_(q);
-  s.x = (geometry_.N.row(q) * Xf).transpose();
+  s.x = Xf.transpose().lazyProduct(geometry_.N.row(q).transpose());
   s.N = field_.N.row(q).transpose();
   s.dN = field_.dN[q];
-  s.tangent = Xf.transpose() * geometry_.dN[q];
+  s.tangent = Xf.transpose().lazyProduct(geometry_.dN[q]);
   s.radius = axisymmetric_ ? s.x(0) : 0;
   return s;
 }

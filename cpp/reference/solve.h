@@ -2,6 +2,7 @@
 #pragma once
 #include "Model.h"
 #include <Eigen/Sparse>
+#include <optional>
 
 namespace impact_reference
 {
@@ -43,6 +44,10 @@ struct Frequencies
 /// @throws std::runtime_error if the iteration does not converge or a mass is not positive
 Frequencies frequencies(const Model& model, const Csr& K, const Csr* M, const Vector& lumped, int n,
                         const std::vector<std::int64_t>& fixed_dofs);
+
+/// Solution of a system whose matrix need not be symmetric, by sparse LU with one step of refinement. Nothing if the
+/// matrix is singular or the solution is not finite.
+std::optional<Vector> solve_lu(const Eigen::SparseMatrix<double>& matrix, const Vector& right);
 
 /// Rows and columns of the free degrees of freedom.
 Eigen::SparseMatrix<double> reduce(const Csr& matrix, const std::vector<std::int64_t>& numbers);

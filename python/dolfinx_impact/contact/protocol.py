@@ -229,6 +229,13 @@ class StaticContact(Protocol):
             The violation [1].
         """
 
+    def round_off(self) -> float:
+        """Norm of the round-off in the contact forces. Collective.
+
+        Returns:
+            The norm; zero if the forces are unknowns [F].
+        """
+
     def largest_violation(self) -> str:
         """Describe the point with the largest violation. Collective.
 

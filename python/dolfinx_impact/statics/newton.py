@@ -156,8 +156,9 @@ class Newton:
                 if loose:
                     return result.failed(loose, hopeless=True)
             inner = max(inner, self.tangent_force(K))
-            noise = self._round_off(K)
-            if self.inelastic and iteration > 0 and noise > FAR * scale > 0.0:
+            in_bodies = self._round_off_of_bodies(K)
+            noise = in_bodies + self._round_off_of_contact()
+            if self.inelastic and iteration > 0 and in_bodies > FAR * scale > 0.0:
                 return result.failed(f"Newton's method diverged: in iteration {iteration} the displacements are so "
                                      "large that the residual is round-off")  # fmt: skip
             # The accuracy that is still needed, but no more than the quadratic convergence of the next step.
@@ -333,8 +334,20 @@ class Newton:
         forces[self.fixed] = 0.0
         return self.norm(forces)
 
-    def _round_off(self, K: PETSc.Mat) -> float:
+    def round_off(self, K: PETSc.Mat) -> float:
         """Norm of the round-off in the residual [F]. Collective.
+
+        Args:
+            K: tangent of the bodies [F/L].
+        """
+        return self._round_off_of_bodies(K) + self._round_off_of_contact()
+
+    def _round_off_of_contact(self) -> float:
+        """Norm of the round-off in the contact forces [F]. Collective."""
+        return sum(c.round_off() for c in self.problem.contact)
+
+    def _round_off_of_bodies(self, K: PETSc.Mat) -> float:
+        """Norm of the round-off in the residual of the bodies [F]. Collective.
 
         That of a stiff body with a rigid displacement; with finite strain also that of 1 + Grad u, which is the
         stiffness times a cell's size, however small u is.

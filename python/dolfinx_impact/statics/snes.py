@@ -224,7 +224,7 @@ class Solver:
         while True:
             residual, _ = self._residual()  # with the support forces of the linear step
             scale = max(scale, newton.norm(residual), newton.tangent_force(K))
-            tolerance = max(self._atol, newton._round_off(K), self._rtol * scale)
+            tolerance = max(self._atol, newton.round_off(K), self._rtol * scale)
             self.snes.setTolerances(rtol=0.0, atol=tolerance, stol=self._stol, max_it=self._max_it)
             self.snes.setConvergenceHistory(length=1000, reset=True)
             self._copy_from_u()

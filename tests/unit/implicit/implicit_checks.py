@@ -128,6 +128,22 @@ VARIANTS = [
 SOME = VARIANTS if COMM.size == 1 else [VARIANTS[0], VARIANTS[4]]
 
 
+def check_a_body_at_rest_on_a_plane_stays_at_rest():
+    """The whole residual is the round-off of the gaps, as 1/3 is no binary number."""
+    low = 1.0 / 3.0
+    domain = mesh.create_rectangle(COMM, [[0.1, low], [1.1, low + 0.7]], [5, 4], mesh.CellType.quadrilateral)
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    bottom = mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[1], low))
+    tags = mesh.meshtags(domain, 1, np.sort(bottom), np.full(len(bottom), 3, dtype=np.int32))
+    for law in ("linear", "neo-Hookean"):
+        u = fem.Function(V)
+        pair = di.ContactPair(tags, 3, di.RigidPlane((0.0, low), (0.0, 1.0)))
+        problem = di.NewmarkProblem(u, LAWS[law](), velocity=fem.Function(V), contact=[di.Penalty(pair, penalty=7e4)])
+        problem.advance(10 * DT, DT, progress=False)
+        assert problem.step == 10
+        assert COMM.allreduce(np.abs(u.x.array).max(initial=0.0), MPI.MAX) < 1e-14  # a few roundings of a position
+
+
 def check_adaptive_runs_continue_with_their_step():
     with folder() as path:
         whole, again = block_on_block(), block_on_block()

@@ -400,6 +400,14 @@ class LagrangeContact(ContactOutput):
         largest = max(float(np.max(values, initial=0.0)) for values in self._violations())
         return self.comm.allreduce(largest, MPI.MAX) / self.geometry.size
 
+    def round_off(self) -> float:
+        """Round-off in the contact forces: none, as the multipliers do not follow from gaps.
+
+        Returns:
+            Zero [F].
+        """
+        return 0.0
+
     def largest_violation(self) -> str:
         """A sentence about the node whose gap or slip is largest. Collective."""
         mine = []

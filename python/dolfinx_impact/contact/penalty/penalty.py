@@ -417,6 +417,19 @@ class PenaltyContact(ContactOutput):
         """
         return 0.0
 
+    def round_off(self) -> float:
+        """Norm of the round-off in the contact forces: penalty times round-off of the positions, at points that are
+        closed, or open by no more than that. Collective.
+
+        Returns:
+            The norm [F].
+        """
+        assert self.penalty is not None  # begin_step has set it
+        positions = np.finfo(float).eps * np.linalg.norm(self._points.x, axis=1)
+        near = self.gap <= positions
+        forces = self.penalty * self._points.weight[near] * positions[near]
+        return float(np.sqrt(self.comm.allreduce(float(forces @ forces))))
+
     @property
     def num_active(self) -> int:
         """Number of closed points of all ranks. Collective."""
