@@ -87,9 +87,9 @@ def test_published_trends(plain):
 
 @pytest.mark.parametrize("post", ("epoxy", "nylon", "ptfe", "steel"))
 def test_stiff_and_soft_end_posts_find_their_preload(post, recwarn):
-    """From 45 GPa to 0.4 GPa beside steel. With PTFE multigrid does not converge, and the system is factorised."""
+    """From 45 GPa to 0.4 GPa beside steel: multigrid converges, and no system is factorised instead."""
     run = Passage(JointModel(PLAIN.changed(end_post=post), COMM), False)
     static = run.preload()
     assert run.static_force == pytest.approx(PLAIN.load, rel=1e-4)
-    assert static.linear_solver.direct == (post == "ptfe")
-    assert any("factorised" in str(w.message) for w in recwarn) == (post == "ptfe" and COMM.rank == 0)
+    assert not static.linear_solver.direct
+    assert not any("factorised" in str(w.message) for w in recwarn)
