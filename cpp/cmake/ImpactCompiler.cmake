@@ -32,9 +32,9 @@ function(impact_unite target number)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${number})
 endfunction()
 
-# impact_unit(TARGET NAME SOURCE...): these sources are one compilation; sources of the target that no unit names stay alone.
-# Short sources go together: most of their time is spent on headers and templates that they share.
-function(impact_unit target name)
+# impact_compile_together(TARGET NAME SOURCE...): these sources are one compilation; those of the target that no call names
+# stay alone. Short sources go together: most of their time is spent on headers and templates that they share.
+function(impact_compile_together target name)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${name})
 endfunction()

@@ -3,7 +3,12 @@
 
 namespace impact_reference
 {
-DenseLu::DenseLu(const Matrix& matrix) : lu_(matrix), invertible_(lu_.isInvertible()) {}
+DenseLu::DenseLu(const Matrix& matrix) : lu_(matrix) {}
+
+bool DenseLu::invertible() const
+{
+  return lu_.isInvertible();
+}
 
 Matrix DenseLu::solve(const Matrix& right) const
 {

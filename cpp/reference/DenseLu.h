@@ -11,11 +11,10 @@ public:
   /// @param matrix square
   explicit DenseLu(const Matrix& matrix);
 
-  bool invertible() const { return invertible_; }
+  bool invertible() const;
   Matrix solve(const Matrix& right) const;
 
 private:
   Eigen::FullPivLU<Matrix> lu_;
-  bool invertible_;
 };
 } // namespace impact_reference

@@ -62,7 +62,7 @@ void add_geometric(Matrix& K, const Sample& s, Hypothesis h, const Vector& S)
 }
 } // namespace
 
-void add_square(Matrix& result, double weight, const Matrix& B, const Matrix& C)
+void add_BtCB(Matrix& result, double weight, const Matrix& B, const Matrix& C)
 {
   const Matrix CB = C.lazyProduct(B);
   result += weight * B.transpose().lazyProduct(CB);
@@ -136,7 +136,7 @@ Matrix stiffness(const Sampler& sampler, const Matrix& X, const Material& materi
   {
     const Sample s = sampler.at(X, q, cell);
     const Matrix B = strain_matrix(hypothesis(material.hypothesis), s);
-    add_square(K, s.weight, B, D);
+    add_BtCB(K, s.weight, B, D);
   }
   return K;
 }
@@ -161,7 +161,7 @@ Internal internal(const Sampler& sampler, const Matrix& X, const Material& mater
     result.force += s.weight * B.transpose().lazyProduct(answer.S);
     if (with_tangent)
     {
-      add_square(result.tangent, s.weight, B, answer.C);
+      add_BtCB(result.tangent, s.weight, B, answer.C);
       if (not linear)
         add_geometric(result.tangent, s, h, answer.S);
     }

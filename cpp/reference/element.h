@@ -18,7 +18,7 @@ Matrix green_strain_matrix(Hypothesis hypothesis, const Sample& sample, const Ei
 Eigen::Matrix3d deformation_gradient(const Sample& sample, const Vector& u);
 
 /// Adds weight B^T C B to a square matrix.
-void add_square(Matrix& result, double weight, const Matrix& B, const Matrix& C);
+void add_BtCB(Matrix& result, double weight, const Matrix& B, const Matrix& C);
 
 /// k_e = int B^T D B dV, seed (3.25) [F/L].
 Matrix stiffness(const Sampler& sampler, const Matrix& X, const Material& material, std::int64_t cell = 0);

@@ -147,7 +147,7 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
       add(result, weight, answer);
       result.force += weight * G.transpose().lazyProduct(components(answer.stress));
       if (with_tangent)
-        add_square(result.tangent, weight, G, answer.tangent);
+        add_BtCB(result.tangent, weight, G, answer.tangent);
     }
     return result;
   }
@@ -198,7 +198,7 @@ PlasticInternal plastic_internal(const Sampler& sampler, const Matrix& X, const 
     result.force += weight * B.transpose().lazyProduct(stress);
     if (not with_tangent)
       continue;
-    add_square(result.tangent, weight, B, answer.tangent);
+    add_BtCB(result.tangent, weight, B, answer.tangent);
     if (replaced) // stress : d2 F_bar
     {
       Matrix dm = -m.row(row).transpose() * m.row(row); // derivative of m

@@ -34,8 +34,8 @@ CHECKPOINT, STATE = "checkpoint.h5", "state.json"
 STATIONS = (0.10, 0.25, 0.40)  # places along the second rail where waves are recorded [m]
 STATION_HEIGHT = -0.02  # in the rail head [m]
 SAMPLES = 5  # steps between samples of points
-# Time of the equilibria of a passage over that of its rolling, and memory by unknown [B] (8e3 with `coarse`); measured
-# with `coarse` and `medium` on two ranks.
+# Time of the equilibria of a passage over that of its rolling, and their memory by unknown [B]: 8e3 with `coarse`, 1e4
+# with `medium`; measured on two ranks.
 STATIC_TIME, STATIC_MEMORY = 1.5, 1e4
 TRIAL = 20.0  # wall-clock time of the measurement before a long run [s]
 
