@@ -16,6 +16,7 @@ case "$*" in
   *"import dolfinx"*) [ -e "$FAKE_DOLFINX" ] ;;
   "-m venv"*) venv=${!#}; mkdir -p "$venv/bin" "$venv/lib"; cp -- "$0" "$venv/bin/python3" ;;
   *sysconfig*) echo "$(cd -- "$(dirname -- "$0")/.." && pwd)/lib" ;;
+  *env/refresh.py*) echo "refresh $*" >>"$CALLS"; echo "refresh was here"; exit ${FAKE_REFRESH_STATUS:-0} ;;
   *"-m pip"*) echo pip >>"$CALLS"; echo "pip was here"; sleep "${FAKE_PIP_SECONDS:-0}"; exit ${FAKE_PIP_STATUS:-0} ;;
 esac""",
     "id": 'echo "${FAKE_UID:-0}"',
@@ -41,7 +42,7 @@ exec /bin/bash "$checkout/env/inside" "$@" """,
 
 
 class Sandbox:
-    def __init__(self, folder, source):
+    def __init__(self, folder, source, commands):
         self.checkout = folder / "a checkout"
         self.cache = folder / "the cache" / "dolfinx_impact"
         self.calls_file = folder / "calls"
@@ -49,26 +50,17 @@ class Sandbox:
         self.bin = folder / "bin"
         shutil.copytree(source / "env", self.checkout / "env")
         self.packages("alpha\nbeta # and why\n")
-        self._commands()
+        self.bin.mkdir()
+        for name, text in STUBS.items():
+            self.stub(name, text)
         self.env = {
-            "PATH": str(self.bin),
+            "PATH": f"{self.bin}:{commands}",
             "HOME": str(folder),
             "XDG_CACHE_HOME": str(self.cache.parent),
             "CALLS": str(self.calls_file),
             "FAKE_DOLFINX": str(self.dolfinx),
             "IMPACT_ENV": "root",
         }
-
-    def _commands(self):
-        """All commands of this system, except those with a stand-in: nothing real is reached by accident."""
-        self.bin.mkdir()
-        for folder in ("/usr/bin", "/bin", "/usr/sbin", "/sbin"):
-            for command in os.scandir(folder):
-                link = self.bin / command.name
-                if command.name not in STUBS and not link.is_symlink():
-                    link.symlink_to(command.path)
-        for name, text in STUBS.items():
-            self.stub(name, text)
 
     def stub(self, name, text):
         path = self.bin / name
@@ -114,6 +106,18 @@ class Sandbox:
         return list(self.cache.glob("root-*.partial"))
 
 
+@pytest.fixture(scope="session")
+def commands(tmp_path_factory):
+    """Folder with all commands of this system, except those with a stand-in: nothing real is reached by accident."""
+    found = tmp_path_factory.mktemp("commands")
+    for folder in ("/usr/bin", "/bin", "/usr/sbin", "/sbin"):
+        for command in os.scandir(folder):
+            link = found / command.name
+            if command.name not in STUBS and not link.is_symlink():
+                link.symlink_to(command.path)
+    return found
+
+
 @pytest.fixture
-def sandbox(tmp_path, checkout):
-    return Sandbox(pathlib.Path(tmp_path), checkout)
+def sandbox(tmp_path, checkout, commands):
+    return Sandbox(pathlib.Path(tmp_path), checkout, commands)

@@ -6,6 +6,7 @@ import pty
 import re
 import signal
 import subprocess
+import sys
 import time
 
 import pytest
@@ -75,6 +76,102 @@ def test_a_byte_code_file_is_no_source(project):
     (project.checkout / "python" / "__pycache__" / "d.pyc").write_text("")
     project.run("true")
     assert installs(project) == 1
+
+
+@pytest.fixture
+def installed(project):
+    """A project that was built and installed a minute ago, with what CMake and pip would have left."""
+    assert project.run("true").returncode == 0
+    for name in ("build/release/build.ninja", "build/venv/lib/dolfinx_impact-0.1.0.dist-info/RECORD"):
+        path = project.checkout / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    age(project)
+    return project
+
+
+def refreshes(project):
+    return len(project.calls("refresh"))
+
+
+@pytest.mark.parametrize("name", ["cpp/a.cpp", "python/d.py"])
+def test_other_contents_are_brought_into_the_install(installed, name):
+    (installed.checkout / name).write_text("changed\n")
+    installed.run("true")
+    installed.run("true")
+    assert (installs(installed), refreshes(installed)) == (1, 1)
+    site = installed.checkout / "build" / "venv" / "lib"
+    assert installed.calls("refresh") == [f"refresh env/refresh.py build/release {site}"]
+
+
+def _new_source(checkout):
+    (checkout / "python" / "new.py").write_text("")
+
+
+def _no_source(checkout):
+    (checkout / "python" / "d.py").unlink()
+
+
+def _other_settings(checkout):
+    (checkout / "pyproject.toml").write_text("changed\n")
+
+
+def _half_an_install(checkout):
+    (checkout / "build/venv/lib/dolfinx_impact-0.1.0.dist-info/RECORD").unlink()
+    (checkout / "python" / "d.py").write_text("changed\n")
+
+
+@pytest.mark.parametrize("change", [_new_source, _no_source, _other_settings, _half_an_install])
+def test_other_changes_are_installed_by_pip(installed, change):
+    change(installed.checkout)
+    installed.run("true")
+    assert (installs(installed), refreshes(installed)) == (2, 0)
+
+
+def test_a_failed_refresh_stops_and_is_tried_again(installed):
+    (installed.checkout / "cpp" / "a.cpp").write_text("changed\n")
+    failed = installed.run("echo", "not reached", FAKE_REFRESH_STATUS=1)
+    assert failed.returncode == 1 and failed.stdout_text == ""
+    assert "refresh was here" in failed.stderr_text and "build/install.log" in failed.stderr_text
+    assert installed.run("echo", "reached").stdout_text == "reached\n"
+    assert (installs(installed), refreshes(installed)) == (1, 2)
+
+
+@pytest.fixture
+def refresh(project):
+    """refresh() -> the process: env/refresh.py itself, on a package in python/, with a stand-in for CMake."""
+    checkout, site = project.checkout, project.checkout / "site"
+    (checkout / "pyproject.toml").write_text(
+        '[tool.scikit-build.wheel.packages]\n"one" = "python"\n"one/two" = "forms"\n'
+    )
+    project.stub("cmake", 'echo "cmake $*" >>"$CALLS"; exit "${FAKE_CMAKE_STATUS:-0}"')
+
+    def run(status=0):
+        command = [sys.executable, checkout / "env" / "refresh.py", "build/release", site]
+        return subprocess.run(command, cwd=checkout, env={**project.env, "FAKE_CMAKE_STATUS": str(status)})
+
+    return run
+
+
+def test_refresh_builds_installs_and_copies_what_changed(project, refresh):
+    site = project.checkout / "site"
+    assert refresh().returncode == 0
+    assert project.calls("cmake") == [
+        "cmake --build build/release",
+        f"cmake --install build/release --prefix {site} --strip",
+    ]
+    assert (site / "one" / "d.py").read_text() == (site / "one" / "two" / "b.py").read_text() == "source\n"
+    unchanged = (site / "one" / "two" / "b.py").stat().st_ino
+    (project.checkout / "python" / "d.py").write_text("changed\n")
+    assert refresh().returncode == 0
+    assert (site / "one" / "d.py").read_text() == "changed\n"
+    assert (site / "one" / "two" / "b.py").stat().st_ino == unchanged
+    assert not list(site.rglob("*.new"))
+
+
+def test_refresh_copies_nothing_that_was_not_built(project, refresh):
+    assert refresh(status=3).returncode == 3
+    assert not (project.checkout / "site").exists()
 
 
 def test_another_package_list_means_another_install(project):

@@ -82,7 +82,7 @@ def test_native_keeps_the_caller_s_path(sandbox):
     sandbox.dolfinx.touch()
     answer = sandbox.run("env", IMPACT_ENV="native", PYTHONPATH="/opt/python")
     path = next(line for line in answer.stdout_text.splitlines() if line.startswith("PATH="))
-    assert path == f"PATH={sandbox.checkout}/build/venv/bin:{sandbox.bin}"
+    assert path == f"PATH={sandbox.checkout}/build/venv/bin:{sandbox.env['PATH']}"
     assert "PYTHONPATH=/opt/python" in answer.stdout_text.splitlines()
 
 
