@@ -10,9 +10,9 @@ if(IMPACT_SANITIZE)
   target_link_options(impact_flags INTERFACE -fsanitize=${IMPACT_SANITIZE})
 endif()
 
-# In C++20 libstdc++'s <chrono>, which DOLFINx includes by way of spdlog, brings the printing of times, and with it all of
-# <format>, which every source instantiates anew: half a second of a second and a quarter before a line of ours is compiled.
-# Nothing here prints times of <chrono>; whatever did would not compile. The name is the include guard of that header.
+# In C++20 libstdc++'s <chrono>, which DOLFINx includes by way of spdlog, brings the printing of times and with it all of
+# <format>. Every source instantiates that anew, which takes half a second. Nothing here prints times of <chrono>; whatever
+# did would not compile. The name is the include guard of that header.
 add_compile_definitions($<$<CXX_COMPILER_ID:GNU>:_GLIBCXX_CHRONO_IO_H>)
 
 # What was compiled before is not compiled again. Precompiled headers need the two liberties: ccache compares their contents.
