@@ -6,7 +6,7 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify matrix bench docs notebooks shell lint format clean lint-here formats-here types-here \
+.PHONY: help demo test verify matrix bench docs notebooks shell lint format clean lint-here formats-here types-here tree-here \
   test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
 help: ## this list
@@ -41,8 +41,8 @@ notebooks: ## the demos as Jupyter notebooks, in build/notebooks (another folder
 shell: ## an interactive shell inside the environment
 	$(RUN) bash
 
-lint: ## formatters in check mode, flake8, mypy
-	$(RUN) --no-build make lint-here
+lint: ## formatters in check mode, flake8, mypy, the rules of the tree
+	$(RUN) --no-build make -k lint-here tree-here
 
 sanitize: ## the C++ library and its tests with address and undefined-behaviour sanitizers (a long build)
 	$(RUN) --no-build make sanitize-here
@@ -57,7 +57,8 @@ clean: ## remove what builds and runs wrote in the checkout (the cached environm
 	rm -rf build results .pytest_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-# Inside the environment already. The gates are tested on broken files: tests/architecture/test_gates.py.
+# Inside the environment already. The gates are tested on broken files: tests/architecture/test_gates.py. `tree-here` are
+# the rules of the tree, which `make test` has among its tests.
 lint-here:
 	@$(MAKE) --no-print-directory -k -j2 formats-here types-here
 
@@ -68,6 +69,9 @@ formats-here:
 	python3 -m flake8 || status=1; \
 	[ $$status = 0 ] || echo "lint: stopped; 'make format' mends what formatters can" >&2; \
 	exit $$status
+
+tree-here:
+	@$(PYTEST) -q tests/architecture/test_tree.py
 
 # The first check of a checkout takes a minute; it begins with what one of another checkout left in the environment's
 # cache. There mypy must compare the contents of each file: time and size alone may agree by chance.
