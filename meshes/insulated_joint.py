@@ -8,7 +8,7 @@ and the joint is at x = 0.
 import math
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy
 
 from .hertz import SIDES
 from .layout import Layout, at, positive, require
@@ -42,7 +42,7 @@ def section(name, crown_radius, rail_height, h, coarse, sides, bar, glue, barred
 def profiled(profile, crown_radius):
     """Map that brings the head from its crown to a profile of points."""
     y, z = np.asarray(profile, dtype=float).T
-    top = PchipInterpolator(y, z)
+    top = scipy.interpolate.PchipInterpolator(y, z)
     top_of = top(0.0)
 
     def to_profile(x):

@@ -36,7 +36,8 @@ def build(source, folder):
     if shutil.which("ninja"):
         options.append("-GNinja")
     run(["cmake", "-S", folder / "source", "-B", folder / "build", *options])
-    run(["cmake", "--build", folder / "build"], CCACHE_BASEDIR=str(folder), CCACHE_NOHASHDIR="1")
+    ccache = {"CCACHE_BASEDIR": folder, "CCACHE_NOHASHDIR": 1, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
+    run(["cmake", "--build", folder / "build"], **{name: str(value) for name, value in ccache.items()})
     return folder / "build"
 
 
