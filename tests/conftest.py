@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Shared by all tests: one printed seed, guarded ranks, hypothesis without chance, a time limit on every test."""
 
-import inspect
 import os
 import pathlib
 import sys
@@ -10,6 +9,7 @@ import zlib
 
 import numpy as np
 import pytest
+import rows
 import sharing
 from processes import mpi_environment, run_guarded
 from rank_group import RankFailure, RankGroup
@@ -54,22 +54,13 @@ def _ranks_of_group(item):
     return _ranks(item) if "rank_group" in item.fixturenames else 0
 
 
-def _is_long_row(item):
-    """Whether a test's parameters are among those that its marker `long_rows` names."""
-    marker = item.get_closest_marker("long_rows")
-    if marker is None:
-        return False
-    where = marker.kwargs["where"]
-    return where(**{name: item.callspec.params[name] for name in inspect.signature(where).parameters})
-
-
 @pytest.hookimpl(tryfirst=True)  # before -m selects by markers
 def pytest_collection_modifyitems(config, items):
     for item in items:
         if {"rank_group", "mpirun"} & set(item.fixturenames):
             item.add_marker(pytest.mark.mpi)
-        if _is_long_row(item):
-            item.add_marker(pytest.mark.slow)
+    for item in [*rows.long_rows(items), *rows.beyond_covering(items)]:
+        item.add_marker(pytest.mark.slow)
     items.sort(key=_ranks_of_group)  # the sort is stable: else the order stays
     if config.pluginmanager.hasplugin("timeout"):
         for item in items:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The gates of `make lint` stop a broken file; the helpers of conftest stop a broken run."""
 
+import functools
 import os
 import pathlib
 import re
@@ -27,8 +28,19 @@ BROKEN = {
 }
 
 
-def lint(checkout, folder, files, *target):
-    """Run make in a checkout of these files alone, the gates if no other target is given; no cache is at hand."""
+@pytest.fixture(scope="module")
+def library_types(tmp_path_factory):
+    """Folder for what mypy keeps of the standard library: it is read once for all tests."""
+    return tmp_path_factory.mktemp("types")
+
+
+@pytest.fixture
+def lint(checkout, library_types):
+    """lint(folder, files, *target): run make in a checkout of these files alone, the gates if no target is given."""
+    return functools.partial(run_make, checkout, library_types)
+
+
+def run_make(checkout, library_types, folder, files, *target):
     folder.mkdir(exist_ok=True)
     for name in ("Makefile", ".clang-format", ".flake8", "pyproject.toml"):
         shutil.copy(checkout / name, folder)
@@ -42,36 +54,36 @@ def lint(checkout, folder, files, *target):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
         os.utime(path, (1e9, 1e9))
-    not_ours = ("ARGS", "IMPACT_CACHE", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST")
-    environment = {k: v for k, v in os.environ.items() if k not in not_ours}
+    not_ours = ("ARGS", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST")
+    environment = {k: v for k, v in os.environ.items() if k not in not_ours} | {"IMPACT_CACHE": str(library_types)}
     command = ["make", *(target or ["lint-here"])]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
 
 
-def test_the_gates_pass_good_files(checkout, tmp_path):
-    done = lint(checkout, tmp_path, GOOD)
+def test_the_gates_pass_good_files(lint, tmp_path):
+    done = lint(tmp_path, GOOD)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("what", BROKEN)
-def test_the_gates_stop_a_broken_file(checkout, tmp_path, what):
+def test_the_gates_stop_a_broken_file(lint, tmp_path, what):
     """Its own gate, for most; `make lint` has them all."""
     name, text = BROKEN[what]
     whole = what in ("black", "mypy, wrong type")
     gate = "lint-here" if whole else "types-here" if name == "typed.py" else "formats-here"
-    done = lint(checkout, tmp_path, {**GOOD, name: text}, gate)
+    done = lint(tmp_path, {**GOOD, name: text}, gate)
     assert done.returncode != 0
     assert name in done.stdout + done.stderr  # stopped for this file, not for another reason
 
 
-def test_types_begin_with_what_another_checkout_left(checkout, tmp_path):
+def test_types_begin_with_what_another_checkout_left(lint, tmp_path):
     """A file that fits is not checked anew. Another one is, though size and time of change are the same."""
     good = "def twice(x: int) -> int:\n    return 2 * x\n"
     wrong = good.replace("-> int", "-> str")
 
     def types(name, text):
         """Exit status, output, time of change of what mypy keeps about the file."""
-        done = lint(checkout, tmp_path / name, {"typed.py": text}, "types-here", f"IMPACT_CACHE={tmp_path / 'cache'}")
+        done = lint(tmp_path / name, {"typed.py": text}, "types-here", f"IMPACT_CACHE={tmp_path / 'cache'}")
         made = (tmp_path / name / "build" / "mypy").rglob("typed.data.json")
         return done.returncode, done.stdout, [path.stat().st_mtime_ns for path in made]
 
@@ -104,9 +116,9 @@ CALLED = "sh -c 'echo \"called $$*\"; exit {status}' pytest"
     [({}, 0, None), ({}, 1, "tests-1 tests-2"), ({"typed.py": BROKEN["mypy, wrong type"][1]}, 0, "types-here")],
     ids=["good", "tests fail", "wrong type"],
 )
-def test_make_test_checks_types_beside_the_tests(checkout, tmp_path, broken, status, words):
+def test_make_test_checks_types_beside_the_tests(lint, tmp_path, broken, status, words):
     """Either may fail: the other goes on, the whole fails, and the last line says which it was."""
-    done = lint(checkout, tmp_path, {**GOOD, **broken}, "test-here", f"PYTEST={CALLED.format(status=status)}")
+    done = lint(tmp_path, {**GOOD, **broken}, "test-here", f"PYTEST={CALLED.format(status=status)}")
     calls = [line for line in done.stdout.splitlines() if line.startswith("called -m not slow")]
     assert len(calls) == 2 and len({line.partition("--share ")[2] for line in calls}) == 1, done.stdout + done.stderr
     assert (done.returncode == 0) == (words is None), done.stdout + done.stderr
@@ -115,9 +127,9 @@ def test_make_test_checks_types_beside_the_tests(checkout, tmp_path, broken, sta
     assert ("typed.py:2" in done.stdout) == bool(broken)
 
 
-def test_a_part_of_make_test_checks_types_too(checkout, tmp_path):
+def test_a_part_of_make_test_checks_types_too(lint, tmp_path):
     files = {**GOOD, "typed.py": BROKEN["mypy, wrong type"][1]}
-    done = lint(checkout, tmp_path, files, "test-here", f"PYTEST={CALLED.format(status=0)}", "ARGS=-k name")
+    done = lint(tmp_path, files, "test-here", f"PYTEST={CALLED.format(status=0)}", "ARGS=-k name")
     assert done.returncode != 0 and "typed.py:2" in done.stdout
     assert [line for line in done.stdout.splitlines() if line.startswith("called")] == ["called -m not slow -k name"]
 

@@ -27,7 +27,7 @@ def made_once():
 @pytest.mark.parametrize("k", range(3))
 def test_it(made_once, k):
     start = time.monotonic()
-    time.sleep(0.2)
+    time.sleep(0.1)
     note(f"test_{NUMBER}_{k}", start)
     BODY
 """

@@ -29,6 +29,7 @@ def default(tmp_path_factory):
     return run(tmp_path_factory.mktemp("processor") / "default.npz")
 
 
+@pytest.mark.long_rows(where=lambda blas: blas == "Haswell")
 @pytest.mark.parametrize("width, blas", OTHERS)
 def test_histories(width, blas, default, tmp_path):
     """They agree with the hand-written solver in every process, and with each other."""

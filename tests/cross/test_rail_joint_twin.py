@@ -80,7 +80,7 @@ def ours(both):
     return run, dt, np.array(states)
 
 
-def differences(both, ours, friction=JOINT.friction, steps=STEPS):
+def differences(both, ours, friction=JOINT.friction, *, steps):
     """Largest differences of displacement, velocity and force of all steps, over their largest values."""
     run, dt, states = ours
     states = states[: steps + 1]
@@ -92,8 +92,9 @@ def differences(both, ours, friction=JOINT.friction, steps=STEPS):
     return [float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs]
 
 
-def test_two_solvers_make_the_same_passage(both, ours):
-    assert max(differences(both, ours)) < LIMIT
+@pytest.mark.parametrize("steps", [STEPS // 2, pytest.param(STEPS, marks=pytest.mark.slow)])
+def test_two_solvers_make_the_same_passage(steps, both, ours):
+    assert max(differences(both, ours, steps=steps)) < LIMIT
 
 
 def test_another_friction_is_seen(both, ours):

@@ -47,6 +47,7 @@ def test_rows_of_a_cell_pass(steps, monkeypatch):
     } <= what
 
 
+@pytest.mark.long_rows(where=lambda cell: cell == "tetrahedron")
 @pytest.mark.parametrize("cell", ("hexahedron", "tetrahedron"))
 def test_rows_in_space_pass(cell):
     report = Report()

@@ -63,6 +63,7 @@ def test_rows_pass(make):
             assert any(r.name.startswith("contact force") for r in report.rows)
 
 
+@pytest.mark.slow
 def test_rows_of_other_cells_pass():
     report = Report()
     implicit.compare(report, next(iter(implicit.without_contact("tetrahedron", 2))), 30)

@@ -168,6 +168,7 @@ def test_a_history_that_stays_behind_a_rotation_is_seen(monkeypatch, own_cache):
     assert max(material.objectivity(case_of("linear"), "3d", num=NUM).values()) > 1e3 * material.TOLERANCE
 
 
+@pytest.mark.long_rows(where=lambda name: name != "prager")
 @pytest.mark.parametrize("name", ("prager", "armstrong_frederick"))
 def test_a_back_stress_that_is_not_turned_is_seen(name, monkeypatch, own_cache):
     """The return in the frame of the reference configuration, with F in the place of U."""
@@ -176,6 +177,7 @@ def test_a_back_stress_that_is_not_turned_is_seen(name, monkeypatch, own_cache):
     assert max(material.objectivity(case_of(name), "plane_strain", num=NUM).values()) > 1e3 * material.TOLERANCE
 
 
+@pytest.mark.long_rows(where=lambda hypothesis: hypothesis != "3d")
 @pytest.mark.parametrize("hypothesis", ("3d", "plane_strain"))
 def test_a_trace_of_the_stretch_that_is_too_large_is_seen(hypothesis, monkeypatch, own_cache):
     """R is no rotation then."""
@@ -185,6 +187,7 @@ def test_a_trace_of_the_stretch_that_is_too_large_is_seen(hypothesis, monkeypatc
     assert difference("prager", hypothesis, finite=True) > 1e3 * material.TOLERANCE
 
 
+@pytest.mark.long_rows(where=lambda name: name != "voce")
 @pytest.mark.parametrize("name", ("voce", "armstrong_frederick"))
 def test_a_stress_across_a_sheet_is_seen(name, monkeypatch, own_cache):
     """Of 4e-4 of the yield stress."""

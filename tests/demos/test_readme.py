@@ -11,6 +11,7 @@ def readme(checkout):
     return (checkout / "README.md").read_text()
 
 
+@pytest.mark.long_rows(where=lambda ranks: ranks == 1)
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_the_script_runs(ranks, readme, script_on_ranks, tmp_path):
     (source,) = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)

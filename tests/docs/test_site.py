@@ -9,15 +9,23 @@ import sys
 import pytest
 
 
-@pytest.fixture(scope="module")
-def site(checkout, tmp_path_factory):
-    """Folder of the built site. Warnings are errors."""
-    folder = tmp_path_factory.mktemp("docs")
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", "-d", folder / "doctrees"]
+def build(checkout, folder, builder):
+    """Folder of what a builder of Sphinx makes. Warnings are errors."""
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", builder, "-d", folder / "doctrees"]
     done = subprocess.run([*command, checkout / "docs", folder / "site"], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr[-10_000:]
     assert "WARNING" not in done.stderr
     return folder / "site"
+
+
+def test_every_page_is_read_without_a_warning(checkout, tmp_path):
+    """All but the writing of HTML: pages, docstrings, links, the C++ headers."""
+    build(checkout, tmp_path, "dummy")
+
+
+@pytest.fixture(scope="module")
+def site(checkout, tmp_path_factory):
+    return build(checkout, tmp_path_factory.mktemp("docs"), "html")
 
 
 class Sources(html.parser.HTMLParser):
@@ -35,6 +43,7 @@ class Sources(html.parser.HTMLParser):
             self.found += [attributes[name] for name in ("src", "href") if attributes.get(name)]
 
 
+@pytest.mark.slow
 def test_the_start_page_has_a_picture_a_script_and_two_commands(site):
     text = (site / "index.html").read_text()
     pictures = [name for name in Sources(text).found if name.endswith("demo_wheel_on_rail_2d.png")]
@@ -42,6 +51,7 @@ def test_the_start_page_has_a_picture_a_script_and_two_commands(site):
     assert "ContactPair" in text and "make demo" in text and "make test" in text
 
 
+@pytest.mark.slow
 def test_pages_load_nothing_from_elsewhere(site):
     pages = sorted(site.rglob("*.html"))
     assert len(pages) > 40
@@ -55,11 +65,13 @@ def test_pages_load_nothing_from_elsewhere(site):
             assert path.exists(), f"{page.relative_to(site)} loads {name}, which is not in the site"
 
 
+@pytest.mark.slow
 def test_style_sheets_load_nothing_from_elsewhere(site):
     for sheet in site.rglob("*.css"):
         assert not re.search(r"(url\(|@import)\s*[\"']?(https?:)?//", sheet.read_text()), sheet
 
 
+@pytest.mark.slow
 def test_mathematics_is_rendered_from_the_site(site):
     text = (site / "contact_theory.html").read_text()
     assert r"\mathcal L(u, \lambda)" in text and "mathjax/MathJax.js" in text
@@ -67,6 +79,7 @@ def test_mathematics_is_rendered_from_the_site(site):
     assert list((site / "_static" / "mathjax" / "fonts").rglob("*.woff"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "page, words",
     [
@@ -83,6 +96,7 @@ def test_the_api_is_there(site, page, words):
         assert word in text, f"{page} does not mention {word}"
 
 
+@pytest.mark.slow
 def test_the_demos_are_pages(site):
     from dolfinx_impact import cli
 

@@ -17,7 +17,7 @@ def moved_apart(pair, rng, size=0.01):
     return size * rng.standard_normal(pair.model.num_dofs)
 
 
-@quadratic_in_space
+@pytest.mark.covering(2)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree, geometry_degree", DEGREES)
 @pytest.mark.parametrize("basis", BASES)
@@ -50,7 +50,7 @@ def test_partition_of_unity_and_biorthogonality(cell, degree, geometry_degree, b
     assert np.allclose(force, (D.T - M.T) @ z, atol=1e-14)
 
 
-@quadratic_in_space
+@pytest.mark.covering(2)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree, geometry_degree", DEGREES)
 @pytest.mark.parametrize("basis", BASES)
@@ -171,7 +171,7 @@ def test_random_turned_patches():
             assert np.isclose((m.M @ x[:, k]).sum(), first[k], rtol=1e-12)
 
 
-@quadratic_in_space
+@pytest.mark.covering(2)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree, geometry_degree", DEGREES)
 @pytest.mark.parametrize("basis", BASES)

@@ -24,6 +24,7 @@ def pressed(cell, degree, geometry_degree, seed=3):
     return pair, u, rng
 
 
+@pytest.mark.covering(2)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree, geometry_degree", DEGREES)
 @pytest.mark.parametrize("friction", [0.0, 0.3])

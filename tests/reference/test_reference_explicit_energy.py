@@ -140,6 +140,7 @@ def test_a_bar_leaves_the_wall_with_what_it_brought():
     assert np.abs(e["drift"]).max() < ROUND_OFF
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle", "hexahedron", "tetrahedron"])
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_nodes_that_leave_a_body(cell, friction):

@@ -142,6 +142,7 @@ def test_heavy_slaves_with_masters_of_their_own(cell, lower, upper, width, densi
 COUNTS = {2: (((2, 1), (5, 1)), ((4, 1), (3, 1))), 3: (((2, 2, 1), (3, 3, 1)), ((3, 3, 1), (2, 2, 1)))}
 
 
+@pytest.mark.covering(2)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("mesh", [0, 1])

@@ -43,6 +43,7 @@ def test_mass_pressed_on_a_wall():
         assert np.abs(run.u).max() < 1e-15 and np.abs(run.v).max() < 1e-14
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_momentum_and_gap(cell, friction):

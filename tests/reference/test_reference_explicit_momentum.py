@@ -24,7 +24,7 @@ def beside(model, master, run):
     return np.sum((contact.status > 0) & ((slave < ends[0] - 1e-6) | (slave > ends[1] + 1e-6)))
 
 
-@pytest.mark.long_rows(where=lambda cell: cell == "tetrahedron")
+@pytest.mark.covering(2)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 @pytest.mark.parametrize("kind", ["penalty", "balanced", "kinematic", "kinematic, 1 sweep"])

@@ -157,6 +157,7 @@ def test_wrappers_are_looked_up_when_called(monkeypatch):
     assert np.isclose(ir.element_mass("triangle", X, STEEL).sum(), 2 * 7 * 0.75)
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_degrees_of_freedom():
     points, cells = box("hexahedron", (32, 32, 32))
     model = ir.Model(points, cells, "hexahedron", ir.Material(200.0, 0.3, 7.0))

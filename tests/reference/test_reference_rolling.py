@@ -138,6 +138,7 @@ def test_velocities_of_an_undeformed_wheel():
     assert np.abs(along - wheel.rolling.flow())[wheel.tread].max() < 0.1 * 0.2  # half an angle of a facet, 2 pi / 32
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("forward", [True, False])
 @pytest.mark.parametrize("creep", [0.2, 0.5, 0.8])
 def test_carter(creep, forward):

@@ -40,6 +40,7 @@ class Bar:
         return -self.model.at((0.0, 0.0))[0]
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize(
     "method, num, degree",
     [("Penalty", 100, 1), ("Penalty", 200, 1), ("Penalty", 100, 2), ("Lagrange", 100, 1), ("Lagrange", 100, 2)],
@@ -65,6 +66,7 @@ def test_bar_pulled_along_a_plane(method, num, degree):
 PLATE = {0.0: 2.861e-2, 1.25: 2.723e-2, 5.0: 2.287e-2, 7.5: 1.981e-2, 11.25: 1.542e-2}
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("degree, steps", [(1, 1), (1, 4), (2, 1)])
 @pytest.mark.parametrize("method", ["Lagrange", "Penalty"])
 def test_plate_pressed_and_pushed(method, degree, steps):

@@ -14,6 +14,7 @@ import dolfinx_impact as di
 from dolfinx_impact import meshes
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("hypothesis", ("plane_strain", "axisymmetric"))
 @pytest.mark.parametrize("degree, h", ((1, 0.1), (2, 0.2)))
 @pytest.mark.parametrize("cell", ("quadrilateral", "triangle"))

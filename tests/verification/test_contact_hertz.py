@@ -30,6 +30,7 @@ def report(name, model, errors, steps):
 # --- line contact ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize(
     "cell, degree, control",
     [
@@ -52,6 +53,7 @@ def test_cylinder_on_half_plane(cell, degree, control):
         assert errors.force == pytest.approx(whole, rel=1e-9)  # the load arrives in the contact
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("cell, degree", [("quadrilateral", 1), ("quadrilateral", 2), ("triangle", 1), ("triangle", 2)])
 def test_rigid_cylinder(cell, degree):
     """On a body of 7,442 unknowns: 0.2 %, 2.4 %, 2.1 %."""
@@ -62,6 +64,7 @@ def test_rigid_cylinder(cell, degree):
     assert abs(errors.peak) < PEAK and errors.pressure < PRESSURE and abs(errors.width) < 0.03
 
 
+@pytest.mark.long_rows(where=lambda degree: degree == 2)
 @pytest.mark.parametrize("degree", [1, 2])
 def test_penalty(degree):
     """With the penalty that is chosen by itself: measured peak 0.1 %, width within a third of a facet. At the points of
@@ -248,6 +251,7 @@ def conditions(problem, young):
     assert np.abs(nodal).sum() > np.linalg.norm(contact.force)  # there are two bodies in it
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("hypothesis", ["plane_strain", "axisymmetric"])
 @pytest.mark.parametrize("cell, degree", [("quadrilateral", 1), ("triangle", 2)])
 def test_conditions_of_contact(cell, degree, hypothesis):

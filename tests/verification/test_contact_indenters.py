@@ -36,6 +36,7 @@ class Punch:
         assert max(self.report.iterations) <= 4 and np.all(self.contact.status > 0)
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("friction", [0.0, 20.0], ids=["frictionless", "bonded"])
 @pytest.mark.parametrize("method, degree, h", [("Lagrange", 1, 1e-4), ("Lagrange", 2, 2e-4), ("Penalty", 1, 2e-4)])
 def test_flat_punch(method, degree, h, friction):
@@ -72,6 +73,7 @@ def test_singularity_at_the_corner():
     np.testing.assert_allclose(near_edge, 2 * p.load / math.pi, rtol=0.06)
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("friction", [0.0, 20.0], ids=["frictionless", "bonded"])
 @pytest.mark.parametrize("method", ["Lagrange", "Penalty"])
 def test_circular_punch(method, friction):
@@ -125,6 +127,7 @@ def tip(method, degree, hypothesis, far=60):
     return m, contact, exact
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("hypothesis", ["plane_strain", "axisymmetric"])
 @pytest.mark.parametrize("method, degree", [("Lagrange", 1), ("Lagrange", 2), ("Penalty", 1), ("Penalty", 2)])
 def test_wedge_and_cone(method, degree, hypothesis):

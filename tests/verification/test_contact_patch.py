@@ -38,6 +38,7 @@ def assert_patch(blocks, stress, tolerance=EXACT):
     assert np.all(blocks.contact.status > 0)
 
 
+@pytest.mark.covering(2)
 @every_cell
 @every_degree
 @pytest.mark.parametrize("nu", [0.0, 0.3])
@@ -56,6 +57,7 @@ def test_two_blocks(cell, degree, nu, swap):
     np.testing.assert_allclose(np.abs(blocks.contact.force), -stress, rtol=0, atol=EXACT * E * -STRAIN)
 
 
+@pytest.mark.covering(2)
 @every_cell
 @every_degree
 @pytest.mark.parametrize("swap", [False, True])
@@ -94,6 +96,7 @@ def pressure_beside(pressure, low, high, degree):
     return loads
 
 
+@pytest.mark.covering(2)
 @every_cell
 @every_degree
 @pytest.mark.parametrize("swap", [False, True])
@@ -119,6 +122,7 @@ def test_narrower_block(cell, degree, swap):
 # --- penalty --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.covering(2)
 @every_cell
 @every_degree
 @pytest.mark.parametrize("augmented", [False, True])

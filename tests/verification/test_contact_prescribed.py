@@ -70,6 +70,7 @@ class Pushed:
         return -self.contact.force[0] / self.contact.force[-1]
 
 
+@pytest.mark.covering(2)
 @pytest.mark.parametrize("slope", (0.0, 0.05, 0.3))
 @cases
 def test_a_pushed_block_has_all_of_its_friction(on, basis, degree, dim, slope):

@@ -113,6 +113,7 @@ def test_a_disc_thrown_without_spin_begins_to_roll(method):
     np.testing.assert_allclose(v - 0.5 * w, V0, rtol=0.01)
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("method", BOTH)
 @pytest.mark.parametrize("backspin", (-1.0, 0.0, 1.0))
 def test_oblique_impact_of_a_spinning_disc(method, backspin):

@@ -105,6 +105,7 @@ def test_the_cases_are_those_published():
     assert bar["speed"] * bar["length"] / Bar(**bar).c == pytest.approx(0.00997429, rel=1e-5)
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("method", BOTH)
 @pytest.mark.parametrize("name", CASES)
 def test_bar_on_a_wall(name, method):

@@ -85,7 +85,7 @@ class Bar:
         return values.mean(), math.sqrt(np.mean((values - 1.0) ** 2))
 
 
-@pytest.mark.long_rows(where=lambda method, scheme: (method == "Penalty") != (scheme == "trapezoidal rule"))
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("method", ["Lagrange", "Penalty"])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_bar_on_a_wall(scheme, method):

@@ -84,6 +84,7 @@ def test_limit_load(rough):
     assert pressures[-1] == pytest.approx(pressures[-2], rel=1e-3)
 
 
+@pytest.mark.long_rows(where=lambda rough: rough)
 @pytest.mark.parametrize("rough", [False, True], ids=["smooth", "rough"])
 def test_limit_load_of_degree_2(rough):
     """The same limits for cells of degree 2, twice as large, whose dilatation is linear in each."""

@@ -71,6 +71,7 @@ def test_linear_hardening_and_unloading(cell, hypothesis):
     assert bar.report.iterations[0] <= 2, "unloading is linear; the first tangent is that of the corner"
 
 
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("cell, hypothesis", BODIES)
 @pytest.mark.parametrize(
     "hardening, curve",

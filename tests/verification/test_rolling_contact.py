@@ -175,9 +175,8 @@ def test_torque_beyond_friction_is_refused():
     assert wheel.problem.omega == omega
 
 
-@pytest.mark.parametrize(
-    "friction, creep", [pytest.param(1e-3, 5.263e-4 - 1.93e-6, marks=pytest.mark.slow), (0.05, 4.294e-4)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("friction, creep", [(1e-3, 5.263e-4 - 1.93e-6), (0.05, 4.294e-4)])
 def test_free_rolling_of_unlike_materials(friction, creep):
     """E-2: aluminium on steel; Bentall and Johnson without friction (less what CONTACT gives for a coefficient of
     1e-3, in proportion to its 0.05), and CONTACT: 2 %. Found for

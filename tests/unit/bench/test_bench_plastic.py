@@ -69,6 +69,7 @@ def test_row_of_memory(monkeypatch):
     assert row["ratio"] == pytest.approx(0.5) and "64 cells" in row["cell"]
 
 
+@pytest.mark.slow
 def test_memory_of_the_history():
     """At least what the history takes: 6 numbers at 8 points, twice."""
     n = 24  # 13824 cells: 10 MB of history, against which what else the process allocates is small

@@ -83,6 +83,7 @@ class Ball:
         self.answer = [contact.points, contact.pressure, contact.traction, contact.status], contact.force
 
 
+@pytest.mark.long_rows(where=lambda cell: cell == "hexahedron")
 @pytest.mark.parametrize("cell", ("quadrilateral", "hexahedron"))
 def test_responses_of_the_bodies_lead_to_the_same_active_set(cell, monkeypatch):
     """Settled on the dense problem of the nodes that change, and by linear solutions one after the other."""

@@ -50,6 +50,7 @@ def test_no_build_means_no_build(project):
     assert installs(project) == 0
 
 
+@pytest.mark.long_rows(where=lambda name: name in ("meshes/c.py", "python/d.py", "demos/e.py"))
 @pytest.mark.parametrize(
     "name", ["cpp/a.cpp", "forms/b.py", "meshes/c.py", "python/d.py", "demos/e.py", "forms/new.py"]
 )

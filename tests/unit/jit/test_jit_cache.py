@@ -129,6 +129,7 @@ def test_forms_of_the_table_need_no_cache(cache):
     assert compiled.source == "package" and not cache.exists()
 
 
+@pytest.mark.long_rows(where=lambda damage: damage not in ("truncated", "missing", "list spoilt"))
 @pytest.mark.parametrize("damage", ["truncated", "overwritten", "empty", "missing", "no list", "list spoilt"])
 def test_spoilt_library_is_compiled_again(cache, library, damage):
     """In a process of its own: one that loaded half a library would be killed."""
@@ -230,10 +231,11 @@ def test_a_link_counts_as_what_it_leads_to(tmp_path, run_here):
     assert "others may write in it" in run_here(tmp_path / "link", "3.0", "refused")
 
 
-@pytest.mark.parametrize(
-    "name", ["a b  c", "K\u00f6rper \u63a5\u89e6", b"latin \xe4"], ids=["blanks", "unicode", "bytes"]
-)
-@pytest.mark.long_rows(where=lambda name, locale: (locale == "C") != (name == "K\u00f6rper \u63a5\u89e6"))
+UNICODE, LATIN = "K\u00f6rper \u63a5\u89e6", b"latin \xe4"
+
+
+@pytest.mark.parametrize("name", ["a b  c", UNICODE, LATIN], ids=["blanks", "unicode", "bytes"])
+@pytest.mark.long_rows(where=lambda name, locale: (name, locale) not in {(UNICODE, "C"), (LATIN, "C.UTF-8")})
 @pytest.mark.parametrize("locale", ["C.UTF-8", "C"])
 def test_names_of_folders(tmp_path, name, locale):
     """Compiled and found again, in a locale that knows no letters but ASCII's as well."""
@@ -268,6 +270,7 @@ def test_cache_without_room(cache):
 
 
 @pytest.mark.mpi
+@pytest.mark.long_rows(where=lambda ranks: ranks != 3)
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_ranks_compile_together(cache, mpirun, ranks):
     output = mpirun(ranks, SCRIPT, "5.0", env={"IMPACT_JIT_CACHE": str(cache)})
