@@ -15,13 +15,14 @@ from ufl.utils.counted import Counted
 MOST = 3  # ranks in `make test`
 
 
-def number_in_make_test(index, ranks):
-    """On how many ranks `make test` runs the check of an index: every fourth on the most, the others on the fewest.
+def numbers_in_make_test(index, ranks):
+    """On how many ranks `make test` runs the check of an index: on one; every eighth on the most, the others on the
+    fewest.
 
     Three ranks take several times as long as two on two cores, as each waits in busy loops while another one works.
     """
     few = [n for n in ranks if n <= MOST] or [min(ranks)]
-    return few[0] if index % 4 else few[-1]
+    return 1, few[0] if index % 8 else few[-1]
 
 
 def checks_of(names):
@@ -33,25 +34,26 @@ def checks_of(names):
 def rank_tests(module, ranks=(2, 3), timeout=300, in_make_test=None):
     """Tests of a module of checks: `test_one_rank, test_several_ranks = rank_tests(module)`.
 
-    `make test` runs each check on one rank and on several (`number_in_make_test`). On the other numbers `make verify`
+    `make test` runs each check on one rank and on several (`numbers_in_make_test`). On the other numbers `make verify`
     runs them; they repeat what was checked, at a multiple of the cost on two cores.
 
     Args:
         module: with functions check_* without arguments.
         ranks: numbers of ranks.
         timeout: limit of each check on several ranks [s].
-        in_make_test: number of ranks of checks that take too long for their turn, by name; 0 for one rank alone.
+        in_make_test: numbers of ranks of checks that take too long for those of their turn, by name.
     """
     checks = checks_of(vars(module))
     assert checks, f"{module.__name__} has no function check_*"
-    chosen = {name: number_in_make_test(index, ranks) for index, name in enumerate(checks)} | (in_make_test or {})
-    assert set(chosen) == set(checks)
+    chosen = {name: numbers_in_make_test(index, ranks) for index, name in enumerate(checks)} | (in_make_test or {})
+    assert set(chosen) == set(checks) and {1, *ranks}.issuperset(itertools.chain(*chosen.values()))
 
+    @pytest.mark.long_rows(where=lambda name: 1 not in chosen[name])
     @pytest.mark.parametrize("name", checks)
     def test_one_rank(name):
         checks[name]()
 
-    @pytest.mark.long_rows(where=lambda ranks, name: ranks != chosen[name])
+    @pytest.mark.long_rows(where=lambda ranks, name: ranks not in chosen[name])
     @pytest.mark.parametrize("name", checks)
     @pytest.mark.parametrize("ranks", ranks)
     def test_several_ranks(rank_group, ranks, name):

@@ -30,6 +30,7 @@ def test_one_round_of_augmentation_too_few(monkeypatch):
     assert len(seen) >= 3
 
 
+@pytest.mark.long_rows(where=lambda shape: shape == "Cylinder")
 @pytest.mark.parametrize("shape", ["Sphere", "Cylinder"])
 def test_a_solution_under_another_radius(shape):
     case = contact_static.under_obstacle("tetrahedron", "3d", 1, shape=shape)

@@ -40,7 +40,7 @@ def press(method, soft_above, h, steps):
     return m, contact, exact
 
 
-@pytest.mark.long_rows(where=lambda soft_above: soft_above)
+@pytest.mark.slow
 @pytest.mark.parametrize("soft_above", [True, False])
 def test_goodman_by_penalty(soft_above):
     """Shear traction on |x| < 0.8 a: 5 % of its largest at every node, 2 % in the mean; pressure 3 %. 20 steps.

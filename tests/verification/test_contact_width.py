@@ -8,7 +8,7 @@ from hertz_bodies import E, NU, RADIUS, Round
 import dolfinx_impact as di
 
 
-@pytest.mark.covering(1)
+@pytest.mark.long_rows(where=lambda degree: degree == 2)
 @pytest.mark.parametrize("degree, h", ((1, 0.1), (2, 0.2)))
 @pytest.mark.parametrize("cell", ("quadrilateral", "triangle"))
 def test_width_of_line_contact(cell, degree, h):

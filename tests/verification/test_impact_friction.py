@@ -138,6 +138,7 @@ def test_oblique_impact_of_a_spinning_disc(method, backspin):
     assert abs(problem.energy["drift"]) < 1e-3
 
 
+@pytest.mark.long_rows(where=lambda method: method == "Penalty")
 @pytest.mark.parametrize("method", BOTH)
 def test_oblique_impact_of_a_spinning_sphere(method):
     """In space: as the disc, with 5/2 of the change of velocity in that of the spin, R dw = 5/2 dv_t; no other spin."""

@@ -14,6 +14,7 @@ def test_rows():
     assert point["name"].startswith("creep point") and "4 points" in curve["name"]
 
 
+@pytest.mark.slow
 def test_another_contact_makes_no_row(monkeypatch):
     right = CreepModel.rolling
     # The model itself is made with the right friction: the third problem is the timed point.

@@ -9,7 +9,16 @@ from plane_bodies import Bodies, total_energy
 
 import dolfinx_impact as di
 
-test_one_rank, test_several_ranks = rank_tests(explicit_contact_checks, ranks=(2, 3, 4), timeout=300)
+test_one_rank, test_several_ranks = rank_tests(
+    explicit_contact_checks,
+    ranks=(2, 3, 4),
+    timeout=300,
+    in_make_test={
+        "sliding_block_is_the_same_on_all_ranks": (2,),
+        "free_bodies_keep_their_momentum": (2,),
+        "quadratic_bodies_keep_their_momentum": (2,),
+    },
+)
 METHODS = pytest.mark.parametrize("method", (di.Penalty, di.Kinematic))
 FLOOR = di.RigidPlane((0.0, 0.0), (0.0, 1.0))
 

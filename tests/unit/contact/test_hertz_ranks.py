@@ -4,4 +4,4 @@
 import hertz_checks
 from on_ranks import rank_tests
 
-test_one_rank, test_several_ranks = rank_tests(hertz_checks, ranks=(2, 3, 4), timeout=300)
+test_one_rank, test_several_ranks = rank_tests(hertz_checks, ranks=(2, 3, 4), timeout=300, in_make_test={"hertz": (2,)})

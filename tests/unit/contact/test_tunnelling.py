@@ -10,7 +10,12 @@ from plane_bodies import Bodies
 
 import dolfinx_impact as di
 
-test_one_rank, test_several_ranks = rank_tests(tunnelling_checks, ranks=(2,), timeout=300)
+test_one_rank, test_several_ranks = rank_tests(
+    tunnelling_checks,
+    ranks=(2,),
+    timeout=300,
+    in_make_test={"up_to_a_facet_in_a_step_is_held_back": (2,), "beyond_a_facet_in_a_step_is_an_error": (2,)},
+)
 METHODS = pytest.mark.parametrize("method", (di.Penalty, di.Kinematic))
 
 

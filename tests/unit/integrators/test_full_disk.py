@@ -91,7 +91,7 @@ print("went on", flush=True)
 
 
 @pytest.mark.mpi
-@pytest.mark.long_rows(where=lambda room, ranks: (ranks == 1) == room)
+@pytest.mark.long_rows(where=lambda case, room, ranks: (ranks == 1) == room or case == "histories")
 @pytest.mark.parametrize(
     "case, room",
     [("histories", True), ("fields", True), ("fields", False)],

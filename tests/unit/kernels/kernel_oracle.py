@@ -40,7 +40,7 @@ FUNCTION = ctypes.CFUNCTYPE(
 )
 ACCESS = """
 extern ufcx_form {name};
-void* oracle(int kind, int id)
+void* {access}(int kind, int id)
 {{
   for (int i = {name}.form_integral_offsets[kind]; i < {name}.form_integral_offsets[kind + 1]; ++i)
     if ({name}.form_integral_ids[i] == id)
@@ -49,7 +49,7 @@ void* oracle(int kind, int id)
 }}
 """
 ACCESS_EXPRESSION = (
-    "\nextern ufcx_expression {name};\nvoid* oracle(void) {{ return (void*){name}.tabulate_tensor_float64; }}\n"
+    "\nextern ufcx_expression {name};\nvoid* {access}(void) {{ return (void*){name}.tabulate_tensor_float64; }}\n"
 )
 
 
@@ -59,8 +59,13 @@ def _processor():
     return f"-DPROCESSOR={zlib.crc32(found.group().encode() if found else b'')}"
 
 
+def _run(command, folder):
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
 def _compile(compiler, flags, include, source, text):
-    """A library of a source, by ccache where there is one: seen from its own folder, no name tells which run it is."""
+    """An object of a source, by ccache where there is one: seen from its own folder, no name tells which run it is."""
     source.write_text(text)
     folder, headers = source.parent, f"include_{compiler}"
     try:
@@ -68,46 +73,62 @@ def _compile(compiler, flags, include, source, text):
     except FileExistsError:  # another form's
         assert (folder / headers).resolve() == include.resolve()
     launcher = ["ccache"] if shutil.which("ccache") else []
-    library, unit = source.with_suffix(".so"), source.with_suffix(".o")
-    for command in (
+    unit = source.with_suffix(".o")
+    _run(
         [*launcher, compiler, *flags, _processor(), f"-I{headers}", "-fPIC", "-w", "-c", source.name, "-o", unit.name],
-        [compiler, "-shared", unit.name, "-o", library.name, "-lmvec", "-lm"],
-    ):
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr[-2000:]
-    return library
+        folder,
+    )
+    return unit
 
 
-def write_ffcx(ufl_object, stem):
-    """FFCx's C kernels of a form, or of a pair (expression, points), as a library."""
+def _link(units, library):
+    """A library of objects in one folder. FFCx names a kernel by its form, which several hypotheses may share."""
+    options = ["-shared", "-Wl,-z,muldefs", "-o", library.name, "-lmvec", "-lm"]
+    _run(["g++", *(unit.name for unit in units), *options], library.parent)
+    return str(library)
+
+
+def _ffcx_object(ufl_object, stem):
+    """Object of FFCx's C kernels, and the name of the function that gives access to them."""
     is_expression = isinstance(ufl_object, tuple)
     naming = ffcx.naming.expression_name if is_expression else lambda f, p: ffcx.naming.form_name(f, 0, p)
     name = naming(ufl_object, "oracle")
     key = id(ufl_object[0]) if is_expression else id(ufl_object)
     _, text = ffcx.compiler.compile_ufl_objects([ufl_object], dict(OPTIONS), {key: name}, "oracle")
-    text += (ACCESS_EXPRESSION if is_expression else ACCESS).format(name=name)
+    access = f"oracle_{stem.name}"
+    text += (ACCESS_EXPRESSION if is_expression else ACCESS).format(name=name, access=access)
     include = Path(ffcx.codegeneration.__file__).parent
-    return _compile("gcc", ["-O0", "-ffp-contract=off"], include, stem.with_suffix(".c"), text)
+    return _compile("gcc", ["-O0", "-ffp-contract=off"], include, stem.with_suffix(".c"), text), access
 
 
-def write_ours(integrals, stem):
-    """Our C++ kernels as a library, all widths of this machine; returns (path, names of the descriptors)."""
+def write_ffcx(ufl_object, stem):
+    """FFCx's C kernels of a form, or of a pair (expression, points), as a library, and their access, for Oracle."""
+    unit, access = _ffcx_object(ufl_object, stem)
+    return _link([unit], stem.with_suffix(".so")), access
+
+
+def _our_object(integrals, stem):
+    """Object of our C++ kernels, all widths of this machine, and the names of their descriptors."""
     text, names = emit.source(integrals, "impact_" + stem.name)
     include = Path(dolfinx_impact.__file__).parent / "include"
     flags = ["-std=c++20", "-O1", "-march=native", "-ffp-contract=fast", "-fno-math-errno"]
     return _compile("g++", flags, include, stem.with_suffix(".cpp"), text), names
 
 
+def write_ours(integrals, stem):
+    """Our C++ kernels as a library; returns (path, names of the descriptors)."""
+    unit, names = _our_object(integrals, stem)
+    return _link([unit], stem.with_suffix(".so")), names
+
+
 def _job(arguments):
     folder, number, spec, with_ours = arguments
     built = registry.build(*spec)
-    stem = Path(folder) / f"k{number}"
     ours = None
     if with_ours:
         integrals = frontend.form_integrals(built.form, spec[0], built.names, spec[4])
-        path, names = write_ours(integrals, Path(folder) / f"o{number}")
-        ours = str(path), names
-    return str(write_ffcx(built.form, stem)), ours
+        ours = _our_object(integrals, folder / f"o{number}")
+    return _ffcx_object(built.form, folder / f"k{number}"), ours
 
 
 @contextlib.contextmanager
@@ -123,26 +144,38 @@ def two_processes():
 
 
 def build_many(specs, folder, with_ours):
-    """Libraries of many rows (name, cell, degree, geometry degree, hypothesis), by two processes at once."""
-    jobs = [(str(folder), i, s, with_ours) for i, s in enumerate(specs)]
+    """Kernels of many rows (name, cell, degree, geometry degree, hypothesis), compiled by two processes at once.
+
+    Returns:
+        Row -> (FFCx's library and access, our library and names of the descriptors or None): one library of each side
+        holds all rows, as linking takes longer than the compilation that ccache remembers.
+    """
+    jobs = [(folder, i, s, with_ours) for i, s in enumerate(specs)]
     with two_processes() as pool:
-        return dict(zip(specs, pool.map(_job, jobs, chunksize=1)))
+        made = list(pool.map(_job, jobs, chunksize=1))
+    theirs = _link([unit for (unit, _), _ in made], folder / "ffcx.so")
+    ours = _link([unit for _, (unit, _) in made], folder / "ours.so") if with_ours else None
+    return {
+        spec: ((theirs, access), (ours, of_ours[1]) if with_ours else None)
+        for spec, ((_, access), of_ours) in zip(specs, made)
+    }
 
 
 class Oracle:
     """FFCx's kernels from libraries of `write_ffcx`; those of several forms are added up."""
 
     def __init__(self, *libraries):
-        self.libraries = [ctypes.CDLL(str(path)) for path in libraries]
-        for library in self.libraries:
-            library.oracle.restype = ctypes.c_void_p
+        """Pairs (library, access), as `write_ffcx` returns them."""
+        self._access = [getattr(ctypes.CDLL(path), access) for path, access in libraries]
+        for access in self._access:
+            access.restype = ctypes.c_void_p
 
     def tensor(self, kernel, w, c, x, entity=0):
         """Element tensor of one cell by FFCx, for the integral that `kernel` (ours) belongs to."""
         which = ()
         if kernel.integral_type != "expression":
             which = KINDS.index(kernel.integral_type), kernel.subdomains[0]
-        addresses = [a for a in (library.oracle(*which) for library in self.libraries) if a]
+        addresses = [a for a in (access(*which) for access in self._access) if a]
         assert addresses, "FFCx wrote no such integral"
         A, number = np.zeros(int(np.prod(kernel.shape))), np.array([entity], dtype=np.intc)
         doubles = [a.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for a in (A, w, c, x)]

@@ -42,7 +42,7 @@ def check_solvers_are_freed():
     V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
     for options in (None, {"ksp_type": "cg", "pc_type": "gamg"}):
         found, sizes = [], []
-        for _ in range(5):
+        for _ in range(4):
             found.append(solve(V, options))
             gc.collect()
             memory.free_garbage(domain.comm, 0)

@@ -8,5 +8,9 @@ test_one_rank, test_several_ranks = rank_tests(
     joint_checks,
     ranks=(2,),
     timeout=300,
-    in_make_test=dict.fromkeys(("resumed_run_is_the_same_run", "prediction_of_a_long_run"), 0),
+    in_make_test={
+        "the_wheel_is_balanced": (2,),
+        "resumed_run_is_the_same_run": (1,),
+        "prediction_of_a_long_run": (),
+    },
 )
