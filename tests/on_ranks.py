@@ -6,6 +6,7 @@ once. Each check on each number of ranks is a test of its own.
 """
 
 import itertools
+import zlib
 
 import pytest
 import ufl
@@ -15,14 +16,14 @@ from ufl.utils.counted import Counted
 MOST = 3  # ranks in `make test`
 
 
-def numbers_in_make_test(index, ranks):
-    """On how many ranks `make test` runs the check of an index: on one; every eighth on the most, the others on the
+def numbers_in_make_test(name, ranks):
+    """On how many ranks `make test` runs a check: on one; one in eight, by its name, on the most, the others on the
     fewest.
 
     Three ranks take several times as long as two on two cores, as each waits in busy loops while another one works.
     """
     few = [n for n in ranks if n <= MOST] or [min(ranks)]
-    return 1, few[0] if index % 8 else few[-1]
+    return 1, few[0] if zlib.crc32(name.encode()) % 8 else few[-1]
 
 
 def checks_of(names):
@@ -45,7 +46,7 @@ def rank_tests(module, ranks=(2, 3), timeout=300, in_make_test=None):
     """
     checks = checks_of(vars(module))
     assert checks, f"{module.__name__} has no function check_*"
-    chosen = {name: numbers_in_make_test(index, ranks) for index, name in enumerate(checks)} | (in_make_test or {})
+    chosen = {name: numbers_in_make_test(name, ranks) for name in checks} | (in_make_test or {})
     assert set(chosen) == set(checks) and {1, *ranks}.issuperset(itertools.chain(*chosen.values()))
 
     @pytest.mark.long_rows(where=lambda name: 1 not in chosen[name])

@@ -65,6 +65,7 @@ def test_the_gates_pass_good_files(lint, tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.long_rows(where=lambda what: what in ("clang-format", "black, line length", "flake8, unused import"))
 @pytest.mark.parametrize("what", BROKEN)
 def test_the_gates_stop_a_broken_file(lint, tmp_path, what):
     """Its own gate, for most; `make lint` has them all."""

@@ -86,7 +86,7 @@ def test_one_start_serves_many_checks(group, module):
     assert group.close() == 0
 
 
-@pytest.mark.long_rows(where=lambda name: name in ("fails", "calls_exit", "raises_before_the_others_wait"))
+@pytest.mark.long_rows(where=lambda name: name in ("fails", "calls_exit", "exits", "raises_before_the_others_wait"))
 @pytest.mark.parametrize(
     "name, words",
     [

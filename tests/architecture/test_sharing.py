@@ -2,6 +2,7 @@
 """Processes that share the tests: every test is run once, modules stay whole, `alone` is alone, a dead process hides
 nothing."""
 
+import itertools
 import os
 import subprocess
 import sys
@@ -32,6 +33,7 @@ def test_it(made_once, k):
     BODY
 """
 ALONE = MODULE.replace("@pytest.mark.parametrize", "@pytest.mark.alone\n@pytest.mark.parametrize")
+WAITS = MODULE.replace("import pytest\n", "import pytest\npytestmark = pytest.mark.waits\n")
 
 # Both are there before the first test is taken.
 CONFTEST = """
@@ -48,11 +50,11 @@ def pytest_collection_finish(session):
 
 @pytest.fixture
 def suite(checkout, tmp_path):
-    """A folder with the conftest of the tests and six modules, of which one has tests that are alone."""
+    """A folder with the conftest of the tests and six modules: the third has tests that are alone, the fourth waits."""
     (tmp_path / "conftest.py").write_text(CONFTEST)
     (tmp_path / "conftest_of_tests.py").write_text((checkout / "tests" / "conftest.py").read_text())
     for number in range(6):
-        text = (ALONE if number == 2 else MODULE).replace("BODY", "pass").replace("NUMBER", str(number))
+        text = {2: ALONE, 3: WAITS}.get(number, MODULE).replace("BODY", "pass").replace("NUMBER", str(number))
         (tmp_path / f"test_{number}.py").write_text(text)
     return tmp_path
 
@@ -74,7 +76,11 @@ def log(suite):
     return {name: (int(process), float(begin), float(end)) for name, process, begin, end in rows}
 
 
-EVERY = {f"test_{number}_{k}" for number in range(6) for k in range(3)}
+def of_modules(*numbers):
+    return {f"test_{number}_{k}" for number in numbers for k in range(3)}
+
+
+EVERY = of_modules(*range(6))
 
 
 def names(found):
@@ -90,17 +96,20 @@ def test_two_processes_share_the_tests(checkout, suite):
     for number in range(6):  # whole modules: their fixtures are made once, and ended in time
         assert len({found[f"test_{number}_{k}"][0] for k in range(3)} | {found[f"fixture_{number}"][0]}) == 1
         assert found[f"fixture_{number}"][2] > max(found[f"test_{number}_{k}"][2] for k in range(3))
-    alone = {f"test_2_{k}" for k in range(3)}
-    begin = min(found[name][1] for name in alone)
-    assert all(found[name][2] <= begin for name in names(found) - alone)
+    waiting, alone = of_modules(3), of_modules(2)
+    stages = EVERY - waiting - alone, waiting, alone
+    for earlier, later in itertools.pairwise(stages):
+        assert max(found[name][2] for name in earlier) <= min(found[name][1] for name in later)
 
 
+@pytest.mark.slow
 def test_one_process_runs_all(checkout, suite):
     status, (output,) = run(checkout, suite, 1, "--share", suite / "share")
     assert status == [0] and "18 passed" in output
     assert names(log(suite)) == EVERY
 
 
+@pytest.mark.slow
 def test_without_a_folder_nothing_is_shared(checkout, suite):
     status, outputs = run(checkout, suite, 2, "-k", "test_3 or test_4")
     assert status == [0, 0] and all("6 passed" in output for output in outputs)

@@ -49,10 +49,11 @@ def test_rows_of_a_cell_pass(steps, monkeypatch):
 
 @pytest.mark.long_rows(where=lambda cell: cell == "tetrahedron")
 @pytest.mark.parametrize("cell", ("hexahedron", "tetrahedron"))
-def test_rows_in_space_pass(cell):
+@pytest.mark.parametrize("steps", (STEPS // 2, pytest.param(STEPS, marks=pytest.mark.slow)))
+def test_rows_in_space_pass(steps, cell):
     report = Report()
     for case in cases(cell, 1):
-        history.compare(report, case, STEPS)
+        history.compare(report, case, steps)
     assert report.passed and len(report.rows) > 10
 
 

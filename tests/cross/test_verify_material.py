@@ -216,6 +216,7 @@ def test_a_thickness_that_stays_is_seen(monkeypatch, own_cache):
     assert not found["stress"] <= 1e3 * material.TOLERANCE
 
 
+@pytest.mark.slow
 def test_a_back_stress_of_a_sheet_that_is_not_turned_is_seen(monkeypatch, own_cache):
     assert max(material.objectivity(case_of("prager"), "plane_stress", num=NUM).values()) <= material.TOLERANCE
     monkeypatch.setattr(law, "plane_stretch", lambda F: F)
@@ -502,6 +503,7 @@ def test_results_that_are_not_numbers_are_seen(monkeypatch, own_cache):
     assert np.isnan(material.dissipation(case_of("linear"), "3d", False, num=NUM))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name, finite", [("linear", True), ("prager", False)])
 def test_flow_against_the_stress_is_seen_in_other_laws(name, finite, monkeypatch, own_cache):
     right = material.dissipation(case_of(name), "3d", finite, num=NUM)

@@ -161,6 +161,7 @@ def test_contact_that_is_lost_where_pairs_are_split(launch):
                         for what in ("u", "velocity", "force", "energy")}  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_energies_of_a_rank_alone(launch):
     launch(LOCAL_ENERGIES, explicit=True)

@@ -53,10 +53,10 @@ def test_every_application_says_what_it_leaves():
     assert set(FILES) == {name for name, (path, _) in cli.demos().items() if cli.is_application(path)}
 
 
-# Of the applications, which are studies, `make test` runs an explicit one and one of rolling, the latter on two ranks;
-# the others run in `make verify`. Static contact: test_short_demos.py. Passages over a rail joint:
-# tests/unit/rail_joint, tests/cross/test_rail_joint_twin.py.
-IN_MAKE_TEST = {("rolling_disc", 2), ("impact_bars", 1)}
+# Of the applications, which are studies, `make test` runs one of rolling, on two ranks, and `make verify` the others.
+# Static contact and impact: test_short_demos.py. Passages over a rail joint: tests/unit/rail_joint,
+# tests/cross/test_rail_joint_twin.py.
+IN_MAKE_TEST = {("rolling_disc", 2)}
 
 
 @pytest.mark.mpi

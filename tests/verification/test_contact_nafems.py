@@ -36,6 +36,7 @@ def roller(method, degree, friction=0.0, steps=1):
     return m, problem.contact[0], report
 
 
+@pytest.mark.long_rows(where=lambda method: method == "Penalty")
 @pytest.mark.parametrize("method, degree", [("Lagrange", 1), ("Lagrange", 2), ("Penalty", 1)])
 def test_cylinder_roller(method, degree):
     """Half-width within a cell, peak pressure 2 %, load exact, and the sinking of the block's top."""

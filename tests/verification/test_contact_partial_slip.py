@@ -33,7 +33,7 @@ def pressed(method, degree, h, size):
     "method, degree, h",
     [
         ("Lagrange", 1, 1e-3),
-        ("Penalty", 1, 1e-3),
+        pytest.param("Penalty", 1, 1e-3, marks=pytest.mark.slow),
         pytest.param("Penalty", 1, 5e-4, marks=pytest.mark.slow),
         pytest.param("Lagrange", 1, 5e-4, marks=pytest.mark.slow),
         pytest.param("Lagrange", 2, 1e-3, marks=pytest.mark.slow),

@@ -98,13 +98,8 @@ class Bodies:
         return 2 * self.contact.dissipated
 
 
-@pytest.mark.parametrize(
-    "h, penalty, parts",
-    [
-        (0.25 * A, 2e4, (7 / 8,)),
-        pytest.param(0.2 * A, 3e4, (1 / 2, 7 / 8), marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("h, penalty, parts", [(0.25 * A, 2e4, (7 / 8,)), (0.2 * A, 3e4, (1 / 2, 7 / 8))])
 def test_cattaneo_mindlin_sphere(h, penalty, parts):
     """Shift to 2 %, stick radius to half a cell, work of the slip on first loading and over a full cycle to 5 %.
 

@@ -108,6 +108,7 @@ def test_the_pressure_does_not_rattle():
     assert rattling.plateau()[1] > 0.3 and rattling.gain > 0.1
 
 
+@pytest.mark.slow
 def test_carpenters_bar():
     """I-1: Carpenter, Taylor and Katona (1991) as in Ansys VM265; release 2 %, force 1 %, shortening 1 %."""
     E, rho, length, gap, speed = 3e7, 7.3e-4, 10.0, 0.01, 202.2

@@ -73,6 +73,7 @@ class Punch:
 DEPTHS = np.linspace(0.0, 0.04, 9)[1:]
 
 
+@pytest.mark.long_rows(where=lambda rough: not rough)
 @pytest.mark.parametrize("rough", [False, True], ids=["smooth", "rough"])
 def test_limit_load(rough):
     """J-3: 3 % above the exact load at most (fields with the constraints of the mesh bound it from above), not below,
@@ -84,7 +85,7 @@ def test_limit_load(rough):
     assert pressures[-1] == pytest.approx(pressures[-2], rel=1e-3)
 
 
-@pytest.mark.long_rows(where=lambda rough: rough)
+@pytest.mark.slow
 @pytest.mark.parametrize("rough", [False, True], ids=["smooth", "rough"])
 def test_limit_load_of_degree_2(rough):
     """The same limits for cells of degree 2, twice as large, whose dilatation is linear in each."""

@@ -8,6 +8,8 @@ import time
 
 import pytest
 
+pytestmark = pytest.mark.waits
+
 
 def wait_for(condition, seconds=20):
     end = time.monotonic() + seconds

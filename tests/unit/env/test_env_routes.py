@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+pytestmark = pytest.mark.waits
 ROUTES = ["native", "root"]
 
 
