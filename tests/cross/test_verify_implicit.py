@@ -52,6 +52,7 @@ def failed(case, steps=STEPS, **changes):
     return {row.name.split(" of the ")[0] for row in report.rows if not row.passed}
 
 
+@pytest.mark.long_rows(where=lambda make: make is implicit.without_contact)
 @pytest.mark.parametrize("make", (implicit.without_contact, implicit.bars, implicit.disc, implicit.rigid))
 def test_rows_pass(make):
     """Schemes, masses, damping, loads, supports that move; penalty and multipliers, friction, two bodies, obstacles."""

@@ -107,7 +107,7 @@ def test_inclined_interface(cell, degree):
     assert np.allclose(solution.traction[closed], 0, atol=1e-8 * p)
 
 
-@pytest.mark.covering(2)
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("swap", [False, True])

@@ -182,7 +182,7 @@ def over_a_corner(cell, speed, spin, down):
     return model, slave, master, v.reshape(-1)
 
 
-@pytest.mark.covering(2)
+@pytest.mark.covering(1)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("touches", [False, True])

@@ -7,6 +7,7 @@ from dolfinx_impact.bench import rolling
 from dolfinx_impact.creep.model import CreepModel
 
 
+@pytest.mark.slow
 def test_rows():
     point, curve = rolling.rolling_rows(cells=2, points=4, reach=3.0)
     assert point["baseline"] == curve["baseline"] > 0.0

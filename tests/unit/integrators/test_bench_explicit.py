@@ -60,6 +60,7 @@ def test_slaves_are_as_many_of_the_nodes_as_the_goal_says():
     assert (n + 1) ** 2 / (2 * (n + 1) ** 2 * (layers + 1)) == pytest.approx(0.015, rel=0.05)
 
 
+@pytest.mark.slow
 def test_rows_of_output_memory_and_ranks():
     (output,) = bench_explicit.output_rows(3, steps=100, rounds=1)
     assert output["baseline"] > 0 and output["ratio"] < 1.0

@@ -304,8 +304,8 @@ def refused_together(cache, mpirun, environment):
 def test_processes_compile_at_the_same_time(cache):
     surroundings = {**os.environ, "IMPACT_JIT_CACHE": str(cache)}
     command = [sys.executable, "-c", SCRIPT, "7.0"]
-    running = [subprocess.Popen(command, env=surroundings, stdout=subprocess.PIPE, text=True) for _ in range(4)]
-    assert [p.communicate(timeout=100)[0].strip() for p in running] == ["computed"] * 4
+    running = [subprocess.Popen(command, env=surroundings, stdout=subprocess.PIPE, text=True) for _ in range(3)]
+    assert [p.communicate(timeout=100)[0].strip() for p in running] == ["computed"] * 3
     assert sorted(p.suffix for p in cache.iterdir()) == [".cpp", ".so", ".txt"]
 
 

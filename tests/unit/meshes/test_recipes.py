@@ -28,9 +28,7 @@ def test_names_are_complete():
     assert set(meshes.names()) == RECIPES
 
 
-@pytest.mark.long_rows(
-    where=lambda case, cell, degree: degree == 2 and (case in CUBE or not CASES[case][2] or cell == "triangle")
-)
+@pytest.mark.covering(1)
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize("case, cell, degree", EVERY, ids=["-".join(map(str, e)) for e in EVERY])
 def test_cells_size_and_tags(case, cell, degree):

@@ -10,7 +10,7 @@ test_one_rank, test_several_ranks = rank_tests(
     timeout=300,
     in_make_test={
         "the_wheel_is_balanced": (2,),
-        "resumed_run_is_the_same_run": (1,),
+        "resumed_run_is_the_same_run": (),
         "prediction_of_a_long_run": (),
     },
 )
