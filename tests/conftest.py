@@ -3,6 +3,7 @@
 
 import os
 import pathlib
+import signal
 import sys
 import textwrap
 import zlib
@@ -87,6 +88,16 @@ def rng(request, seed):
     """NumPy generator of this test, from the run's seed and the test's name: their order is of no account."""
     print(f"rng: --seed {seed}")  # pytest shows it when the test fails
     return np.random.default_rng([seed, zlib.crc32(request.node.nodeid.encode())])
+
+
+@pytest.fixture(autouse=True)
+def handler_of_interrupts():
+    """A test leaves the handler of SIGINT as it was. gmsh.initialize() gives the signal its default action, with which
+    a later test of Ctrl-C would end the process."""
+    before = signal.getsignal(signal.SIGINT)
+    yield
+    after = signal.signal(signal.SIGINT, before)
+    assert after == before, f"the handler of SIGINT is {after} after the test"
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,7 @@ import dolfinx_impact as di
 
 def mesh_of(radius, size, inner=0.0, thickness=0.0, order=2):
     """Disc or ring with cell tag 1, extruded by one layer if it has a thickness; (mesh, cell tags)."""
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     gdim = 3 if thickness else 2
     if MPI.COMM_WORLD.rank == 0:

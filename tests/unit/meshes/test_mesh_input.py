@@ -108,7 +108,7 @@ def test_check_names_the_bad_cells():
 def test_reading_leaves_gmsh_as_it_was():
     import gmsh
 
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     try:
         gmsh.model.add("mine")
         mesh_input.read_mesh(GOOD, MPI.COMM_SELF)
