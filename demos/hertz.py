@@ -28,7 +28,7 @@ a, p0 = hertz.half_width, hertz.peak_pressure
 # share no nodes. The triangles are small in a ball around the contact. The block is 33 half-widths deep, like a
 # half-plane.
 
-gmsh.initialize(["", "-v", "0"])
+gmsh.initialize(["", "-v", "0"], interruptible=False)
 if comm.rank == 0:
     disc, square = gmsh.model.occ.addDisk(0, R, 0, R, R), gmsh.model.occ.addRectangle(0, 0, 0, R, R)
     cylinder = gmsh.model.occ.intersect([(2, disc)], [(2, square)])[0][0][1]

@@ -8,7 +8,7 @@ and the joint is at x = 0.
 import math
 
 import numpy as np
-import scipy
+import scipy  # which imports scipy.interpolate where it is used
 
 from .hertz import SIDES
 from .layout import Layout, at, positive, require

@@ -9,6 +9,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.waits
+
 # Each test notes its process and when it began and ended.
 MODULE = """
 import os, pathlib, time
@@ -102,14 +104,12 @@ def test_two_processes_share_the_tests(checkout, suite):
         assert max(found[name][2] for name in earlier) <= min(found[name][1] for name in later)
 
 
-@pytest.mark.slow
 def test_one_process_runs_all(checkout, suite):
     status, (output,) = run(checkout, suite, 1, "--share", suite / "share")
     assert status == [0] and "18 passed" in output
     assert names(log(suite)) == EVERY
 
 
-@pytest.mark.slow
 def test_without_a_folder_nothing_is_shared(checkout, suite):
     status, outputs = run(checkout, suite, 2, "-k", "test_3 or test_4")
     assert status == [0, 0] and all("6 passed" in output for output in outputs)

@@ -90,11 +90,11 @@ def test_a_notebook_runs(name, notebooks, checkout, tmp_path):
 
 
 # Two demos on two ranks; of the others those on one rank of which no notebook runs. `make verify` has the other rows.
-RUNS = {("bar_on_wall", 2), ("two_bars", 2), ("block_with_friction", 1), ("own_plasticity", 1)}
+IN_MAKE_TEST = {("bar_on_wall", 2), ("two_bars", 2), ("block_with_friction", 1), ("own_plasticity", 1)}
 
 
 @pytest.mark.mpi
-@pytest.mark.long_rows(where=lambda name, ranks: (name, ranks) not in RUNS)
+@pytest.mark.long_rows(where=lambda name, ranks: (name, ranks) not in IN_MAKE_TEST)
 @pytest.mark.parametrize("ranks", [1, 2])
 @pytest.mark.parametrize("name", DEMOS)
 def test_a_demo_runs(name, ranks, impact, checkout, tmp_path):

@@ -78,7 +78,7 @@ problem.advance(end, callback=lambda p: p.save(sys.argv[1]), progress=False)
 """
 
 
-@pytest.mark.long_rows(where=lambda number: number >= 1)
+@pytest.mark.long_rows(where=lambda number: number >= 2)
 @pytest.mark.parametrize("number", range(20))
 def test_killed_at_any_moment_the_last_checkpoint_opens(number, tmp_path_factory):
     """SIGKILL while a checkpoint is written at every step: the last one opens, and the run goes on from there."""
