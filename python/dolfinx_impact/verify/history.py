@@ -112,9 +112,12 @@ class RandomVariation:
             return
         dim = domain.geometry.dim
         x, upper = domain.geometry.x, _upper_nodes(domain)
+        cells = domain.geometry.dofmap[upper[domain.geometry.dofmap].all(axis=1)]
 
         def height() -> float:
-            above = x[upper, dim - 1] - (0.0 if top is None else top(x[upper]))
+            # Facets may be nearer than their nodes where the lower body is curved: in the middle, or nearly there.
+            places = 0.5 * (x[cells[:, :, None]] + x[cells[:, None, :]]).reshape(-1, 3)
+            above = places[:, dim - 1] - (0.0 if top is None else top(places))
             return float(above.min())
 
         low, centre = height(), x[upper].mean(axis=0)
