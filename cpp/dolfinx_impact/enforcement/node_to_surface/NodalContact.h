@@ -58,6 +58,8 @@ public:
   /// @param[in] numbers in `halo`, for each node of the Halo passed to `needs`
   /// @param[in] mass of the nodes of `halo`, ghosts valid [M]
   virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) = 0;
+  /// Largest size of a number that the position of a rigid master is computed from; zero: deformable [L].
+  virtual double largest_position() const = 0;
   /// Displacement and last increment of a rigid master; no effect on deformable masters [L].
   virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
   /// Part of the motion allowed by the candidates that is used up two steps from now; search again from 1 on [1].
