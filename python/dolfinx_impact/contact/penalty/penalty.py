@@ -573,7 +573,9 @@ class PenaltyContact(ContactOutput):
             Owned nodes, (m), and means, (m, number of values per point).
         """
         points, element = self._points, self.slave.displacement
-        table = np.array([element.tabulate(*xi)[0] for xi in points.xi[: points.per_facet]])
+        # Of the rule, not of the points: a rank without slave facets has no points, but takes part in the sums.
+        places = np.pad(self._rule[0], ((0, 0), (0, 2 - self._rule[0].shape[1])))
+        table = np.array([element.tabulate(*xi)[0] for xi in places])
         w = points.weight.reshape(-1, points.per_facet)[:, :, None] * (table**2)[None]
         values = np.asarray(values, dtype=float)
         values = values.reshape(-1, points.per_facet, int(np.prod(values.shape[1:])))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOTION = ("displacement", "velocity", "acceleration", "mean")
 FORCES = ("internal", "external", "damping", "support")
 WORKS = ("internal", "external", "damping")
-CONTROL = ("length", "largest", "smallest", "tolerance")  # of steps; not a number where there is none
+CONTROL = ("length", "largest", "smallest", "last", "tolerance")  # of steps; not a number where there is none
 NUMBERS = ("time", "step", "largest", "total_start", "largest_displacement")
 
 
@@ -150,7 +150,7 @@ class ImplicitRestart(Checkpoints):
         stepper.largest_displacement = float(a["largest_displacement"])
         control = {name: float(a[f"step {name}"]) for name in CONTROL}
         tolerance = None if math.isnan(control["tolerance"]) else control["tolerance"]
-        stepper.set_control(control["length"], control["largest"], control["smallest"], tolerance)
+        stepper.set_control(control["length"], control["largest"], control["smallest"], control["last"], tolerance)
         for k, (contact, saved, table) in enumerate(zip(p.contact, known, rows)):
             saved.columns = saved.split(table)
             saved.totals = saved.split_totals(np.asarray(a[f"contact{k}"]))

@@ -62,16 +62,19 @@ class ImplicitStepper:
         self.largest_displacement = 0.0
         self.calls = AdvanceCalls()
 
-    def set_control(self, length: float, largest: float, smallest: float, tolerance: float | None) -> None:
+    def set_control(
+        self, length: float, largest: float, smallest: float, last: float, tolerance: float | None
+    ) -> None:
         """Set the lengths of steps from a checkpoint.
 
         Args:
             length: wanted length of the next step; not a number: there was no step [T].
             largest: largest step [T].
             smallest: smallest step [T].
+            last: length of the last step [T].
             tolerance: local error, or None [1].
         """
-        self.control = None if math.isnan(length) else StepControl(largest, smallest, tolerance, length)
+        self.control = None if math.isnan(length) else StepControl(largest, smallest, tolerance, length, last)
 
     def advance(
         self,
