@@ -250,9 +250,13 @@ class PenaltyContact(ContactOutput):
         self.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
         self.update_gap(u)
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
-        self._known_status = rows["status"].ravel().astype(np.int8)
+        self._known_status = self._status = rows["status"].ravel().astype(np.int8)
         self._slip_before = np.array(self.slip)
         self.restore_totals(saved.totals)
+
+    def forget(self) -> None:
+        """Forget candidates and the places of the tangent; see ContactOutput."""
+        self._cpp.forget()
 
     def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
         """Begin an increment. Collective.

@@ -61,6 +61,7 @@ class ImplicitStepper:
         self.iterations, self.cut_backs, self.rejected = 0, 0, 0
         self.largest_displacement = 0.0
         self.calls = AdvanceCalls()
+        self._solver: Solver | None = None  # of the present `advance`
 
     def set_control(
         self, length: float, largest: float, smallest: float, last: float, tolerance: float | None
@@ -75,6 +76,11 @@ class ImplicitStepper:
             tolerance: local error, or None [1].
         """
         self.control = None if math.isnan(length) else StepControl(largest, smallest, tolerance, length, last)
+
+    def forget(self) -> None:
+        """Forget what the solver of the present `advance` keeps from one step to the next. Collective."""
+        if self._solver is not None:
+            self._solver.forget()
 
     def advance(
         self,
@@ -102,10 +108,11 @@ class ImplicitStepper:
         self.control = control
         log = StepLog(self.comm, verbose)
         with self.calls.running(), Interrupts(self.comm) as interrupts:
-            solver = Solver(self.problem.equations, interrupts=interrupts, **solver_arguments)
+            solver = self._solver = Solver(self.problem.equations, interrupts=interrupts, **solver_arguments)
             try:
                 self._advance(until, control, solver, callback, progress, log, interrupts)
             finally:
+                self._solver = None
                 solver.free()
             interrupts.check()
 
