@@ -281,7 +281,7 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   for (std::size_t k = 0; k < _contacts.size(); ++k)
   {
     _contacts[k].obstacle = obstacles[k];
-    _contacts[k].contact->set_obstacle(obstacles[k].displacement, obstacles[k].increment);
+    _contacts[k].contact->restore_obstacle(obstacles[k].displacement, obstacles[k].increment);
     _contacts[k].contact->forget_search();
   }
 }

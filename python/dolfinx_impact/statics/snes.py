@@ -68,9 +68,8 @@ class Solver:
             self.free()
             said = " ".join(str(error).split("[0]")[-1].split())
             raise ValueError(f"PETSc does not take the options of SNES: {said}") from error
-        rtol, self._atol, self._stol, max_iterations = self.snes.getTolerances()
-        self._rtol, self._max_it = rtol, max_iterations
-        self._newton = Newton(problem, rtol, self._atol, max_iterations, self._tell)
+        self._rtol, self._atol, self._stol, self._max_it = self.snes.getTolerances()
+        self._newton = Newton(problem, self._rtol, self._atol, self._max_it, self._tell)
         self.seconds: dict[str, float] = self._newton.seconds
         kind = self.snes.getType()
         if kind != OWN and self._newton.multipliers:
@@ -89,6 +88,15 @@ class Solver:
         # PETSc's objects are destroyed by all ranks together: after an error of one rank the garbage collector does it.
         if is_common(self.problem.space.mesh.comm, error):
             self.free()
+
+    def forget(self) -> None:
+        """Forget what was kept from earlier increments, start vectors and places of matrices. Collective."""
+        self._newton = Newton(self.problem, self._rtol, self._atol, self._max_it, self._tell)
+        self._newton.seconds = self.seconds
+        if self._J is not None:
+            self._J.destroy()
+            self._J = None
+            self.snes.getKSP().reset()
 
     def free(self) -> None:
         """Destroy PETSc's objects. Collective."""

@@ -155,6 +155,9 @@ void NodeToSurface::set_history(const NodalHistory& history)
   _tangential = history.tangential;
   _results.slip = history.slip;
   _closed = history.closed;
+  // What a node that opens gives back depends on whether it was open; sticking or slipping is told by the next forces.
+  for (std::size_t i = 0; i < n; ++i)
+    _results.status[i] = _closed[i] == 1 ? ContactStatus::slip : ContactStatus::open;
   _passage = {};
   _tracker.set_tracked(history.facet, history.xi);
 }

@@ -435,9 +435,10 @@ class NewmarkProblem(Unique):
             self.account.forces = self._balance.forces(self.stepper.state, start)
             self.run_history.begin_anew()
             self.add_row()
-        known = self.stepper.control
-        length = known.length if known is not None and known.largest == dt and known.tolerance == tolerance else None
-        control = StepControl(dt, max(smallest, float(np.spacing(until))), tolerance, length)
+        known, shortest = self.stepper.control, max(smallest, float(np.spacing(until)))
+        control = StepControl(dt, shortest, tolerance)
+        if known is not None and known.largest == dt and known.tolerance == tolerance:
+            control = StepControl(dt, shortest, tolerance, known.length, known.last)
         limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
         self.stepper.advance(until, control, limits, callback, progress, verbose)
         self.linear_solver.warn_of_unused()

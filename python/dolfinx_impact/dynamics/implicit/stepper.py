@@ -77,17 +77,26 @@ class ImplicitStepper:
         self.iterations, self.cut_backs, self.rejected = 0, 0, 0
         self.largest_displacement = 0.0
         self.calls = AdvanceCalls()
+        self._solver: Solver | None = None  # of the present `advance`
 
-    def set_control(self, length: float, largest: float, smallest: float, tolerance: float | None) -> None:
+    def set_control(
+        self, length: float, largest: float, smallest: float, last: float, tolerance: float | None
+    ) -> None:
         """Set the lengths of steps from a checkpoint.
 
         Args:
             length: wanted length of the next step; not a number: there was no step [T].
             largest: largest step [T].
             smallest: smallest step [T].
+            last: length of the last step [T].
             tolerance: local error, or None [1].
         """
-        self.control = None if math.isnan(length) else StepControl(largest, smallest, tolerance, length)
+        self.control = None if math.isnan(length) else StepControl(largest, smallest, tolerance, length, last)
+
+    def forget(self) -> None:
+        """Forget what the solver of the present `advance` keeps from one step to the next. Collective."""
+        if self._solver is not None:
+            self._solver.forget()
 
     def advance(
         self,
@@ -116,7 +125,11 @@ class ImplicitStepper:
         log = StepLog(self.comm, verbose)
         with self.calls.running(), Interrupts(self.comm) as interrupts:
             with Solver(self.problem.equations, interrupts=interrupts, **solver_arguments) as solver:
-                self._advance(until, control, solver, callback, progress, log, interrupts)
+                self._solver = solver
+                try:
+                    self._advance(until, control, solver, callback, progress, log, interrupts)
+                finally:
+                    self._solver = None
             interrupts.check()
 
     def _advance(
