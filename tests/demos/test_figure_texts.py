@@ -41,9 +41,7 @@ def creep_curve(varied, crown, sides):
 def implicit_or_explicit():
     names = ("central differences, penalty", "central differences, kinematic", "Newmark", "generalised-alpha")
     results = {
-        (case, name): [
-            Result(0.1 / n * (k + 1), 0.01 * n, n, np.linspace(0, 1, 9), np.ones(9)) for n in (1, 2, 4)
-        ]
+        (case, name): [Result(0.1 / n * (k + 1), 0.01 * n, n, np.linspace(0, 1, 9), np.ones(9)) for n in (1, 2, 4)]
         for case in CASES
         for k, name in enumerate(names)
     }
@@ -69,10 +67,11 @@ DRAWN = {
     "implicit_or_explicit": implicit_or_explicit,
     "waves": waves,
     "waves, weak": lambda: waves(3e-7),
-    "rail ends": lambda: joint.rail_ends("ends.png", JOINT, np.column_stack([PLACE, -1e-4 + 0 * PLACE, -PLACE * 1e-3])),
+    "rail ends": lambda: joint.rail_ends("ends.png", JOINT, np.column_stack([PLACE, 0.0 * PLACE, -1e-3 * PLACE])),
     "energies": lambda: joint.energies("energy.png", JOINT, history()),
     "passages": lambda: joint.passages(
-        "passages.png", [{"plastic_strain": 1e-3 * (1.0 - 0.5**k), "dynamic_factor": 1.13 + 0.001 * k} for k in range(1, 6)]
+        "passages.png",
+        [{"plastic_strain": 1e-3 * (1.0 - 0.5**k), "dynamic_factor": 1.13 + 0.001 * k} for k in range(1, 6)],
     ),
 }
 

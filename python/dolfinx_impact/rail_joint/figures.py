@@ -202,8 +202,8 @@ def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArra
         axes.plot(time[lowest[k]] * MM, shown[lowest[k], k] + levels[k], "o", color=f"C{k}", ms=5)
     for speed, name, style in ((np.sqrt(data.E / data.density), "bar", "--"), (_shear(data), "shear", ":")):
         passes = time[lowest[0]] + (stations - stations[0]) / speed
-        axes.plot(passes * MM, levels + shown[lowest[0], 0], "k" + style, lw=1,
-                  label=f"from the lowest value at x = {stations[0]:.2f} m at the {name} wave's {speed:.0f} m/s")  # fmt: skip
+        label = f"from the lowest value at x = {stations[0]:.2f} m at the {name} wave's {speed:.0f} m/s"
+        axes.plot(passes * MM, levels + shown[lowest[0], 0], "k" + style, lw=1, label=label)
     # Grid lines are one unit of the scale apart.
     axes.set(xlabel="time [ms]", xlim=(0.0, 1.03 * time[-1] * MM), yticks=levels)
     axes.set_yticklabels([f"x = {x:.2f} m" for x in stations])
