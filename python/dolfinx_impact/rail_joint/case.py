@@ -50,7 +50,8 @@ CAPTIONS = {
     "plastic.png": "Equivalent plastic strain of the rail heads after the last passage.",
     "residual.png": "Residual stress along the rail without a wheel.",
     "shear.png": "Shear stress in the plane of the rail while the wheel is on the edge of the second rail.",
-    "waves.png": "Velocities along the second rail at three stations: the joint's disturbance runs ahead of the wheel.",
+    "waves.png": "Velocities along the second rail at three stations, the lowest of each marked, and when waves from "
+    "the first station pass the others.",
     "energy.png": "Changes of the energies of what is computed, and what their balance misses.",
 }
 

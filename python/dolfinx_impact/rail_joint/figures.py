@@ -171,14 +171,17 @@ def rail_ends(path: FilePath, data: RailJoint, ends: FloatArray) -> None:
     figure, axes = plt.subplots(figsize=(8.5, 3.6), layout="constrained")
     for k, name in ((1, "end of the first rail"), (2, "end of the second rail")):
         axes.plot(ends[:, 0] * MM, (ends[:, k] - ends[0, k]) * 1e6, color=plots.COLOURS[k - 1], lw=1.4, label=name)
-    axes.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="height since the start [um]")
+    axes.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="height since the start [µm]")
     axes.legend()
     _shade(axes, data)
     plots.save(figure, path)
 
 
 def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArray, velocity: FloatArray) -> None:
-    """Longitudinal velocities at stations along the second rail, with the fronts of (3.80)'s waves.
+    """Longitudinal velocities at stations along the second rail, and when (3.80)'s waves pass from one to the next.
+
+    The load goes over to the second rail within a millisecond: there is no front. Marked is the lowest velocity of each
+    station; the lines say when waves that leave the first station with its lowest velocity pass the others.
 
     Args:
         path: PNG that is written.
@@ -189,32 +192,44 @@ def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArra
     """
     plt = plots.pyplot()
     figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
-    shown = _low_pass(time, velocity)
-    spread = float(np.ptp(shown, axis=0).max(initial=0.0)) or 1.0
-    velocity = shown
-    for k, x in enumerate(stations):
-        axes.plot(time * MM, velocity[:, k] / spread + k, color=f"C{k}", lw=1.1)
-        axes.text(time[-1] * MM, k, f" x = {x:.2f} m", va="center", fontsize=9)
-    # The wheel meets the second rail when the contact's edge gets there.
-    meets = (0.5 * data.gap - data.hertz.a - data.begin) / data.speed
+    shown, filtered = _low_pass(time, velocity)
+    shown = 1e3 * (shown - shown[0])
+    spacing = float(_round_up(np.ptp(shown, axis=0).max(initial=0.0) or 1.0))
+    levels = spacing * np.arange(len(stations))
+    lowest = shown.argmin(axis=0)
+    for k in range(len(stations)):
+        axes.plot(time * MM, shown[:, k] + levels[k], color=f"C{k}", lw=1.2)
+        axes.plot(time[lowest[k]] * MM, shown[lowest[k], k] + levels[k], "o", color=f"C{k}", ms=5)
     for speed, name, style in ((np.sqrt(data.E / data.density), "bar", "--"), (_shear(data), "shear", ":")):
-        axes.plot([(meets + x / speed) * MM for x in stations], range(len(stations)), "k" + style, lw=1,
-                  label=f"from the joint at the {name} wave's {speed:.0f} m/s")  # fmt: skip
-    axes.set(xlabel="time [ms]", ylabel="velocity along the rail below 20 kHz", yticks=[])
+        passes = time[lowest[0]] + (stations - stations[0]) / speed
+        label = f"from the lowest value at x = {stations[0]:.2f} m at the {name} wave's {speed:.0f} m/s"
+        axes.plot(passes * MM, levels + shown[lowest[0], 0], "k" + style, lw=1, label=label)
+    # Grid lines are one unit of the scale apart.
+    axes.set(xlabel="time [ms]", xlim=(0.0, 1.03 * time[-1] * MM), yticks=levels)
+    axes.set_yticklabels([f"x = {x:.2f} m" for x in stations])
+    band = f" below {WAVES / 1e3:.0f} kHz" if filtered else ""
+    axes.set_title(f"velocity along the rail{band}, since the start; lines are {spacing:.3g} mm/s apart", fontsize=10)
+    axes.set_ylim(levels[0] - 1.1 * spacing, levels[-1] + 1.2 * spacing)
     axes.legend(loc="upper left", fontsize=9)
     plots.save(figure, path)
 
 
-def _low_pass(time: FloatArray, velocity: FloatArray) -> FloatArray:
-    """Velocities without what is faster than WAVES; where the samples are too few, as they are."""
+def _round_up(value: float) -> float:
+    """The next number of one digit that is 1, 2 or 5."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(digit * power for digit in (1.0, 2.0, 5.0, 10.0) if digit * power >= value))
+
+
+def _low_pass(time: FloatArray, velocity: FloatArray) -> tuple[FloatArray, bool]:
+    """Velocities without what is faster than WAVES, True; where the samples are too few, as they are, False."""
     step = float(np.median(np.diff(time))) if len(time) > 40 else 0.0
     if step == 0.0 or 1.0 / step <= 2.5 * WAVES:
-        return velocity
+        return velocity, False
     # The filter wants equal steps; the run has a shorter one before each of its pictures.
     even = np.arange(time[0], time[-1], step)
     sections = butter(4, WAVES, fs=1.0 / step, output="sos")
     columns = [np.interp(time, even, sosfiltfilt(sections, np.interp(even, time, v))) for v in velocity.T]
-    return np.column_stack(columns)
+    return np.column_stack(columns), True
 
 
 def _shear(data: RailJoint) -> float:
