@@ -17,6 +17,7 @@ from petsc4py import PETSc
 from ..common.collective import attempt, is_common
 from ..common.interrupts import Interrupts
 from ..common.types import FloatArray
+from .equilibrium import out_of_balance
 from .newton import LOOSE_DIGITS, Newton
 from .load_steps import Increment, StepLog
 
@@ -268,5 +269,8 @@ class Solver:
             if faults:
                 return result.failed("; ".join(faults), hopeless=True)
             if not again:
+                missing = out_of_balance(p, p.assemble_residual().array.copy(), max(tolerance, float(norms[-1])))
+                if missing:
+                    return result.failed(missing.text, hopeless=True)
                 result.iterations += 1  # the linear step to the prescribed values
                 return result.converged()
