@@ -212,6 +212,10 @@ class PenaltyContact(ContactOutput):
         """Name of the method that enforces the contact."""
         return "penalty at quadrature points"
 
+    def facets(self) -> tuple[Any, Any]:
+        """Facets of slave and master on this rank (C++); None: the master is rigid."""
+        return self.slave, self.master
+
     @property
     def options(self) -> dict[str, Any]:
         """Options by name, for the signature of a checkpoint."""
@@ -276,7 +280,7 @@ class PenaltyContact(ContactOutput):
         known = self._cpp.search.master.id
         order = np.argsort(known)
         place = np.minimum(np.searchsorted(known, ids, sorter=order), max(len(known) - 1, 0))
-        facets = np.full(len(ids), -1, dtype=np.int32)
+        facets: IntArray = np.full(len(ids), -1, dtype=np.int32)
         if len(known):
             facets = np.where(known[order[place]] == ids, order[place], -1).astype(np.int32)
         self._points.master = facets
