@@ -148,6 +148,10 @@ class LagrangeContact(ContactOutput):
         """Name of the method that enforces the contact."""
         return "multipliers"
 
+    def facets(self) -> tuple[Any, Any]:
+        """Facets of slave and master on this rank (C++); None: the master is rigid."""
+        return self.geometry.slave, self.geometry.master
+
     @property
     def options(self) -> dict[str, Any]:
         """Options by name, for the signature of a checkpoint."""

@@ -14,7 +14,7 @@ from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
 from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .automatic import automatic_penalty, check_penalty
-from .facets import FacetKeeper
+from .facets import WIDEST, FacetKeeper
 from ..nodal_sum import NodalSum
 from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
@@ -212,6 +212,10 @@ class PenaltyContact(ContactOutput):
         """Name of the method that enforces the contact."""
         return "penalty at quadrature points"
 
+    def facets(self) -> tuple[Any, Any]:
+        """Facets of slave and master on this rank (C++); None: the master is rigid."""
+        return self.slave, self.master
+
     @property
     def options(self) -> dict[str, Any]:
         """Options by name, for the signature of a checkpoint."""
@@ -222,6 +226,7 @@ class PenaltyContact(ContactOutput):
         """What the next increment starts from, for a checkpoint."""
         h, per_facet = self.history, len(self._rule[1])
         rows = {"multiplier": h.multiplier, "touched": self._touched.astype(float), "status": self.status.astype(float)}
+        rows["facet"] = self._facet_ids()
         vectors = {"traction": h.traction, "slip": h.slip}
         columns = {name: v.reshape(-1, per_facet) for name, v in rows.items()}
         columns |= {name: v.reshape(-1, per_facet * self.gdim) for name, v in vectors.items()}
@@ -249,10 +254,38 @@ class PenaltyContact(ContactOutput):
         self.displacement = self.start_displacement = saved.totals["master"].copy()
         self.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
         self.update_gap(u)
+        self._keep_facets(u, rows["facet"].ravel())
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
         self._known_status = self._status = rows["status"].ravel().astype(np.int8)
         self._slip_before = np.array(self.slip)
         self.restore_totals(saved.totals)
+
+    def _facet_ids(self) -> FloatArray:
+        """Facet of the master that each point is on, by a number that does not depend on the ranks; -1: none, (n)."""
+        facets, out = self._points.master, np.full(self._points.size, -1.0)
+        if not self.pair.rigid:
+            on = facets >= 0
+            out[on] = self._cpp.search.master.id[facets[on]]
+        return out
+
+    def _keep_facets(self, u: FloatArray, ids: FloatArray) -> None:
+        """Put points a little beside a facet that they were kept on back on it. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+            ids: of `_facet_ids`.
+        """
+        if self._keeper is None:
+            return
+        known = self._cpp.search.master.id
+        order = np.argsort(known)
+        place = np.minimum(np.searchsorted(known, ids, sorter=order), max(len(known) - 1, 0))
+        facets: IntArray = np.full(len(ids), -1, dtype=np.int32)
+        if len(known):
+            facets = np.where(known[order[place]] == ids, order[place], -1).astype(np.int32)
+        self._points.master = facets
+        self._keeper.begin(WIDEST)
+        self.update_gap(u)
 
     def forget(self) -> None:
         """Forget candidates and the places of the tangent; see ContactOutput."""
