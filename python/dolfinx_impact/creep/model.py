@@ -36,7 +36,7 @@ class WheelOnRail:
         nu: Poisson's ratio [1].
         density: [kg/m^3].
         speed: of travel [m/s].
-        cells: in each half-axis of the contact.
+        cells: in each half-axis of the contact, and a part of one up to its edge (docs/rolling.md).
         reach: size of the bodies in larger half-axes.
         path: what an explicit run from the steady state may roll, in half-axes along the rail.
     """
