@@ -12,7 +12,7 @@ import numpy as np
 from .hertz import SIDES
 from .layout import Layout, at, count, positive, require
 
-CORE = 1.25  # least half-width of the fine zone, in half-axes
+CORE, LEAST_CORE = 1.25, 1.2  # half-width of the fine zone with a path; without, of whole cells; in half-axes
 # Cells between the outermost node in contact and the edge of the contact, along the flow and across it. Friction finds
 # the edge at a fixed distance beyond that node, wherever it is (docs/rolling.md): nodes lie so that this is the edge. In
 # the plane the distance is 0.40 cells; with 0.3 Kalker's coefficients come out right in space.
@@ -38,7 +38,7 @@ class Spacing:
         self.straight = path > 0.0
         along, across = (0.0, 0.0) if self.straight else BEYOND
         self.cells, self.along, self.across = cells, 1.0 / (cells + along), 1.0 / (cells + across)
-        count = CORE * cells if self.straight else math.ceil(CORE * (cells + max(along, across)) - 1e-9)
+        count = CORE * cells if self.straight else math.ceil(LEAST_CORE * (cells + max(along, across)) - 1e-9)
         self.core = count * self.along, count * self.across
 
     def rows(self):
