@@ -270,6 +270,17 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "force", [](const NodeToSurface& self)
           { return take(std::vector<double>(self.force().begin(), self.force().begin() + self.candidates().gdim())); },
           nb::rv_policy::move)
+      .def(
+          "set_force",
+          [](NodeToSurface& self, Values force)
+          {
+            if (force.size() > 3)
+              throw std::invalid_argument("a force has three components at most");
+            std::array<double, 3> all{};
+            std::copy_n(force.data(), force.size(), all.begin());
+            self.set_force(all);
+          },
+          nb::arg("force"), "As `force` returned it")
       .def("results", &results)
       .def("energy", [](const NodeToSurface& self) { return energies(self.energy()); })
       .def(

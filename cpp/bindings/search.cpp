@@ -147,6 +147,7 @@ void dolfinx_impact::bindings::search(nb::module_& m)
       .def(
           "update", [](PairSearch& self, Values u, Values start) { self.update(view(u), view(start)); }, nb::arg("u"),
           nb::arg("start"), "Move both surfaces to u and search anew where needed. Collective")
+      .def("forget", &PairSearch::forget, "Exchange candidates in the next update, whatever has moved")
       .def_prop_ro("slave", [](const PairSearch& self) { return facets(self.exchange(), self.slave()); })
       .def_prop_ro("master", [](const PairSearch& self) { return facets(self.exchange(), self.master()); })
       .def_prop_ro("map", &PairSearch::map)

@@ -32,7 +32,7 @@ void ContactForces::reset()
 {
   _nodes.reset();
   _work = {};
-  _obstacle_work = 0.0;
+  _obstacle_work = _half_obstacle_work = 0.0;
   _search_due = true;
 }
 
@@ -88,6 +88,14 @@ void ContactForces::move_obstacles(const double* amplitudes, bool first)
   }
 }
 
+double ContactForces::largest_position() const
+{
+  double largest = 0.0;
+  for (const Contact& c : _contacts)
+    largest = std::max(largest, c.contact->largest_position());
+  return largest;
+}
+
 double ContactForces::half_work(const Contact& contact, const std::array<double, 3>& increment, int bs)
 {
   double work = 0.0;
@@ -115,6 +123,7 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   _work.done += 0.5 * _nodes.gather(fields, last_step, _springs);
   for (const Contact& c : _contacts)
     _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
+  _half_obstacle_work = _obstacle_work;
   if (!_search_due)
     return false;
   search(fields, last_step);
@@ -272,7 +281,7 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   for (std::size_t k = 0; k < _contacts.size(); ++k)
   {
     _contacts[k].obstacle = obstacles[k];
-    _contacts[k].contact->set_obstacle(obstacles[k].displacement, obstacles[k].increment);
+    _contacts[k].contact->restore_obstacle(obstacles[k].displacement, obstacles[k].increment);
     _contacts[k].contact->forget_search();
   }
 }

@@ -31,6 +31,8 @@ public:
   void add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
   bool empty() const { return _contacts.empty(); }
   std::size_t size() const { return _contacts.size(); }
+  /// Largest size of a number that positions of rigid masters are computed from [L].
+  double largest_position() const;
   bool has_springs() const { return _springs; }
   bool has_kinematic() const { return _kinematic; }
 
@@ -80,6 +82,8 @@ public:
   void add_energies(EnergySums& sums) const;
   /// Work of the contact forces on rigid masters so far, of this rank [F L].
   double obstacle_work() const { return _obstacle_work; }
+  /// The same up to half a step before the present time level [F L].
+  double half_obstacle_work() const { return _half_obstacle_work; }
   /// Three components of each contact's force on its slave in the last step, of this rank [F].
   /// @param[out] out three entries for each contact; those beyond `bs` components stay as they are
   void resultants(int bs, double* out) const;
@@ -121,7 +125,7 @@ private:
   double _step = 0.0;
   Work _work;             ///< of the springs
   double _position = 0.0; ///< u . springs' forces
-  double _obstacle_work = 0.0;
+  double _obstacle_work = 0.0, _half_obstacle_work = 0.0;
   std::int64_t _num_searches = 0;
   double _seconds = 0.0;
 };

@@ -79,8 +79,10 @@ struct EnergySums
   double stops_asked = 0.0;  ///< ranks that were asked to stop
   double passages = 0.0;     ///< contacts that a node went through
   double unsolved = 0.0;     ///< points whose local equations were not solved
+  double half_kinetic = 0.0;  ///< kinetic energy half a step before the time level
+  double half_external = 0.0; ///< work of external forces up to then
 
-  static constexpr std::size_t size = 25;
+  static constexpr std::size_t size = 27;
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
   static EnergySums of(const std::array<double, size>& values) { return std::bit_cast<EnergySums>(values); }
 
@@ -99,6 +101,7 @@ struct EnergyGain
 
   /// @param[in] energies at a time level
   /// @param[in] taken by kinematic contact so far, which may give it back when nodes leave [F L]
-  void update(const Energies& energies, double taken);
+  /// @param[in] round_off energy that rounding alone may bring: gains are relative to no less [F L]
+  void update(const Energies& energies, double taken, double round_off);
 };
 } // namespace dolfinx_impact::integrators

@@ -37,6 +37,8 @@ public:
   void add(std::span<const std::int32_t> rows, std::span<const std::int32_t> columns, std::span<const double> block);
   /// To be called after the last block; sends what belongs to other ranks. Collective.
   void finish();
+  /// Begin a new pattern in the next reset.
+  void forget() { _map.reset(); }
   /// Borrowed, valid until the next reset; null before the first.
   Mat matrix() const { return _matrix; }
   /// How many matrices were made so far.

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
@@ -59,7 +60,7 @@ class HistoryField:
         if self._write is None:
             raise AttributeError(f"{self.name} follows from the displacement and the history: set those")
         given = np.asarray(values, dtype=float)
-        self._write(given.reshape(*given.shape[:2], -1))
+        self._write(given.reshape(*given.shape[:2], math.prod(given.shape[2:])))
 
     def function(self) -> Function:
         """The values as a function on a quadrature element, for forms with this quadrature degree."""

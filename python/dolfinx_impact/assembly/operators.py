@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Kernels applied over the cells of a mesh: thin wrappers of cpp/dolfinx_impact/operators."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
@@ -519,7 +520,7 @@ class PointValues:
             f.x.scatter_forward()
             dofmap = f.function_space.dofmap
             parts.append((e["offset"], f.x.array.reshape(-1, dofmap.bs)[dofmap.list[:num_cells]]))
-        columns = [values.reshape(num_cells, -1) for _, values in sorted(parts, key=lambda part: part[0])]
+        columns = [v.reshape(num_cells, math.prod(v.shape[1:])) for _, v in sorted(parts, key=lambda part: part[0])]
         w = np.hstack(columns) if columns else np.empty((num_cells, 0))
         x = self.mesh.geometry.x[self.mesh.geometry.dofmap[:num_cells]]
         self.kernel.tabulate_cells(out.reshape(-1), w.reshape(-1), c, x.reshape(-1), num_cells)

@@ -92,6 +92,10 @@ class ContactOutput:
         """
         return ""
 
+    def forget(self) -> None:
+        """Forget what a checkpoint does not have, candidates of the search and places of matrices: the next step is
+        that of a restored run."""
+
     def coarse_slave(self) -> str:
         """Describe a slave that is much coarser than its master. Collective.
 

@@ -284,11 +284,17 @@ class MultiplierContact(StaticContact, Protocol):
     Attributes:
         nodes: owned nodes that may have a multiplier, (n).
         gdim: dimension of space.
+        active: mask of nodes in contact, (n).
+        sliding: mask of those that slip, (n).
+        multiplier: multipliers of the nodes, (n) [F/L^2].
         last_change: largest global number of the nodes that the last update_active_set changed, -1 without any.
     """
 
     nodes: IntArray
     gdim: int
+    active: BoolArray
+    sliding: BoolArray
+    multiplier: FloatArray
     last_change: int
 
     def constraints(self) -> _cpp.multipliers.Constraints:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import abc
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
@@ -98,7 +99,9 @@ class Checkpoints(abc.ABC):
         """Internal variables by name, a row of all points of a cell for each owned cell; empty without any."""
         if not self._of.has_history:
             return {}
-        return {name: field.values.reshape(len(field.values), -1) for name, field in self._of.history.items()}
+        found = {name: field.values for name, field in self._of.history.items()}
+        # A rank may own no cells: the number of columns does not follow from the values then.
+        return {name: values.reshape(len(values), math.prod(values.shape[1:])) for name, values in found.items()}
 
     def _set_material_history(self, tables: dict[str, FloatArray]) -> None:
         """Set the internal variables to tables as those of `_material_history`."""

@@ -43,7 +43,7 @@ from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
 from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, damped
-from .start_values import check_velocity, density_expression
+from .start_values import check_velocity, density_expression, velocity_or_rest
 from .supports import Supports
 from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
@@ -66,7 +66,7 @@ class ExplicitProblem(Unique):
             with it counts as `damping`. Constants and other functions in it are read again after every callback.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression,
             positive; read once [M/L^3].
-        velocity: initial velocity, a function on u's space. If the residual contains it, the problem updates it and it
+        velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem updates it and it
             is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
         loads: loads; their `amplitude` is a function of time.
@@ -131,13 +131,15 @@ class ExplicitProblem(Unique):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
-            velocity = check_velocity(velocity, u)
+            check_velocity(velocity, u)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
                 raise ValueError(f"scheme {scheme!r} is unknown: use 'half_step' or 'classical'")
             ranks.same(**given, density=density, damping=damping, bulk_viscosity=bulk_viscosity, scheme=scheme,
-                       lumping=lumping, mass_scaling=mass_scaling, hypothesis=hypothesis)  # fmt: skip
+                       lumping=lumping, mass_scaling=mass_scaling, hypothesis=hypothesis,
+                       velocity_given=velocity is not None)  # fmt: skip
+        velocity = velocity_or_rest(velocity, u)
         self.u, self.space, self.material = u, u.function_space, material
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs

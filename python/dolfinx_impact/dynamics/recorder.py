@@ -14,6 +14,7 @@ import numpy.typing as npt
 from mpi4py import MPI
 
 from ..common import arguments
+from ..common.collective import is_common
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
 from ..assembly.inelastic_stress import STRESS, VON_MISES
 from ..io import hdf5
@@ -292,15 +293,22 @@ class Recorder:
         """
         try:
             self.flush()
-        finally:
-            if self in self._recorders:
-                self._recorders.remove(self)
-            writers: list[Frames | MaterialFrames | None] = [self._writer, self._materials]
-            self._writer = self._materials = None
-            with contextlib.ExitStack() as stack:  # closes both, whatever the first one raises
-                for writer in writers:
-                    if writer is not None:
-                        stack.callback(writer.close)
+        except BaseException as error:
+            if is_common(self.problem.comm, error):
+                self._close_writers()
+            raise
+        self._close_writers()
+
+    def _close_writers(self) -> None:
+        """Close the files and stop recording. Collective."""
+        if self in self._recorders:
+            self._recorders.remove(self)
+        writers: list[Frames | MaterialFrames | None] = [self._writer, self._materials]
+        self._writer = self._materials = None
+        with contextlib.ExitStack() as stack:  # closes both, whatever the first one raises
+            for writer in writers:
+                if writer is not None:
+                    stack.callback(writer.close)
 
 
 def _append(dataset: h5py.Dataset, rows: AnyArray) -> None:

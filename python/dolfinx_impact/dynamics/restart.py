@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .recorder import Recorder
     from .time_stepper import TimeStepper
 
-ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal")
+ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal", "recoverable")
 TABLES = ("works", "common")  # numbers that the integrator saves by name: sums over ranks, equal on all ranks
 NUMBERS = (
     "time",
@@ -52,7 +52,7 @@ class Stored:
         tables: entries of each of TABLES, this rank's share.
         sides: C++ contacts.
         histories: packed history of each side, rows by node.
-        energies: energies of each side in the order of ENERGY, this rank's share [F L].
+        sums: energies of each side in the order of ENERGY [F L], then the force on its slave [F], this rank's share.
         results: results of each contact, rows by node.
     """
 
@@ -61,7 +61,7 @@ class Stored:
     tables: dict[str, FloatArray]
     sides: list[_cpp.nodal.PenaltyContact | _cpp.nodal.KinematicContact]
     histories: list[FloatArray]
-    energies: list[FloatArray]
+    sums: list[FloatArray]
     results: list[FloatArray]
 
 
@@ -107,7 +107,8 @@ class Restart(Checkpoints):
         for k, contact in enumerate(self.problem.contact):
             for j, side in enumerate(contact.sides()):
                 nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history()))
-                ranks[f"contact{k}_{j}"] = np.array([side.own_energy()[name] for name in ENERGY])
+                energy = [side.own_energy()[name] for name in ENERGY]
+                ranks[f"contact{k}_{j}"] = np.array([*energy, *side.force])
         stepper, totals = self.stepper, {}
         for k, contact in enumerate(self.problem.contact):
             rows, totals[f"contact{k}"] = contact.save_results()
@@ -134,6 +135,7 @@ class Restart(Checkpoints):
     def _read(self, path: FilePath) -> Checked:
         """Read and check a whole checkpoint; the problem is not changed. Collective."""
         bs, saved = self.problem.space.dofmap.index_map_bs, self.integrator.saved_names()
+        gdim = self.problem.space.mesh.geometry.dim
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.problem.contact) for j, s in enumerate(c.sides())]
         results = {f"results{k}": contact.save_results()[0].shape[1] for k, contact in enumerate(self.problem.contact)}
         totals = [f"contact{k}" for k in range(len(self.problem.contact))]
@@ -143,7 +145,7 @@ class Restart(Checkpoints):
             arrays={name: bs for name in saved["arrays"]},
             nodal={**{name: sum(_widths(side.history()).values()) for name, side in sides}, **results},
             cellwise={name: values.shape[1] for name, values in self._material_history().items()},
-            ranks={**{table: len(saved[table]) for table in TABLES}, **{name: len(ENERGY) for name, _ in sides}},
+            ranks={**{table: len(saved[table]) for table in TABLES}, **{name: len(ENERGY) + gdim for name, _ in sides}},
             attributes=[*NUMBERS, "schedule", "functions of time", *TABLES, *totals],
         )
         self._check_supports(path, file)
@@ -153,7 +155,7 @@ class Restart(Checkpoints):
             tables={"works": file.rank("works", True), "common": file.rank("common", False)},
             sides=[side for _, side in sides],
             histories=[file.all_at(name, side.nodes) for name, side in sides],
-            energies=[file.rank(name, True) for name, _ in sides],
+            sums=[file.rank(name, True) for name, _ in sides],
             results=[file.all_at(f"results{k}", contact.nodes) for k, contact in enumerate(self.problem.contact)],
         )
         checked, error = attempt(self._check, path, stored)
@@ -206,9 +208,10 @@ class Restart(Checkpoints):
         # The present constants, functions and loads are those of the state that was read.
         self.stepper.inputs.update_all()
         self._set_material_history(stored.file.cellwise)
-        for side, history, energy in zip(stored.sides, checked.histories, stored.energies):
+        for side, history, sums in zip(stored.sides, checked.histories, stored.sums):
             side.set_history(history)
-            side.set_energy(*energy)
+            side.set_energy(*sums[: len(ENERGY)])
+            side.set_force(sums[len(ENERGY) :])  # the next row of the history tells of it
         arrays = {name: np.ascontiguousarray(values).ravel() for name, values in stored.file.arrays.items()}
         self.integrator.restore(arrays, checked.tables["works"], checked.tables["common"])
         step = int(a["step"])

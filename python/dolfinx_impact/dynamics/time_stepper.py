@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from ..common.collective import agree, attempt
+from ..common.collective import agree, attempt, common, is_common
 from ..common.interrupts import Interrupts
 from ..common.arguments import number
 from ..common.types import FloatArray
@@ -244,9 +244,10 @@ class TimeStepper:
             try:
                 while self.step < self._present_schedule.last:
                     self._take_steps(until, dt, callback, unsafe, bar, interrupts)
-            except BaseException:  # the same on all ranks
-                self.state.update()
-                self._flush_recorders()
+            except BaseException as error:
+                if is_common(self.comm, error):
+                    self.state.update()
+                    self._flush_recorders()
                 raise
         self.schedule = None
         self.state.update()
@@ -362,7 +363,7 @@ class TimeStepper:
         self.integrator.start(good.displacement, good.velocity)
         self._run(0)
         self.state.update()
-        raise RuntimeError(failed.message(self.time))
+        raise common(RuntimeError(failed.message(self.time)))
 
     def _flush_recorders(self) -> None:
         for recorder in self.recorders:
@@ -387,19 +388,21 @@ class TimeStepper:
             if nominal > self.safe_step * (1 + 1e-12):
                 text = f"dt = {nominal:.6g} is beyond the stable step {self.safe_step:.6g}"
                 if not unsafe:
-                    raise ValueError(f"{text}: take a smaller one, or pass unsafe=True to try it")
+                    raise common(ValueError(f"{text}: take a smaller one, or pass unsafe=True to try it"))
                 if self.comm.rank == 0:
                     warnings.warn(f"{text}: the run may go unstable", stacklevel=6)
         if known and self._present_schedule.until == until:
             return  # a run that was restored or interrupted continues with the steps it had
         if not math.isfinite(nominal):
-            raise ValueError("nothing limits the step: give dt")
+            raise common(ValueError("nothing limits the step: give dt"))
         needed = (until - self.time) / nominal * (1 - 1e-12)
         if needed > MOST_STEPS or nominal < np.spacing(until):
             why = ": the stable step is that small; check the mesh for tiny cells and the contacts for a large penalty"
-            raise ValueError(
-                f"a step of {nominal:g} takes {needed:.3g} steps to the time {until:g}, more than {MOST_STEPS:g}"
-                f"{why if isinstance(dt, str) else '; take a larger dt'}"
+            raise common(
+                ValueError(
+                    f"a step of {nominal:g} takes {needed:.3g} steps to the time {until:g}, more than {MOST_STEPS:g}"
+                    f"{why if isinstance(dt, str) else '; take a larger dt'}"
+                )
             )
         count = max(1, math.ceil(needed))
         self.nominal_step = nominal

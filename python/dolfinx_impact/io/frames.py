@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from dolfinx import fem, io
 from mpi4py import MPI
 
-from ..common.collective import agree, attempt
+from ..common.collective import agree, attempt, is_common
 from .hdf5 import reserve
 
 if TYPE_CHECKING:
@@ -155,5 +155,8 @@ def write_once(folder: RunFolder, name: str, functions: Sequence[fem.Function], 
     frames = Frames(folder, name, functions)
     try:
         frames.write(now)
-    finally:
-        frames.close()
+    except BaseException as error:
+        if is_common(frames.comm, error):
+            frames.close()
+        raise
+    frames.close()

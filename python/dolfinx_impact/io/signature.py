@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import ufl
-from dolfinx import fem, la
+from dolfinx import cpp, fem, la
 from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
@@ -170,7 +170,7 @@ def _foundation(problem: Problem, springs: Foundation, x: FloatArray) -> FloatAr
     one.x.array[:] = 1.0
     for work in (springs.springs, springs.dashpots):
         nodal = operators.InternalForce(work(one, ufl.TestFunction(V), hypothesis)).apply().array
-        values = nodal[: x.shape[0] * V.dofmap.index_map_bs].reshape(len(x), -1)
+        values = nodal[: x.shape[0] * V.dofmap.index_map_bs].reshape(-1, V.dofmap.index_map_bs)
         sums.append(np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]))
     return problem.comm.allreduce(np.concatenate(sums), MPI.SUM)
 
@@ -253,7 +253,7 @@ def _facets(mesh: Mesh, tags: MeshTags, tag: int) -> str:
     cells = to_cell.array[to_cell.offsets[facets]]
     own = cells < topology.index_map(dim).size_local
     facets, cells = facets[own], cells[own]
-    around = to_facet.array.reshape(to_facet.num_nodes, -1)[cells]
+    around = to_facet.array.reshape(-1, cpp.mesh.cell_num_entities(topology.cell_type, dim - 1))[cells]
     local = np.argmax(around == facets[:, None], axis=1)
     return f"facets {_marks(mesh.comm, 8 * topology.original_cell_index[cells] + local)}"
 

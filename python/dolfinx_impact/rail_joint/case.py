@@ -56,6 +56,10 @@ CAPTIONS = {
 }
 
 
+class UnusableJoint(ValueError):
+    """The mesh or the wheel cannot be made with the parameters."""
+
+
 class Case:
     """A case in its folder.
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import base64
-import dataclasses
 import html
 import math
 from collections.abc import Mapping, Sequence
@@ -107,10 +106,10 @@ def write(
     """
     shown = [_picture(path.parent / name, text) for name, text in pictures.items() if (path.parent / name).exists()]
     parameters = []
-    for item in dataclasses.fields(data):
-        value = getattr(data, item.name)
-        number = f"{value:.6g}" if isinstance(value, float) else str(value)
-        parameters.append((f"{item.name}: {item.metadata['what']}", f"{number} {item.metadata['unit']}"))
+    for name, value in data.values().items():
+        number = f"{value:.6g}" if isinstance(value, float) else str(value) if value != () else "none"
+        unit = data.unit_of(name) if value != () else ""
+        parameters.append((f"{name}: {data.what_of(name)}", f"{number} {unit}" if unit not in ("", "1") else number))
     several = ""
     if len(passes) > 1:
         head = ("pass", "largest force / load", "plastic strain [%]", "largest pressure [MPa]")

@@ -64,7 +64,7 @@ class NodalStress:
             Functions of degree 1 by name, of NAMES [Pa].
         """
         dofs = self.space.dofmap.list[: self._num_cells]
-        sigma = self._values.values().reshape(self._num_cells, -1, 9)
+        sigma = self._values.values()
         s = sigma.reshape(*sigma.shape[:2], 3, 3)
         deviator = s - np.trace(s, axis1=2, axis2=3)[..., None, None] / 3.0 * np.eye(3)
         values = {

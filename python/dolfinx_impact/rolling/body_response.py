@@ -147,8 +147,10 @@ class BodyResponse:
         num, total = self._bare.getLocalSize()[0], operators.forces.getSize()[1]
         B = scipy.sparse.csr_matrix((values, cols, starts), shape=(num, total)).tocsc()
         wanted = operators.columns(candidates)
-        jumps: list[FloatArray] = []  # on rank 0
-        velocities: list[FloatArray] = []
+        n, gdim = candidates.count, operators.gdim
+        # On rank 0. Bodies that are far apart have no candidates.
+        jumps: list[FloatArray] = [np.zeros((n, gdim, 0))]
+        velocities: list[FloatArray] = [np.zeros((n, gdim, 0))]
         for first in range(0, len(wanted), BLOCK):
             block = wanted[first : first + BLOCK]
             right = B[:, block].toarray()
@@ -170,7 +172,6 @@ class BodyResponse:
                     found.append(np.concatenate(gathered))
         if comm.rank:
             return None
-        n, gdim = candidates.count, operators.gdim
         shape = (n, gdim, n, gdim)
         return Compliance(*(np.concatenate(part, axis=2).reshape(shape) for part in (jumps, velocities)))
 

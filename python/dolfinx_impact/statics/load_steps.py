@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from .problem import StaticProblem
 
 LOG = logging.getLogger("dolfinx_impact")
+STALLED = 2  # linearised problems in succession without an active set that fits, one for each state of a cycle of two
+FALLING = 0.9  # of the residual: what such problems must reduce it to for going on
 SAME = 1e-3  # relative difference of the residuals of states that count as equal
 
 
@@ -33,6 +35,7 @@ class Increment:
         changes: number of points whose status changed by iteration [1].
         iterations: number of linearised problems, each with its active set updated to convergence [1].
         unsettled: number of those whose active set did not converge [1].
+        unsettled_in_succession: number of the last of them in succession [1].
     """
 
     fault: str = "not finished"
@@ -43,6 +46,7 @@ class Increment:
     changes: list[int] = field(default_factory=list)
     iterations: int = 0
     unsettled: int = 0
+    unsettled_in_succession: int = 0
 
     def add(self, norm: float, size: int, changes: int) -> None:
         """Add an iteration.
@@ -85,17 +89,29 @@ class Increment:
         """Period of a cycle in the last iterations.
 
         Returns:
-            Number of iterations after which the same states came again, in the last three periods; 0: no cycle [1].
+            Number of iterations after which the same states came again, in the last two periods; 0: no cycle [1].
         """
         for period in (2, 3):
-            if len(self.residual_norms) < 3 * period:
+            if len(self.residual_norms) < 2 * period:
                 continue
-            norms = np.reshape(self.residual_norms[-3 * period :], (3, period))
-            sizes = np.reshape(self.active_set_sizes[-3 * period :], (3, period))
+            norms = np.reshape(self.residual_norms[-2 * period :], (2, period))
+            sizes = np.reshape(self.active_set_sizes[-2 * period :], (2, period))
             same = np.abs(norms - norms[-1]) <= SAME * norms[-1]
             if np.all(same) and np.all(sizes == sizes[-1]) and np.ptp(norms[-1]) > SAME * norms[-1].max():
                 return period
         return 0
+
+    def stalled(self) -> bool:
+        """Whether the active sets of the last linearised problems did not converge, and the residual does not fall.
+
+        Returns:
+            Whether STALLED problems in succession after another one were left with wrong nodes, at a residual no less
+            than after that one.
+        """
+        if self.unsettled_in_succession < STALLED + 1:
+            return False
+        before, last = self.residual_norms[-STALLED - 1], self.residual_norms[-STALLED:]
+        return min(last) >= FALLING * before
 
 
 @dataclass

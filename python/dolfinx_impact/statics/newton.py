@@ -23,7 +23,8 @@ from .. import _cpp
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
-from .active_set_iteration import VIOLATION, ActiveSetIteration, did_not_converge
+from .equilibrium import out_of_balance
+from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
 from .load_steps import Increment, StepLog
 from ..common.types import FloatArray, IntArray
 from ..contact.protocol import MultiplierContact
@@ -103,6 +104,7 @@ class Newton:
         """
         p, result = self.problem, Increment()
         scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
+        unbalanced = np.inf
         self._K: PETSc.Mat | None = None
         for iteration in itertools.count():
             with self._clock("bodies"):
@@ -116,6 +118,7 @@ class Newton:
                 return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
                                      "evaluated (inverted cells?)")  # fmt: skip
             with self._clock("contact"):
+                bodies = b.array.copy()
                 for contact in p.contact:
                     contact.update_gap(p.u.x.array)
                     if not contact.has_multipliers:
@@ -137,19 +140,27 @@ class Newton:
             log.iteration(iteration, norm, max(scale, inner), result.active_set_sizes[-1], result.changes[-1])
             self._tell(iteration, norm)
             settled = iteration > 0 or not p.contact
-            small = norm <= max(self.atol, noise, self.rtol * max(scale, inner))
+            tolerance = max(self.atol, noise, self.rtol * max(scale, inner))
+            small = norm <= tolerance
             if moved and settled and pending == 0 and violation < VIOLATION and small:
                 again = any([c.augment() for c in p.contact])
                 faults = [c.fault for c in p.contact if c.fault]
                 if faults:
                     return result.failed("; ".join(faults), hopeless=True)
-                if not again:
+                if again:
+                    round_start = iteration
+                    continue
+                missing = out_of_balance(p, bodies, tolerance)
+                if missing is None:
                     return result.converged()
-                round_start = iteration
-                continue
-            if iteration - round_start == self.max_iterations:
+                # Directions of friction follow the normals one iteration later: what is missing falls then.
+                last = iteration - round_start == self.max_iterations
+                if last or missing.norm > 0.5 * unbalanced:
+                    return result.failed(missing.text, hopeless=True)
+                unbalanced = missing.norm
+            if iteration - round_start == self.max_iterations or result.stalled():
                 break
-            period = result.cycle() if iteration - round_start > PLAIN else 0
+            period = result.cycle() if iteration - round_start > 0 else 0
             K = self._stiffness()
             if iteration == 0 and p.contact and not p.body.has_inertia:
                 loose = self.unconstrained_modes(K)
@@ -168,9 +179,10 @@ class Newton:
                 likely = 0.1 * (norm / before) ** 2 if before else 1e-4
                 digits = min(digits, max(enough, min(likely, LOOSE_DIGITS)))
             before, start = norm if moved else None, p.u.x.array.copy()
-            fault, settling, left = self._solve(K, residual, jump, digits, log)
+            fault, settling, left = self._solve(K, residual, jump, digits, log, result.unsettled)
             result.iterations += 1
             result.unsettled += left > 0
+            result.unsettled_in_succession = result.unsettled_in_succession + 1 if left > 0 else 0
             p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
             if fault:
                 collapse = " Is the load more than the body can bear?" if self.inelastic else ""
@@ -384,7 +396,7 @@ class Newton:
         return _cpp.multipliers.Condensation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
 
     def _solve(
-        self, K: PETSc.Mat, residual: FloatArray, jump: FloatArray, rtol: float, log: StepLog
+        self, K: PETSc.Mat, residual: FloatArray, jump: FloatArray, rtol: float, log: StepLog, unsettled: int = 0
     ) -> tuple[str | None, int, int]:
         """Solve the linearised problem with updates of its active set, and update u. Collective.
 
@@ -394,6 +406,7 @@ class Newton:
             jump: increments of the prescribed displacements, over `fixed` [L].
             rtol: relative tolerance of the linear solution [1].
             log: log of the iterations.
+            unsettled: number of linearised problems of this increment whose active set did not converge [1].
 
         Returns:
             What went wrong, or None; number of changes of the active set; number of nodes that were still wrong.
@@ -417,6 +430,7 @@ class Newton:
         moved: FloatArray = np.zeros(self.num_owned)
         moved[self.fixed] = jump
         digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), ActiveSetIteration(), False, 0
+        repeated = RepeatedStates(self.comm, unsettled)
         while True:
             fault, moved, forces, found = self.one_solution(
                 K, penalties, geometric, symmetric, residual, moved, mean, digits
@@ -440,7 +454,7 @@ class Newton:
                     with self._clock("contact"):
                         self._correct(moved)
                     corrected = True
-            elif settle.count == MAX_CHANGES:
+            elif settle.count == MAX_CHANGES or self._repeats(settle, repeated):
                 log(f"    active set not converged after {settle.count} updates: {found} nodes still change")
                 left = found
                 break
@@ -448,6 +462,13 @@ class Newton:
         p.u.x.array[: self.num_owned] += moved
         p.u.x.scatter_forward()
         return fault, changes, left
+
+    def _repeats(self, settle: ActiveSetIteration, repeated: RepeatedStates) -> bool:
+        """Do updates of single nodes go round? Collective."""
+        if settle.patience > 0:
+            repeated.forget()
+            return False
+        return repeated.stops(self.multipliers)
 
     def _correct(self, moved: FloatArray) -> None:
         """Apply the second-order correction of contacts at the solution of the linearised problem. Collective.

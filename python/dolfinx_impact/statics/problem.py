@@ -216,11 +216,8 @@ class StaticProblem(Unique):
         for contact in self.contact:
             contact.check_parameters()
         with Interrupts(self.space.mesh.comm) as interrupts:
-            solver = Solver(self, rtol, atol, max_iterations, interrupts)
-            try:
+            with Solver(self, rtol, atol, max_iterations, interrupts) as solver:
                 report = run_steps(self, solver, steps, most, verbose)
-            finally:
-                solver.free()
             interrupts.check()
         self.linear_solver.warn_of_unused()
         return report

@@ -8,14 +8,16 @@ penalty contact the equations are smooth enough for other types: -snes_type newt
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import TracebackType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
 
-from ..common.collective import attempt
+from ..common.collective import attempt, is_common
 from ..common.interrupts import Interrupts
 from ..common.types import FloatArray
+from .equilibrium import out_of_balance
 from .newton import LOOSE_DIGITS, Newton
 from .load_steps import Increment, StepLog
 
@@ -67,9 +69,8 @@ class Solver:
             self.free()
             said = " ".join(str(error).split("[0]")[-1].split())
             raise ValueError(f"PETSc does not take the options of SNES: {said}") from error
-        rtol, self._atol, self._stol, max_iterations = self.snes.getTolerances()
-        self._rtol, self._max_it = rtol, max_iterations
-        self._newton = Newton(problem, rtol, self._atol, max_iterations, self._tell)
+        self._rtol, self._atol, self._stol, self._max_it = self.snes.getTolerances()
+        self._newton = Newton(problem, self._rtol, self._atol, self._max_it, self._tell)
         self.seconds: dict[str, float] = self._newton.seconds
         kind = self.snes.getType()
         if kind != OWN and self._newton.multipliers:
@@ -78,6 +79,25 @@ class Solver:
                 f"snes_type is {kind!r}: Lagrange multipliers need the package's own method, snes_type {OWN!r}; "
                 "or take Penalty"
             )
+
+    def __enter__(self) -> Solver:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        # PETSc's objects are destroyed by all ranks together: after an error of one rank the garbage collector does it.
+        if is_common(self.problem.space.mesh.comm, error):
+            self.free()
+
+    def forget(self) -> None:
+        """Forget what was kept from earlier increments, start vectors and places of matrices. Collective."""
+        self._newton = Newton(self.problem, self._rtol, self._atol, self._max_it, self._tell)
+        self._newton.seconds = self.seconds
+        if self._J is not None:
+            self._J.destroy()
+            self._J = None
+            self.snes.getKSP().reset()
 
     def free(self) -> None:
         """Destroy PETSc's objects. Collective."""
@@ -249,5 +269,8 @@ class Solver:
             if faults:
                 return result.failed("; ".join(faults), hopeless=True)
             if not again:
+                missing = out_of_balance(p, p.assemble_residual().array.copy(), max(tolerance, float(norms[-1])))
+                if missing:
+                    return result.failed(missing.text, hopeless=True)
                 result.iterations += 1  # the linear step to the prescribed values
                 return result.converged()

@@ -399,6 +399,13 @@ void KinematicContact::record(double h, double dt)
   _obstacle_before = _obstacle_increment;
 }
 
+void KinematicContact::restore_obstacle(const std::array<double, 3>& displacement,
+                                        const std::array<double, 3>& increment)
+{
+  set_obstacle(displacement, increment);
+  _obstacle_before = increment;
+}
+
 template <int D>
 void KinematicContact::correct_all(const PredictedStep& step, std::span<double> u, std::span<double> f)
 {

@@ -25,6 +25,7 @@ public:
 
   void correct(const PredictedStep& step, std::span<double> u, std::span<double> f) override;
   void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
+  void restore_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
   /// Energy that contact has absorbed since the node closed, by owned slave node [F L].
   const std::vector<double>& absorbed_energy() const { return _absorbed_energy; }

@@ -58,8 +58,15 @@ public:
   /// @param[in] numbers in `halo`, for each node of the Halo passed to `needs`
   /// @param[in] mass of the nodes of `halo`, ghosts valid [M]
   virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) = 0;
+  /// Largest size of a number that the position of a rigid master is computed from; zero: deformable [L].
+  virtual double largest_position() const = 0;
   /// Displacement and last increment of a rigid master; no effect on deformable masters [L].
   virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
+  /// The same after a restart: the increment is that of the last step, which has been completed [L].
+  virtual void restore_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment)
+  {
+    set_obstacle(displacement, increment);
+  }
   /// Part of the motion allowed by the candidates that is used up two steps from now; search again from 1 on [1].
   virtual double used(const NodalState& state) const = 0;
 

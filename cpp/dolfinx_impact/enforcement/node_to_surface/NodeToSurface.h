@@ -58,6 +58,7 @@ public:
   ContactEnergy energy() const override { return _energy; }
   Passage passage() const override { return _passage; }
   const std::array<double, 3>& force() const override { return _force; }
+  double largest_position() const override { return _obstacle_size; }
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
   const NodeCandidates& candidates() const { return _candidates; }
@@ -71,6 +72,8 @@ public:
   /// Energies of this direction only (balanced contact has two), for checkpoints.
   const ContactEnergy& own_energy() const { return _energy; }
   void set_energy(const ContactEnergy& energy) { _energy = energy; }
+  /// Sum of the forces in the last step, as `force` returns it, from a checkpoint [F].
+  void set_force(const std::array<double, 3>& force) { _force = force; }
   /// For tests of the tests only: judge whether surfaces face each other by the normals of the last search.
   virtual void keep_normals(bool keep) { _tracker.keep_normals(keep); }
 
@@ -133,6 +136,7 @@ protected:
   Passage _passage;
 
 private:
+  double rounding(std::size_t i, const double* u) const;
   bool is_marked(const ContactPoint& point, const double* u, const double* du);
   /// Projection in the configuration u - back*du.
   search::Projection point_before(std::size_t i, const double* u, const double* du, double back) const;
@@ -147,5 +151,6 @@ private:
   surface::Facets _facets, _slave_facets; ///< candidates; slave facets at the nodes
   std::vector<double> _areas;
   std::int64_t _num_implausible = 0;
+  double _undisplaced_size = 0.0, _obstacle_size = 0.0; ///< of the numbers in the rigid master's position [L]
 };
 } // namespace dolfinx_impact::enforcement

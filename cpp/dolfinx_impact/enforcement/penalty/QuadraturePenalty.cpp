@@ -59,6 +59,13 @@ void QuadraturePenalty::update_gap(std::span<const double> u, std::span<const do
   gap::update(_points, _slave, *_rigid);
 }
 
+void QuadraturePenalty::forget()
+{
+  if (_search)
+    _search->forget();
+  _matrix.forget();
+}
+
 void QuadraturePenalty::evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment)
 {
   if (_search)

@@ -50,6 +50,8 @@ public:
   /// Minus the derivative of the contact forces, V's entries; borrowed, valid until the next call. Collective.
   /// @param[in] convex its positive semi-definite part, see enforcement::tangent
   Mat tangent(bool convex = false);
+  /// Forget candidates and the places of the tangent, so that runs with and without a restart go on alike.
+  void forget();
   /// The state is that of the last converged step from now on.
   void accept_step() { advance(_state, history); }
 

@@ -24,6 +24,10 @@ public:
   /// @param[in] u, start displacements, owned and ghosts [L]
   void update(std::span<const double> u, std::span<const double> start);
 
+  /// Exchange candidates in the next update, whatever has moved: what follows does not depend on earlier updates, as
+  /// after a restart.
+  void forget() { _built_reach = 0.0; }
+
   /// Facets after `update`; their nodes are numbered by `map`.
   const surface::Facets& slave() const { return _exchange->slave(); }
   const surface::Facets& master() const { return _exchange->master(); }

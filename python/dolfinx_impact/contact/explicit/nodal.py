@@ -12,7 +12,7 @@ from ... import _cpp
 from ...amplitude import Amplitude
 from ...assembly import operators
 from ...common.arguments import integer
-from ...common.collective import comm_of, guard
+from ...common.collective import comm_of, common, guard
 from ...common.types import FloatArray, IntArray
 from ...forms.materials import weight
 from ..output import ContactOutput
@@ -235,9 +235,11 @@ class NodalResult(ContactOutput):
             deep = self._deep_by_springs()
         deep = self.comm.allreduce(deep, MPI.SUM)
         if deep:
-            raise ValueError(
-                f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies overlap "
-                "at the start; move them apart"
+            raise common(
+                ValueError(
+                    f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies "
+                    "overlap at the start; move them apart"
+                )
             )
 
     def _deep_by_springs(self) -> int:

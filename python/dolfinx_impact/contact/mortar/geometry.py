@@ -168,6 +168,9 @@ class SurfaceGeometry(abc.ABC):
         if displacement is not None:
             self.start_displacement, self.displacement = self.displacement, np.array(displacement, dtype=float)
 
+    def forget(self) -> None:
+        """Forget candidates of the search; of obstacles there are none."""
+
     def save_state(self) -> dict[str, FloatArray]:
         """Where the increment starts, as a dict of copies."""
         return {name: getattr(self, name).copy() for name in ("start", "start_displacement", "displacement")}

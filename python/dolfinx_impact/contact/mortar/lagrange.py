@@ -185,6 +185,10 @@ class LagrangeContact(ContactOutput):
         self._slip_before = self.total_slip.copy()
         self.restore_totals(saved.totals)
 
+    def forget(self) -> None:
+        """Forget candidates; see ContactOutput."""
+        self.geometry.forget()
+
     def begin_step(self, u: FloatArray, displacement: Any, target: FloatArray | None = None) -> None:
         """An increment starts. Collective.
 

@@ -49,6 +49,10 @@ class MortarGeometry(SurfaceGeometry):
         there.integrals = self._ahead
         return there
 
+    def forget(self) -> None:
+        """Forget candidates of the search."""
+        self.search.forget()
+
     def update_gap(self, u: FloatArray) -> None:
         """Search, segments, mortar integrals, gaps and normals; see SurfaceGeometry. Collective."""
         self._move(u)

@@ -250,9 +250,13 @@ class PenaltyContact(ContactOutput):
         self.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
         self.update_gap(u)
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
-        self._known_status = rows["status"].ravel().astype(np.int8)
+        self._known_status = self._status = rows["status"].ravel().astype(np.int8)
         self._slip_before = np.array(self.slip)
         self.restore_totals(saved.totals)
+
+    def forget(self) -> None:
+        """Forget candidates and the places of the tangent; see ContactOutput."""
+        self._cpp.forget()
 
     def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
         """Begin an increment. Collective.
@@ -573,7 +577,9 @@ class PenaltyContact(ContactOutput):
             Owned nodes, (m), and means, (m, number of values per point).
         """
         points, element = self._points, self.slave.displacement
-        table = np.array([element.tabulate(*xi)[0] for xi in points.xi[: points.per_facet]])
+        # Of the rule, not of the points: a rank without slave facets has no points, but takes part in the sums.
+        places = np.pad(self._rule[0], ((0, 0), (0, 2 - self._rule[0].shape[1])))
+        table = np.array([element.tabulate(*xi)[0] for xi in places])
         w = points.weight.reshape(-1, points.per_facet)[:, :, None] * (table**2)[None]
         values = np.asarray(values, dtype=float)
         values = values.reshape(-1, points.per_facet, int(np.prod(values.shape[1:])))

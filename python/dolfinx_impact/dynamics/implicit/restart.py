@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOTION = ("displacement", "velocity", "acceleration", "mean")
 FORCES = ("internal", "external", "damping", "support")
 WORKS = ("internal", "external", "damping")
-CONTROL = ("length", "largest", "smallest", "tolerance")  # of steps; not a number where there is none
+CONTROL = ("length", "largest", "smallest", "last", "tolerance")  # of steps; not a number where there is none
 NUMBERS = ("time", "step", "largest", "total_start", "largest_displacement")
 
 
@@ -75,8 +75,7 @@ class ImplicitRestart(Checkpoints):
             "functions of time": table,
         }  # fmt: skip
         checkpoint.write(path, p, arrays, nodal, self._material_history(), {}, attributes, facets)
-        # The run goes on as a restored one would: with factors of the next matrix.
-        p.linear_solver.reset()
+        self._forget()
 
     def _restore(self, path: FilePath) -> None:
         p = self.problem
@@ -150,7 +149,7 @@ class ImplicitRestart(Checkpoints):
         stepper.largest_displacement = float(a["largest_displacement"])
         control = {name: float(a[f"step {name}"]) for name in CONTROL}
         tolerance = None if math.isnan(control["tolerance"]) else control["tolerance"]
-        stepper.set_control(control["length"], control["largest"], control["smallest"], tolerance)
+        stepper.set_control(control["length"], control["largest"], control["smallest"], control["last"], tolerance)
         for k, (contact, saved, table) in enumerate(zip(p.contact, known, rows)):
             saved.columns = saved.split(table)
             saved.totals = saved.split_totals(np.asarray(a[f"contact{k}"]))
@@ -163,5 +162,14 @@ class ImplicitRestart(Checkpoints):
         internal, external, damping, support = (arrays[f"force {name}"].copy() for name in FORCES)
         account.forces = Forces(internal, external, damping, support, obstacles)
         p.run_history.resume(float(a["total_start"]), float(a["largest"]))
-        p.linear_solver.reset()
         p.resume()
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget what a checkpoint does not have, so that a run that was saved and one that was restored go on alike,
+        to the last digit: factors, start vectors, candidates of the search. Collective."""
+        p = self.problem
+        p.linear_solver.reset()
+        p.stepper.forget()
+        for contact in p.contact:
+            contact.forget()

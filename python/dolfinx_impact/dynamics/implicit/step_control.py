@@ -21,17 +21,24 @@ class StepControl:
         tolerance: local error of the displacement in a step, relative to the largest displacement so far; None: steps
             are equal, unless one fails [1].
         length: step to begin with; None: the largest [T].
+        last: length of the step before; a step that differs from it by round-off only gets it. 0: there is none [T].
 
     Attributes:
         length: wanted length of the next step [T].
+        last: length of the last step [T].
     """
 
     def __init__(
-        self, largest: float, smallest: float, tolerance: float | None = None, length: float | None = None
+        self,
+        largest: float,
+        smallest: float,
+        tolerance: float | None = None,
+        length: float | None = None,
+        last: float = 0.0,
     ) -> None:
         self.largest, self.smallest, self.tolerance = largest, smallest, tolerance
         self.length = largest if length is None else min(length, largest)
-        self._last = 0.0
+        self.last = last
 
     def next(self, time: float, goal: float) -> tuple[float, float]:
         """Next step on the way to a time that must be met.
@@ -46,9 +53,9 @@ class StepControl:
         left = goal - time
         count = max(1, math.ceil(left / self.length * (1.0 - SAME)))
         step = left / count
-        if abs(step - self._last) <= SAME * step:
-            step = self._last
-        self._last = step
+        if abs(step - self.last) <= SAME * step:
+            step = self.last
+        self.last = step
         return step, goal if count == 1 else time + step
 
     def failed(self, step: float) -> bool:
