@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import resource
 import time
@@ -21,7 +22,7 @@ from ..common.types import FilePath, FloatArray
 from ..dynamics.explicit import ExplicitProblem
 from ..dynamics.time_stepper import SAFETY
 from ..io.frames import Frames
-from ..io.gather import gather_field
+from ..io.gather import gather_field, gather_rows
 from ..io.hdf5 import write_whole
 from ..io.run_folder import RunFolder
 from . import figures, report
@@ -36,6 +37,8 @@ from .stress import NodalStress
 RESULTS = ("summary.json", "report.html")  # what says that a run is complete
 STATIONS = (0.10, 0.25, 0.40)  # places along the second rail where waves are recorded [m]
 STATION_HEIGHT = -0.02  # in the rail head [m]
+RESIDUAL_NAMES = ("sigma_xx", "von_mises")  # of the stress whose limits are told
+SURFACE = 1e-9  # nodes of the rails are not above [m]
 SAMPLES = 5  # steps between samples of points
 # Time of the equilibria of a passage over that of its rolling, and their memory by unknown [B]: 8e3 with `coarse`, 1e4
 # with `medium`; measured on two ranks.
@@ -50,8 +53,9 @@ CAPTIONS = {
     "passage.gif": "The passage.",
     "ends.png": "Heights of the rail ends: the dip that the wheel has to climb out of.",
     "passages.png": "What the passages leave: equivalent plastic strain, what each adds to it, and its largest force.",
-    "plastic.png": "Equivalent plastic strain of the rail heads after the last passage.",
-    "residual.png": "Residual stress along the rail without a wheel.",
+    "plastic.png": "Equivalent plastic strain of the rail heads after the last passage: the largest of each cell's points, "
+    "as in the table.",
+    "residual.png": "Residual stress of the rail heads without a wheel, averaged at the nodes; positive in tension.",
     "shear.png": "Shear stress in the plane of the rail while the wheel is on the edge of the second rail.",
     "waves.png": "Velocities along the second rail at three stations, the lowest of each marked, and when waves from "
     "the first station pass the others.",
@@ -152,12 +156,13 @@ class Case:
         first, rolling = int(state.get("pass", 0)), bool(state.get("rolling", False))
         if self._goes_on:
             self._stage("restart", lambda: self._restart(passage, rolling))
-        elif data.preset != "coarse":
+        elif data.preset != "coarse" or data.shows_p2:
             self._stage("trial", lambda: self._predict(passage))
         summary: Summary | None = None
         for number in range(first, data.passes):
             summary = self._pass(passage, number, resumed=rolling and number == first)
             self._stage("unloading", passage.unload)
+            summary = self._with_residual(passage, summary)
             self._passes.append(summary.as_dict())
             if number + 1 < data.passes:
                 self._save(passage, number + 1)
@@ -339,25 +344,51 @@ class Case:
         edge.values[:] *= 1e-6
         figures.field_on_rail(file("shear.png"), data, edge, "shear stress xz [MPa]", (-300.0, 300.0), "RdBu_r")
 
+    def _residual(self, passage: Passage) -> dict[str, fem.Function]:
+        """Stress of the rails without a wheel, at the nodes [Pa]. Collective."""
+        residual = passage.residual
+        assert residual is not None
+        return NodalStress(passage.model, residual.u).evaluate(residual.history if passage.yields else None)
+
+    def _with_residual(self, passage: Passage, summary: Summary) -> Summary:
+        """The numbers with those of the residual stress of the heads near the path. Collective."""
+        stress = {name: gather_field(f) for name, f in self._residual(passage).items() if name in RESIDUAL_NAMES}
+        limits: list[float] = []
+        if self._comm.rank == 0:
+            points = stress["sigma_xx"].points
+            assert points is not None
+            near = (np.abs(points) < figures.ZONE).all(axis=1) & (points[:, 2] < SURFACE)
+            along, von_mises = (found.values[near, 0] for found in map(stress.get, RESIDUAL_NAMES) if found is not None)
+            limits = [float(along.max()), float(along.min()), float(von_mises.max())]
+        tension, compression, largest = self._comm.bcast(limits)
+        return dataclasses.replace(
+            summary, residual_tension=tension, residual_compression=compression, residual_von_mises=largest
+        )
+
     def _draw_residual(self, passage: Passage) -> None:
         """Pictures of the unloaded rail. Collective."""
         residual, run, data = passage.residual, self.run, self.data
         assert residual is not None
-        history = residual.history if passage.yields else None
-        stress = gather_field(NodalStress(passage.model, residual.u).evaluate(history)["sigma_xx"])
-        plastic = gather_field(residual.history["plastic_strain"].at_nodes()) if passage.yields else None
+        stress = {name: gather_field(f) for name, f in self._residual(passage).items()}
+        largest = None
+        if passage.yields:
+            values = residual.history["plastic_strain"].values
+            largest = gather_rows(self._comm, values.reshape(len(values), -1).max(axis=1, initial=0.0))
 
         def draw() -> None:
-            assert stress.values is not None and stress.points is not None
-            stress.values[:] *= 1e-6
-            near = np.abs(stress.points[:, 0]) < figures.ZONE[0]
-            high = max(1.0, 0.8 * float(np.abs(stress.values[near]).max()))
-            label = "residual stress along the rail [MPa]"
-            figures.field_on_rail(run.file("residual.png"), data, stress, label, (-high, high), "RdBu_r")
-            if plastic is not None and plastic.values is not None:
-                plastic.values[:] *= 100.0
-                high = max(1e-4, float(plastic.values.max()))
-                figures.field_on_rail(run.file("plastic.png"), data, plastic, "plastic strain [%]", (0.0, high))
+            for found in stress.values():
+                assert found.values is not None and found.points is not None
+                found.values[:] *= 1e-6
+            along = stress["sigma_xx"]
+            assert along.values is not None and along.points is not None
+            near = np.abs(along.points[:, 0]) < figures.ZONE[0]
+            figures.residual(run.file("residual.png"), data, stress, max(1.0, 0.8 * np.abs(along.values[near]).max()))
+            if largest is not None:
+                high = max(1e-4, 100.0 * float(largest.max()))
+                label = "largest plastic strain of a cell's points [%]"
+                figures.field_on_rail(
+                    run.file("plastic.png"), data, along, label, (0.0, high), by_cell=100.0 * largest
+                )
 
         run.pictures(draw)
 
