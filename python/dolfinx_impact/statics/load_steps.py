@@ -12,6 +12,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..common.types import FloatArray
+from .equilibrium import open_contacts
 
 if TYPE_CHECKING:
     from .problem import StaticProblem
@@ -36,6 +37,7 @@ class Increment:
         iterations: number of linearised problems, each with its active set updated to convergence [1].
         unsettled: number of those whose active set did not converge [1].
         unsettled_in_succession: number of the last of them in succession [1].
+        closed: whether each contact was closed at the start of the increment; empty: not known.
     """
 
     fault: str = "not finished"
@@ -47,6 +49,7 @@ class Increment:
     iterations: int = 0
     unsettled: int = 0
     unsettled_in_succession: int = 0
+    closed: list[bool] = field(default_factory=list)
 
     def add(self, norm: float, size: int, changes: int) -> None:
         """Add an iteration.
@@ -318,6 +321,7 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
     """
     report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose), LoadPath(problem)
     width, done, halved = 1.0 / steps, 0.0, 0
+    closed = [c.num_active > 0 for c in problem.contact]
     good = problem.u.x.array.copy()
     while done < 1.0 - 1e-12:
         fraction = min(done + width, 1.0)
@@ -347,6 +351,8 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
             for contact in problem.contact:
                 contact.accept_step()
             report.add(increment, fraction)
+            known = increment.closed or closed
+            closed = [was or at_start or c.num_active > 0 for was, at_start, c in zip(closed, known, problem.contact)]
             good, done = problem.u.x.array.copy(), fraction
             continue
         _back(problem, good, states)
@@ -363,6 +369,9 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
         report.rejected_iterations.append(increment.iterations)
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")
     path.finish(1.0)
+    lost = open_contacts(problem, closed)
+    if lost and problem.space.mesh.comm.rank == 0:
+        LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(lost)}")
     report.seconds = solver.seconds
     log(report.table())
     return report

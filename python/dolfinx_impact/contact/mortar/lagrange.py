@@ -14,6 +14,7 @@ from ...common.types import AnyArray, BoolArray, FloatArray, IntArray
 from .geometry import RigidGeometry, SurfaceGeometry
 from .mortar_geometry import MortarGeometry
 from .prescribed_overlap import prescribed_overlap
+from ..crossing import describe
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..initial_penetration import InitialPenetration
 from ..output import ContactOutput
@@ -423,6 +424,12 @@ class LagrangeContact(ContactOutput):
         an empty text: there is nothing that a multiplier could move. Collective."""
         prescribed = self.geometry.participates & (self.place < 0)
         return prescribed_overlap(self.pair.name, self.comm, self.geometry, prescribed)
+
+    def passed_through(self) -> str:
+        """A sentence about nodes that have passed through the master since the last converged state, or an empty text.
+        Collective."""
+        had_master = np.isfinite(self.opening) if self.opening is not None else np.zeros(len(self.nodes), dtype=bool)
+        return describe(self.pair.name, self.comm, self.points, self.geometry.passed_through(had_master))
 
     def augment(self) -> bool:
         """Multipliers need no further rounds."""

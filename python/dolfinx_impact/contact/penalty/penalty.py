@@ -20,6 +20,7 @@ from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..body_size import body_size
+from ..crossing import describe, through_master, through_obstacle
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 from ..saved_history import SavedHistory
 from ..protocol import ExplicitContactProblem, StaticContactProblem
@@ -161,6 +162,7 @@ class PenaltyContact(ContactOutput):
         self._locate(self.start)
         self._initial = InitialPenetration(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
         self.history.offset = self._initial.offset
+        self._gap_before = self.gap  # in the last converged state
 
     @property
     def initial(self) -> InitialPenetration:
@@ -251,7 +253,7 @@ class PenaltyContact(ContactOutput):
         self.update_gap(u)
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
         self._known_status = rows["status"].ravel().astype(np.int8)
-        self._slip_before = np.array(self.slip)
+        self._slip_before, self._gap_before = np.array(self.slip), self.gap
         self.restore_totals(saved.totals)
 
     def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
@@ -284,7 +286,7 @@ class PenaltyContact(ContactOutput):
     def accept_step(self) -> None:
         """Accept a converged increment: tractions and slips become history, totals are updated. Collective."""
         self._cpp.accept_step()
-        self._touched = self.status > 0
+        self._touched, self._gap_before = self.status > 0, self.gap
         self.update_totals()
 
     def augment(self) -> bool:
@@ -378,6 +380,35 @@ class PenaltyContact(ContactOutput):
         self._cpp.evaluate()
         self._closes_nearest = True
         return True
+
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+        if self.obstacle is not None:
+            element = self.slave.displacement
+            table = np.array([element.tabulate(*xi)[0] for xi in self._points.xi[: self._points.per_facet]])
+            nodal = (self._u - self.start).reshape(-1, self.gdim)[self.slave.nodes]
+            moved = np.einsum("qn,fna->fqa", table, nodal).reshape(-1, self.gdim) if len(nodal) else 0.0 * self.points
+            moved = moved - (self.displacement - self.start_displacement)[: self.gdim]
+            passed = through_obstacle(
+                self.obstacle, self.points - moved, self.points, self.initial.offset, TOUCH * self.size
+            )
+        else:
+            sizes = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1), self._points.per_facet)
+            suspects = np.isfinite(self._gap_before) & np.isinf(self.gap)
+            passed, here = np.zeros(len(suspects), dtype=bool), self._u
+            if self.comm.allreduce(int(np.any(suspects))):
+                passed = through_master(self.comm, suspects, sizes, self._gap_on_the_way)
+                self.update_gap(here)
+        return describe(self.pair.name, self.comm, self.points, passed)
+
+    def _gap_on_the_way(self, part: float) -> FloatArray:
+        """Gaps at a fraction of the way from the start of the increment to the present state, (n) [L]. Collective."""
+        self._locate(self.start + part * (self._u - self.start))
+        return self.gap.copy()
 
     def _locate(self, u: FloatArray) -> None:
         """Update closest points and gaps at the displacements u. Collective."""
