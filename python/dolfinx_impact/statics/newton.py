@@ -189,6 +189,10 @@ class Newton:
             result.unsettled += left > 0
             result.unsettled_in_succession = result.unsettled_in_succession + 1 if left > 0 else 0
             p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
+            if fault and p.contact and not p.body.has_inertia:
+                loose = self.unconstrained_modes(K)
+                if loose:
+                    return result.failed(f"{loose}; the linear solver failed ({fault})", hopeless=True)
             if fault:
                 collapse = " Is the load more than the body can bear?" if self.inelastic else ""
                 return result.failed(
@@ -472,6 +476,7 @@ class Newton:
                 if self.saddle:
                     self._set_multipliers(mean)
                 found = settle.change(self.multipliers)
+                log.progress.show(f"update {settle.count} of the active set: {found} nodes change")
             if found == 0:
                 if corrected and digits <= rtol:
                     break

@@ -508,7 +508,13 @@ class LagrangeContact(ContactOutput):
         """
         held = np.flatnonzero(self.active & self.usable)
         rows = self.geometry.rigid_body_jumps(motions, held)
-        return list(rows) if self._friction else [np.einsum("na,anm->nm", self.normal[held], rows)]
+        along = np.einsum("na,anm->nm", self.normal[held], rows)
+        if not self._friction:
+            return [along]
+        if self.opening is not None:  # nothing holds a node along the surface that closes only in this increment
+            fresh = self.opening[held] > 0.0
+            rows[:, fresh] = np.einsum("na,nm->anm", self.normal[held][fresh], along[fresh])
+        return list(rows)
 
     # --- results ---------------------------------------------------------------------------------------------------
 

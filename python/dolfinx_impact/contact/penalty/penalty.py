@@ -33,6 +33,7 @@ FACTOR = 10.0
 COARSE = 2.0
 # Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
 TOUCH = 1e-12
+ROUND_OFF = 1e-15  # part of the bodies' size below which a penetration is round-off of positions
 STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off
 
 
@@ -86,6 +87,11 @@ class Penalty:
             self.penalty = None if auto else number("penalty", penalty, 0.0, " [F/L^3]")
             self.tangential = None if tangential is None else number("tangential penalty", tangential, 0.0, " [F/L^3]")
             self.tolerance = number("tolerance", tolerance, 0.0)
+            if self.tolerance < ROUND_OFF:
+                raise ValueError(
+                    f"tolerance is {self.tolerance:g}: penetrations below {ROUND_OFF:g} of the bodies' size are "
+                    "round-off of positions; take a larger one"
+                )
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
@@ -536,6 +542,12 @@ class PenaltyContact(ContactOutput):
             if self.pair.friction > 0.0:
                 directions = [np.tile(e, (len(at), 1)) for e in np.eye(self.gdim)]
             slaves = body[slave.nodes[at // self._points.per_facet, 0]]
+            if self.pair.friction > 0.0:  # nothing holds a point along the surface that closes only in this increment
+                fresh = np.asarray(self.history.gap)[at] > 0.0
+                normal = self.normal[at]
+                directions = [
+                    np.where(fresh[:, None], normal * np.sum(normal * d, axis=1)[:, None], d) for d in directions
+                ]
             for d in directions:
                 rows = motions.rows(slaves, self.points[at], d)
                 if master is not None:
