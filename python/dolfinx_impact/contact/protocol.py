@@ -167,6 +167,14 @@ class StaticContact(Protocol):
             A sentence, or an empty text.
         """
 
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state, and are open on its far
+        side. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+
     # --- Newton iterations -------------------------------------------------------------------------------------------
 
     def update_gap(self, u: FloatArray) -> None:

@@ -23,7 +23,7 @@ from .. import _cpp
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
-from .equilibrium import out_of_balance
+from .equilibrium import open_contacts, out_of_balance
 from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
 from .load_steps import Increment, StepLog
 from ..common.types import FloatArray, IntArray
@@ -142,7 +142,12 @@ class Newton:
             settled = iteration > 0 or not p.contact
             tolerance = max(self.atol, noise, self.rtol * max(scale, inner))
             small = norm <= tolerance
+            if iteration == 0:
+                result.closed = [c.num_active > 0 for c in p.contact]
             if moved and settled and pending == 0 and violation < VIOLATION and small:
+                fault = self._lost_contact(result.closed)
+                if fault:
+                    return result.failed(fault)
                 again = any([c.augment() for c in p.contact])
                 faults = [c.fault for c in p.contact if c.fault]
                 if faults:
@@ -184,6 +189,10 @@ class Newton:
             result.unsettled += left > 0
             result.unsettled_in_succession = result.unsettled_in_succession + 1 if left > 0 else 0
             p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
+            if fault and p.contact and not p.body.has_inertia:
+                loose = self.unconstrained_modes(K)
+                if loose:
+                    return result.failed(f"{loose}; the linear solver failed ({fault})", hopeless=True)
             if fault:
                 collapse = " Is the load more than the body can bear?" if self.inelastic else ""
                 return result.failed(
@@ -197,6 +206,27 @@ class Newton:
                 else:
                     self._backtrack(start, norm)
         return did_not_converge(result, self, moved, small, pending, violation)
+
+    def _lost_contact(self, closed: Sequence[bool]) -> str:
+        """Message about points that have passed through a master, or bodies that nothing holds any more as contacts
+        have opened; an empty text if there are none. Collective.
+
+        Args:
+            closed: whether each contact was closed at the start of the increment.
+        """
+        p = self.problem
+        passed = [text for text in [c.passed_through() for c in p.contact] if text]
+        if passed:
+            return "; ".join(passed)
+        if p.body.has_inertia:
+            return ""
+        lost = open_contacts(p, closed)
+        if not lost:
+            return ""
+        bearing = [c for c in p.contact if c.num_active > 0]
+        springs = self._stiffness() if p.body.has_springs else None
+        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, bearing, p.u.x.array, p.axisymmetric, springs)
+        return f"contact was lost ({'; '.join(lost)}), and {'; '.join(loose)}" if loose else ""
 
     @contextlib.contextmanager
     def _clock(self, part: str) -> Iterator[None]:
@@ -446,6 +476,7 @@ class Newton:
                 if self.saddle:
                     self._set_multipliers(mean)
                 found = settle.change(self.multipliers)
+                log.progress.show(f"update {settle.count} of the active set: {found} nodes change")
             if found == 0:
                 if corrected and digits <= rtol:
                     break

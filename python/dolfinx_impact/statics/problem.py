@@ -175,6 +175,7 @@ class StaticProblem(Unique):
         max_iterations: int = 25,
         cut_backs: int | None = None,
         verbose: bool = False,
+        progress: bool = True,
     ) -> Report:
         """Solve for the present values of loads, boundary conditions and rigid obstacles, in steps from the values of
         the last solve. Collective.
@@ -191,6 +192,8 @@ class StaticProblem(Unique):
             cut_backs: largest number of times that the increment is halved if it does not converge; None: 8 with
                 contact or several steps, otherwise 0 [1].
             verbose: print every iteration on rank 0. It is always written to the log "dolfinx_impact" at level INFO.
+            progress: a solve that takes longer than five seconds says on rank 0 (error output) from time to time how
+                far it is.
 
         Returns:
             Report.
@@ -217,7 +220,7 @@ class StaticProblem(Unique):
             contact.check_parameters()
         with Interrupts(self.space.mesh.comm) as interrupts:
             with Solver(self, rtol, atol, max_iterations, interrupts) as solver:
-                report = run_steps(self, solver, steps, most, verbose)
+                report = run_steps(self, solver, steps, most, verbose, bool(progress))
             interrupts.check()
         self.linear_solver.warn_of_unused()
         return report

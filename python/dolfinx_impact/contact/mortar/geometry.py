@@ -13,6 +13,7 @@ from ... import _cpp
 from ...common.types import BoolArray, FloatArray, IntArray
 from ..nodal_sum import NodalSum
 from ..body_size import body_size
+from ..crossing import through_obstacle
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 
 # Part of a rim node's length that is in contact, by the ratio r of pressures: polynomial, highest power first, and the
@@ -144,6 +145,14 @@ class SurfaceGeometry(abc.ABC):
         """
 
     @abc.abstractmethod
+    def passed_through(self, had_master: BoolArray) -> BoolArray:
+        """Nodes that have passed through the master in this increment, mask (n). Collective.
+
+        Args:
+            had_master: mask of nodes that had a master at the start of the increment, (n).
+        """
+
+    @abc.abstractmethod
     def _facing(self, values: FloatArray) -> FloatArray:
         """Values over the owned nodes of V as the slave's nodes face them, (n)."""
 
@@ -222,13 +231,17 @@ class SurfaceGeometry(abc.ABC):
     def nearest(self) -> BoolArray | None:
         """Nodes to be closed where nothing touches but the bodies nearly do, mask (n), or None: they are apart.
         Collective."""
+        gap = nearly_touching(self.comm, self.gap, self.facet_sizes())
+        return None if gap is None else self.gap < gap
+
+    def facet_sizes(self) -> FloatArray:
+        """Mean size of the facets around each node, (n) [L]. Collective."""
         size = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)[:, None], self.slave.nodes.shape[1], 1)
         sums, counts = (np.zeros(self.sum.num_nodes) for _ in range(2))
         np.add.at(sums, self.slave.nodes, size)
         np.add.at(counts, self.slave.nodes, 1.0)
         sums, counts = (self.sum(a).ravel()[self.nodes] for a in (sums, counts))
-        gap = nearly_touching(self.comm, self.gap, sums / counts)
-        return None if gap is None else self.gap < gap
+        return np.asarray(sums / counts)
 
     def springs(self, rows: IntArray, blocks: FloatArray) -> PETSc.Mat:
         """Matrix of springs between nodes and what they face on the master [F/L]. Collective.
@@ -343,6 +356,12 @@ class RigidGeometry(SurfaceGeometry):
         self.locked = _cpp.multipliers.locked_components(
             self.prescribed, self.driven, self.gdim, self.nodes, motion, self.tolerance
         )
+
+    def passed_through(self, had_master: BoolArray) -> BoolArray:
+        """Nodes on the far side of the obstacle; see SurfaceGeometry. Collective."""
+        moved = (self.u - self.start).reshape(-1, self.gdim)[self.nodes]
+        moved = moved - (self.displacement - self.start_displacement)[: self.gdim]
+        return through_obstacle(self.obstacle, self.points - moved, self.points, self.offset, self.tolerance)
 
     def _facing(self, values: FloatArray) -> FloatArray:
         return np.zeros(len(self.nodes))

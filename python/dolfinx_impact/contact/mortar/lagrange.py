@@ -14,6 +14,7 @@ from ...common.types import AnyArray, BoolArray, FloatArray, IntArray
 from .geometry import RigidGeometry, SurfaceGeometry
 from .mortar_geometry import MortarGeometry
 from .prescribed_overlap import prescribed_overlap
+from ..crossing import describe
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..initial_penetration import InitialPenetration
 from ..output import ContactOutput
@@ -432,6 +433,12 @@ class LagrangeContact(ContactOutput):
         prescribed = self.geometry.participates & (self.place < 0)
         return prescribed_overlap(self.pair.name, self.comm, self.geometry, prescribed)
 
+    def passed_through(self) -> str:
+        """A sentence about nodes that have passed through the master since the last converged state, or an empty text.
+        Collective."""
+        had_master = np.isfinite(self.opening) if self.opening is not None else np.zeros(len(self.nodes), dtype=bool)
+        return describe(self.pair.name, self.comm, self.points, self.geometry.passed_through(had_master))
+
     def augment(self) -> bool:
         """Multipliers need no further rounds."""
         return False
@@ -509,7 +516,13 @@ class LagrangeContact(ContactOutput):
         """
         held = np.flatnonzero(self.active & self.usable)
         rows = self.geometry.rigid_body_jumps(motions, held)
-        return list(rows) if self._friction else [np.einsum("na,anm->nm", self.normal[held], rows)]
+        along = np.einsum("na,anm->nm", self.normal[held], rows)
+        if not self._friction:
+            return [along]
+        if self.opening is not None:  # nothing holds a node along the surface that closes only in this increment
+            fresh = self.opening[held] > 0.0
+            rows[:, fresh] = np.einsum("na,nm->anm", self.normal[held][fresh], along[fresh])
+        return list(rows)
 
     # --- results ---------------------------------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@ from petsc4py import PETSc
 
 from ... import _cpp
 from ...common.types import BoolArray, FloatArray, IntArray
+from ..crossing import through_master
 from .geometry import SurfaceGeometry, quadrature_rule
 
 # Sine of the largest angle by which facets may tilt a normal at a plane of symmetry: 5 degrees, docs/contact.md.
@@ -83,6 +84,21 @@ class MortarGeometry(SurfaceGeometry):
             self.prescribed, self.driven, self.gdim, self.integrals, self.rest.ravel() + self.u, self.size,
             self.tolerance,
         )  # fmt: skip
+
+    def passed_through(self, had_master: BoolArray) -> BoolArray:
+        """Nodes that have lost their master deep inside it; see SurfaceGeometry. Collective."""
+        here, suspects = self.u, had_master & ~self.participates
+        if not self.comm.allreduce(int(np.any(suspects))):
+            return suspects
+
+        def gap_at(part: float) -> FloatArray:
+            there = self._elsewhere()
+            there.update_gap(self.start + part * (here - self.start))
+            return np.where(there.participates, there.gap, np.inf)
+
+        passed = through_master(self.comm, suspects, self.facet_sizes(), gap_at)
+        self.slave.move(here)
+        return passed
 
     def _facing(self, values: FloatArray) -> FloatArray:
         over = self.integrals.over_master(values, 1).ravel()

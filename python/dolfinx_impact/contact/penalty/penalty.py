@@ -20,6 +20,7 @@ from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..body_size import body_size
+from ..crossing import describe, through_master, through_obstacle
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 from ..saved_history import SavedHistory
 from ..protocol import ExplicitContactProblem, StaticContactProblem
@@ -32,6 +33,7 @@ FACTOR = 10.0
 COARSE = 2.0
 # Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
 TOUCH = 1e-12
+ROUND_OFF = 1e-15  # part of the bodies' size below which a penetration is round-off of positions
 STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off
 
 
@@ -85,6 +87,11 @@ class Penalty:
             self.penalty = None if auto else number("penalty", penalty, 0.0, " [F/L^3]")
             self.tangential = None if tangential is None else number("tangential penalty", tangential, 0.0, " [F/L^3]")
             self.tolerance = number("tolerance", tolerance, 0.0)
+            if self.tolerance < ROUND_OFF:
+                raise ValueError(
+                    f"tolerance is {self.tolerance:g}: penetrations below {ROUND_OFF:g} of the bodies' size are "
+                    "round-off of positions; take a larger one"
+                )
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
@@ -161,6 +168,7 @@ class PenaltyContact(ContactOutput):
         self._locate(self.start)
         self._initial = InitialPenetration(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
         self.history.offset = self._initial.offset
+        self._gap_before = self.gap  # in the last converged state
 
     @property
     def initial(self) -> InitialPenetration:
@@ -257,7 +265,7 @@ class PenaltyContact(ContactOutput):
         self._keep_facets(u, rows["facet"].ravel())
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
         self._known_status = self._status = rows["status"].ravel().astype(np.int8)
-        self._slip_before = np.array(self.slip)
+        self._slip_before, self._gap_before = np.array(self.slip), self.gap
         self.restore_totals(saved.totals)
 
     def _facet_ids(self) -> FloatArray:
@@ -321,7 +329,7 @@ class PenaltyContact(ContactOutput):
     def accept_step(self) -> None:
         """Accept a converged increment: tractions and slips become history, totals are updated. Collective."""
         self._cpp.accept_step()
-        self._touched = self.status > 0
+        self._touched, self._gap_before = self.status > 0, self.gap
         self.update_totals()
 
     def augment(self) -> bool:
@@ -415,6 +423,35 @@ class PenaltyContact(ContactOutput):
         self._cpp.evaluate()
         self._closes_nearest = True
         return True
+
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+        if self.obstacle is not None:
+            element = self.slave.displacement
+            table = np.array([element.tabulate(*xi)[0] for xi in self._points.xi[: self._points.per_facet]])
+            nodal = (self._u - self.start).reshape(-1, self.gdim)[self.slave.nodes]
+            moved = np.einsum("qn,fna->fqa", table, nodal).reshape(-1, self.gdim) if len(nodal) else 0.0 * self.points
+            moved = moved - (self.displacement - self.start_displacement)[: self.gdim]
+            passed = through_obstacle(
+                self.obstacle, self.points - moved, self.points, self.initial.offset, TOUCH * self.size
+            )
+        else:
+            sizes = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1), self._points.per_facet)
+            suspects = np.isfinite(self._gap_before) & np.isinf(self.gap)
+            passed, here = np.zeros(len(suspects), dtype=bool), self._u
+            if self.comm.allreduce(int(np.any(suspects))):
+                passed = through_master(self.comm, suspects, sizes, self._gap_on_the_way)
+                self.update_gap(here)
+        return describe(self.pair.name, self.comm, self.points, passed)
+
+    def _gap_on_the_way(self, part: float) -> FloatArray:
+        """Gaps at a fraction of the way from the start of the increment to the present state, (n) [L]. Collective."""
+        self._locate(self.start + part * (self._u - self.start))
+        return self.gap.copy()
 
     def _locate(self, u: FloatArray) -> None:
         """Update closest points and gaps at the displacements u. Collective."""
@@ -542,6 +579,12 @@ class PenaltyContact(ContactOutput):
             if self.pair.friction > 0.0:
                 directions = [np.tile(e, (len(at), 1)) for e in np.eye(self.gdim)]
             slaves = body[slave.nodes[at // self._points.per_facet, 0]]
+            if self.pair.friction > 0.0:  # nothing holds a point along the surface that closes only in this increment
+                fresh = np.asarray(self.history.gap)[at] > 0.0
+                normal = self.normal[at]
+                directions = [
+                    np.where(fresh[:, None], normal * np.sum(normal * d, axis=1)[:, None], d) for d in directions
+                ]
             for d in directions:
                 rows = motions.rows(slaves, self.points[at], d)
                 if master is not None:
