@@ -5,7 +5,7 @@
 #include "dolfinx_impact/enforcement/mortar/SaddlePoint.h"
 #include "dolfinx_impact/enforcement/mortar/active_set.h"
 #include "dolfinx_impact/enforcement/mortar/prescribed_components.h"
-#include "dolfinx_impact/gap/MortarIntegrals.h"
+#include "dolfinx_impact/gap/FacingShares.h"
 #include <caster_mpi.h>
 #include <caster_petsc.h>
 
@@ -92,6 +92,27 @@ void bind_integrals(nb::module_& m)
           "update", [](MortarIntegrals& self, Array u, Array start) { self.update(view(u), view(start)); },
           nb::arg("u"), nb::arg("start"), "Search, segments and integrals at u. Collective")
       .def(
+          "update_cover", [](MortarIntegrals& self, Array u, Array start) { self.update_cover(view(u), view(start)); },
+          nb::arg("u"), nb::arg("start"), "Search, segments and what is covered at u. Collective")
+      .def(
+          "integrate", [](MortarIntegrals& self, Mask carriers) { self.integrate(view(carriers)); },
+          nb::arg("carriers"), "Integrals where these nodes carry the multipliers. Collective")
+      .def(
+          "covered", [](const MortarIntegrals& s) { return mask(s.covered(), {s.around.size()}); },
+          "Mask of the nodes of which enough is covered")
+      .def(
+          "sums_at_nodes", [](const MortarIntegrals& s) { return vectors(s.sums_at_nodes(), s.nodes().nodes.size()); },
+          "Sums of facet normals, (n, gdim)")
+      .def(
+          "set_sums", [](MortarIntegrals& self, Array sums) { self.set_sums(view(sums)); }, nb::arg("sums"),
+          "Replace the sums of facet normals, (n, gdim). Collective")
+      .def_rw("least_cover", &MortarIntegrals::least_cover)
+      .def_prop_ro(
+          "around", [](const MortarIntegrals& s) { return copy(s.around, {s.around.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "weighted_gap", [](const MortarIntegrals& s) { return copy(s.weighted_gap, {s.weighted_gap.size()}); },
+          nb::rv_policy::move)
+      .def(
           "update_gap", [](MortarIntegrals& self, Mask locked, double symmetry)
           { self.update_gap(view(locked), symmetry); }, nb::arg("locked"), nb::arg("symmetry"),
           "Normals and gaps; locked: components along which normals are not tilted a little")
@@ -120,6 +141,10 @@ void bind_integrals(nb::module_& m)
           [](const MortarIntegrals& s, Array moved) { return vectors(s.jump(view(moved)), s.nodes().nodes.size()); },
           nb::arg("moved"), "Mean displacement of slave against master. Collective")
       .def(
+          "weighted_jump", [](const MortarIntegrals& s, Array moved)
+          { return vectors(s.weighted_jump(view(moved)), s.nodes().nodes.size()); }, nb::arg("moved"),
+          "The same times the cover. Collective")
+      .def(
           "over_master", [](const MortarIntegrals& s, Array values, int block)
           { return vectors(s.over_master(view(values), block), s.nodes().nodes.size()); }, nb::arg("values"),
           nb::arg("block"))
@@ -132,6 +157,10 @@ void bind_integrals(nb::module_& m)
           [](const MortarIntegrals& s, Indices rows) { return as_tuple(s.master_rows({rows.data(), rows.size()})); },
           nb::arg("rows"), "Rows of D^-1 M of some nodes: pointers, global nodes, values")
       .def(
+          "master_rows", [](const MortarIntegrals& s, Indices rows, Array weights)
+          { return as_tuple(s.master_rows({rows.data(), rows.size()}, view(weights))); }, nb::arg("rows"),
+          nb::arg("weights"), "Rows of M over the weights of all nodes")
+      .def(
           "tangent",
           [](MortarIntegrals& s, Array multiplier, Array traction, Mask active) -> nb::object
           {
@@ -140,6 +169,18 @@ void bind_integrals(nb::module_& m)
           },
           nb::arg("multiplier"), nb::arg("traction"), nb::arg("active"),
           "Derivative of minus the contact force at given multipliers, kept by this object; None: zero. Collective");
+  nb::class_<FacingShares>(m, "FacingShares", "Areas of a slave's nodes that face a rigid obstacle")
+      .def(
+          "__init__",
+          [](FacingShares* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
+             const MultiplierNodes& nodes, Array points, Array weights, Multipliers basis, bool axisymmetric)
+          { new (self) FacingShares(std::move(V), slave, nodes, rule(points, weights), basis, axisymmetric); },
+          nb::arg("V"), nb::arg("slave"), nb::arg("nodes"), nb::arg("points"), nb::arg("weights"), nb::arg("basis"),
+          nb::arg("axisymmetric") = false)
+      .def(
+          "evaluate", [](const FacingShares& self, const Facets& slave, const Rigid& obstacle)
+          { return take(self.evaluate(slave, obstacle)); }, nb::arg("slave"), nb::arg("obstacle"),
+          "Areas by the multiplier nodes. Collective");
   m.def(
       "springs",
       [](const dolfinx::common::IndexMap& map, int gdim, Indices nodes, nb::tuple rows, Array blocks)

@@ -84,9 +84,9 @@ class SurfaceGeometry(abc.ABC):
         self.displacement = np.zeros(3)
         element = self.slave.displacement
         # Exact for the shape functions on flat, affine facets, with the radius as weight.
-        points, weights = quadrature_rule(element.shape, 2 * element.degree + 2)
+        self._rule = quadrature_rule(element.shape, 2 * element.degree + 2)
         self._nodes = _cpp.multipliers.MultiplierNodes(
-            V._cpp_object, self.slave, points, weights, self.basis, axisymmetric
+            V._cpp_object, self.slave, *self._rule, self.basis, axisymmetric
         )
         self.nodes, self.share, self.area = self._nodes.nodes, self._nodes.share, self._nodes.area
         self.numbers = self.index_map.local_to_global(self.nodes)
@@ -325,7 +325,9 @@ class RigidGeometry(SurfaceGeometry):
     def __init__(self, spec: Any, V: Any, axisymmetric: bool, fixed: BoolArray) -> None:
         super().__init__(spec, V, axisymmetric, fixed, "dual")
         self.obstacle = self.pair.rigid_master.obstacle(self.gdim)
-        self.weight = self.cover = self.share
+        self._shares = _cpp.multipliers.FacingShares(
+            V._cpp_object, self.slave, self._nodes, *self._rule, self.basis, axisymmetric
+        )
         self.participates = np.ones(len(self.nodes), dtype=bool)
         check_side(self.pair, V, self.slave, self.obstacle)
         self._set_initial_penetration()
@@ -334,6 +336,7 @@ class RigidGeometry(SurfaceGeometry):
         """Gaps and normals; see SurfaceGeometry. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()
+        self.weight = self.cover = self._shares.evaluate(self.slave, self.obstacle)
         self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
         self.gap = self.gap + self.offset
         motion = (self.displacement - self.start_displacement).tolist()
