@@ -64,6 +64,7 @@ nb::tuple as_tuple(const MasterRows& rows)
 
 void bind_integrals(nb::module_& m)
 {
+  m.attr("least_share") = least_share;
   nb::class_<MultiplierNodes>(m, "MultiplierNodes", "Owned slave nodes that multipliers may live at; copies")
       .def(
           "__init__",
@@ -286,7 +287,7 @@ void bind_constraints(nb::module_& m)
 struct Nodes
 {
   Mask usable, active, sliding;
-  Array gap, multiplier, slip, traction, direction, opening, stiffness, lock;
+  Array gap, multiplier, slip, traction, direction, opening, stiffness, lock, roughness;
   NodalMultipliers now;
 
   Nodes(const nb::dict& d, int gdim, double friction)
@@ -294,10 +295,10 @@ struct Nodes
         gap(nb::cast<Array>(d["gap"])), multiplier(nb::cast<Array>(d["multiplier"])), slip(nb::cast<Array>(d["slip"])),
         traction(nb::cast<Array>(d["traction"])), direction(nb::cast<Array>(d["direction"])),
         opening(nb::cast<Array>(d["opening"])), stiffness(nb::cast<Array>(d["stiffness"])),
-        lock(nb::cast<Array>(d["lock"])),
+        lock(nb::cast<Array>(d["lock"])), roughness(nb::cast<Array>(d["roughness"])),
         now{gdim,          friction,   view(usable),   view(active),    view(gap),     view(multiplier),
             view(sliding), view(slip), view(traction), view(direction), view(opening), view(stiffness),
-            view(lock)}
+            view(lock),    view(roughness)}
   {
   }
 };

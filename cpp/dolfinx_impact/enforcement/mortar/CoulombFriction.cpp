@@ -148,7 +148,7 @@ std::vector<std::int8_t> CoulombFriction::update_imposed(const NodalMultipliers&
     apply(g, lock, &imposed[i * g], before);
     for (int a = 0; a < g; ++a)
       rest[a] = traction[a] - along[a];
-    const double bound = now.friction * std::max(now.multiplier[i], 0.0);
+    const double bound = now.coefficient(i) * std::max(now.multiplier[i], 0.0);
     const double room = std::sqrt(std::max(0.0, bound * bound - dot(g, rest, rest))), size = norm(g, kept);
     const double part = stuck && size > 0.0 ? std::min(room, size) / size : 0.0;
     double change[3];
@@ -193,7 +193,7 @@ CoulombFriction::Springs CoulombFriction::update_springs(const NodalMultipliers&
       for (int a = 0; a < g; ++a)
         slip[a] = now.slip[i * g + a] - part[a];
       const double turning =
-          std::min(now.friction * pressure / std::max(norm(g, slip), 1e-300), stiffest * now.stiffness[i]);
+          std::min(now.coefficient(i) * pressure / std::max(norm(g, slip), 1e-300), stiffest * now.stiffness[i]);
       const double factor = grip ? pressure / now.opening[i] : turning;
       for (int a = 0; a < g && !drive; ++a)
         for (int b = 0; b < g; ++b)
