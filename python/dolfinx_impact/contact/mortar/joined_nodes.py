@@ -58,7 +58,7 @@ class JoinedNodes:
         found: list[int] = []
         for k, g in enumerate(self.geometries):
             same = [np.array_equal(g.slave.id, self.geometries[i].slave.id) for i in found]
-            if not any(self.comm.allreduce(np.array(same, dtype=int), MPI.MIN)):
+            if not any(all(ranks) for ranks in zip(*self.comm.allgather(same))):
                 found.append(k)
         return found
 
