@@ -296,8 +296,8 @@ struct Nodes
         traction(nb::cast<Array>(d["traction"])), direction(nb::cast<Array>(d["direction"])),
         opening(nb::cast<Array>(d["opening"])), stiffness(nb::cast<Array>(d["stiffness"])),
         lock(nb::cast<Array>(d["lock"])), roughness(nb::cast<Array>(d["roughness"])),
-        now{gdim,          friction,   view(usable),   view(active),    view(gap),     view(multiplier),
-            view(sliding), view(slip), view(traction), view(direction), view(opening), view(stiffness),
+        now{gdim,          friction,       view(usable),   view(active),    view(gap),     view(multiplier),
+            view(sliding), view(slip),     view(traction), view(direction), view(opening), view(stiffness),
             view(lock),    view(roughness)}
   {
   }
@@ -615,6 +615,16 @@ void bind_saddle_point(nb::module_& m)
       .def_prop_ro(
           "pinned", [](const SaddlePoint& s) { return mask(s.pinned(), {s.pinned().size()}); }, nb::rv_policy::move,
           "Mask of the pinned unknowns, a copy")
+      .def_prop_ro(
+          "redundant",
+          [](const SaddlePoint& s)
+          {
+            nb::list out;
+            for (const auto& rows : s.redundant())
+              out.append(copy(rows, {rows.size()}));
+            return out;
+          },
+          "Numbers of the nodes whose normal condition was left out, by contact")
       .def_prop_ro("right", &SaddlePoint::right, nb::rv_policy::reference, "C, kept by this object")
       .def_prop_ro("left", &SaddlePoint::left, nb::rv_policy::reference, "C_L, kept by this object")
       .def(

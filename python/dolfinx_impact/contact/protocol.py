@@ -344,6 +344,16 @@ class MultiplierContact(StaticContact, Protocol):
             forces: forces along the constrained directions, zero elsewhere, (n, gdim) [F].
         """
 
+    def set_redundant(self, nodes: IntArray) -> None:
+        """Set the nodes whose normal condition a linear problem has left out, as others of the same nodes imply it.
+
+        Args:
+            nodes: index of the nodes.
+        """
+
+    def over_constrained(self) -> IntArray:
+        """Owned nodes whose normal condition was left out and is violated."""
+
     def rotate_friction_traction(self) -> None:
         """Rotate the friction tractions of the last iteration to the present tangent planes."""
 

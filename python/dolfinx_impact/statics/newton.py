@@ -507,6 +507,8 @@ class Newton:
         system: LinearSystem | SaddlePoint
         if self.saddle:
             self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
+            for multiplier, nodes in zip(self.multipliers, self._rows.redundant):
+                multiplier.set_redundant(nodes)
             system = SaddlePoint(K, extra, self._rows)
             start = system.unknowns(guess, self._forces)
         else:

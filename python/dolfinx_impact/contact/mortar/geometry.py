@@ -100,9 +100,7 @@ class SurfaceGeometry(abc.ABC):
         element = self.slave.displacement
         # Exact for the shape functions on flat, affine facets, with the radius as weight.
         self._rule = quadrature_rule(element.shape, 2 * element.degree + 2)
-        self._nodes = _cpp.multipliers.MultiplierNodes(
-            V._cpp_object, self.slave, *self._rule, self.basis, axisymmetric
-        )
+        self._nodes = _cpp.multipliers.MultiplierNodes(V._cpp_object, self.slave, *self._rule, self.basis, axisymmetric)
         self.nodes, self.share, self.area = self._nodes.nodes, self._nodes.share, self._nodes.area
         self.numbers = self.index_map.local_to_global(self.nodes)
         self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
@@ -490,7 +488,9 @@ class RigidGeometry(SurfaceGeometry):
         if not self.comm.allreduce(int(np.any(blocks))):
             return None
         alone = self.weighted_rows(rows, self.own_weight)
-        return _cpp.multipliers.springs(self.index_map, self.gdim, self.nodes[rows], alone, np.ascontiguousarray(blocks))
+        return _cpp.multipliers.springs(
+            self.index_map, self.gdim, self.nodes[rows], alone, np.ascontiguousarray(blocks)
+        )
 
     def forces(self, traction: FloatArray) -> FloatArray:
         """Nodal forces on the slave; see SurfaceGeometry."""

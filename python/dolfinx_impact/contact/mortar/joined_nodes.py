@@ -146,9 +146,7 @@ class JoinedNodes:
             g.participates, g.part, g.carrier = any_part[at], parts[k], carrier[k]
             g.weight, g.cover, g.gap = weight[at], cover[at], gap[at]
 
-    def _keep_nearest(
-        self, geometries: Sequence[SurfaceGeometry], parts: list[BoolArray], around: FloatArray
-    ) -> None:
+    def _keep_nearest(self, geometries: Sequence[SurfaceGeometry], parts: list[BoolArray], around: FloatArray) -> None:
         """Where masters lie one behind the other only the nearest counts; changes `parts`."""
         layered = around > LAYERED * self._share
         if not np.any(layered):

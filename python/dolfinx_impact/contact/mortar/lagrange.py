@@ -21,6 +21,7 @@ from ..saved_history import SavedHistory
 
 NO_MASTER = -1.0  # stands for an infinite opening in checkpoints; openings are not negative
 BASES = ("dual", "standard", "linear")
+OPEN = 1e-11  # of the bodies' size: gaps beyond it are violations of a condition
 # Arrays by node that all contacts of a joined node have alike.
 _STATE = ("active", "sliding", "direction", "multiplier", "friction_traction", "traction_n", "total_slip")
 
@@ -440,7 +441,23 @@ class LagrangeContact(ContactOutput):
         """
         tolerance = self.geometry.tolerance
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
-        return _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
+        active, sliding, direction = _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
+        # A node whose condition was left out has no multiplier to open it.
+        opened = self.redundant & (self.linearised_gap > tolerance)
+        return active & ~opened, sliding & ~opened, direction
+
+    def set_redundant(self, nodes: IntArray) -> None:
+        """Take over which normal conditions a linear problem has left out, as others of the same nodes imply them.
+
+        Args:
+            nodes: index of the nodes.
+        """
+        self.redundant = np.isin(np.arange(len(self.nodes)), nodes)
+
+    def over_constrained(self) -> IntArray:
+        """Owned nodes whose condition was left out and is violated, although it is active."""
+        violated = np.abs(self.geometry.gap) > OPEN * self.geometry.size
+        return self.nodes[self.redundant & self.active & self.usable & violated]
 
     @property
     def num_active(self) -> int:

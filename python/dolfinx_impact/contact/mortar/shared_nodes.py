@@ -57,6 +57,31 @@ def connect(contacts: Sequence[Any]) -> bool:
     return bool(chained or sums[1])
 
 
+def over_constrained(contacts: Sequence[Any]) -> str:
+    """A sentence about nodes that cannot fulfil the conditions of all their contacts, or an empty text. Collective.
+
+    Args:
+        contacts: contacts by multipliers.
+    """
+    sentences = []
+    for contact in contacts:
+        nodes = contact.over_constrained()
+        number = contact.comm.allreduce(len(nodes))
+        if not number:
+            continue
+        others = [
+            c.pair.name
+            for c in contacts
+            if c is not contact and contact.comm.allreduce(int(np.any(np.isin(c.nodes[c.active], nodes))))
+        ]
+        sentences.append(
+            f"{number} nodes, the first at {_places(contact, nodes)}, cannot fulfil the conditions of "
+            f"{' and '.join([contact.pair.name, *others])} at once: leave them out of one of the tags, or free their "
+            "supports"
+        )
+    return "; ".join(sentences)
+
+
 def _join(contacts: Sequence[LagrangeContact], numbers: Sequence[IntArray], count: int) -> None:
     joined = JoinedNodes([c.geometry for c in contacts], numbers, count)
     for k, contact in enumerate(contacts):
