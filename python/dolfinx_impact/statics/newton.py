@@ -26,6 +26,7 @@ from .linear_solver import LinearSystem
 from .active_set_iteration import VIOLATION, ActiveSetIteration, did_not_converge
 from .load_steps import Increment, StepLog
 from ..common.types import FloatArray, IntArray
+from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
@@ -173,6 +174,9 @@ class Newton:
             result.unsettled += left > 0
             p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
             if fault:
+                crowded = over_constrained(self.multipliers)
+                if crowded:
+                    return result.failed(f"the linear problem has no solution: {crowded}", advice="")
                 collapse = " Is the load more than the body can bear?" if self.inelastic else ""
                 return result.failed(
                     f"the linear solver failed ({fault}): is the body held against rigid motion?{collapse}"
@@ -293,6 +297,8 @@ class Newton:
             # The residual of penalty contact is already that of the new status; where the friction limit is reached
             # exactly, round-off decides on the status.
             pending += changed if contact.has_multipliers else 0
+        if not first:
+            pending += sum([c.num_turning() for c in self.multipliers])
         return changes, pending
 
     def _free_norm(self, residual: FloatArray) -> float:

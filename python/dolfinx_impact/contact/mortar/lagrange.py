@@ -21,7 +21,9 @@ from ..saved_history import SavedHistory
 
 NO_MASTER = -1.0  # stands for an infinite opening in checkpoints; openings are not negative
 BASES = ("dual", "standard", "linear")
-OPEN = 1e-11  # of the bodies' size: gaps beyond it are violations of a condition
+TURNED = 1e-6  # of the largest bound: friction tractions of a converged state are off by less
+PENETRATES = 1e-6  # of the bodies' size: a gap of a linearised problem, which is solved to a few digits
+LEAST_ANGLE = 0.1  # between two normals whose edge is a direction of its own [rad]
 # Arrays by node that all contacts of a joined node have alike.
 _STATE = ("active", "sliding", "direction", "multiplier", "friction_traction", "traction_n", "total_slip")
 
@@ -76,6 +78,8 @@ class LagrangeContact(ContactOutput):
         opening: (n) gap at the start of the increment where a node is open then, else zero [L]; None before the first.
         basis: basis of the multipliers.
         quadrature_degree: degree of the quadrature; None: exact on flat, affine facets.
+        edges: other contacts that constrain nodes of this one along another normal: contact, index of the nodes among
+            this contact's and among its own.
         partners: other contacts with which nodes are joined, and the index of each node among theirs, (n), -1: none.
         redundant: mask of nodes whose normal condition other conditions of the same node imply, (n).
         coulomb: tractions that no equilibrium of a node tells: CoulombFriction (C++).
@@ -124,7 +128,8 @@ class LagrangeContact(ContactOutput):
         self.facing_stiffness = np.zeros(n)
         self.last_change = -1
         self.partners: list[tuple[LagrangeContact, IntArray]] = []
-        self.redundant = np.zeros(n, dtype=bool)
+        self.edges: list[tuple[LagrangeContact, IntArray, IntArray]] = []
+        self.redundant, self._crowded = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
 
     @property
     def _coefficient(self) -> float:
@@ -241,6 +246,7 @@ class LagrangeContact(ContactOutput):
             displacement: of a rigid master at the end of the increment, (3); None for deformable masters [L].
             target: prescribed values at its end, over all dofs, prescribed entries count; None: they stay [L].
         """
+        self._crowded[:] = False
         if self.opening is None:
             self.geometry.update_gap(u)
             self.opening = self._opened(self.geometry.gap)
@@ -273,6 +279,7 @@ class LagrangeContact(ContactOutput):
         g = self.geometry
         g.update_gap(u)
         self.frames, self.place, self.free_length = _cpp.multipliers.frames_at(g.normal, self.fixed)
+        self._align_frames()
         self.usable = g.participates & (self.place >= 0) & g.carrier
         self.redundant = np.zeros(len(self.nodes), dtype=bool)
         self.linearised_gap, self._slip = g.gap, g.slip()
@@ -280,6 +287,22 @@ class LagrangeContact(ContactOutput):
         if self._friction:
             self.coulomb.update_directions(self.usable, self._geometry(), g.locked)
             self._lock = self.coulomb.locked
+
+    def _align_frames(self) -> None:
+        """At nodes with two normals in space one tangent lies along the edge between them: what sticks or slips there
+        is told apart from what the other normal holds."""
+        if self.gdim == 2 or not self._friction:
+            return
+        for other, mine, theirs in self.edges:
+            normal = self.geometry.normal[mine]
+            edge = np.cross(normal, other.geometry.normal[theirs])
+            length = np.linalg.norm(edge, axis=1)
+            free = (length > LEAST_ANGLE) & ~np.any(self.fixed[mine], axis=1)
+            rows, edge = mine[free], edge[free] / length[free, None]
+            tangents = np.stack([edge, np.cross(edge, normal[free])], axis=1)
+            for k in range(2):
+                column = (self.place[rows] + 1 + k) % 3
+                self.frames[rows, :, column] = tangents[:, k]
 
     def update_linearised_gap(self, increments: FloatArray) -> None:
         """Gaps and slips after a linear solution, linear in its increments. Collective.
@@ -441,10 +464,24 @@ class LagrangeContact(ContactOutput):
         """
         tolerance = self.geometry.tolerance
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
+        self._crowded |= self.redundant & self.active & (self.linearised_gap < -PENETRATES * self.geometry.size)
         active, sliding, direction = _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
         # A node whose condition was left out has no multiplier to open it.
         opened = self.redundant & (self.linearised_gap > tolerance)
         return active & ~opened, sliding & ~opened, direction
+
+    def num_turning(self) -> int:
+        """Nodes whose friction traction is not yet that of Coulomb's law: the direction of slip has turned since the
+        linear problem was made, which in space it may without any change of the active set. Collective."""
+        if not self._friction or self.gdim == 2:
+            return 0
+        slides = self.active & self.usable & self.sliding
+        law = (self._coefficients() * self.multiplier)[:, None] * self.direction
+        traction = self.friction_traction - np.einsum("nab,nb->na", self._lock, self.friction_traction)
+        largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
+        error = np.linalg.norm(traction - law, axis=1)
+        turned = slides & (error > TURNED * self._coefficients() * largest)
+        return self.comm.allreduce(int(np.count_nonzero(turned)))
 
     def set_redundant(self, nodes: IntArray) -> None:
         """Take over which normal conditions a linear problem has left out, as others of the same nodes imply them.
@@ -455,9 +492,8 @@ class LagrangeContact(ContactOutput):
         self.redundant = np.isin(np.arange(len(self.nodes)), nodes)
 
     def over_constrained(self) -> IntArray:
-        """Owned nodes whose condition was left out and is violated, although it is active."""
-        violated = np.abs(self.geometry.gap) > OPEN * self.geometry.size
-        return self.nodes[self.redundant & self.active & self.usable & violated]
+        """Owned nodes whose condition was left out in this increment, as others contradict it."""
+        return self.nodes[self._crowded]
 
     @property
     def num_active(self) -> int:

@@ -54,6 +54,8 @@ def connect(contacts: Sequence[Any]) -> bool:
                 )
     if sums[0]:
         _join(several, numbers, count)
+    if sums[1]:
+        _tell_edges(several, numbers)
     return bool(chained or sums[1])
 
 
@@ -72,7 +74,7 @@ def over_constrained(contacts: Sequence[Any]) -> str:
         others = [
             c.pair.name
             for c in contacts
-            if c is not contact and contact.comm.allreduce(int(np.any(np.isin(c.nodes[c.active], nodes))))
+            if c is not contact and contact.comm.allreduce(int(np.any(np.isin(c.nodes, nodes))))
         ]
         sentences.append(
             f"{number} nodes, the first at {_places(contact, nodes)}, cannot fulfil the conditions of "
@@ -86,6 +88,16 @@ def _join(contacts: Sequence[LagrangeContact], numbers: Sequence[IntArray], coun
     joined = JoinedNodes([c.geometry for c in contacts], numbers, count)
     for k, contact in enumerate(contacts):
         contact.partners = [(other, joined.rows_in(k, i)) for i, other in enumerate(contacts) if i != k]
+
+
+def _tell_edges(contacts: Sequence[LagrangeContact], numbers: Sequence[IntArray]) -> None:
+    """Tell contacts which of their nodes others constrain along another normal."""
+    for a, own in zip(contacts, numbers):
+        for b, others in zip(contacts, numbers):
+            _, mine, theirs = np.intersect1d(a.nodes, b.nodes, return_indices=True)
+            apart = own[mine] != others[theirs]
+            if a is not b and np.any(apart):
+                a.edges.append((b, mine[apart], theirs[apart]))
 
 
 def _number(contacts: Sequence[LagrangeContact]) -> tuple[list[IntArray], int, IntArray, IntArray]:
