@@ -16,8 +16,9 @@ from .geometry import RigidGeometry, SurfaceGeometry
 # is missing in the balance of pressures. By degree of the displacement; the mass matrix of a part h of a facet has a
 # condition of h^-2 and h^-4.
 LEAST_COVER = {1: 1e-6, 2: 1e-3}
-# Nodes whose functions are covered by more than their whole integral lie under two masters, one behind the other.
-LAYERED = 1.0 + 1e-3
+# Nodes whose functions are covered by so much more than their whole integral lie under two masters, one behind the
+# other. Less is an overlap of masters side by side that do not feel each other.
+LAYERED = 1.5
 
 
 class JoinedNodes:
