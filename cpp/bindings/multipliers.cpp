@@ -107,6 +107,11 @@ void bind_integrals(nb::module_& m)
       .def(
           "set_sums", [](MortarIntegrals& self, Array sums) { self.set_sums(view(sums)); }, nb::arg("sums"),
           "Replace the sums of facet normals, (n, gdim). Collective")
+      .def_prop_ro(
+          "area", [](const MortarIntegrals& s) { return copy(s.area(), {s.area().size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "aside", [](const MortarIntegrals& s) { return take(s.aside()); }, nb::rv_policy::move,
+          "Numbers of the facets that took no part, as they lie round a sharp edge")
       .def_rw("least_cover", &MortarIntegrals::least_cover)
       .def_prop_ro(
           "around", [](const MortarIntegrals& s) { return copy(s.around, {s.around.size()}); }, nb::rv_policy::move)
@@ -179,9 +184,12 @@ void bind_integrals(nb::module_& m)
           nb::arg("V"), nb::arg("slave"), nb::arg("nodes"), nb::arg("points"), nb::arg("weights"), nb::arg("basis"),
           nb::arg("axisymmetric") = false)
       .def(
-          "evaluate", [](const FacingShares& self, const Facets& slave, const Rigid& obstacle)
+          "evaluate", [](FacingShares& self, const Facets& slave, const Rigid& obstacle)
           { return take(self.evaluate(slave, obstacle)); }, nb::arg("slave"), nb::arg("obstacle"),
-          "Areas by the multiplier nodes. Collective");
+          "Areas by the multiplier nodes. Collective")
+      .def_prop_ro(
+          "aside", [](const FacingShares& s) { return copy(s.aside(), {s.aside().size()}); }, nb::rv_policy::move,
+          "Numbers of the facets that took no part");
   m.def(
       "springs",
       [](const dolfinx::common::IndexMap& map, int gdim, Indices nodes, nb::tuple rows, Array blocks)

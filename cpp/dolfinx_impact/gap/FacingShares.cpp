@@ -14,7 +14,7 @@ FacingShares::FacingShares(std::shared_ptr<const surface::FunctionSpace> V, cons
 {
 }
 
-std::vector<double> FacingShares::evaluate(const surface::Facets& slave, const Rigid& obstacle) const
+std::vector<double> FacingShares::evaluate(const surface::Facets& slave, const Rigid& obstacle)
 {
   const int n = slave.displacement.num_nodes(), gdim = slave.gdim;
   if (slave.size() * n != _integrals.size())
@@ -36,12 +36,14 @@ std::vector<double> FacingShares::evaluate(const surface::Facets& slave, const R
     if (counts[k])
       sums.mutable_array()[slave.nodes[k]] += _integrals[k];
   sums.scatter_rev(std::plus<double>());
+  _aside = gap::aside(slave, counts);
+  const std::vector<double> areas = _nodes.counted_area(_map, slave, counts);
   std::vector<double> out(_nodes.nodes.size());
   for (std::size_t i = 0; i < out.size(); ++i)
   {
     // A node at which no counted facet has a share keeps all of them: corners of quadratic triangles.
     const double share = sums.array()[_nodes.nodes[i]];
-    out[i] = share > least_share * _nodes.area[i] ? share : _nodes.share[i];
+    out[i] = share > least_share * areas[i] ? share : _nodes.share[i];
   }
   return out;
 }

@@ -16,11 +16,14 @@ public:
 
   /// Areas by the multiplier nodes [L, L^2]. Collective.
   /// @param[in] slave as given, moved
-  std::vector<double> evaluate(const surface::Facets& slave, const Rigid& obstacle) const;
+  std::vector<double> evaluate(const surface::Facets& slave, const Rigid& obstacle);
+  /// Numbers (Facets::id) of the facets that took no part in the last evaluation: they lie round a sharp edge.
+  const std::vector<std::int64_t>& aside() const { return _aside; }
 
 private:
   std::shared_ptr<const dolfinx::common::IndexMap> _map;
   MultiplierNodes _nodes;
   std::vector<double> _integrals; ///< by facet and node
+  std::vector<std::int64_t> _aside;
 };
 } // namespace dolfinx_impact::gap

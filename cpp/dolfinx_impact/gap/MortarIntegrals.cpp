@@ -71,6 +71,8 @@ MultiplierNodes multiplier_nodes(const surface::FunctionSpace& V, const surface:
     }
   values = over_ranks(map, std::move(values), 2, false);
   MultiplierNodes out;
+  for (std::size_t f = 0; f < slave.size(); ++f)
+    out.facet_area[slave.id[f]] = areas[f];
   // On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
   // multipliers live at the midpoints of the edges; linear ones live at the corners.
   for (std::int32_t node = 0; node < map->size_local(); ++node)
@@ -80,6 +82,32 @@ MultiplierNodes multiplier_nodes(const surface::FunctionSpace& V, const surface:
       out.share.push_back(values[2 * node]);
       out.area.push_back(values[2 * node + 1]);
     }
+  return out;
+}
+
+std::vector<double> MultiplierNodes::counted_area(const std::shared_ptr<const IndexMap>& map,
+                                                  const surface::Facets& slave,
+                                                  std::span<const std::int8_t> counts) const
+{
+  const int n = slave.displacement.num_nodes();
+  std::vector<double> sums(map->size_local() + map->num_ghosts(), 0.0), out(nodes.size());
+  for (std::size_t f = 0; f < slave.size(); ++f)
+    for (int i = 0; i < n; ++i)
+      if (counts[f * n + i])
+        sums[slave.nodes_of(f)[i]] += facet_area.at(slave.id[f]);
+  sums = over_ranks(map, std::move(sums), 1, false);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    out[i] = sums[nodes[i]];
+  return out;
+}
+
+std::vector<std::int64_t> aside(const surface::Facets& slave, std::span<const std::int8_t> counts)
+{
+  const int n = slave.displacement.num_nodes();
+  std::vector<std::int64_t> out;
+  for (std::size_t f = 0; f < slave.size() && !counts.empty(); ++f)
+    if (std::any_of(&counts[f * n], &counts[f * n] + n, [](std::int8_t one) { return !one; }))
+      out.push_back(slave.id[f]);
   return out;
 }
 
@@ -132,6 +160,7 @@ void MortarIntegrals::update_cover(std::span<const double> u, std::span<const do
   around.resize(num);
   for (std::size_t i = 0; i < num; ++i)
     around[i] = sums[_nodes.nodes[i]];
+  _area = _nodes.counted_area(_map, slave, _counts);
   add_normals(slave, normals, _counts);
   _sums = summed(std::move(normals), gdim);
 }
@@ -140,7 +169,7 @@ std::vector<std::int8_t> MortarIntegrals::covered() const
 {
   std::vector<std::int8_t> out(around.size());
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = around[i] > least_share * _nodes.area[i];
+    out[i] = around[i] > least_share * _area[i];
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include "../search/closest_point/PairSearch.h"
 #include "mortar.h"
 #include <memory>
+#include <unordered_map>
 
 namespace dolfinx_impact::gap
 {
@@ -13,7 +14,17 @@ struct MultiplierNodes
   std::vector<std::int32_t> nodes; ///< owned blocks of V
   std::vector<double> share;       ///< integral of the node's function over the whole facets [L, L^2]
   std::vector<double> area;        ///< of the facets around it [L, L^2]
+  std::unordered_map<std::int64_t, double> facet_area; ///< of this rank's facets by their numbers (Facets::id) [L, L^2]
+
+  /// Areas of the facets around each node that count there. Collective.
+  /// @param[in] map of the facets' nodes, whose first are those of V
+  /// @param[in] counts of `counting`
+  std::vector<double> counted_area(const std::shared_ptr<const dolfinx::common::IndexMap>& map,
+                                   const surface::Facets& slave, std::span<const std::int8_t> counts) const;
 };
+
+/// Numbers (Facets::id) of facets that do not count at one of their nodes.
+std::vector<std::int64_t> aside(const surface::Facets& slave, std::span<const std::int8_t> counts);
 
 /// Part of the area of its facets that the integral of a node's function must exceed.
 inline constexpr double least_share = 1e-2;
@@ -56,6 +67,10 @@ public:
   /// symmetry, docs/contact.md); empty: none
   /// @param[in] symmetry largest part of a unit normal that is such a tilt
   void update_gap(std::span<const std::int8_t> locked = {}, double symmetry = 0.0);
+  /// Areas of the facets that count around the n nodes [L, L^2].
+  const std::vector<double>& area() const { return _area; }
+  /// Numbers (Facets::id) of the facets that lie round a sharp edge and take no part.
+  std::vector<std::int64_t> aside() const { return gap::aside(_search->slave(), _counts); }
   /// Sums of facet normals at the n nodes, [i*gdim + c].
   std::vector<double> sums_at_nodes() const;
   /// Replaces them, where other surfaces continue this one. Collective.
@@ -118,7 +133,7 @@ private:
   std::shared_ptr<const dolfinx::common::IndexMap> _map;
   Segments _segments;
   Mortar _mortar;
-  std::vector<double> _sums, _gamma;
+  std::vector<double> _sums, _gamma, _area;
   std::vector<std::int8_t> _counts; ///< which facets count at which of their nodes, [facet*num_nodes + i]
   operators::CooMatrix _mortar_matrix, _jump, _sliding, _turning, _facing;
   std::shared_ptr<_p_Mat> _tangent;

@@ -14,7 +14,7 @@ namespace
 {
 /// A facet faces the master within 45 degrees, and faces nothing beyond 60: the sides of a right-angled edge are told
 /// apart while a body is turned by less than 30 degrees; turned by more, both count.
-constexpr double front = 0.70710678118654752, aside = 0.5;
+constexpr double front = 0.70710678118654752, sideways = 0.5;
 /// Facets that meet at more than 30 degrees form a sharp edge, as for smooth surfaces.
 constexpr double crease = 0.86602540378443865;
 
@@ -74,7 +74,7 @@ std::vector<std::int8_t> counting(const std::shared_ptr<const dolfinx::common::I
   std::vector<std::int8_t> out(slave.size() * n, 1);
   for (std::size_t f = 0; f < slave.size(); ++f)
   {
-    if (cosines[f] > aside)
+    if (cosines[f] > sideways)
       continue;
     const FacetPoint p = at_centre(slave, f);
     for (int i = 0; i < n; ++i)

@@ -59,6 +59,8 @@ class SurfaceGeometry(abc.ABC):
         weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n) integral of the multiplier's
         function over the part of the surface that faces a master [L^2]; gaps and slips are means over it. At nodes that
         pairs have in common both are sums over the pairs (joined_nodes.py); own_weight, own_cover are of this pair.
+        around: (n) as cover, with nodes that carry no multiplier [L^2]; area: (n) of the facets around a node [L^2], both
+        without facets that lie round a sharp edge, whose numbers are `aside`.
         part: (n) mask of nodes that this pair has a force at. carrier: (n) mask, false where another pair has the
         multiplier of a common node.
         gap: (n) [L]. normal: (n, gdim). fixed: (n, gdim) prescribed components. locked: (n, gdim) those along which the
@@ -359,7 +361,7 @@ class SurfaceGeometry(abc.ABC):
         p, touching, known = np.zeros(size), np.zeros(size), np.zeros(size)
         p[self.nodes], touching[self.nodes], known[self.nodes] = pressure, active, 1.0
         p, touching, known = (self.sum.forward(a).ravel() for a in (p, touching, known))
-        nodes = self.slave.nodes
+        nodes = self.slave.nodes[~np.isin(self.slave.id, self.aside)]
         rim = np.any((known[nodes] > 0) & (touching[nodes] == 0), axis=1) if len(nodes) else np.zeros(0, dtype=bool)
         outermost = np.repeat(rim[:, None], nodes.shape[1], 1)
         if self.gdim == 2:  # an end of a facet whose midpoint touches lies further inside
@@ -444,7 +446,8 @@ class RigidGeometry(SurfaceGeometry):
         """Gaps, and areas that face the obstacle; see SurfaceGeometry. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()
-        self.around = self._shares.evaluate(self.slave, self.obstacle)
+        self.around = self.area = self._shares.evaluate(self.slave, self.obstacle)
+        self.aside = self._shares.aside
         self._nodal = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
 
     def covered(self) -> BoolArray:

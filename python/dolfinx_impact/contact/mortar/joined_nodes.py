@@ -43,10 +43,8 @@ class JoinedNodes:
         self._updated: list[FloatArray] = []
         self._evaluated: list[FloatArray] = []
         self._elsewhere: list[SurfaceGeometry] = []
-        first = self._distinct()
-        self._sums_of = first
-        self._area = sum(self._sum(k, geometries[k].area) for k in first)
-        self._share = sum(self._sum(k, geometries[k].share) for k in first)
+        self._sums_of = self._distinct()
+        self._share = sum(self._sum(k, geometries[k].share) for k in self._sums_of)
         for k, geometry in enumerate(geometries):
             geometry.joined, geometry.member = self, k
             if not isinstance(geometry, RigidGeometry):
@@ -118,7 +116,8 @@ class JoinedNodes:
         for g in geometries:
             g.update_cover(u)
         around = self._total([g.around for g in geometries])
-        enough = around > _cpp.multipliers.least_share * self._area
+        area = np.sum([self._sum(k, geometries[k].area) for k in self._sums_of], axis=0)
+        enough = around > _cpp.multipliers.least_share * area
         for k, g in enumerate(geometries):
             g.integrate(np.ones(len(g.nodes), dtype=bool) if isinstance(g, RigidGeometry) else enough[self._numbers[k]])
         parts = [g.participates & (g.around != 0.0) for g in geometries]

@@ -56,7 +56,7 @@ class MortarGeometry(SurfaceGeometry):
         """Search, segments and cover; see SurfaceGeometry. Collective."""
         self._move(u)
         self.integrals.update_cover(self.u, self.start)
-        self.around = self.integrals.around
+        self.around, self.area, self.aside = self.integrals.around, self.integrals.area, self.integrals.aside
 
     def covered(self) -> BoolArray:
         """Nodes of which enough is covered, mask (n)."""
