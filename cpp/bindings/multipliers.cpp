@@ -519,6 +519,9 @@ void bind_friction(nb::module_& m)
           "update_directions", [](CoulombFriction& f, Mask usable, nb::dict geometry, Mask locked)
           { f.update_directions(view(usable), Geometry(geometry).now, view(locked)); }, nb::arg("usable"),
           nb::arg("geometry"), nb::arg("locked"), "A new state to linearise about")
+      .def(
+          "set_edges", [](CoulombFriction& f, Array projectors) { f.set_edges(vector<double>(projectors)); },
+          nb::arg("projectors"), "Directions that another contact of a node holds, (n, gdim, gdim), or empty")
       .def_prop_ro(
           "locked", [](const CoulombFriction& f)
           { return copy(f.locked(), {f.num_nodes(), std::size_t(f.gdim()), std::size_t(f.gdim())}); },

@@ -2,6 +2,7 @@
 #include "SaddlePoint.h"
 #include "../../operators/petsc_check.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -162,9 +163,31 @@ std::vector<std::vector<std::int8_t>> SaddlePoint::independent(std::span<const C
     std::stable_sort(conditions.begin(), conditions.end(), [](const Condition& a, const Condition& b)
                      { return a.normal != b.normal ? a.normal : a.normal && a.known > b.known; });
     std::vector<SparseRow> basis;
+    std::vector<std::array<double, 3>> normals; // orthonormal
     for (const Condition& one : conditions)
     {
       const Constraints& p = parts[one.contact];
+      std::array<double, 3> direction{};
+      for (int a = 0; a < g; ++a)
+        direction[a] = p.frames[(one.i * g + a) * g + one.d];
+      for (const auto& other : normals)
+      {
+        const double along = std::inner_product(direction.begin(), direction.end(), other.begin(), 0.0);
+        for (int a = 0; a < g; ++a)
+          direction[a] -= along * other[a];
+      }
+      const double left = std::inner_product(direction.begin(), direction.end(), direction.begin(), 0.0);
+      if (one.normal && left > least_own)
+      {
+        for (double& value : direction)
+          value /= std::sqrt(left);
+        normals.push_back(direction);
+      }
+      if (!one.normal && left < 0.5) // along the surface, but held by other normals
+      {
+        out[one.contact][one.i * g + one.d] = 0;
+        continue;
+      }
       SparseRow row;
       // What is prescribed on this rank is no unknown of a condition.
       const auto enter = [&](std::int64_t dof, double value)

@@ -139,7 +139,7 @@ class JoinedNodes:
             )
         )
         any_part = self._total(parts_of) > 0.0
-        gap = np.where(any_part, gap / np.where(any_part, cover, 1.0), np.inf)
+        gap = np.where(any_part, gap, np.inf) / np.where(any_part, cover, 1.0)
         carrier = self._carriers(geometries, parts)
         for k, g in enumerate(geometries):
             at = self._numbers[k]
@@ -154,7 +154,8 @@ class JoinedNodes:
         nearest = np.full(self._count, np.inf)
         own = []
         for k, g in enumerate(geometries):
-            gap = np.where(parts[k], g.weighted_gap / np.where(parts[k], g.own_cover, 1.0), np.inf)
+            gap = np.full(len(g.nodes), np.inf)
+            gap[parts[k]] = g.weighted_gap[parts[k]] / g.own_cover[parts[k]]
             own.append(gap)
             np.minimum.at(nearest, self._numbers[k], gap)
         for k in range(len(parts)):

@@ -259,7 +259,7 @@ class LagrangeContact(ContactOutput):
         """The increment has converged: slip adds up, less what a node slides before it closes. Collective."""
         slip, opening = self._slip, np.zeros(0) if self.opening is None else self.opening
         if self._friction:  # along locked directions nothing slips
-            slip = slip - np.einsum("nab,nb->na", self._lock, slip)
+            slip = slip - np.einsum("nab,nb->na", self._lock + self._edge_locks(), slip)
         length = np.linalg.norm(slip, axis=1)
         free = np.where(np.isfinite(opening), opening, 0.0) * self._coefficients()
         part = np.where(opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
@@ -287,6 +287,29 @@ class LagrangeContact(ContactOutput):
         if self._friction:
             self.coulomb.update_directions(self.usable, self._geometry(), g.locked)
             self._lock = self.coulomb.locked
+
+    def _edge_locks(self) -> FloatArray | float:
+        """Projectors on the directions along the surface that other contacts of the same nodes hold, (n, gdim, gdim);
+        0 without any."""
+        if not self.edges or not self._friction:
+            return 0.0
+        g = self.geometry
+        basis, count = np.zeros((len(self.nodes), self.gdim, self.gdim)), np.zeros(len(self.nodes), dtype=int)
+        for other, mine, theirs in self.edges:
+            on = (self.active & self.usable)[mine] & (other.active & other.geometry.participates)[theirs]
+            rows, normals = mine[on], other.geometry.normal[theirs[on]]
+            # Gram-Schmidt: less the node's own normal, and what others hold.
+            own = g.normal[rows]
+            part = normals - np.einsum("na,na->n", own, normals)[:, None] * own
+            part -= np.einsum("nab,nb->na", basis[rows], part)
+            length = np.linalg.norm(part, axis=1)
+            new = length > LEAST_ANGLE
+            axis = part[new] / length[new, None]
+            basis[rows[new]] += axis[:, :, None] * axis[:, None, :]
+            count[rows[new]] += 1
+        basis[count == 0] = 0.0
+        basis[np.any(self.fixed, axis=1)] = 0.0  # there prescribed components decide
+        return basis
 
     def _align_frames(self) -> None:
         """At nodes with two normals in space one tangent lies along the edge between them: what sticks or slips there
@@ -350,7 +373,7 @@ class LagrangeContact(ContactOutput):
             "multiplier": self.multiplier, "slip": self._slip, "traction": self.friction_traction,
             "direction": self.direction,
             "stiffness": self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0),
-            "opening": np.zeros(0) if self.opening is None else self.opening, "lock": self._lock,
+            "opening": np.zeros(0) if self.opening is None else self.opening, "lock": self._lock + self._edge_locks(),
             "roughness": self._coefficients() / self._coefficient if self.partners and self._friction else np.zeros(0),
         }  # fmt: skip
 
@@ -477,7 +500,8 @@ class LagrangeContact(ContactOutput):
             return 0
         slides = self.active & self.usable & self.sliding
         law = (self._coefficients() * self.multiplier)[:, None] * self.direction
-        traction = self.friction_traction - np.einsum("nab,nb->na", self._lock, self.friction_traction)
+        still = self._lock + self._edge_locks()
+        traction = self.friction_traction - np.einsum("nab,nb->na", still, self.friction_traction)
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
         error = np.linalg.norm(traction - law, axis=1)
         turned = slides & (error > TURNED * self._coefficients() * largest)
@@ -577,6 +601,7 @@ class LagrangeContact(ContactOutput):
         """
         if not self._friction:
             return None
+        self.coulomb.set_edges(np.asarray(self._edge_locks()) if self.edges else np.zeros(0))
         rows, blocks, traction = self.coulomb.update_springs(
             self._state(), self._geometry(), self._coefficient, self.nodal_stiffness, self.facing_stiffness
         )
