@@ -27,6 +27,7 @@ from .equilibrium import open_contacts, out_of_balance
 from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
 from .load_steps import Increment, StepLog
 from ..common.types import FloatArray, IntArray
+from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
@@ -194,6 +195,9 @@ class Newton:
                 if loose:
                     return result.failed(f"{loose}; the linear solver failed ({fault})", hopeless=True)
             if fault:
+                crowded = over_constrained(self.multipliers)
+                if crowded:
+                    return result.failed(f"the linear problem has no solution: {crowded}", advice="")
                 collapse = " Is the load more than the body can bear?" if self.inelastic else ""
                 return result.failed(
                     f"the linear solver failed ({fault}): is the body held against rigid motion?{collapse}"
@@ -335,6 +339,8 @@ class Newton:
             # The residual of penalty contact is already that of the new status; where the friction limit is reached
             # exactly, round-off decides on the status.
             pending += changed if contact.has_multipliers else 0
+        if not first:
+            pending += sum([c.num_turning() for c in self.multipliers])
         return changes, pending
 
     def _free_norm(self, residual: FloatArray) -> float:
@@ -559,6 +565,8 @@ class Newton:
         system: LinearSystem | SaddlePoint
         if self.saddle:
             self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
+            for multiplier, nodes in zip(self.multipliers, self._rows.redundant):
+                multiplier.set_redundant(nodes)
             system = SaddlePoint(K, extra, self._rows)
             start = system.unknowns(guess, self._forces)
         else:

@@ -27,6 +27,7 @@ from .snes import Solver
 from .load_steps import Report, run_steps
 from ..common.types import BoolArray, FloatArray
 from ..common.unique import Unique, claim
+from ..contact.mortar.shared_nodes import connect
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 
@@ -103,19 +104,21 @@ class StaticProblem(Unique):
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads)
         self._b = self.body.vector()
-        # Only multipliers with the dual basis can be condensed. With another basis, all stay in the system.
-        self.keeps_multipliers = any(getattr(c, "basis", "dual") != "dual" for c in contact)
-        self.linear_solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
-        # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
-        # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
-        # order of pressure over stiffness.
-        self.exact_tangent = self.linear_solver.direct
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for d in dofs:
             self.fixed[d] = True
         self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
+        # Only multipliers with the dual basis can be condensed, and only one constraint at a node. Otherwise, all stay
+        # in the system.
+        shared = connect(self.contact)
+        self.keeps_multipliers = shared or any(getattr(c, "basis", "dual") != "dual" for c in contact)
+        self.linear_solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
+        # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
+        # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
+        # order of pressure over stiffness.
+        self.exact_tangent = self.linear_solver.direct
 
     @property
     def tangent(self) -> BodyTangent:

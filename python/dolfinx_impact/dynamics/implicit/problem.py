@@ -280,6 +280,7 @@ class NewmarkProblem(Unique):
         self.u.x.scatter_forward()
         for k, contact in enumerate(self.contact):
             contact.begin_step(self.u.x.array, start.places[k] if contact.pair.rigid else None)
+        for contact in self.contact:
             contact.update_gap(self.u.x.array)
             if not contact.has_multipliers:
                 contact.update_active_set(True)
