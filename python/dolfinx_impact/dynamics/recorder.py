@@ -22,6 +22,7 @@ from ..io import hdf5
 from ..io.frames import Frames
 from ..io.run_folder import FolderGone, RunFolder
 from .material_frames import MaterialFrames
+from .row_blocks import RowBlocks
 from .run_history import ENERGIES
 
 if TYPE_CHECKING:
@@ -157,8 +158,8 @@ class Recorder:
         if of_materials:
             self._materials = MaterialFrames(self.folder, problem.history, problem.space.mesh, of_materials)
         self._samples: list[tuple[float, FloatArray]] = []
-        self._rows: list[npt.NDArray[np.void]] = []
-        self._waiting, self._frame = 0, -1
+        self._rows: RowBlocks | None = None  # those that wait
+        self._frame = -1
         self._gone: FolderGone | None = None
         self._open()
         self._flushed = time.monotonic()
@@ -228,8 +229,9 @@ class Recorder:
         """
         if self._gone is not None:
             return
-        self._rows.append(rows)
-        self._waiting += len(rows)
+        if self._rows is None:
+            self._rows = RowBlocks(rows.dtype)
+        self._rows.add(rows)
 
     def after(self) -> None:
         """Write frame, sample and histories if they are due after the present step. Collective.
@@ -247,7 +249,7 @@ class Recorder:
     def _give_up(self, gone: FolderGone) -> None:
         """Record nothing more: nobody could read it, and the run is worth more than its records. Collective."""
         p, self._gone = self.problem, gone
-        self._rows, self._waiting, self._samples = [], 0, []
+        self._rows, self._samples = None, []
         if p.comm.rank == 0:
             warnings.warn(f"{gone}; from the time {p.time:.6g} the run goes on without its recorder", stacklevel=2)
         with contextlib.suppress(RuntimeError):
@@ -269,7 +271,7 @@ class Recorder:
                 if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
                     self._flush()
             self.seconds += time.perf_counter() - begin
-        if self._waiting > ROWS:
+        if self._rows is not None and len(self._rows) > ROWS:
             self._flush()
             self.seconds += time.perf_counter() - begin
 
@@ -301,11 +303,11 @@ class Recorder:
 
         def work(file: h5py.File) -> None:
             if rows:
-                table = np.concatenate(rows)
                 for name in ("time", *ENERGIES):
-                    _append(file[name], table[name])
+                    _append(file[name], np.concatenate([block[name] for block in rows]))
                 for k in range(len(p.contact)):
-                    _append(file[f"force_{k}"], table["force"][:, k, : p.space.mesh.geometry.dim])
+                    gdim = p.space.mesh.geometry.dim
+                    _append(file[f"force_{k}"], np.concatenate([block["force"][:, k, :gdim] for block in rows]))
             if samples:
                 values = np.array([v for _, v in samples])
                 _append(file["points/time"], np.array([t for t, _ in samples]))
@@ -313,7 +315,7 @@ class Recorder:
                     _append(file[f"points/{name}"], values[:, :, k])
 
         self.folder.write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
-        self._rows, self._waiting, self._samples, self._flushed = [], 0, [], time.monotonic()
+        self._rows, self._samples, self._flushed = None, [], time.monotonic()
 
     def close(self) -> None:
         """Write what waits in memory, close the files and stop recording. Collective.

@@ -38,7 +38,7 @@ RECHECK = 500  # steps after which the stable step of a deforming body is comput
 FIRST_CHECK = 2  # steps after which it is for the first time
 CHANGE = 0.03  # wanted relative change of the stable step from one check to the next; SAFETY leaves 0.1
 SNAPSHOT = 100  # steps between the states that an unstable run returns to
-MOST_STEPS = 10**9  # in one call: the energies of as many steps take a hundred gigabytes
+MOST_STEPS = 10**9  # in one call: what a recorder writes of as many steps takes a hundred gigabytes
 
 
 @dataclass
