@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..common.types import FilePath
+from . import seal
 
 if TYPE_CHECKING:
     import h5py
@@ -186,12 +187,13 @@ def write_whole(path: FilePath, content: str | bytes | Iterable[tuple[int, bytes
         raise
 
 
-def create(path: FilePath, fill: Callable[[h5py.File], object]) -> None:
+def create(path: FilePath, fill: Callable[[h5py.File], object], sealed: bool = False) -> None:
     """Create an HDF5 file.
 
     Args:
         path: file to write.
         fill: function that fills the file.
+        sealed: whether checksums of all bytes follow behind the end (seal.py).
 
     Raises:
         OSError: no room, or another failure to write; an earlier file is as it was.
@@ -201,7 +203,8 @@ def create(path: FilePath, fill: Callable[[h5py.File], object]) -> None:
     sketch = Sketch()
     with h5py.File(sketch, "w") as file:
         fill(file)
-    write_whole(path, sketch.writes())
+    ends = [(sketch.size, seal.table([], sketch.content, sketch.size))] if sealed else []
+    write_whole(path, [*sketch.writes(), *ends])
 
 
 def update(path: FilePath, change: Callable[[h5py.File], object]) -> None:

@@ -17,6 +17,7 @@ from petsc4py import PETSc
 from ..assembly import problem_arguments, rigid_body_modes
 from ..assembly.history import MaterialHistory
 from ..common import arguments
+from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..common.unique import Unique
@@ -36,6 +37,7 @@ from .power_balance import PowerBalance, power_balance
 from .progress import progress_bar
 from .reduced_contacts import ReducedContacts
 from .sweep import Fingerprint
+from .sweep_state import SweepState
 from .torque import Torque, TorqueControl
 from .transport import Transport
 
@@ -343,21 +345,50 @@ class RollingProblem(Unique):
             assert force is not None
             return {"omega": first.omega, "force": force.copy(), "torque": self.torque}
 
-        return sweep.run(comm, points, solve, file, progress, self._fingerprint())
+        def begin_from(row: dict[str, Any], state: tuple[FloatArray, FloatArray]) -> None:
+            """As after the solve of a point that a file has."""
+            first.omega = float(row["omega"])
+            self._flow.lateral, self._flow.turn = float(row["lateral"]), float(row["spin"])
+            self._flow.update()
+            kept.set(*state)
 
-    def _fingerprint(self) -> Fingerprint:
-        """What tells the points of another problem. Collective."""
+        kept = SweepState(self._equilibrium, self._settle)
+        return sweep.run(comm, points, solve, file, progress, self._fingerprint(options), kept, begin_from)
+
+    def _settle(self) -> None:
+        """The present loads and rates are those that the last solve has reached."""
+        for load in self._equilibrium.loads:
+            for constant, reached in load.ramps() if hasattr(load, "ramps") else ():
+                reached[...] = constant.value
+        self._flow.settle()
+
+    def _fingerprint(self, options: dict[str, Any]) -> Fingerprint:
+        """What tells the points of another problem. Collective.
+
+        Args:
+            options: of `solve`.
+        """
         p, V = self._equilibrium, self._equilibrium.space
+        given = GivenArguments(V.mesh, (self.u,))
+        given.add_mesh(V)
+        given.add_material("material", self.material)
+        for tag, motion in self.motions.items():
+            given.table[f"motions[{tag}]"] = f"{type(motion).__name__}, {cells_with(self.cell_tags, tag)}"
+            given.add_attributes(f"motions[{tag}]", motion, but=("omega", "velocity"))
+        given.table["contact"] = ", ".join(c.kind for c in p.contact)
+        for k, c in enumerate(p.contact):
+            given.add_contact(f"contact[{k}]", c.kind, c.options, c.pair, c.facets())
+        given.table["loads"] = ", ".join(type(load).__name__ for load in self.loads)
+        for k, load in enumerate(self.loads):
+            given.add_load(f"loads[{k}]", load)
         values = self.u.copy()
         for bc in p.bcs:
             bc.set(values.x.array)
-        prescribed = values.x.array[: p.num_owned][p.fixed[: p.num_owned]]
-        loads: list[FloatArray] = [np.ravel(load.constant.value) for load in p.loads if hasattr(load, "constant")]
+        fixed = np.flatnonzero(p.fixed[: p.num_owned])
+        given.add_prescribed("bcs", V, fixed, values.x.array[fixed])
+        given.add("options", {name: options[name] for name in sorted(options)})
         rates: list[FloatArray] = [np.ravel(motion.rate) for motion in self.motions.values()]
-        rates += [c.pair.rigid_master.velocity for c in p.contact if c.pair.rigid]
-        size = V.mesh.comm.allreduce(float(prescribed @ prescribed)) ** 0.5
-        text = repr([p.material, V.dofmap.index_map.size_global, [c.pair for c in p.contact]])
-        return Fingerprint(text, np.concatenate([[size], *loads, *rates]))
+        return Fingerprint(given.table, np.concatenate(rates))
 
     def _rolling_contacts(self) -> list[RollingContact]:
         return cast("list[RollingContact]", self._equilibrium.contact)

@@ -3,23 +3,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
 
 from ..common.types import FilePath, FloatArray
-from ..io import hdf5
+from ..common.collective import agree, attempt
+from ..io import hdf5, seal
+from ..io.given_arguments import SUMS, Table
 from .progress import progress_bar
+
+if TYPE_CHECKING:
+    from .sweep_state import SweepState
 
 INPUTS = ("creep", "lateral", "spin")
 UNITS = {"creep": "1", "lateral": "1", "spin": "1/L", "force": "F", "torque": "F L", "omega": "1/T"}
 
 
-SAME = 1e-6  # relative difference of numbers of one problem: a spin that was found has the solver's accuracy
+SAME = 1e-6  # relative difference of rates of one problem: a spin that was found has the solver's accuracy
+SUM = 1e-9  # relative difference of sums over nodes: round-off is less, another mesh differs by more
+STATE = ("state/values", "state/totals")
 
 
 @dataclass
@@ -27,18 +34,31 @@ class Fingerprint:
     """What tells the points of one problem from those of another.
 
     Attributes:
-        text: material, size, contacts.
-        numbers: prescribed displacements, loads, rates.
+        arguments: what the problem was made of, by name; see io.given_arguments.
+        rates: rates of the motions at the beginning of the sweep.
     """
 
-    text: str
-    numbers: FloatArray
+    arguments: Table
+    rates: FloatArray
 
-    def matches(self, other: Fingerprint) -> bool:
-        """Is the other one of the same problem?"""
-        if self.text != other.text or self.numbers.shape != other.numbers.shape:
-            return False
-        return bool(np.allclose(self.numbers, other.numbers, rtol=SAME, atol=0.0))
+    def difference(self, arguments: Mapping[str, Any], rates: FloatArray) -> str:
+        """Name of the first argument that another problem has otherwise; an empty text: it is the same.
+
+        Args:
+            arguments: of the other problem.
+            rates: of the other problem.
+        """
+        for name in dict.fromkeys([*self.arguments, *arguments]):
+            here, there = self.arguments.get(name), arguments.get(name)
+            if name.startswith(SUMS) and np.shape(here) == np.shape(there):
+                here, there = np.asarray(here, dtype=float), np.asarray(there, dtype=float)
+                same = bool(np.all(np.abs(here - there) <= SUM * np.abs(here).max(initial=0.0)))
+            else:
+                same = bool(np.all(here == there))
+            if not same:
+                return name.removeprefix(SUMS)
+        same = self.rates.shape == rates.shape and np.allclose(self.rates, rates, rtol=SAME, atol=0.0)
+        return "" if same else "motions"
 
 
 def creepages(creep: Any, lateral: Any, spin: Any) -> dict[str, FloatArray]:
@@ -71,50 +91,69 @@ def creepages(creep: Any, lateral: Any, spin: Any) -> dict[str, FloatArray]:
     return {name: np.broadcast_to(arrays.get(name, np.zeros(1)), count).copy() for name in INPUTS}
 
 
-def read(path: FilePath, points: dict[str, FloatArray], problem: Fingerprint) -> list[dict[str, Any]]:
-    """Rows of a file that an earlier sweep over the same points has written.
+def read(
+    path: FilePath, points: dict[str, FloatArray], problem: Fingerprint, state: SweepState
+) -> tuple[list[dict[str, Any]], tuple[FloatArray, FloatArray] | None]:
+    """Rows of a file that an earlier sweep over the same points has written, and the state at the last of them.
 
     Args:
         path: the file; there may be none.
         points: creepages of this sweep.
         problem: what the points belong to.
+        state: state of the problem.
 
     Raises:
+        OSError: the file cannot be read.
+        Damaged: the file is not as it was written.
         ValueError: the file belongs to another sweep.
     """
     import h5py
 
     if not Path(path).exists():
-        return []
+        return [], None
+    seal.Sealed(path).close()
     with h5py.File(path, "r") as file:
-        found = {name: file[name][:] for name in UNITS if name in file}
-        text, numbers = file.attrs.get("problem"), file.attrs.get("numbers")
-    if text is None or numbers is None or set(found) != set(UNITS):
-        raise ValueError(f"{path} is no file of a sweep")
-    if not problem.matches(Fingerprint(str(text), np.asarray(numbers))):
-        raise ValueError(f"{path} has the sweep of another problem: remove it, or give another name")
-    num = len(found["creep"])
+        if set(file) != {*UNITS, "state"} or any(name not in file for name in STATE):
+            raise ValueError(f"{path} is no file of a sweep")
+        found = {name: np.asarray(file[name][:]) for name in UNITS}
+        values, totals = (np.asarray(file[name][:]) for name in STATE)
+        attributes = dict(file.attrs)
+    rates = np.asarray(attributes.pop("rates", np.zeros(0)))
+    other = problem.difference(attributes, rates)
+    if other:
+        raise ValueError(f"{path} has the sweep of another problem, {other} differs: remove it, or give another name")
+    num, force = len(found["creep"]), len(np.atleast_1d(found["force"][0])) if len(found["force"]) else 0
+    shapes = {name: (num, force) if name == "force" else (num,) for name in UNITS}
+    whole = all(found[name].shape == shape and np.all(np.isfinite(found[name])) for name, shape in shapes.items())
+    if not whole or values.shape != state.shape or totals.shape != (state.num_totals,):
+        raise seal.Damaged("its tables are not those of a sweep")
     if num > len(points["creep"]) or any(np.any(found[name] != points[name][:num]) for name in INPUTS):
         raise ValueError(f"{path} has a sweep over other creepages: remove it, or give another name")
-    return [{name: found[name][k] for name in UNITS} for k in range(num)]
+    return [{name: found[name][k] for name in UNITS} for k in range(num)], (values, totals)
 
 
-def write(path: FilePath, rows: list[dict[str, Any]], problem: Fingerprint) -> None:
-    """Write rows to an HDF5 file, with units; the former file stays until the new one is complete.
+def write(
+    path: FilePath, rows: list[dict[str, Any]], problem: Fingerprint, state: tuple[FloatArray, FloatArray]
+) -> None:
+    """Write rows to a sealed HDF5 file, with units; the former file stays until the new one is complete.
 
     Args:
         path: the file.
         rows: one dict per point.
         problem: what the points belong to.
+        state: state at the last point, as SweepState.read returned it.
     """
 
     def fill(file: Any) -> None:
         for name, unit in UNITS.items():
             file[name] = np.array([row[name] for row in rows])
             file[name].attrs["unit"] = unit
-        file.attrs["problem"], file.attrs["numbers"] = problem.text, problem.numbers
+        for name, values in zip(STATE, state):
+            file[name] = values
+        for name, value in {**problem.arguments, "rates": problem.rates}.items():
+            file.attrs[name] = value
 
-    hdf5.create(path, fill)
+    hdf5.create(path, fill, sealed=True)
 
 
 def run(
@@ -124,6 +163,8 @@ def run(
     file: FilePath | None,
     progress: bool,
     problem: Fingerprint,
+    state: SweepState,
+    begin_from: Callable[[dict[str, Any], tuple[FloatArray, FloatArray]], None],
 ) -> dict[str, FloatArray]:
     """Solve for all points. Collective.
 
@@ -134,17 +175,22 @@ def run(
         file: HDF5 file that is written after each point, and whose points are not solved again; or None.
         progress: show a bar on rank 0.
         problem: what the points belong to.
+        state: state of the problem.
+        begin_from: function that brings the problem to a row of the file with its state.
+
+    Raises:
+        RuntimeError: the file cannot be read, is damaged, or cannot be written; on all ranks.
+        ValueError: the file belongs to another sweep; on all ranks.
     """
     rows: list[dict[str, Any]] = []
-    fault = None
-    if file is not None and comm.rank == 0:
-        try:
-            rows = read(file, points, problem)
-        except (OSError, ValueError) as error:
-            fault = str(error)
-    rows, fault = comm.bcast((rows, fault))
-    if fault:
-        raise ValueError(fault)
+    if file is not None:
+        found, error = attempt(read, file, points, problem, state) if comm.rank == 0 else (None, None)
+        if error is not None and not isinstance(error, ValueError):
+            error = RuntimeError(f"{file} cannot be read ({error}): remove it, or give another name")
+        agree(comm, error, "RollingProblem.sweep")
+        rows, last = comm.bcast(found)
+        if last is not None:
+            begin_from(rows[-1], last)
     total = len(points["creep"])
     with progress_bar(comm, progress, total) as show:
         for k in range(len(rows), total):
@@ -152,13 +198,11 @@ def run(
             show(k, f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}")
             rows.append({**dict(zip(INPUTS, here)), **solve(*here)})
             if file is not None:
-                if comm.rank == 0:
-                    try:
-                        write(file, rows, problem)
-                    except OSError as error:
-                        fault = f"{file} cannot be written: {error}"
-                fault = comm.bcast(fault)
-                if fault:
-                    raise RuntimeError(fault)
+                now, fault = state.read(), None
+                if now is not None:
+                    fault = attempt(write, file, rows, problem, now)[1]
+                if isinstance(fault, OSError):
+                    fault = RuntimeError(f"{file} cannot be written: {fault}")
+                agree(comm, fault, "RollingProblem.sweep")
         show(total, "")
     return {name: np.array([row[name] for row in rows]) for name in UNITS}

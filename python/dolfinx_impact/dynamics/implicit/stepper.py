@@ -79,9 +79,7 @@ class ImplicitStepper:
         self.calls = AdvanceCalls()
         self._solver: Solver | None = None  # of the present `advance`
 
-    def set_control(
-        self, length: float, largest: float, smallest: float, last: float, tolerance: float | None
-    ) -> None:
+    def set_control(self, length: float, largest: float, smallest: float, last: float, tolerance: float | None) -> None:
         """Set the lengths of steps from a checkpoint.
 
         Args:

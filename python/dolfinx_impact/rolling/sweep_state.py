@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""State of a rolling problem at a point of a sweep, as a table by cells that does not depend on the ranks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..common.cell_numbers import input_cell_numbers
+from ..common.types import FloatArray
+from ..contact.saved_history import SavedHistory
+from .contact import RollingContact
+
+if TYPE_CHECKING:
+    from ..statics.problem import StaticProblem
+
+
+class SweepState:
+    """Reads and sets displacement and contacts of the equilibrium of a rolling problem with friction.
+
+    Args:
+        problem: its equilibrium; contacts are by multipliers.
+        settle: function that takes loads and rates as reached by the last solve.
+    """
+
+    def __init__(self, problem: StaticProblem, settle: Callable[[], None]) -> None:
+        self._problem, self._settle, self._comm = problem, settle, problem.space.mesh.comm
+
+    def read(self) -> tuple[FloatArray, FloatArray] | None:
+        """Values at the nodes of every cell, by its number in the mesh's input, (cells, nodes, columns): displacement,
+        then what the contacts remember at slave nodes; and totals of the contacts, (n). On rank 0, else None.
+        Collective."""
+        V, histories = self._problem.space, self._histories()
+        num, bs = V.dofmap.index_map.size_local, V.dofmap.index_map_bs
+        columns = [self._problem.u.x.array[: num * bs].reshape(-1, bs)]
+        for saved in histories:
+            rows = np.zeros((num, saved.width()))
+            rows[saved.keys] = saved.table()
+            columns.append(rows)
+        table = self._with_ghosts(np.hstack(columns))
+        numbers, dofs = self._cells()
+        found = self._comm.gather((numbers, table[dofs]), root=0)
+        if found is None:
+            return None
+        order = np.argsort(np.concatenate([n for n, _ in found]))
+        totals = np.concatenate([np.zeros(0), *(saved.flat_totals() for saved in histories)])
+        return np.concatenate([rows for _, rows in found])[order], totals
+
+    def set(self, table: FloatArray, totals: FloatArray) -> None:
+        """Set displacement and contacts. Collective.
+
+        Args:
+            table: values by cells, as `read` returned them.
+            totals: totals of the contacts, as `read` returned them.
+        """
+        V, u = self._problem.space, self._problem.u.x
+        numbers, dofs = self._cells()
+        bs, first = V.dofmap.index_map_bs, V.dofmap.index_map_bs
+        values = np.zeros((V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts, table.shape[2]))
+        values[dofs] = table[numbers]
+        # A rank may own a node of which it has no cell: it takes the value from those who have.
+        known = np.zeros((len(values), 1))
+        known[dofs] = 1.0
+        sums, counts = self._sum(values), self._sum(known)
+        values = self._with_ghosts(np.where(known > 0.0, values, sums / np.maximum(counts, 1.0)))
+        u.array[:] = values[:, :bs].ravel()
+        start = 0
+        for contact, saved in zip(self._problem.contact, self._histories()):
+            end, size = first + saved.width(), len(saved.flat_totals())
+            saved.columns = saved.split(np.ascontiguousarray(values[saved.keys, first:end]))
+            saved.totals = saved.split_totals(totals[start : start + size])
+            if isinstance(contact, RollingContact):
+                contact.slip_velocity = saved.columns.pop("slip_velocity")
+                contact.friction_power = float(saved.totals.pop("friction_power")[0])
+            contact.restore_history(saved, u.array)
+            first, start = end, start + size
+        self._settle()
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Shape of the table that `read` returns."""
+        V = self._problem.space
+        width = V.dofmap.index_map_bs + sum(saved.width() for saved in self._histories())
+        topology = V.mesh.topology
+        return int(topology.index_map(topology.dim).size_global), V.dofmap.list.shape[1], width
+
+    @property
+    def num_totals(self) -> int:
+        """Number of totals that `read` returns."""
+        return sum(len(saved.flat_totals()) for saved in self._histories())
+
+    def _histories(self) -> list[SavedHistory]:
+        found = []
+        for contact in self._problem.contact:
+            saved = contact.save_history()
+            if isinstance(contact, RollingContact):
+                saved.columns["slip_velocity"] = contact.slip_velocity
+                saved.totals["friction_power"] = np.array([contact.friction_power])
+            found.append(saved)
+        return found
+
+    def _cells(self) -> tuple[FloatArray, FloatArray]:
+        """Numbers in the input, and nodes, of this rank's owned cells."""
+        V = self._problem.space
+        num = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+        return input_cell_numbers(V.mesh.topology)[:num], V.dofmap.list[:num]
+
+    def _with_ghosts(self, rows: FloatArray) -> FloatArray:
+        """Values of owned nodes at ghosts as well. Collective."""
+        from ..contact.nodal_sum import NodalSum
+
+        size = self._problem.space.dofmap.index_map
+        values = np.zeros((size.size_local + size.num_ghosts, rows.shape[1]))
+        values[: size.size_local] = rows[: size.size_local]
+        return NodalSum(size, rows.shape[1]).forward(values)
+
+    def _sum(self, rows: FloatArray) -> FloatArray:
+        """Sums of the values of all ranks at owned nodes and ghosts. Collective."""
+        from ..contact.nodal_sum import NodalSum
+
+        return NodalSum(self._problem.space.dofmap.index_map, rows.shape[1])(rows)
