@@ -72,8 +72,16 @@ void bind_points(nb::module_& m)
           "x", [](const Points& p) { return copy(p.x, {p.size(), std::size_t(p.gdim)}); }, nb::rv_policy::move)
       .def_prop_ro(
           "status", [](const Points& p) { return numbers(p.status); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "master", [](const Points& p) { return copy(p.master, {p.size()}); }, nb::rv_policy::move)
+      .def_prop_rw(
+          "master", [](const Points& p) { return copy(p.master, {p.size()}); },
+          [](Points& p, nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> facets)
+          {
+            if (facets.size() != p.size())
+              throw std::invalid_argument("master: " + std::to_string(p.size()) + " facets are needed, not " +
+                                          std::to_string(facets.size()));
+            std::copy_n(facets.data(), facets.size(), p.master.begin());
+          },
+          nb::rv_policy::move, "Facet of the master of each point, which an update with `keep` begins from")
       .def_prop_ro(
           "master_xi", [](const Points& p) { return copy(p.master_xi, {p.size(), 2}); }, nb::rv_policy::move)
       .def_prop_ro(

@@ -37,6 +37,8 @@ public:
   std::int64_t num_dofs() const { return model_.num_dofs(); }
   double mass(std::int64_t node) const { return mass_(gdim() * node); }
   double area(std::int64_t node) const { return areas_.at(node); } ///< of a slave node [L^2]
+  /// Areas of the master's nodes; none if it is rigid [L^2].
+  const std::map<std::int64_t, double>& master_areas() const { return master_areas_; }
   /// 1 / m_i + sum_j |phi_j| (1 + A_j / A_i) / m_j [1/M].
   double compliance(std::int64_t node, const Meeting& meeting) const;
 
@@ -199,7 +201,12 @@ class NodalKinematic : public ExplicitContact
 public:
   NodalKinematic(NodePairs pairs, double friction, int sweeps);
 
-  void after(const ContactStep& step, const Vector& predicted) override;
+  void close(const ContactStep& step, const Vector& predicted, KinematicWeights& all) override;
+  void respond(const ContactStep& step, const Vector& predicted, const KinematicWeights& all) override;
+  void sweep(const ContactStep& step, const Vector& moved, int number) override;
+  int sweeps() const override { return sweeps_; }
+  void push(const ContactStep& step, Vector& force) const override;
+  void conclude(const ContactStep& step, const Vector& moved) override;
   void corrected(const ContactStep& step, const Vector& next) override;
   bool kinematic() const override { return true; }
   std::vector<std::int64_t> nodes() const override { return pairs_.nodes(); }
@@ -226,6 +233,7 @@ private:
   std::vector<Vec<double>> weights(const Closed& node, const Vector& u) const;
   double release(const Closed& node, const ContactStep& step, const Vector& predicted,
                  const std::map<std::int64_t, double>& sums) const;
+  void push(Vector& force, const Closed& closed, const ContactStep& step) const;
   double work(const Closed& node, const Vec<double>& f, const std::vector<Vec<double>>& c, const ContactStep& step,
               const Vector& motion) const;
 
@@ -236,6 +244,7 @@ private:
   std::vector<Closed> closed_; // of the last step, with those that left
   std::vector<bool> was_closed_;
   std::vector<Absorbed> absorbed_energies_;
+  Matrix slip_before_; // per slave node, as in ContactAnswer
   double absorbed_ = 0;
 };
 } // namespace impact_reference

@@ -320,6 +320,8 @@ def _number(text: str, unit: str, kind: type) -> Any:
     factors = UNITS.get(unit, {unit: 1.0})
     if match is None or match.group(2) not in {"", *factors}:
         return text
+    if math.isinf(float(match.group(1))) and "inf" not in match.group(1):  # too large for a number
+        return text
     number = float(match.group(1)) * (factors[match.group(2)] if match.group(2) else 1.0)
     return int(number) if kind is int and math.isfinite(number) and number == int(number) else number
 

@@ -127,6 +127,14 @@ class ContactOutput:
         """
         return ""
 
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+        return ""
+
     def close_nearest(self) -> bool:
         """Activate the points nearest to the master if the bodies nearly touch. Collective.
 

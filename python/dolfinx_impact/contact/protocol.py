@@ -167,6 +167,14 @@ class StaticContact(Protocol):
             A sentence, or an empty text.
         """
 
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state, and are open on its far
+        side. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+
     # --- Newton iterations -------------------------------------------------------------------------------------------
 
     def update_gap(self, u: FloatArray) -> None:
@@ -349,6 +357,19 @@ class MultiplierContact(StaticContact, Protocol):
         Args:
             forces: forces along the constrained directions, zero elsewhere, (n, gdim) [F].
         """
+
+    def num_turning(self) -> int:
+        """Number of nodes of all ranks whose friction traction is not yet that of the law. Collective."""
+
+    def set_redundant(self, nodes: IntArray) -> None:
+        """Set the nodes whose normal condition a linear problem has left out, as others of the same nodes imply it.
+
+        Args:
+            nodes: index of the nodes.
+        """
+
+    def over_constrained(self) -> IntArray:
+        """Owned nodes whose normal condition was left out in this increment, as others contradict it."""
 
     def rotate_friction_traction(self) -> None:
         """Rotate the friction tractions of the last iteration to the present tangent planes."""

@@ -14,7 +14,8 @@ from .. import _cpp
 from ..io import checkpoint
 from ..common.collective import agree, attempt
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray, IntArray
-from ..io.signature import functions_of_time, short
+from ..io.given_arguments import short
+from ..io.signature import functions_of_time
 from .checkpoints import SAME, Checkpoints
 from .step_schedule import StepSchedule
 

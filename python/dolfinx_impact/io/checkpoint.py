@@ -330,10 +330,10 @@ class Reader:
             if name.startswith("sums"):
                 same = np.shape(there) == np.shape(value)
                 if not same or not np.all(np.abs(there - value) <= SAME * np.abs(value).max(initial=0.0)):
-                    what = "mesh or density" if "mass" in name else "load"
+                    what = "mesh or density" if "mass" in name else name.removeprefix("sums of ")
                     raise ValueError(f"{self.path} is of another problem, with another {what}: {name} differ")
             elif there != value:
-                hint = "; constant.value may be changed again after restore" if name == "loads" else ""
+                hint = "; constant.value may be changed again after restore" if name.startswith("loads[") else ""
                 raise ValueError(f"{self.path} is of another problem: {name} is {there!r}, here {value!r}{hint}")
         missing = [name for name in attributes if name not in found]
         if missing:

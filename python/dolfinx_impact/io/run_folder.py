@@ -84,6 +84,10 @@ def versions() -> dict[str, str]:
     }
 
 
+class FolderGone(RuntimeError):
+    """The folder of a run, or a file in it to which the run adds, was removed."""
+
+
 class RunFolder:
     """Folder of one run.
 
@@ -149,19 +153,34 @@ class RunFolder:
             ) from error
 
     def write(self, what: FilePath, work: Callable[[], T]) -> T:
-        """Run work() on rank 0 and return its result; a failure to write is the same RuntimeError on all ranks.
+        """Run work() on rank 0 and return its result; a failure to write is the same error on all ranks. Collective.
 
-        `what` is the name of the file, for messages. Collective.
+        Args:
+            what: name of the file, for messages.
+            work: function without arguments; it must not communicate.
+
+        Returns:
+            What the function returned.
+
+        Raises:
+            FolderGone: the folder, or the file to which `work` adds, was removed.
+            RuntimeError: the file cannot be written.
         """
 
         def guarded() -> T:
             try:
                 return work()
             except OSError as error:
-                reason = error.strerror or error
-                raise RuntimeError(
-                    f"{self.path / what} cannot be written ({reason}): make room there, or name another folder; what "
-                    "was written before is untouched"
+                path, reason = self.path / what, error.strerror or error
+                if not self.path.is_dir():
+                    path = self.path
+                elif not (isinstance(error, FileNotFoundError) and str(error.filename) == str(path)):
+                    raise RuntimeError(
+                        f"{path} cannot be written ({reason}): make room there, or name another folder; what was "
+                        "written before is untouched"
+                    ) from error
+                raise FolderGone(
+                    f"{path} is gone: it was removed while the run wrote into it; record into a folder that stays"
                 ) from error
 
         return together(self.comm, guarded)

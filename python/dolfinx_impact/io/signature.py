@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: MIT
 """Signature of a problem in time: a checkpoint is accepted by problems with the same signature.
 
-The signature does not depend on the number of ranks. Texts and integers are compared exactly. Sums over nodes are
-compared to round-off, as the order of the summation depends on the ranks.
+The signature has every argument of the problem and of what it is made of, one entry each (given_arguments.py), but its
+state, which the checkpoint replaces. It does not depend on the number of ranks. Texts and integers are compared
+exactly. Sums over nodes are compared to round-off, as the order of the summation depends on the ranks.
 """
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import ufl
-from dolfinx import cpp, fem, la
-from dolfinx.mesh import Mesh, MeshTags
+from dolfinx import fem, la
+from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
 from ..common.types import FloatArray, IntArray
@@ -20,8 +20,9 @@ from ..assembly import operators
 from ..foundation import Foundation, foundations
 from ..loads import DeadLoad, Load
 from ..materials import MaterialMap, Rayleigh, _Material
+from .given_arguments import SUMS, GivenArguments
 
-LONG = 2000  # characters; the rest of a longer text is replaced by a checksum
+SAMPLES = 65  # times at which functions of time are compared
 
 Signature: TypeAlias = dict[str, str | int | FloatArray]
 
@@ -65,6 +66,9 @@ class Contact(Protocol):
     def options(self) -> Mapping[str, object]:
         """Options of the contact by name."""
 
+    def facets(self) -> tuple[Any, Any]:
+        """Facets of slave and master on this rank (C++); of rigid masters None or the obstacle."""
+
     @property
     def kind(self) -> str:
         """Name of the method that enforces the contact."""
@@ -88,6 +92,10 @@ class Problem(Protocol):
     """What a checkpoint reads of a problem in time, explicit or implicit."""
 
     comm: MPI.Intracomm
+    u: fem.Function
+    velocity: fem.Function
+    acceleration: fem.Function
+    axisymmetric: bool
     space: fem.FunctionSpace
     num_owned: int
     mass: la.Vector
@@ -133,33 +141,43 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
     V, mesh, comm = problem.space, problem.space.mesh, problem.comm
     n, bs = V.dofmap.index_map.size_local, V.dofmap.index_map_bs
     mass = problem.mass.array[: n * bs].reshape(n, bs)[:, 0]
-    out: Signature = {
+    given = GivenArguments(mesh, (problem.u, problem.velocity, problem.acceleration))
+    out: Signature = given.table
+    out |= {
         "cell": mesh.topology.cell_name(),
         "degree": int(V.element.basix_element.degree),
         "degree of the geometry": int(mesh.geometry.cmap.degree),
         "num_cells": int(mesh.topology.index_map(mesh.topology.dim).size_global),
         "num_nodes": int(V.dofmap.index_map.size_global),
-        "material": _material(problem),
-        "damping": f"alpha {problem.damping.alpha!r}, beta {problem.damping.beta!r}",
-        "bulk viscosity": repr(problem.bulk_viscosity),
-        "lumping": repr(problem.lumping),
-        "mass scaling": repr(problem.mass_scaling),
-        "scheme": str(problem.scheme),
-        "loads": "; ".join(_load(load, mesh) for load in problem.loads),
-        "contact": "; ".join(_contact(c, mesh) for c in problem.contact),
-        "sums of masses": comm.allreduce(np.concatenate([[mass.sum()], mass @ x, mass @ x**2]), MPI.SUM),
+        "hypothesis": "axisymmetric" if problem.axisymmetric else "not axisymmetric",
     }
+    if problem.material is not None:
+        given.add_material("material", problem.material)
+    else:
+        given.add("residual", problem.residual_form)
+        given.add("density", problem.given_density)
+    given.add_attributes("damping", problem.damping)
+    for name in ("bulk_viscosity", "lumping", "mass_scaling", "impact"):
+        given.add(name, getattr(problem, name, None))
+    given.add("scheme", problem.scheme)
+    out["loads"] = ", ".join(type(load).__name__ for load in problem.loads)
+    for k, load in enumerate(problem.loads):
+        given.add_load(f"loads[{k}]", load)
+    out["contact"] = ", ".join(contact.kind for contact in problem.contact)
+    for k, contact in enumerate(problem.contact):
+        given.add_contact(f"contact[{k}]", contact.kind, contact.options, contact.pair, contact.facets())
+    out[f"{SUMS}masses"] = comm.allreduce(np.concatenate([[mass.sum()], mass @ x, mass @ x**2]), MPI.SUM)
     for k, load in enumerate(problem.dead_loads):
         # Present forces: the value of the load may have changed since the last step.
         forces = np.zeros(n * bs)
         forces[load.dofs] = load.forces()
         values = forces.reshape(n, bs)
-        out[f"sums of load {k}"] = comm.allreduce(
+        out[f"{SUMS}loads[{k}]"] = comm.allreduce(
             np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]), MPI.SUM
         )
     for k, springs in enumerate(foundations(problem.loads)):
-        out[f"sums of foundation {k}"] = _foundation(problem, springs, x)
-    return {name: short(value) if isinstance(value, str) else value for name, value in out.items()}
+        out[f"{SUMS}foundation {k}"] = _foundation(problem, springs, x)
+    return out
 
 
 def _foundation(problem: Problem, springs: Foundation, x: FloatArray) -> FloatArray:
@@ -206,98 +224,5 @@ def functions_of_time(functions: Functions, time: float, beyond: float) -> Float
     Returns:
         Values as a flat array.
     """
-    times = np.append(np.linspace(0.0, time, 5), beyond)
+    times = np.append(np.linspace(0.0, time, SAMPLES), beyond)
     return functions.table(times).ravel()
-
-
-def short(text: str) -> str:
-    """Shorten a long text to its beginning and a checksum.
-
-    Args:
-        text: any text.
-
-    Returns:
-        The text, if it has at most LONG characters, or its beginning and checksum.
-    """
-    if len(text) <= LONG:
-        return text
-    return f"{text[: LONG // 10]}... (checksum {hashlib.blake2b(text.encode(), digest_size=16).hexdigest()})"
-
-
-def _marks(comm: MPI.Intracomm, numbers: IntArray) -> str:
-    """Count and checksum of the numbers of all ranks, independent of their order. Collective."""
-    x = np.asarray(numbers, dtype=np.uint64) + np.uint64(0x9E3779B97F4A7C15)
-    for factor, shift in ((0xBF58476D1CE4E5B9, 30), (0x94D049BB133111EB, 27)):  # as the generator splitmix64 mixes
-        x = (x ^ (x >> np.uint64(shift))) * np.uint64(factor)
-    sums = np.array([len(x), (x ^ (x >> np.uint64(31))).sum(dtype=np.uint64)], dtype=np.uint64)
-    comm.Allreduce(MPI.IN_PLACE, sums, MPI.SUM)
-    return f"{sums[0]} of checksum {sums[1]:x}"
-
-
-def _cells(tags: MeshTags, tag: int) -> str:
-    """Checksum of the cells with a tag, by their numbers in the mesh's input. Collective."""
-    topology = tags.topology
-    cells = tags.find(tag)
-    cells = cells[cells < topology.index_map(topology.dim).size_local]
-    return f"cells {_marks(topology.comm, topology.original_cell_index[cells])}"
-
-
-def _facets(mesh: Mesh, tags: MeshTags, tag: int) -> str:
-    """Checksum of the boundary facets with a tag, by the numbers of their cells in the mesh's input and their local
-    numbers in the cells. Collective."""
-    topology, dim = mesh.topology, mesh.topology.dim
-    topology.create_connectivity(dim - 1, dim)
-    topology.create_connectivity(dim, dim - 1)
-    to_cell, to_facet = topology.connectivity(dim - 1, dim), topology.connectivity(dim, dim - 1)
-    facets = tags.find(tag)
-    cells = to_cell.array[to_cell.offsets[facets]]
-    own = cells < topology.index_map(dim).size_local
-    facets, cells = facets[own], cells[own]
-    around = to_facet.array.reshape(-1, cpp.mesh.cell_num_entities(topology.cell_type, dim - 1))[cells]
-    local = np.argmax(around == facets[:, None], axis=1)
-    return f"facets {_marks(mesh.comm, 8 * topology.original_cell_index[cells] + local)}"
-
-
-def _material(problem: Problem) -> str:
-    """Material, or residual and density; collective."""
-    if problem.material is not None:
-        tags = problem.material.cell_tags
-        parts = [
-            repr(m) if tag is None or tags is None else f"{tag}: {m!r} on {_cells(tags, tag)}"
-            for tag, m in problem.material.parts()
-        ]
-        return ", ".join(parts)
-    assert problem.residual_form is not None
-    constants = [np.asarray(c.value).tolist() for c in problem.residual_form.constants()]
-    density = problem.given_density
-    if isinstance(density, ufl.core.expr.Expr):
-        density = (density * ufl.dx(domain=problem.space.mesh)).signature()[:32]
-    return f"a residual of one's own, {problem.residual_form.signature()[:32]}, {constants!r}, density {density!r}"
-
-
-def _load(load: Load, mesh: Mesh) -> str:
-    """Type, facets and present value of a load. Collective."""
-    words = [type(load).__name__]
-    if hasattr(load, "per_mass"):
-        words.append("per mass" if load.per_mass else "per volume")
-    if hasattr(load, "tag") and hasattr(load, "facet_tags"):
-        words.append(f"tag {load.tag}, {_facets(mesh, load.facet_tags, load.tag)}")
-    constant = getattr(load, "constant", None)
-    if isinstance(constant, fem.Constant):
-        words.append(f"constant.value {np.asarray(constant.value).tolist()!r}")
-    words.append("with an amplitude" if getattr(load, "amplitude", None) is not None else "without amplitude")
-    return ", ".join(words)
-
-
-def _contact(contact: Contact, mesh: Mesh) -> str:
-    """Pair, law and options of a contact. Collective."""
-    pair = contact.pair
-    master = pair.master
-    if pair.rigid:
-        master = master.description()
-    else:
-        master = f"master {master}, {_facets(mesh, pair.facet_tags, master)}"
-    slave = f"slave {pair.slave}, {_facets(mesh, pair.facet_tags, pair.slave)}"
-    options = ", ".join(f"{name} {value!r}" for name, value in sorted(contact.options.items()))
-    limits = f"friction {pair.friction!r}, search distance {pair.search_distance!r}"
-    return f"{slave}, {master}, {limits}, {contact.kind}, {options}"

@@ -28,6 +28,7 @@ PRESETS = {"coarse": (4, 0.05), "medium": (8, 0.04), "fine": (16, 0.03)}
 WHEEL_WIDTH, HUB = 0.06, 0.15  # width of the wheel, radius of the hub with all that is fixed to it [m]
 PAD_LENGTH = 0.16  # of a pad along the rail [m]
 MARGIN = 1.1  # half-axes of the contact by which the fine cells are longer than the way
+SECOND_MOMENT = 3038e-8  # of the section of a rail 60E1 about its horizontal axis, EN 13674-1 [m^4]
 MOST_CASES = 10_000  # of a study
 
 @dataclass(frozen=True)
@@ -183,6 +184,33 @@ class RailJoint(Parameters):
         return self.coarse or PRESETS[self.preset][1]
 
     @property
+    def track_stiffness(self) -> float:
+        """Vertical stiffness of rail and pads under the wheel: a beam on Winkler's bed [N/m]."""
+        bed = self.pad_stiffness / self.sleepers
+        return float(2.0 * (4.0 * self.E * SECOND_MOMENT) ** 0.25 * bed**0.75)
+
+    @property
+    def p2_period(self) -> float:
+        """Period of the unsprung mass on the track, in which the force P2 rises and falls [s].
+
+        The rail, its bars and what moves of the pads are left out: a lower bound.
+        """
+        return 2.0 * math.pi * math.sqrt(self.wheel_mass / self.track_stiffness)
+
+    @property
+    def shows_p2(self) -> bool:
+        """Is the way behind the joint long enough for P2? It must contain a period: rise, peak and fall."""
+        return self.end >= self.speed * self.p2_period * (1.0 - 1e-9)
+
+    def for_p2(self) -> RailJoint:
+        """The same joint with a way that is long enough for P2, bars and rails as long as that needs, and two cells in
+        the half-axis of the contact unless `cells` says otherwise."""
+        end = max(self.end, self.speed * self.p2_period)
+        bars = max(self.bar_length, 2.0 * (end + MARGIN * self.hertz.a) + 0.05)
+        rails = max(self.rail_length, 0.5 * bars + self.sleepers)
+        return self.changed(end=end, bar_length=bars, rail_length=rails, cells=self.cells or 2)
+
+    @property
     def duration(self) -> float:
         """Time of a passage [s]."""
         return (self.end - self.begin) / self.speed
@@ -210,8 +238,9 @@ class Study(Parameters):
         for name in ("gap", "speed", "load", "end_post"):
             given = getattr(self, name)
             if given:
-                axes[name] = list(dict.fromkeys(given))
+                axes[name] = list(given)
         number = math.prod(len(values) for values in axes.values())
         if number > MOST_CASES:
             raise ValueError(f"{', '.join(axes)} make {number} cases: give at most {MOST_CASES} combinations")
-        return [base.changed(**dict(zip(axes, row))) for row in itertools.product(*axes.values())]
+        found = [base.changed(**dict(zip(axes, row))) for row in itertools.product(*axes.values())]
+        return list({joint.identity(): joint for joint in found}.values())

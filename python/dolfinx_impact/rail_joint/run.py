@@ -24,6 +24,7 @@ def parser() -> argparse.ArgumentParser:
     out.add_argument("--parameters", metavar="FILE", help="file of parameters, whatever its name looks like")
     out.add_argument("--preset", choices=PRESETS, help="mesh (default coarse)")
     out.add_argument("--end-post", choices=END_POSTS, help="material of the end post (default epoxy)")
+    out.add_argument("--p2", action="store_true", help="a way that is long enough for the force P2 (takes much longer)")
     out.add_argument("--output", metavar="DIR", help="folder of the results (default results/rail_joint)")
     out.add_argument("--resume", action="store_true", help="go on from the checkpoint in the folder, if there is one")
     out.add_argument("--no-pictures", action="store_true", help="numbers only: no pictures, fields and report")
@@ -67,6 +68,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         data = parameters(
             arguments.values, arguments.parameters, preset=arguments.preset, end_post=arguments.end_post
         )
+        data = data.for_p2() if arguments.p2 else data
         if arguments.template:
             if comm.rank == 0:
                 print(data.to_toml(), end="")

@@ -10,6 +10,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..common.types import AnyArray
+from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
@@ -136,6 +137,9 @@ def did_not_converge(
         found.append(f"{pending} contact points change their state")
     if violation >= VIOLATION:
         found += [text for text in [c.largest_violation() for c in contacts] if text]
+    crowded = over_constrained(newton.multipliers) if newton.multipliers else ""
+    if crowded:
+        found.append(crowded)
     if not moved:
         found.append("prescribed values are not reached")
     if result.stalled():

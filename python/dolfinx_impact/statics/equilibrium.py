@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 
 from ..common.types import FloatArray
+from ..contact.body_size import body_size
 
 if TYPE_CHECKING:
     from .equilibrium_problem import EquilibriumProblem
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
 # Round-off of a nodal contact force, in units of the largest relative error of a sum: it is the sum of some ten terms
 # (facets around a node times shape functions), on the slave's side and on the master's.
 SUMS = 32
+# Gaps below this part of the bodies' size are none: a contact without force may open by round-off.
+OPEN = 1e-10
 
 
 class Imbalance(NamedTuple):
@@ -70,3 +74,22 @@ def out_of_balance(problem: EquilibriumProblem, bodies: FloatArray, tolerance: f
         f"missing is {norm:.3e}, its tolerance {allowed:.3e} (contacts: {names})"
     )
     return Imbalance(norm, text)
+
+
+def open_contacts(problem: EquilibriumProblem, closed: Sequence[bool]) -> list[str]:
+    """Describe contacts that were closed and are open now, by more than round-off. Collective.
+
+    Args:
+        problem: bodies and contacts.
+        closed: whether each contact was closed before.
+
+    Returns:
+        The name of each pair and its smallest gap.
+    """
+    comm, found = problem.space.mesh.comm, []
+    for contact, was in zip(problem.contact, closed):
+        if was and contact.num_active == 0:
+            gap = comm.allreduce(float(np.min(contact.gap, initial=np.inf)), MPI.MIN)
+            if gap > OPEN * body_size(problem.space.mesh):
+                found.append(f"{contact.pair.name}: smallest gap {gap:.3e}")
+    return found

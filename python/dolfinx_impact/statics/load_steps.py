@@ -12,6 +12,8 @@ import numpy as np
 from mpi4py import MPI
 
 from ..common.types import FloatArray
+from .equilibrium import open_contacts
+from .progress import SolveProgress
 
 if TYPE_CHECKING:
     from .problem import StaticProblem
@@ -36,6 +38,7 @@ class Increment:
         iterations: number of linearised problems, each with its active set updated to convergence [1].
         unsettled: number of those whose active set did not converge [1].
         unsettled_in_succession: number of the last of them in succession [1].
+        closed: whether each contact was closed at the start of the increment; empty: not known.
     """
 
     fault: str = "not finished"
@@ -47,6 +50,7 @@ class Increment:
     iterations: int = 0
     unsettled: int = 0
     unsettled_in_succession: int = 0
+    closed: list[bool] = field(default_factory=list)
 
     def add(self, norm: float, size: int, changes: int) -> None:
         """Add an iteration.
@@ -191,10 +195,15 @@ class StepLog:
     Args:
         comm: communicator of the problem.
         verbose: whether lines are printed on the terminal.
+        progress: whether a solve that takes long says from time to time how far it is; not with `verbose`.
+
+    Attributes:
+        progress: lines of progress.
     """
 
-    def __init__(self, comm: MPI.Comm, verbose: bool) -> None:
+    def __init__(self, comm: MPI.Comm, verbose: bool, progress: bool = False) -> None:
         self.rank, self.verbose = comm.rank, verbose
+        self.progress = SolveProgress(comm, progress and not verbose)
 
     def __call__(self, text: str) -> None:
         if self.rank == 0:
@@ -213,6 +222,7 @@ class StepLog:
             changes: number of points whose status changed [1].
         """
         relative = f"{norm / scale:.2e}" if scale > 0 else "0"
+        self.progress.show(f"iteration {i}: residual {norm:.1e} (relative {relative}), {size} in contact")
         self(f"  iteration {i:2d}: residual {norm:.3e} (relative {relative}), {size} in contact, {changes} changed")
 
 
@@ -300,7 +310,14 @@ class IncrementSolver(Protocol):
         ...
 
 
-def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_backs: int, verbose: bool) -> Report:
+def run_steps(
+    problem: StaticProblem,
+    solver: IncrementSolver,
+    steps: int,
+    cut_backs: int,
+    verbose: bool,
+    progress: bool = False,
+) -> Report:
     """Solve all increments of a load step. Collective.
 
     Args:
@@ -309,6 +326,7 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
         steps: number of equal increments [1].
         cut_backs: largest number of times that the increment is halved [1].
         verbose: whether iterations are printed on the terminal.
+        progress: whether a solve that takes long says from time to time how far it is.
 
     Returns:
         Report.
@@ -316,8 +334,9 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
     Raises:
         RuntimeError: an increment did not converge; the problem is in its last converged state.
     """
-    report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose), LoadPath(problem)
+    report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose, progress), LoadPath(problem)
     width, done, halved = 1.0 / steps, 0.0, 0
+    closed = [c.num_active > 0 for c in problem.contact]
     good = problem.u.x.array.copy()
     while done < 1.0 - 1e-12:
         fraction = min(done + width, 1.0)
@@ -327,6 +346,7 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
         if fraction > 1.0 - 1e-9:
             fraction = 1.0
         log(f"increment {len(report.iterations) + 1}: to {fraction:.4f} of the way")
+        log.progress.begin(len(report.iterations) + 1, done, fraction)
         states = [c.save_state() for c in problem.contact]
         displacements = iter(path.apply(fraction))
         target = path.values(fraction)
@@ -347,6 +367,8 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
             for contact in problem.contact:
                 contact.accept_step()
             report.add(increment, fraction)
+            known = increment.closed or closed
+            closed = [was or at_start or c.num_active > 0 for was, at_start, c in zip(closed, known, problem.contact)]
             good, done = problem.u.x.array.copy(), fraction
             continue
         _back(problem, good, states)
@@ -363,6 +385,9 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
         report.rejected_iterations.append(increment.iterations)
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")
     path.finish(1.0)
+    lost = open_contacts(problem, closed)
+    if lost and problem.space.mesh.comm.rank == 0:
+        LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(lost)}")
     report.seconds = solver.seconds
     log(report.table())
     return report

@@ -23,10 +23,11 @@ from .. import _cpp
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
-from .equilibrium import out_of_balance
+from .equilibrium import open_contacts, out_of_balance
 from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
 from .load_steps import Increment, StepLog
 from ..common.types import FloatArray, IntArray
+from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
@@ -142,7 +143,12 @@ class Newton:
             settled = iteration > 0 or not p.contact
             tolerance = max(self.atol, noise, self.rtol * max(scale, inner))
             small = norm <= tolerance
+            if iteration == 0:
+                result.closed = [c.num_active > 0 for c in p.contact]
             if moved and settled and pending == 0 and violation < VIOLATION and small:
+                fault = self._lost_contact(result.closed)
+                if fault:
+                    return result.failed(fault)
                 again = any([c.augment() for c in p.contact])
                 faults = [c.fault for c in p.contact if c.fault]
                 if faults:
@@ -184,7 +190,14 @@ class Newton:
             result.unsettled += left > 0
             result.unsettled_in_succession = result.unsettled_in_succession + 1 if left > 0 else 0
             p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
+            if fault and p.contact and not p.body.has_inertia:
+                loose = self.unconstrained_modes(K)
+                if loose:
+                    return result.failed(f"{loose}; the linear solver failed ({fault})", hopeless=True)
             if fault:
+                crowded = over_constrained(self.multipliers)
+                if crowded:
+                    return result.failed(f"the linear problem has no solution: {crowded}", advice="")
                 collapse = " Is the load more than the body can bear?" if self.inelastic else ""
                 return result.failed(
                     f"the linear solver failed ({fault}): is the body held against rigid motion?{collapse}"
@@ -197,6 +210,27 @@ class Newton:
                 else:
                     self._backtrack(start, norm)
         return did_not_converge(result, self, moved, small, pending, violation)
+
+    def _lost_contact(self, closed: Sequence[bool]) -> str:
+        """Message about points that have passed through a master, or bodies that nothing holds any more as contacts
+        have opened; an empty text if there are none. Collective.
+
+        Args:
+            closed: whether each contact was closed at the start of the increment.
+        """
+        p = self.problem
+        passed = [text for text in [c.passed_through() for c in p.contact] if text]
+        if passed:
+            return "; ".join(passed)
+        if p.body.has_inertia:
+            return ""
+        lost = open_contacts(p, closed)
+        if not lost:
+            return ""
+        bearing = [c for c in p.contact if c.num_active > 0]
+        springs = self._stiffness() if p.body.has_springs else None
+        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, bearing, p.u.x.array, p.axisymmetric, springs)
+        return f"contact was lost ({'; '.join(lost)}), and {'; '.join(loose)}" if loose else ""
 
     @contextlib.contextmanager
     def _clock(self, part: str) -> Iterator[None]:
@@ -305,6 +339,8 @@ class Newton:
             # The residual of penalty contact is already that of the new status; where the friction limit is reached
             # exactly, round-off decides on the status.
             pending += changed if contact.has_multipliers else 0
+        if not first:
+            pending += sum([c.num_turning() for c in self.multipliers])
         return changes, pending
 
     def _free_norm(self, residual: FloatArray) -> float:
@@ -446,6 +482,7 @@ class Newton:
                 if self.saddle:
                     self._set_multipliers(mean)
                 found = settle.change(self.multipliers)
+                log.progress.show(f"update {settle.count} of the active set: {found} nodes change")
             if found == 0:
                 if corrected and digits <= rtol:
                     break
@@ -528,6 +565,8 @@ class Newton:
         system: LinearSystem | SaddlePoint
         if self.saddle:
             self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
+            for multiplier, nodes in zip(self.multipliers, self._rows.redundant):
+                multiplier.set_redundant(nodes)
             system = SaddlePoint(K, extra, self._rows)
             start = system.unknowns(guess, self._forces)
         else:

@@ -62,6 +62,8 @@ public:
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
   const NodeCandidates& candidates() const { return _candidates; }
+  /// Areas of the master's nodes, zero elsewhere, over the nodes of the Halo of the last `needs`; empty: rigid [L^2].
+  std::span<const double> master_areas() const { return _areas; }
   const NodalResults& results() const { return _results; }
   const search::NodeTracker& tracker() const { return _tracker; }
   /// Number of nodes that were left open because their first penetration was implausibly deep.

@@ -136,6 +136,10 @@ class NodalResult(ContactOutput):
         """Name of the method that enforces the contact."""
         return self._law.__name__
 
+    def facets(self) -> tuple[Any, Any]:
+        """Facets of slave and master on this rank (C++), or the obstacle."""
+        return self._surfaces
+
     def make(self, law: type[_cpp.nodal.NodeToSurface], **options: Any) -> _cpp.nodal.NodeToSurface:
         """Make a C++ contact of this pair. Collective.
 

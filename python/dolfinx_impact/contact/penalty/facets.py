@@ -32,11 +32,15 @@ class FacetKeeper:
         self.comm, self.points, self.search = comm, points, search
         self.begin()
 
-    def begin(self) -> None:
-        """Begin an increment."""
+    def begin(self, margin: float = MARGIN) -> None:
+        """Begin an increment.
+
+        Args:
+            margin: distance from its facet up to which a point is assigned to it, in reference coordinates [1].
+        """
         self.stay, self._free = True, FREE_ITERATIONS
         self._facets: list[IntArray] = []
-        self.points.margin = np.full(self.points.size, MARGIN)
+        self.points.margin = np.full(self.points.size, margin)
 
     def watch(self, closed: BoolArray) -> int:
         """Compare the facets of an iteration with those of earlier ones. Collective.

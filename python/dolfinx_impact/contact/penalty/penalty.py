@@ -14,12 +14,13 @@ from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
 from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .automatic import automatic_penalty, check_penalty
-from .facets import FacetKeeper
+from .facets import WIDEST, FacetKeeper
 from ..nodal_sum import NodalSum
 from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..body_size import body_size
+from ..crossing import describe, through_master, through_obstacle
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 from ..saved_history import SavedHistory
 from ..protocol import ExplicitContactProblem, StaticContactProblem
@@ -32,6 +33,7 @@ FACTOR = 10.0
 COARSE = 2.0
 # Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
 TOUCH = 1e-12
+ROUND_OFF = 1e-15  # part of the bodies' size below which a penetration is round-off of positions
 STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off
 
 
@@ -85,6 +87,11 @@ class Penalty:
             self.penalty = None if auto else number("penalty", penalty, 0.0, " [F/L^3]")
             self.tangential = None if tangential is None else number("tangential penalty", tangential, 0.0, " [F/L^3]")
             self.tolerance = number("tolerance", tolerance, 0.0)
+            if self.tolerance < ROUND_OFF:
+                raise ValueError(
+                    f"tolerance is {self.tolerance:g}: penetrations below {ROUND_OFF:g} of the bodies' size are "
+                    "round-off of positions; take a larger one"
+                )
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
@@ -161,6 +168,7 @@ class PenaltyContact(ContactOutput):
         self._locate(self.start)
         self._initial = InitialPenetration(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
         self.history.offset = self._initial.offset
+        self._gap_before = self.gap  # in the last converged state
 
     @property
     def initial(self) -> InitialPenetration:
@@ -212,6 +220,10 @@ class PenaltyContact(ContactOutput):
         """Name of the method that enforces the contact."""
         return "penalty at quadrature points"
 
+    def facets(self) -> tuple[Any, Any]:
+        """Facets of slave and master on this rank (C++); None: the master is rigid."""
+        return self.slave, self.master
+
     @property
     def options(self) -> dict[str, Any]:
         """Options by name, for the signature of a checkpoint."""
@@ -222,6 +234,7 @@ class PenaltyContact(ContactOutput):
         """What the next increment starts from, for a checkpoint."""
         h, per_facet = self.history, len(self._rule[1])
         rows = {"multiplier": h.multiplier, "touched": self._touched.astype(float), "status": self.status.astype(float)}
+        rows["facet"] = self._facet_ids()
         vectors = {"traction": h.traction, "slip": h.slip}
         columns = {name: v.reshape(-1, per_facet) for name, v in rows.items()}
         columns |= {name: v.reshape(-1, per_facet * self.gdim) for name, v in vectors.items()}
@@ -249,10 +262,38 @@ class PenaltyContact(ContactOutput):
         self.displacement = self.start_displacement = saved.totals["master"].copy()
         self.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
         self.update_gap(u)
+        self._keep_facets(u, rows["facet"].ravel())
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
         self._known_status = self._status = rows["status"].ravel().astype(np.int8)
-        self._slip_before = np.array(self.slip)
+        self._slip_before, self._gap_before = np.array(self.slip), self.gap
         self.restore_totals(saved.totals)
+
+    def _facet_ids(self) -> FloatArray:
+        """Facet of the master that each point is on, by a number that does not depend on the ranks; -1: none, (n)."""
+        facets, out = self._points.master, np.full(self._points.size, -1.0)
+        if not self.pair.rigid:
+            on = facets >= 0
+            out[on] = self._cpp.search.master.id[facets[on]]
+        return out
+
+    def _keep_facets(self, u: FloatArray, ids: FloatArray) -> None:
+        """Put points a little beside a facet that they were kept on back on it. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+            ids: of `_facet_ids`.
+        """
+        if self._keeper is None:
+            return
+        known = self._cpp.search.master.id
+        order = np.argsort(known)
+        place = np.minimum(np.searchsorted(known, ids, sorter=order), max(len(known) - 1, 0))
+        facets: IntArray = np.full(len(ids), -1, dtype=np.int32)
+        if len(known):
+            facets = np.where(known[order[place]] == ids, order[place], -1).astype(np.int32)
+        self._points.master = facets
+        self._keeper.begin(WIDEST)
+        self.update_gap(u)
 
     def forget(self) -> None:
         """Forget candidates and the places of the tangent; see ContactOutput."""
@@ -288,7 +329,7 @@ class PenaltyContact(ContactOutput):
     def accept_step(self) -> None:
         """Accept a converged increment: tractions and slips become history, totals are updated. Collective."""
         self._cpp.accept_step()
-        self._touched = self.status > 0
+        self._touched, self._gap_before = self.status > 0, self.gap
         self.update_totals()
 
     def augment(self) -> bool:
@@ -382,6 +423,35 @@ class PenaltyContact(ContactOutput):
         self._cpp.evaluate()
         self._closes_nearest = True
         return True
+
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+        if self.obstacle is not None:
+            element = self.slave.displacement
+            table = np.array([element.tabulate(*xi)[0] for xi in self._points.xi[: self._points.per_facet]])
+            nodal = (self._u - self.start).reshape(-1, self.gdim)[self.slave.nodes]
+            moved = np.einsum("qn,fna->fqa", table, nodal).reshape(-1, self.gdim) if len(nodal) else 0.0 * self.points
+            moved = moved - (self.displacement - self.start_displacement)[: self.gdim]
+            passed = through_obstacle(
+                self.obstacle, self.points - moved, self.points, self.initial.offset, TOUCH * self.size
+            )
+        else:
+            sizes = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1), self._points.per_facet)
+            suspects = np.isfinite(self._gap_before) & np.isinf(self.gap)
+            passed, here = np.zeros(len(suspects), dtype=bool), self._u
+            if self.comm.allreduce(int(np.any(suspects))):
+                passed = through_master(self.comm, suspects, sizes, self._gap_on_the_way)
+                self.update_gap(here)
+        return describe(self.pair.name, self.comm, self.points, passed)
+
+    def _gap_on_the_way(self, part: float) -> FloatArray:
+        """Gaps at a fraction of the way from the start of the increment to the present state, (n) [L]. Collective."""
+        self._locate(self.start + part * (self._u - self.start))
+        return self.gap.copy()
 
     def _locate(self, u: FloatArray) -> None:
         """Update closest points and gaps at the displacements u. Collective."""
@@ -509,6 +579,12 @@ class PenaltyContact(ContactOutput):
             if self.pair.friction > 0.0:
                 directions = [np.tile(e, (len(at), 1)) for e in np.eye(self.gdim)]
             slaves = body[slave.nodes[at // self._points.per_facet, 0]]
+            if self.pair.friction > 0.0:  # nothing holds a point along the surface that closes only in this increment
+                fresh = np.asarray(self.history.gap)[at] > 0.0
+                normal = self.normal[at]
+                directions = [
+                    np.where(fresh[:, None], normal * np.sum(normal * d, axis=1)[:, None], d) for d in directions
+                ]
             for d in directions:
                 rows = motions.rows(slaves, self.points[at], d)
                 if master is not None:

@@ -60,6 +60,9 @@ if TYPE_CHECKING:
     from ...statics.body import BodyTangent
 
 IMPACT = ("mass_redistribution", "none")
+# Smallest tolerance of local errors: they follow from differences of accelerations, whose round-off in double precision,
+# 2e-16, a stiff mesh multiplies by (omega dt)^2, up to some thousand.
+SMALLEST_ERROR = 1e-12
 SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten cut-backs
 STEPS = (1e-140, 1e140)  # whose squares, times anything that physics has, are numbers [T]
 
@@ -277,6 +280,7 @@ class NewmarkProblem(Unique):
         self.u.x.scatter_forward()
         for k, contact in enumerate(self.contact):
             contact.begin_step(self.u.x.array, start.places[k] if contact.pair.rigid else None)
+        for contact in self.contact:
             contact.update_gap(self.u.x.array)
             if not contact.has_multipliers:
                 contact.update_active_set(True)
@@ -410,6 +414,11 @@ class NewmarkProblem(Unique):
             dt = arguments.number("dt", dt, 0.0, " [T]")
             if tolerance is not None:
                 tolerance = arguments.number("tolerance", tolerance, 0.0)
+                if tolerance < SMALLEST_ERROR:
+                    raise ValueError(
+                        f"tolerance is {tolerance:g}: local errors below {SMALLEST_ERROR:g} of the displacement are "
+                        "round-off, to which steps would be shortened in vain; take a larger one"
+                    )
             if until > self.time and not STEPS[0] <= min(dt, until - self.time) <= STEPS[1]:
                 raise ValueError(
                     f"dt is {dt:g}, the time to advance by {until - self.time:g}: steps from {STEPS[0]:g} to "
