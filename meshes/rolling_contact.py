@@ -14,8 +14,8 @@ from .layout import Layout, at, count, positive, require
 
 CORE, LEAST_CORE = 1.25, 1.2  # half-width of the fine zone with a path; without, of whole cells; in half-axes
 # Cells between the outermost node in contact and the edge of the contact, along the flow and across it. Friction finds
-# the edge at a fixed distance beyond that node, wherever it is (docs/rolling.md): nodes lie so that this is the edge. In
-# the plane the distance is 0.40 cells; with 0.3 Kalker's coefficients come out right in space.
+# the edge at a fixed distance beyond that node, wherever it is (docs/rolling.md): nodes lie so that this is the edge.
+# In the plane the distance is 0.40 cells; in space 0.3 meets Kalker's coefficients best.
 BEYOND = (0.3, 0.5)
 # Least width of a row, of that in the middle, so that cells are not sheared too much where the ellipse ends; rows with
 # fewer nodes on either side may have the edge anywhere, they bear little.

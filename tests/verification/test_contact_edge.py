@@ -110,7 +110,7 @@ def test_longitudinal_creep(cells):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cells", (3, 4))
+@pytest.mark.parametrize("cells", (3, 4, 5))
 def test_lateral_and_spin_creep(cells):
     """The whole model; creepages of both signs, as free rolling need not be free of a lateral force on a mesh.
 

@@ -32,7 +32,7 @@ class WheelOnRail(Parameters):
     nu: float = parameter(rail_steel.NU, "1", "Poisson's ratio", 0.0, 0.499)
     density: float = parameter(rail_steel.DENSITY, "kg/m^3", "density", high=HUGE, above=0.0)
     speed: float = parameter(30.0, "m/s", "of travel", high=HUGE, above=0.0)
-    cells: int = parameter(6, "1", "cells in each half-axis of the contact", 1, 64)
+    cells: int = parameter(6, "1", "cells in each half-axis of the contact, and a part of one up to its edge", 1, 64)
     reach: float = parameter(5.0, "1", "size of the bodies in larger half-axes", 2.5, 100.0)
     path: float = parameter(
         0.0, "1", "what an explicit run from the steady state may roll, in half-axes along the rail", 0.0, 1000.0
