@@ -42,8 +42,8 @@ class WheelOnRail(Parameters):
         tread, rail = self.wheel_crown_radius, self.crown_radius
         if tread == 0.0 or 1.0 / tread + 1.0 / rail <= 0.0:
             raise ValueError(
-                f"wheel_crown_radius is {tread:g} m: with crown_radius, {rail:g} m, the bodies do not touch in an ellipse; "
-                "give a hollow tread (negative) a larger radius than the head, and not both inf"
+                f"wheel_crown_radius is {tread:g} m: with crown_radius, {rail:g} m, the bodies do not touch in an "
+                "ellipse; give a hollow tread (negative) a larger radius than the head, and not both inf"
             )
         hertz = self.hertz
         size = self.reach * max(hertz.a, hertz.b)

@@ -43,7 +43,9 @@ def sequence(text: str, largest: float = 1.0) -> FloatArray:
         else:
             values = np.array([float(part) for part in text.split(",")])
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r}: a number, numbers with commas, or FIRST:LAST:COUNT of at most {MOST_POINTS}") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: a number, numbers with commas, or FIRST:LAST:COUNT of at most {MOST_POINTS}"
+        ) from None
     if not np.all(np.isfinite(values)):
         raise argparse.ArgumentTypeError(f"{text!r}: numbers must be finite")
     if np.abs(values).max(initial=0.0) > largest:

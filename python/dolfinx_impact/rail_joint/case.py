@@ -21,7 +21,6 @@ from .. import __version__
 from ..common.types import FilePath, FloatArray
 from ..dynamics.explicit import ExplicitProblem
 from ..dynamics.time_stepper import SAFETY
-from ..io.frames import Frames
 from ..io.gather import gather_field, gather_rows
 from ..io.hdf5 import write_whole
 from ..io.run_folder import RunFolder
@@ -53,8 +52,8 @@ CAPTIONS = {
     "passage.gif": "The passage.",
     "ends.png": "Heights of the rail ends: the dip that the wheel has to climb out of.",
     "passages.png": "What the passages leave: equivalent plastic strain, what each adds to it, and its largest force.",
-    "plastic.png": "Equivalent plastic strain of the rail heads after the last passage: the largest of each cell's points, "
-    "as in the table.",
+    "plastic.png": "Equivalent plastic strain of the rail heads after the last passage: the largest of each cell's "
+    "points, as in the table.",
     "residual.png": "Residual stress of the rail heads without a wheel, averaged at the nodes; positive in tension.",
     "shear.png": "Shear stress in the plane of the rail while the wheel is on the edge of the second rail.",
     "waves.png": "Velocities along the second rail at three stations, the lowest of each marked, and when waves from "
@@ -322,9 +321,7 @@ class Case:
         self.run.table("energy", {"time": (history.time, "s"), **{n: (v, "J") for n, v in history.energy.items()}})
         self.run.table("ends", {name: (ends[:, k], "m") for k, name in enumerate(("place", "first", "second"))})
 
-    def _draw(
-        self, history: History, summary: Summary, frames: FrameSeries, ends: FloatArray, waves: Any
-    ) -> None:
+    def _draw(self, history: History, summary: Summary, frames: FrameSeries, ends: FloatArray, waves: Any) -> None:
         """Pictures of the passage; on rank 0."""
         data, file = self.data, self.run.file
         figures.force(file("force.png"), data, history, summary)
@@ -386,9 +383,7 @@ class Case:
             if largest is not None:
                 high = max(1e-4, 100.0 * float(largest.max()))
                 label = "largest plastic strain of a cell's points [%]"
-                figures.field_on_rail(
-                    run.file("plastic.png"), data, along, label, (0.0, high), by_cell=100.0 * largest
-                )
+                figures.field_on_rail(run.file("plastic.png"), data, along, label, (0.0, high), by_cell=100.0 * largest)
 
         run.pictures(draw)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Fields of the moments of a passage that are pictured: for ParaView, for pictures, and saved for a run that goes on."""
+"""Fields of moments of a passage: for ParaView, for pictures, and saved for a run that goes on."""
 
 from __future__ import annotations
 

@@ -31,6 +31,7 @@ MARGIN = 1.1  # half-axes of the contact by which the fine cells are longer than
 SECOND_MOMENT = 3038e-8  # of the section of a rail 60E1 about its horizontal axis, EN 13674-1 [m^4]
 MOST_CASES = 10_000  # of a study
 
+
 @dataclass(frozen=True)
 class EndPost:
     """Material of an end post.
@@ -134,8 +135,8 @@ class RailJoint(Parameters):
         rim = self.density * math.pi * (self.wheel_radius**2 - HUB**2) * WHEEL_WIDTH
         if not self.wheel_mass > rim:
             raise ValueError(
-                f"wheel_mass is {self.wheel_mass:g} kg: the rim alone (wheel_radius, density) weighs {rim:.0f} kg; give "
-                "more than that"
+                f"wheel_mass is {self.wheel_mass:g} kg: the rim alone (wheel_radius, density) weighs {rim:.0f} kg; "
+                "give more than that"
             )
 
     def _check_profile(self) -> None:

@@ -69,8 +69,8 @@ def _p2(data: RailJoint, summary: Summary) -> str:
         return f"{summary.p2:.3f}"
     behind, needed = data.end / data.speed, data.p2_period
     return (
-        f"none: it takes {1e3 * needed:.1f} ms behind the joint (end = {1e3 * data.speed * needed:.0f} mm, joint --p2), "
-        f"the run has {1e3 * behind:.1f} ms"
+        f"none: it takes {1e3 * needed:.1f} ms behind the joint (end = {1e3 * data.speed * needed:.0f} mm, "
+        f"joint --p2), the run has {1e3 * behind:.1f} ms"
     )
 
 
@@ -149,9 +149,8 @@ def write(
 <p>A wheel under {data.load / 1e3:.0f} kN is pressed on the rail (multipliers), rolls over the joint (explicit dynamics,
 penalty contact, friction {data.friction:g}) and is lifted off.</p>
 <h2>Results</h2>{_table(rows_of(data, summary))}
-<p>Forces, footprint and heights of the rail ends change by some percent when cells get half as large. Plastic strain and
-residual stress at the edges of the rails do not converge: stress at a corner has no limit. Compare them between runs of
-one mesh only.</p>{several}
+<p>Forces and footprint change by some percent when cells get half as large. Plastic strain and residual stress at the
+edges of the rails do not converge: stress at a corner has no limit. Compare them between runs of one mesh only.</p>{several}
 <h2>Pictures</h2>{"".join(shown)}
 <h2>Parameters</h2>{_table(parameters)}
 <h2>Time</h2>{_table(stages)}

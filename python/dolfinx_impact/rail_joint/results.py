@@ -33,8 +33,8 @@ class Summary:
         dynamic_factor: largest force behind the joint's middle over the static one [1].
         peak_force: that force, as the P1 force of the literature [N].
         peak_place: where [m].
-        low_frequency_peak: largest force below SLOW behind the joint's middle, over the static one; nan where the run is
-            shorter than a period of it [1].
+        low_frequency_peak: largest force below SLOW behind the joint's middle, over the static one; nan where the run
+            is shorter than a period of it [1].
         p2: the same as the P2 force of the literature, over the static one; nan where the way behind the joint is
             shorter than a period of the wheel on the track (RailJoint.shows_p2) [1].
         hertz_pressure: largest pressure by Hertz [Pa].

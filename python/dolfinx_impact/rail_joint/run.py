@@ -65,9 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return status
 
     try:
-        data = parameters(
-            arguments.values, arguments.parameters, preset=arguments.preset, end_post=arguments.end_post
-        )
+        data = parameters(arguments.values, arguments.parameters, preset=arguments.preset, end_post=arguments.end_post)
         data = data.for_p2() if arguments.p2 else data
         if arguments.template:
             if comm.rank == 0:

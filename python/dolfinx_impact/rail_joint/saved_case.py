@@ -98,8 +98,8 @@ class SavedCase:
         for name, value in self._identity.items():
             if found["identity"].get(name) != value:
                 raise _OtherRun(
-                    f"{self._run.path} has a checkpoint of another joint or run, whose {name} differ: go on with what it "
-                    "was begun with, give another folder, or begin anew without --resume"
+                    f"{self._run.path} has a checkpoint of another joint or run, whose {name} differ: go on with what "
+                    "it was begun with, give another folder, or begin anew without --resume"
                 )
         for name, digest in found["files"].items():
             if _digest(self.path / name) != digest:

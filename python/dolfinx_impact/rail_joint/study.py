@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import itertools
 import json
 import os
 import subprocess
@@ -67,8 +66,8 @@ class Job:
         self.folder.mkdir(parents=True, exist_ok=True)
         file = self.folder / "case.toml"
         file.write_text(self.data.to_toml(), encoding="utf-8")
-        command = [sys.executable, "-m", "dolfinx_impact.cli", "joint", "--parameters", str(file), "--output", str(self.folder),
-                   "--resume", "--no-pictures", "--quiet"]  # fmt: skip
+        command = [sys.executable, "-m", "dolfinx_impact.cli", "joint", "--parameters", str(file), "--output",
+                   str(self.folder), "--resume", "--no-pictures", "--quiet"]  # fmt: skip
         with open(self.folder / "output.txt", "ab") as output:
             self.process = subprocess.Popen(
                 command_of(command), stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,

@@ -83,8 +83,8 @@ class Wheel:
         if np.any(found <= 0.0):
             rim = data.sides * data.density * moments[RIM_TAG][0]
             raise ValueError(
-                f"wheel_mass is {data.wheel_mass:g} kg: the rim alone weighs {rim:.0f} kg, and the hub must balance what "
-                "its finer cells weigh; give a larger wheel_mass, or more cells"
+                f"wheel_mass is {data.wheel_mass:g} kg: the rim alone weighs {rim:.0f} kg, and the hub must balance "
+                "what its finer cells weigh; give a larger wheel_mass, or more cells"
             )
         return {tag: float(density) for tag, density in zip(HUB_TAGS, found)}
 

@@ -151,7 +151,8 @@ def test_bad_options_of_a_study(arguments, message, capsys):
 
 
 def test_values_of_a_study_may_have_units_and_come_twice():
-    given = study.study_of(study.parser().parse_args(["rail_joint", "--gap", "5,0.6 mm,5.0", "--load", "1e2", "--jobs=2"]))
+    arguments = ["rail_joint", "--gap", "5,0.6 mm,5.0", "--load", "1e2", "--jobs=2"]
+    given = study.study_of(study.parser().parse_args(arguments))
     cases = given.cases(JOINT)
     assert [round(1e3 * case.gap, 9) for case in cases] == [5.0, 0.6] and cases[0].load == 1e5 and given.jobs == 2
 

@@ -53,7 +53,8 @@ def test_a_state_of_another_run_is_refused(folder, name):
 
 
 @pytest.mark.parametrize(
-    "change", [lambda d: {**d, "static_force": 1e9}, lambda d: {**d, "pass": 0}, lambda d: {"seal": d["seal"]}, lambda d: []]
+    "change",
+    [lambda d: {**d, "static_force": 1e9}, lambda d: {**d, "pass": 0}, lambda d: {"seal": d["seal"]}, lambda d: []],
 )
 def test_a_changed_state_is_refused(folder, change):
     path = folder / "resume" / "state.json"
@@ -64,7 +65,11 @@ def test_a_changed_state_is_refused(folder, change):
 
 @pytest.mark.parametrize(
     "ending, how",
-    [(e, h) for e in ("json", "npz", "h5") for h in ("flipped", "cut", "missing", "empty") if (e, h) != ("json", "missing")],
+    [
+        *((ending, how) for ending in ("json", "npz", "h5") for how in ("flipped", "cut", "empty")),
+        ("npz", "missing"),
+        ("h5", "missing"),
+    ],
 )
 def test_a_damaged_file_is_refused(folder, ending, how):
     (path,) = (folder / "resume").glob(f"*.{ending}")
