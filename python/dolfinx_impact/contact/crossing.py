@@ -76,7 +76,7 @@ def through_master(
     """
     if not comm.allreduce(int(np.any(suspects))):
         return np.zeros(len(suspects), dtype=bool)
-    last = np.zeros(len(suspects))  # the last gap that a point has on its way
+    last: FloatArray = np.zeros(len(suspects))  # the last gap that a point has on its way
     for k in range(1, SAMPLES):
         gap = gap_at(k / SAMPLES)
         last = np.where(np.isfinite(gap), gap, last)

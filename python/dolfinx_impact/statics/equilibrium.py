@@ -61,7 +61,7 @@ def out_of_balance(problem: EquilibriumProblem, bodies: FloatArray, tolerance: f
         return None
     lengths = np.linalg.norm(left.reshape(-1, gdim), axis=1)
     place = problem.space.tabulate_dof_coordinates()
-    mine: list[tuple[float, list[Any]]] = []
+    mine: list[tuple[float, Any]] = []
     if len(lengths):
         worst = int(np.argmax(np.where(np.isfinite(lengths), lengths, np.inf)))
         mine = [(float(lengths[worst]), place[worst, :gdim].tolist())]

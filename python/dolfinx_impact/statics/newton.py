@@ -146,9 +146,9 @@ class Newton:
             if iteration == 0:
                 result.closed = [c.num_active > 0 for c in p.contact]
             if moved and settled and pending == 0 and violation < VIOLATION and small:
-                fault = self._lost_contact(result.closed)
-                if fault:
-                    return result.failed(fault)
+                lost = self._lost_contact(result.closed)
+                if lost:
+                    return result.failed(lost)
                 again = any([c.augment() for c in p.contact])
                 faults = [c.fault for c in p.contact if c.fault]
                 if faults:

@@ -12,7 +12,7 @@ from ... import _cpp
 from ...assembly.rigid_body_modes import RigidBodyModes
 from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
-from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
+from ...common.types import AnyArray, ArrayLike, BoolArray, FloatArray, IntArray
 from .automatic import automatic_penalty, check_penalty
 from .facets import WIDEST, FacetKeeper
 from ..nodal_sum import NodalSum
@@ -33,6 +33,9 @@ FACTOR = 10.0
 COARSE = 2.0
 # Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
 TOUCH = 1e-12
+# Least cosine between a master's normal and the slave's inward one where the surfaces face each other. Beside the rim the
+# direction to the master lies along the slave, cosine zero; where surfaces touch, their normals differ by a facet's turn.
+FACING = 0.5
 ROUND_OFF = 1e-15  # part of the bodies' size below which a penetration is round-off of positions
 STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off
 
@@ -345,7 +348,8 @@ class PenaltyContact(ContactOutput):
             return False
         assert self.penalty is not None  # begin_step has set it
         tolerance = self.spec.tolerance * self.size
-        multiplier = self.uzawa.augment(self.gap, self._points.weight, self.penalty, tolerance)
+        gap = np.where(self._beside_master(), np.inf, self.gap)
+        multiplier = self.uzawa.augment(gap, self._points.weight, self.penalty, tolerance)
         if multiplier is None:
             return False
         self.history.multiplier = multiplier
@@ -353,6 +357,19 @@ class PenaltyContact(ContactOutput):
             return True
         self.fault = f"{self.pair.name}: {self.uzawa.fault(self.penalty, tolerance)}"
         return False
+
+    def _beside_master(self) -> BoolArray:
+        """Open points that the master does not face, mask (n): their gap is the way to its rim, which is no gap that a
+        pressure could close. On a slave's facet that the master covers in part they would keep the mean gap open."""
+        sums = np.zeros(len(self._u))
+        self.slave.move(self._u)
+        _cpp.gap.add_normals(self.slave, sums)
+        inward = sums.reshape(-1, self.gdim)[self.slave.nodes].sum(axis=1)
+        inward = np.repeat(
+            inward / np.maximum(np.linalg.norm(inward, axis=1), 1e-300)[:, None], self._points.per_facet, 0
+        )
+        facing = np.einsum("na,na->n", self.normal, inward)
+        return np.asarray((self.gap > 0.0) & (facing < FACING))
 
     def update_gap(self, u: FloatArray) -> None:
         """Update candidates, gaps, normals and tractions. Collective.
