@@ -26,10 +26,10 @@ def test_momentum_and_energy(case, dim, friction):
 @pytest.mark.parametrize("dim", (2, 3))
 def test_divided_surface_acts_as_the_whole(dim, divided, friction):
     """A surface in two tags, whose nodes between are of both, moves as in one tag."""
-    shape = dict(low=(0.0,) * dim, high=(1.0,) * dim)
+    shape, velocity = dict(low=(0.0,) * dim, high=(1.0,) * dim), (0.2, *(0.0,) * (dim - 2), -1.0)
     boxes = Boxes(
         (shape["low"], shape["high"], (4,) * dim, (0.0,) * dim),
-        ((0.25,) * (dim - 1) + (1.01,), (0.75,) * (dim - 1) + (1.5,), (2,) * dim, (0.2,) + (0.0,) * (dim - 2) + (-1.0,)),
+        ((0.25,) * (dim - 1) + (1.01,), (0.75,) * (dim - 1) + (1.5,), (2,) * dim, velocity),
     )  # fmt: skip
     top, bottom = 2 * dim - 1, 2 * dim - 2
     left, right = (lambda x: x[:, 0] < 0.5), (lambda x: x[:, 0] > 0.5)

@@ -29,8 +29,8 @@ class Kinematic:
 
     Args:
         pair: the pair of surfaces.
-        sweeps: number of corrections per step; matching nodes need one. Of several kinematic contacts of a problem, which
-            act together, the largest counts [1].
+        sweeps: number of corrections per step; matching nodes need one. Kinematic contacts of a problem act together:
+            the largest of their numbers counts [1].
 
     Raises:
         TypeError: `pair` is not a ContactPair, or `sweeps` not a number; on all ranks.
