@@ -344,8 +344,8 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
            nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric)
       .def(
           "correct",
-          [](KinematicContact& self, Halo& halo, MutableValues u, Values du, Values inverse_mass, double h,
-             double dt, MutableValues f, double share)
+          [](KinematicContact& self, Halo& halo, MutableValues u, Values du, Values inverse_mass, double h, double dt,
+             MutableValues f, double share)
           {
             const int gdim = self.candidates().gdim();
             const std::vector<double> rest(u.size(), 0.0);

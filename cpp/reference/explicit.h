@@ -38,8 +38,9 @@ struct ContactAnswer
 /// What weighs on the nodes when kinematic contacts share out their overlaps.
 struct KinematicWeights
 {
-  std::map<std::int64_t, double> sums;      ///< s_k: of the parts that all closed nodes' forces have on node k [1]
-  std::map<std::int64_t, Eigen::Matrix3d> directions;  ///< the same parts times n n^T, or times the identity with friction [1]
+  std::map<std::int64_t, double> sums; ///< s_k: of the parts that all closed nodes' forces have on node k [1]
+  std::map<std::int64_t, Eigen::Matrix3d>
+      directions;                           ///< the same parts times n n^T, or times the identity with friction [1]
   std::map<std::int64_t, int> num_surfaces; ///< that the node belongs to, as slave or as master
   std::map<std::int64_t, double> in_sweeps; ///< sigma_k [1]
 };

@@ -144,7 +144,7 @@ private:
   std::vector<ForceTerm> _terms;
   ContactForces _contact;
   EnergyBalance _energies;
-  double _largest_coordinate = 0.0; ///< of this rank's undeformed mesh [L]
+  double _largest_coordinate = 0.0;             ///< of this rank's undeformed mesh [L]
   std::vector<double> _beyond;                  ///< amplitudes one step on: velocities of prescribed motion now
   double _last_step = 0.0;                      ///< that led here; 0 at the start [T]
   bool _evaluated = false;                      ///< is the residual that of the present time level?

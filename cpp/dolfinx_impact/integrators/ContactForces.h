@@ -109,7 +109,7 @@ private:
   struct Contact
   {
     std::shared_ptr<enforcement::NodalContact> contact;
-    enforcement::SpringForces* springs;      ///< the same contact, or null
+    enforcement::SpringForces* springs; ///< the same contact, or null
     bool kinematic;
     std::array<int, 3> columns;
     Obstacle obstacle;

@@ -114,7 +114,7 @@ private:
   std::size_t _step = 0;
   Steps _steps;              ///< about the time level of the last `begin_sum` [T]
   double _uncertainty = 0.0; ///< see reset
-  double _reference = 0.0; ///< energy that was there at the start or put in since
+  double _reference = 0.0;   ///< energy that was there at the start or put in since
   double _release_share = 0.0;
   EnergyGain _gain;
   double _gain_limit = std::numeric_limits<double>::infinity();

@@ -71,14 +71,14 @@ struct EnergySums
   double foundation = 0.0;      ///< stored in springs to the ground
   double stored = 0.0;          ///< in springs of contact
   double friction = 0.0;
-  double normal = 0.0;       ///< work of the normal forces of contact, of springs without what they store
-  double kinematic = 0.0;    ///< the part of `normal` that kinematic contact does
-  double taken = 0.0;        ///< minus that of kinematic contact, with the motion after the last forces
-  double recoverable = 0.0;  ///< taken from nodes that are still closed
-  double searches_due = 0.0; ///< contacts that need a search
-  double stops_asked = 0.0;  ///< ranks that were asked to stop
-  double passages = 0.0;     ///< contacts that a node went through
-  double unsolved = 0.0;     ///< points whose local equations were not solved
+  double normal = 0.0;        ///< work of the normal forces of contact, of springs without what they store
+  double kinematic = 0.0;     ///< the part of `normal` that kinematic contact does
+  double taken = 0.0;         ///< minus that of kinematic contact, with the motion after the last forces
+  double recoverable = 0.0;   ///< taken from nodes that are still closed
+  double searches_due = 0.0;  ///< contacts that need a search
+  double stops_asked = 0.0;   ///< ranks that were asked to stop
+  double passages = 0.0;      ///< contacts that a node went through
+  double unsolved = 0.0;      ///< points whose local equations were not solved
   double half_kinetic = 0.0;  ///< kinetic energy half a step before the time level
   double half_external = 0.0; ///< work of external forces up to then
 

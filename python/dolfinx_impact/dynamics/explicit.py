@@ -66,8 +66,8 @@ class ExplicitProblem(Unique):
             with it counts as `damping`. Constants and other functions in it are read again after every callback.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression,
             positive; read once [M/L^3].
-        velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem updates it and it
-            is the attribute `velocity`; otherwise it is not changed [L/T].
+        velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem
+            updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
         loads: loads; their `amplitude` is a function of time.
         contact: contacts: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).

@@ -68,5 +68,3 @@ TABLE += [("explicit", "recorder", "Penalty"), ("explicit", "recorder", "Kinemat
 def test_all_ranks_end(mpirun, kind, stage, method):
     output = mpirun(2, SCRIPT, kind, stage, method, timeout=40, status=None)
     assert f"KeyError: 'found in {stage}'" in output and "no error" not in output, output
-
-

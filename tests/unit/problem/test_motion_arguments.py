@@ -29,7 +29,9 @@ def body(cell="quadrilateral", degree=1, **given):
 def test_without_velocity_bodies_begin_at_rest(problem):
     u, law, _ = body()
     load = di.BodyForce((1.0, 0.0))
-    runs = [problem(f, law, loads=[load], velocity=v) for f, v in ((u, None), (u.copy(), fem.Function(u.function_space)))]
+    runs = [
+        problem(f, law, loads=[load], velocity=v) for f, v in ((u, None), (u.copy(), fem.Function(u.function_space)))
+    ]
     for run in runs:
         assert not np.any(run.velocity.x.array)
         run.advance(0.01, dt=0.001, progress=False)

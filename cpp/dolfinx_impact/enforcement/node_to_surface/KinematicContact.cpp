@@ -11,7 +11,7 @@ namespace dolfinx_impact::enforcement
 {
 namespace
 {
-constexpr double negligible = 1e-9; ///< a mass ratio below this means that the node cannot move along the normal
+constexpr double negligible = 1e-9;    ///< a mass ratio below this means that the node cannot move along the normal
 constexpr double impulse_decay = 0.95; ///< factor per step on the impulse that bounds a release
 
 KinematicContactOptions checked(const KinematicContactOptions& o)

@@ -83,8 +83,8 @@ void KinematicStep::find_largest_weights(std::span<const double> inverse_mass)
       continue;
     const double* t = _values.tensor[0].data() + 3 * std::size_t(node);
     const double* s = _values.tensor[1].data() + 3 * std::size_t(node);
-    const double found = D == 2 ? largest_eigenvalue(t[0], t[1], t[2])
-                                : largest_eigenvalue(t[0], t[1], t[2], s[0], s[1], s[2]);
+    const double found =
+        D == 2 ? largest_eigenvalue(t[0], t[1], t[2]) : largest_eigenvalue(t[0], t[1], t[2], s[0], s[1], s[2]);
     _values.largest[node] = std::min(found, _values.weight[node]);
   }
 }

@@ -94,7 +94,8 @@ public:
   virtual void add_forces(const NodalState& state, std::span<double> f) = 0;
 };
 
-/// Predicted step passed to kinematic contacts, which correct it: arrays over the nodes of the Halo, entry node*gdim + c.
+/// Predicted step passed to kinematic contacts, which correct it: arrays over the nodes of the Halo, entry node*gdim +
+/// c.
 struct PredictedStep
 {
   std::span<const double> du;           ///< increments of the step as predicted [L]

@@ -29,7 +29,8 @@ class Kinematic:
 
     Args:
         pair: the pair of surfaces.
-        sweeps: number of corrections per step; matching nodes need one [1].
+        sweeps: number of corrections per step; matching nodes need one. Kinematic contacts of a problem act together:
+            the largest of their numbers counts [1].
 
     Raises:
         TypeError: `pair` is not a ContactPair, or `sweeps` not a number; on all ranks.
