@@ -19,6 +19,12 @@ PATCH = 1e-10
 LEFT, RIGHT = (lambda x: x[0] < 1.0), (lambda x: x[0] > 1.0)
 
 
+def on_these_ranks(rows):
+    """All rows on one rank, the first and one of the middle on several: they differ in nothing but the cells."""
+    rows = list(rows)
+    return rows if COMM.size == 1 else [rows[0], rows[len(rows) // 2]]
+
+
 def lagrange(tags, slave, master, **options):
     basis = options.pop("basis", "dual")
     return di.Lagrange(di.ContactPair(tags, slave, master, **options), basis=basis)
@@ -65,16 +71,15 @@ def foot(cell, degree, facets, split=False, poisson=0.0, friction=(0.0, 0.0), si
 def check_one_foot_on_two_masters():
     """Without lateral strain each master carries what stands on it and the foot's top sinks by p h/E, to round-off,
     whether the masters meet at a node or inside a facet of the foot, with one tag on the foot or two."""
-    for dim, cells in CELLS.items():
-        for cell in cells:
-            for degree in (1, 2):
-                for facets, split in ((3, False), (4, False), (4, True)):
-                    m, problem = foot(cell, degree, facets, split)
-                    for force in forces(problem):
-                        assert np.abs(force - np.eye(dim)[-1]).max() < PATCH, (cell, degree, facets, split)
-                    assert abs(m.lowest(dim - 1) + 2e-3) < PATCH * 2e-3
-                    pressures = np.concatenate([c.pressure[c.status > 0] for c in problem.contact])
-                    assert np.abs(pressures - 1.0).max(initial=0.0) < BALANCED
+    kinds = [(cell, degree) for cells in CELLS.values() for cell in cells for degree in (1, 2)]
+    for cell, degree in on_these_ranks(kinds):
+        for facets, split in ((3, False), (4, False), (4, True)):
+            m, problem = foot(cell, degree, facets, split)
+            for force in forces(problem):
+                assert np.abs(force - np.eye(m.dim)[-1]).max() < PATCH, (cell, degree, facets, split)
+            assert abs(m.lowest(m.dim - 1) + 2e-3) < PATCH * 2e-3
+            pressures = np.concatenate([c.pressure[c.status > 0] for c in problem.contact])
+            assert np.abs(pressures - 1.0).max(initial=0.0) < BALANCED
 
 
 def check_friction_on_two_masters():
@@ -82,9 +87,8 @@ def check_friction_on_two_masters():
     larger coefficient than its own."""
     rows = [("quadrilateral", 1, 5, False), ("triangle", 2, 4, True), ("hexahedron", 1, 3, False)]
     rows += [("tetrahedron", 1, 4, True)]
-    for (cell, degree, facets, split), basis, friction in zip(
-        rows, ("dual", "linear", "standard", "dual"), ((0.1, 0.4), (0.3, 0.3), (0.3, 0.2), (0.0, 0.4))
-    ):
+    more = (("dual", (0.1, 0.4)), ("linear", (0.3, 0.3)), ("standard", (0.3, 0.2)), ("dual", (0.0, 0.4)))
+    for (cell, degree, facets, split), (basis, friction) in on_these_ranks(zip(rows, more)):
         m, problem = foot(cell, degree, facets, split, poisson=0.3, friction=friction, side=0.1, basis=basis)
         load = np.zeros(m.dim)
         load[0], load[-1] = -0.2, 2.0
@@ -115,9 +119,9 @@ def pressed(split, master, cell, degree, friction):
 
 def check_divided_slave_is_the_undivided_one():
     """A slave tagged in two parts that share a node gives the displacements of one tag, and the forces add up."""
-    for cell, degree in (("quadrilateral", 1), ("triangle", 2)):
+    for cell, degree in on_these_ranks([("quadrilateral", 1), ("triangle", 2)]):
         for master in ("block", "plane"):
-            for friction in (0.0, 0.3):
+            for friction in (0.0, 0.3) if COMM.size == 1 else (0.3,):
                 whole, one = pressed(False, master, cell, degree, friction)
                 parts, two = pressed(True, master, cell, degree, friction)
                 apart = np.abs(whole.u.x.array - parts.u.x.array).max(initial=0.0)
@@ -147,8 +151,8 @@ def corner(cell, degree, friction, one_tag, turn=0.0):
 def check_corner_of_two_planes():
     """Both conditions of the corner's nodes hold: without friction each plane carries its own load; with friction they
     carry both together within the bounds, however the box is turned and tagged."""
-    for cell in (*CELLS[2], *CELLS[3]):
-        for degree in (1, 2) if cell in CELLS[2] else (1,):
+    for cell in on_these_ranks((*CELLS[2], *CELLS[3])):
+        for degree in (1, 2) if cell in CELLS[2] and COMM.size == 1 else (1,):
             for turn in (0.0, 0.4) if cell in CELLS[2] else (0.0,):
                 for one_tag in (False, True):
                     m, problem = corner(cell, degree, 0.0, one_tag, turn)
@@ -179,7 +183,7 @@ def pushed_along_the_edge(cell, push, turn=0.0):
 def check_sliding_along_the_edge_of_two_planes():
     """Along the edge the bounds of both planes add up, 0.3 + 0.2/2 of the loads: with less the box is held, in every
     position alike, with more there is no equilibrium."""
-    for cell in CELLS[3]:
+    for cell in CELLS[3] if COMM.size == 1 else CELLS[3][:1]:
         found = []
         for turn in (0.0, 0.4):
             m, problem = pushed_along_the_edge(cell, 0.39, turn)
@@ -210,7 +214,7 @@ def three_blocks(cell, degree, poisson, friction):
 
 def check_three_blocks_that_meet_at_a_point():
     """The nodes at the cross point are slaves and masters of several pairs: everything is in equilibrium."""
-    for cell, degree in (("quadrilateral", 1), ("triangle", 2)):
+    for cell, degree in (("quadrilateral", 1), ("triangle", 2))[: 2 if COMM.size == 1 else 1]:
         for poisson, friction in ((0.0, 0.0), (0.3, 0.3)):
             m, problem = three_blocks(cell, degree, poisson, friction)
             left, right, between = forces(problem)
@@ -225,7 +229,7 @@ def check_three_blocks_that_meet_at_a_point():
 
 def check_slave_of_one_pair_is_master_of_another():
     """One surface is the slave on the left block and the master of the right one: exact without lateral strain."""
-    for cell, degree in (("quadrilateral", 1), ("quadrilateral", 2), ("triangle", 1), ("triangle", 2)):
+    for cell, degree in on_these_ranks([("quadrilateral", 1), ("quadrilateral", 2), ("triangle", 1), ("triangle", 2)]):
         for poisson, friction in ((0.0, 0.0), (0.3, 0.3)):
             boxes = [((0, 0), (1, 1), (3, 2)), ((1, 0), (2, 1), (4, 2)), ((0, 1), (2, 2), (5, 2))]
             m = Boxes(boxes, cell, degree, poisson=poisson)
@@ -242,7 +246,7 @@ def check_slave_of_one_pair_is_master_of_another():
 
 def check_block_and_plane_under_one_foot():
     """A plane lies 5e-4 under the head of a block: the block carries E g/h, then the plane takes the rest."""
-    for cell in CELLS[2]:
+    for cell in CELLS[2] if COMM.size == 1 else CELLS[2][:1]:
         m = Boxes([((0, 0), (1, 1), (3, 2)), ((0, 1), (1, 2), (2, 2))], cell)
         tags = m.tags({3: (1, 1, 1.0), 4: (0, 1, 1.0), 8: (1, 1, 2.0)})
         pairs = [lagrange(tags, 3, 4), lagrange(tags, 3, di.RigidPlane((0.0, 1.0 - 5e-4), (0.0, 1.0)))]
@@ -306,7 +310,7 @@ def check_impact_of_a_divided_slave():
         velocity.interpolate(lambda x: np.stack([0.3 * (x[1] > 1.005), -1.0 * (x[1] > 1.005)]))
         pairs = [lagrange(tags, s, 4, friction=0.3) for s in ((3, 6) if split else (3,))]
         problem = di.NewmarkProblem(m.u, m.law, velocity=velocity, bcs=m.hold(0, 1, 0.0, 0, 1), contact=pairs)
-        problem.advance(0.03, 2e-3)
+        problem.advance(0.024, 2e-3)
         ends.append((m.u.x.array.copy(), sum(forces(problem))))
     (whole, one), (parts, two) = ends
     assert np.linalg.norm(one) > 1.0, "nothing touches"
@@ -342,7 +346,7 @@ def check_slave_tags_round_sharp_edges():
     rows = [(cell, degree, rigid, 0.0, 0.0) for cell in CELLS[2] for degree in (1, 2) for rigid in (False, True)]
     rows += [("quadrilateral", 1, False, 0.3, 0.3), ("triangle", 2, True, 0.3, 0.3)]
     rows += [("hexahedron", 1, False, 0.0, 0.0), ("tetrahedron", 2, True, 0.0, 0.0), ("hexahedron", 2, True, 0.0, 0.0)]
-    for row in rows:
+    for row in on_these_ranks(rows):
         bottom, one = box_on_floor(False, *row)
         box, two = box_on_floor(True, *row)
         a, b = one.contact[0], two.contact[0]
