@@ -60,8 +60,8 @@ class SurfaceGeometry(abc.ABC):
         weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n) integral of the multiplier's
         function over the part of the surface that faces a master [L^2]; gaps and slips are means over it. At nodes that
         pairs have in common both are sums over the pairs (joined_nodes.py); own_weight, own_cover are of this pair.
-        around: (n) as cover, with nodes that carry no multiplier [L^2]; area: (n) of the facets around a node [L^2], both
-        without facets that lie round a sharp edge, whose numbers are `aside`.
+        around: (n) as cover, with nodes that carry no multiplier [L^2]. area: (n) of the facets around a node [L^2].
+        Both are without facets that lie round a sharp edge, whose numbers are `aside`.
         part: (n) mask of nodes that this pair has a force at. carrier: (n) mask, false where another pair has the
         multiplier of a common node.
         gap: (n) [L]. normal: (n, gdim). fixed: (n, gdim) prescribed components. locked: (n, gdim) those along which the

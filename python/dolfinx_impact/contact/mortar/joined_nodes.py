@@ -124,7 +124,7 @@ class JoinedNodes:
         enough = around > _cpp.multipliers.least_share * area
         for k, g in enumerate(geometries):
             g.integrate(np.ones(len(g.nodes), dtype=bool) if isinstance(g, RigidGeometry) else enough[self._numbers[k]])
-        parts = [g.participates & (g.around != 0.0) for g in geometries]
+        parts = [g.participates & (g.own_cover != 0.0) for g in geometries]
         unlocked = self._total([np.where(p[:, None], ~g.own_locked, False) for p, g in zip(parts, geometries)])
         locked = self._total([g.own_locked.astype(float) for g in geometries])
         sums = np.sum([self._sum(k, geometries[k].normal_sums()) for k in self._sums_of], axis=0)

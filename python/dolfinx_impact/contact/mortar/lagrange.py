@@ -513,7 +513,7 @@ class LagrangeContact(ContactOutput):
         traction = self.friction_traction - np.einsum("nab,nb->na", still, self.friction_traction)
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
         error = np.linalg.norm(traction - law, axis=1)
-        turned = slides & (error > TURNED * self._coefficients() * largest)
+        turned = slides & (error > TURNED * self._coefficient * largest)
         return self.comm.allreduce(int(np.count_nonzero(turned)))
 
     def set_redundant(self, nodes: IntArray) -> None:
