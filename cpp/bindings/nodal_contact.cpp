@@ -329,6 +329,16 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "Add the forces to f (a view is changed); several times for timing")
       .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
            "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
+      .def(
+          "set_nodal_compliances",
+          [](PenaltyContact& self, Values slave, Values master)
+          {
+            self.set_nodal_compliances({slave.data(), slave.data() + slave.size()},
+                                       {master.data(), master.data() + master.size()});
+          },
+          nb::arg("slave"), nb::arg("master"),
+          "Reciprocals of the nodal stiffness of both surfaces by owned node, zero where none is known; before "
+          "`number`")
       .def_prop_ro(
           "other", [](PenaltyContact& self) { return self.other(); }, nb::rv_policy::reference_internal)
       .def("history", &penalty_history)

@@ -29,6 +29,7 @@ from .. import _cpp
 from ..amplitude import Amplitude
 from ..assembly.rigid_body_modes import RigidBodyModes
 from ..common.types import BoolArray, FloatArray, IntArray
+from ..materials import Material
 from .pair import ContactPair
 
 
@@ -72,9 +73,11 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     Attributes:
         mass: lumped mass by degrees of freedom [M].
+        material: material of the bodies; None for a residual of one's own.
     """
 
     mass: la.Vector
+    material: Material | None
     _cpp_object: _cpp.integrators.CentralDifference
 
     @property
@@ -84,6 +87,17 @@ class ExplicitContactProblem(ContactProblem, Protocol):
     @property
     def step(self) -> int:
         """Number of steps since the start."""
+
+    def frequency_stiffness(self, nodes: BoolArray) -> FloatArray:
+        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, in
+        the undeformed bodies. Collective.
+
+        Args:
+            nodes: mask of the nodes that are asked for, owned and ghosts.
+
+        Returns:
+            Sums, owned and ghosts; zero where the cells have no stiffness [F/L].
+        """
 
 
 @runtime_checkable
@@ -384,12 +398,20 @@ class ExplicitContact(Protocol):
         nodes: owned slave nodes, (n).
         weight: areas of the nodes, (n) [L^2].
         motion: displacement of a rigid master as a function of time; None without one [L].
+        stored: energy stored in the springs, of all ranks [F L].
+        penetration_share: part of the deformation that is penetration; set by the problem [1].
     """
 
     pair: ContactPair
     nodes: IntArray
     weight: FloatArray
     motion: Amplitude | None
+    stored: float
+    penetration_share: float
+
+    @property
+    def kinematic(self) -> bool:
+        """Whether the contact has no springs."""
 
     def check_start(self) -> None:
         """Refuse bodies that penetrate by more than half a facet. Collective.

@@ -19,7 +19,7 @@ from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
-from ..common.types import ArrayLike, FilePath, FloatArray
+from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.history import MaterialHistory, existing
@@ -39,6 +39,7 @@ from . import energy_gain, rolling_start, static_start
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
+from .penetration_share import PenetrationShare
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
@@ -226,8 +227,9 @@ class ExplicitProblem(Unique):
             self._cpp_object.add_contact(c._cpp_object, columns)
         inputs = Inputs(self.comm, self._cpp_object, self._terms, self.dead_loads, self._frequencies)
         self._history = RunHistory(len(self.contact), mesh.geometry.dim)
+        share = PenetrationShare(self, from_rest=not linear and self._parts is None)
         self._state = CurrentState(
-            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history
+            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share
         )  # fmt: skip
         self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, self._nonlinear)
         self._restart = Restart(self, self._stepper)
@@ -307,6 +309,18 @@ class ExplicitProblem(Unique):
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
         return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
+
+    def frequency_stiffness(self, nodes: BoolArray) -> FloatArray:
+        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, in
+        the undeformed bodies, without foundations. Collective.
+
+        Args:
+            nodes: mask of the nodes that are asked for, owned and ghosts.
+
+        Returns:
+            Sums, owned and ghosts, right at these nodes; zero where cells have no stiffness [F/L].
+        """
+        return self._frequencies.nodal_stiffness(nodes)
 
     def _frequencies_masses(self) -> CellMasses:
         masses = self._frequencies.masses()

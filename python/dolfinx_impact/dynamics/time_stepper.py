@@ -132,6 +132,7 @@ class TimeStepper:
             ValueError: bodies overlap too much; on all ranks.
         """
         self.integrator.set_contact_step(self.nominal_step)
+        self.state.share.begin_anew()
         self.integrator.start(displacement, velocity)
         self._run(0)
         for contact in self.problem.contact:
@@ -167,6 +168,7 @@ class TimeStepper:
         self.safe_step, self.nominal_step, self._stale = safe_step, nominal_step, False
         self.check_step, self.check_interval = check_step, check_interval
         self.schedule, self._good = schedule, None
+        self.state.share.begin_anew()
 
     def check_arguments(self, until: float, callback: Callable[[ExplicitProblem], object] | None) -> float:
         """Check arguments of `advance` on this rank.
@@ -251,6 +253,7 @@ class TimeStepper:
                 raise
         self.schedule = None
         self.state.update()
+        self.state.share.warn()
 
     @property
     def _present_schedule(self) -> StepSchedule:
@@ -333,6 +336,7 @@ class TimeStepper:
 
     def _keep(self, times: FloatArray, steps: npt.NDArray[np.void]) -> None:
         rows = self.history.add(times, steps)
+        self.state.share.add(rows)
         if len(rows):
             for recorder in self.recorders:
                 recorder.add(rows)
@@ -360,6 +364,7 @@ class TimeStepper:
             contact.reset_history()
         self.problem.restore_history()
         self.history.begin_anew()
+        self.state.share.begin_anew()
         self.integrator.start(good.displacement, good.velocity)
         self._run(0)
         self.state.update()

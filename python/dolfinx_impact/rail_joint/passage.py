@@ -335,16 +335,13 @@ class Passage:
             The whole passage, from its start.
 
         Raises:
-            ValueError: a step, but no penalty of the joint, is given: the springs of "auto" follow from the step, and
-                the start is in equilibrium with those of the step "auto"; on all ranks.
+            ValueError: the step is longer than the stable one; on all ranks.
             RuntimeError: the run went unstable; on all ranks.
         """
         from .stress import NodalStress
 
         run, data, comm = self.run, self.model.data, self.model.comm
         assert run is not None, "preload and start, or resume, come first"
-        if dt != "auto" and not data.penalty:
-            raise ValueError("a time step of your own needs a penalty of your own: RailJoint.changed(penalty=...)")
         places = np.linspace(data.begin, data.end, FRAMES) if frames is None else np.asarray(frames, dtype=float)
         places = np.append(places[places < data.end], data.end)
         stress = NodalStress(self.model, run.u) if show is not None else None

@@ -115,12 +115,12 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
   for (std::int32_t& node : _slave_facets.nodes)
     node = numbers[node];
   _tracker.reset(std::move(_facets), _candidates.numbers(), std::move(_slave_facets), _candidates.distance());
-  const auto masters = _tracker.master_nodes();
-  for (std::size_t k = 0; k < masters.size(); ++k)
+  _master_inverse_mass.clear();
+  _master_areas.clear();
+  for (std::int32_t master : _tracker.master_nodes())
   {
-    search::MasterNode& master = _tracker.masters()[k];
-    master.inverse_mass = 1.0 / mass[masters[k]];
-    master.area_per_mass = areas[masters[k]] / mass[masters[k]];
+    _master_inverse_mass.push_back(1.0 / mass[master]);
+    _master_areas.push_back(areas[master]);
   }
 }
 

@@ -130,6 +130,8 @@ protected:
   search::NodeTracker _tracker;
   operators::Halo* _halo = nullptr;
   std::vector<double> _inverse_mass, _per_area; ///< by slave node: reciprocals of mass and area
+  /// By position in NodeTracker's list of master nodes: reciprocals of masses, and areas.
+  std::vector<double> _master_inverse_mass, _master_areas;
   NodalResults _results;
   std::vector<double> _tangential;
   std::vector<std::int8_t> _closed;

@@ -43,8 +43,9 @@ STILL = 1e-12  # part of the bodies' size below which a change of closest points
 class Penalty:
     """Enforce contact of a pair by a penalty, seed (3.48), corrected.
 
-    In explicit problems (docs/explicit/penalty.md) the contact points are the slave's nodes, and "auto" is a stiffness
-    from nodal masses and the step; `tangential`, `augmented` and `quadrature_degree` are options of static problems.
+    In explicit problems (docs/explicit/penalty.md) the contact points are the slave's nodes, and "auto" is half of the
+    stiffness of the outermost cells of both bodies, within what their nodal masses bear; `tangential`, `augmented` and
+    `quadrature_degree` are options of static problems.
 
     Args:
         pair: the pair of surfaces.
