@@ -83,7 +83,7 @@ rows = comm.gather(np.column_stack([contact.points[:, 0], contact.pressure]))
 if comm.rank == 0:
     print(f"peak pressure {peak / 1e6:8.3f} MPa   Hertz {p0 / 1e6:8.3f} MPa")
     print(f"half-width    {contact.area * 1e3:8.3f} mm    Hertz {a * 1e3:8.3f} mm")
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained", gridspec_kw={"wspace": 0.1})
     triangles, stress = (np.concatenate(part) for part in zip(*cells))
     image = left.add_collection(PolyCollection(1e3 * triangles, array=stress / 1e6, edgecolor="face"))
     left.set(xlim=(0, 2.5e3 * a), ylim=(-1.6e3 * a, 0.9e3 * a), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
@@ -91,7 +91,7 @@ if comm.rank == 0:
     s, (x, p) = np.linspace(0, a, 200), np.concatenate(rows).T
     right.plot(s * 1e3, hertz.pressure(s) / 1e6, "k-", label="Hertz")
     right.plot(x * 1e3, p / 1e6, "o", mfc="none", label="multipliers")
-    right.set(xlabel="x [mm]", ylabel="pressure [MPa]", xlim=(0, 1.3e3 * a))
+    right.set(xlabel="x [mm]", ylabel="pressure [MPa]", xlim=(-30 * a, 1.3e3 * a))
     right.legend()
     figure.savefig("hertz.png", dpi=120)
 

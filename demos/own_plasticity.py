@@ -88,7 +88,7 @@ if comm.rank == 0:
     print(f"largest void fraction, pulled slowly {slow_voids[-1]:.5f}, fast {fast_voids[-1]:.5f}")
     print(f"dissipated by plastic flow {fast.energy['plastic']:.4f} J")
     cells, values = (np.concatenate(part) for part in zip(*parts))
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained", gridspec_kw={"wspace": 0.15})
     left.set(xlim=(0, 6), ylim=(0, 8), aspect="equal", xlabel="r [mm]", ylabel="z [mm]")
     figure.colorbar(left.add_collection(PolyCollection(cells * 1e3, array=values)), label="void fraction [1]")
     right.plot(way * 1e3, slow_voids, "o", label="slowly")

@@ -34,6 +34,7 @@ def taylor_bar():
     times = np.arange(0.0, 81.0, 2.0)
     history = [(1e3 * RADIUS, 1e3 * LENGTH)] + [bar.at(1e-6 * t) for t in times[1:]]
     figure, (shape, curves) = plt.subplots(1, 2, figsize=(9, 4.2), width_ratios=(1, 1.5), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.12)
     x = 1e3 * (bar.V.tabulate_dof_coordinates()[:, :2] + bar.u.x.array.reshape(-1, 2))
     corners = x[bar.V.dofmap.list[:, [0, 1, 3, 2]]]
     strain = bar.run.history["plastic_strain"].values.mean(axis=1)
@@ -50,7 +51,7 @@ def taylor_bar():
     for column, name in enumerate(("radius of the face", "length")):
         curves.plot(times, np.array(history)[:, column], f"C{column}", label=f"{name}, 8 by 80 cells")
         curves.plot(PUBLISHED[:, 0], PUBLISHED[:, 1 + column], f"C{column}o", fillstyle="none", label="published")
-    curves.set(xlabel="time [µs]", ylabel="[mm]", ylim=(0, None))
+    curves.set(xlabel="time [µs]", ylabel="radius, length [mm]", ylim=(0, None))
     curves.legend(fontsize=8)
     curves.grid(alpha=0.3)
     return figure
@@ -61,7 +62,7 @@ def prandtl_punch():
     figure, axes = plt.subplots(figsize=(6, 3.8), layout="constrained")
     depths = np.concatenate([DEPTHS[0] * np.array([0.2, 0.4, 0.6, 0.8]), DEPTHS])
     for label, style, parameters in (
-        ("smooth, B-bar", "C0.-", dict(h=1 / 32)),
+        ("smooth, B-bar", "C0o-", dict(h=1 / 32)),
         ("rough, B-bar", "C1.-", dict(h=1 / 32, rough=True, ratio=1.15)),
         ("smooth, without B-bar", "C3.--", dict(h=1 / 32, average=False)),
     ):

@@ -12,27 +12,85 @@ import numpy as np
 from .hertz import SIDES
 from .layout import Layout, at, count, positive, require
 
-CORE = 1.25  # half-width of the fine zone, in half-axes
+CORE, LEAST_CORE = 1.25, 1.2  # half-width of the fine zone with a path; without, of whole cells; in half-axes
+# Cells between the outermost node in contact and the edge of the contact, along the flow and across it. Friction finds
+# the edge at a fixed distance beyond that node, wherever it is (docs/rolling.md): nodes lie so that this is the edge.
+# In the plane the distance is 0.40 cells; in space 0.3 meets Kalker's coefficients best.
+BEYOND = (0.3, 0.5)
+# Least width of a row, of that in the middle, so that cells are not sheared too much where the ellipse ends; rows with
+# fewer nodes on either side may have the edge anywhere, they bear little.
+NARROWEST, FEWEST = 0.55, 2
 CORE_DEPTH = 0.75
 FAR = 3.0  # cells at the far ends are this part of the bodies' length
 
 
-def flat(name, up, reach, h, sides, path):
+class Spacing:
+    """Fine cells along the flow and across it, and the half-widths of their zone, all in half-axes.
+
+    Without a path nodes lie as the edge of the contact asks for it, an ellipse with the half-axes one. With a path the
+    contact rolls over the nodes, and all cells are alike.
+
+    cells: in each half-axis.
+    path: that an explicit run rolls.
+    """
+
+    def __init__(self, cells, path):
+        self.straight = path > 0.0
+        along, across = (0.0, 0.0) if self.straight else BEYOND
+        self.cells, self.along, self.across = cells, 1.0 / (cells + along), 1.0 / (cells + across)
+        count = CORE * cells if self.straight else math.ceil(LEAST_CORE * (cells + max(along, across)) - 1e-9)
+        self.core = count * self.along, count * self.across
+
+    def rows(self):
+        """Places of the rows across the flow, and their widths, of that in the middle."""
+        places = self.across * np.arange(1 + round(self.core[1] / self.across))
+        widths = np.full(len(places), NARROWEST)
+        for k, y in enumerate(places[: self.cells + 1]):
+            half = math.sqrt(1.0 - y**2)  # of the ellipse, along
+            widths[k] = max(half, NARROWEST)
+            inside = round(half / (widths[k] * self.along) - BEYOND[0])  # nodes up to the edge
+            if inside >= FEWEST:
+                widths[k] = half / ((inside + BEYOND[0]) * self.along)
+        return places, widths
+
+    def columns(self, reach):
+        """Map of the nodes after which columns of nodes are as far inside the edge in each row, as rows go on along the
+        flow. It fades out towards the ends of a body.
+
+        reach: half-length, half-width and depth of the body, scaled.
+        """
+
+        places, widths = self.rows()
+
+        def fade(x, first, last):
+            return np.clip((last - np.abs(x)) / (last - first), 0.0, 1.0)
+
+        def bend(x):
+            along, across, up = x.T
+            width = np.interp(np.abs(across), places, widths)
+            part = fade(along, self.core[0], reach[0]) * fade(across, self.core[1], reach[1]) * fade(up, 0.0, reach[2])
+            return np.stack([along * (1.0 - part * (1.0 - width)), across, up], axis=1)
+
+        return bend
+
+
+def flat(name, up, reach, spacing, sides, path):
     """One body, flat, in scaled coordinates (along, across, up), its surface at zero.
 
     name: of the body.
     up: 1 for a body above its surface, -1 for one below.
     reach: half-length, half-width and depth, scaled.
-    h: size of the fine cells, scaled.
+    spacing: of the fine cells.
     sides: those of the plane of symmetry that are there.
     path: by which the fine zone is longer in front, scaled.
     """
     length, width, depth = reach
+    h, (along, across) = spacing.across, spacing.core
     plan = Layout(2, max(reach))
     body = plan.body(name)
     surface, held = ("slave_surface", "hub") if up > 0 else ("master_surface", "bottom")
     for s in sides:
-        places = {"a": (0, 0), "b": (CORE, 0), "c": (CORE, CORE_DEPTH), "d": (0, CORE_DEPTH)}
+        places = {"a": (0, 0), "b": (across, 0), "c": (across, CORE_DEPTH), "d": (0, CORE_DEPTH)}
         far = {"e": (width, 0), "f": (width, depth), "g": (0, depth)}
         p = {k: body.point((s * y, up * z), h) for k, (y, z) in places.items()}
         p |= {k: body.point((s * y, up * z), max(h, max(reach) / FAR)) for k, (y, z) in far.items()}
@@ -43,15 +101,17 @@ def flat(name, up, reach, h, sides, path):
             body.facet(surface, p["b"], p["e"])
         body.facet(held, p["f"], p["g"])
     body.tag("symmetry_y", at(0, 0.0))
-    coarse = max(h, length / FAR)
-    front = CORE + path
-    levels = [-length, -CORE, front, length + path]
-    out = plan.extruded(lambda x, t: (t, x[0], x[1]), levels, [coarse, h, h, coarse], (held, held))
+    fine, front = spacing.along, along + path
+    coarse = max(fine, length / FAR)
+    levels = [-length, -along, front, length + path]
+    out = plan.extruded(lambda x, t: (t, x[0], x[1]), levels, [coarse, fine, fine, coarse], (held, held))
     if up > 0:  # the surface that may touch ends with the fine zone
         for corners, found in out.named.items():
             places = [out.points[k][0] for k in corners]
-            if found == surface and (min(places) < -1.001 * CORE or max(places) > 1.001 * front):
+            if found == surface and (min(places) < -1.001 * along or max(places) > 1.001 * front):
                 out.named[corners] = "free"
+    if not spacing.straight:
+        out.bodies[0].map(spacing.columns(reach))
     return out
 
 
@@ -67,7 +127,7 @@ def rolling_contact_3d(
     wheel_crown_radius: transverse radius of the tread, default flat; negative is hollow [m]
     a: expected half-axis of the contact along the rail [m]
     b: expected half-axis across [m]
-    cells: in each half-axis
+    cells: in each half-axis, and a part of one up to the edge of the contact
     reach: half-length, half-width and depth of the bodies, in larger half-axes
     gap: between wheel and rail [m]
     symmetry: "half" (y >= 0) or "none"
@@ -82,7 +142,7 @@ def rolling_contact_3d(
         require(abs(value) > size, f"{name} = {value!r}: smaller than the half-width of the bodies, {size:.3g}")
     require(size + path * a < radius, f"path = {path!r}: the wheel's sector would be longer than its radius")
     require(size < 0.5 * radius, f"reach = {reach!r}: the bodies would be {size:.3g} deep, half the radius or more")
-    require(reach * max(a, b) >= 2 * CORE * max(a, b), f"reach = {reach!r}: smaller than {2 * CORE}")
+    require(reach >= 2 * CORE, f"reach = {reach!r}: smaller than {2 * CORE}")
     unit = np.array((a, b, math.sqrt(a * b)))
 
     def drop(y, curvature_radius):
@@ -101,10 +161,10 @@ def rolling_contact_3d(
         s, y, height = (x * unit).T
         return np.stack([s, y, height - drop(y, crown_radius) * (1.0 + height / size)], axis=1)
 
-    sides = SIDES[symmetry]
-    layout = flat("master_body", -1, size / unit, 1.0 / cells, sides, path)
+    sides, spacing = SIDES[symmetry], Spacing(cells, path)
+    layout = flat("master_body", -1, size / unit, spacing, sides, path)
     layout.bodies[0].map(bend_rail)
-    wheel = flat("slave_body", 1, size / unit, 1.0 / cells, sides, path)
+    wheel = flat("slave_body", 1, size / unit, spacing, sides, path)
     wheel.bodies[0].map(bend_wheel)
     layout.merge(wheel)
     return layout

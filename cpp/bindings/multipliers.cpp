@@ -5,7 +5,7 @@
 #include "dolfinx_impact/enforcement/mortar/SaddlePoint.h"
 #include "dolfinx_impact/enforcement/mortar/active_set.h"
 #include "dolfinx_impact/enforcement/mortar/prescribed_components.h"
-#include "dolfinx_impact/gap/MortarIntegrals.h"
+#include "dolfinx_impact/gap/FacingShares.h"
 #include <caster_mpi.h>
 #include <caster_petsc.h>
 
@@ -64,6 +64,7 @@ nb::tuple as_tuple(const MasterRows& rows)
 
 void bind_integrals(nb::module_& m)
 {
+  m.attr("least_share") = least_share;
   nb::class_<MultiplierNodes>(m, "MultiplierNodes", "Owned slave nodes that multipliers may live at; copies")
       .def(
           "__init__",
@@ -91,6 +92,32 @@ void bind_integrals(nb::module_& m)
       .def(
           "update", [](MortarIntegrals& self, Array u, Array start) { self.update(view(u), view(start)); },
           nb::arg("u"), nb::arg("start"), "Search, segments and integrals at u. Collective")
+      .def(
+          "update_cover", [](MortarIntegrals& self, Array u, Array start) { self.update_cover(view(u), view(start)); },
+          nb::arg("u"), nb::arg("start"), "Search, segments and what is covered at u. Collective")
+      .def(
+          "integrate", [](MortarIntegrals& self, Mask carriers) { self.integrate(view(carriers)); },
+          nb::arg("carriers"), "Integrals where these nodes carry the multipliers. Collective")
+      .def(
+          "covered", [](const MortarIntegrals& s) { return mask(s.covered(), {s.around.size()}); },
+          "Mask of the nodes of which enough is covered")
+      .def(
+          "sums_at_nodes", [](const MortarIntegrals& s) { return vectors(s.sums_at_nodes(), s.nodes().nodes.size()); },
+          "Sums of facet normals, (n, gdim)")
+      .def(
+          "set_sums", [](MortarIntegrals& self, Array sums) { self.set_sums(view(sums)); }, nb::arg("sums"),
+          "Replace the sums of facet normals, (n, gdim). Collective")
+      .def_prop_ro(
+          "area", [](const MortarIntegrals& s) { return copy(s.area(), {s.area().size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "aside", [](const MortarIntegrals& s) { return take(s.aside()); }, nb::rv_policy::move,
+          "Numbers of the facets that took no part, as they lie round a sharp edge")
+      .def_rw("least_cover", &MortarIntegrals::least_cover)
+      .def_prop_ro(
+          "around", [](const MortarIntegrals& s) { return copy(s.around, {s.around.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "weighted_gap", [](const MortarIntegrals& s) { return copy(s.weighted_gap, {s.weighted_gap.size()}); },
+          nb::rv_policy::move)
       .def(
           "update_gap", [](MortarIntegrals& self, Mask locked, double symmetry)
           { self.update_gap(view(locked), symmetry); }, nb::arg("locked"), nb::arg("symmetry"),
@@ -120,6 +147,10 @@ void bind_integrals(nb::module_& m)
           [](const MortarIntegrals& s, Array moved) { return vectors(s.jump(view(moved)), s.nodes().nodes.size()); },
           nb::arg("moved"), "Mean displacement of slave against master. Collective")
       .def(
+          "weighted_jump", [](const MortarIntegrals& s, Array moved)
+          { return vectors(s.weighted_jump(view(moved)), s.nodes().nodes.size()); }, nb::arg("moved"),
+          "The same times the cover. Collective")
+      .def(
           "over_master", [](const MortarIntegrals& s, Array values, int block)
           { return vectors(s.over_master(view(values), block), s.nodes().nodes.size()); }, nb::arg("values"),
           nb::arg("block"))
@@ -132,6 +163,10 @@ void bind_integrals(nb::module_& m)
           [](const MortarIntegrals& s, Indices rows) { return as_tuple(s.master_rows({rows.data(), rows.size()})); },
           nb::arg("rows"), "Rows of D^-1 M of some nodes: pointers, global nodes, values")
       .def(
+          "master_rows", [](const MortarIntegrals& s, Indices rows, Array weights)
+          { return as_tuple(s.master_rows({rows.data(), rows.size()}, view(weights))); }, nb::arg("rows"),
+          nb::arg("weights"), "Rows of M over the weights of all nodes")
+      .def(
           "tangent",
           [](MortarIntegrals& s, Array multiplier, Array traction, Mask active) -> nb::object
           {
@@ -140,6 +175,21 @@ void bind_integrals(nb::module_& m)
           },
           nb::arg("multiplier"), nb::arg("traction"), nb::arg("active"),
           "Derivative of minus the contact force at given multipliers, kept by this object; None: zero. Collective");
+  nb::class_<FacingShares>(m, "FacingShares", "Areas of a slave's nodes that face a rigid obstacle")
+      .def(
+          "__init__",
+          [](FacingShares* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
+             const MultiplierNodes& nodes, Array points, Array weights, Multipliers basis, bool axisymmetric)
+          { new (self) FacingShares(std::move(V), slave, nodes, rule(points, weights), basis, axisymmetric); },
+          nb::arg("V"), nb::arg("slave"), nb::arg("nodes"), nb::arg("points"), nb::arg("weights"), nb::arg("basis"),
+          nb::arg("axisymmetric") = false)
+      .def(
+          "evaluate", [](FacingShares& self, const Facets& slave, const Rigid& obstacle)
+          { return take(self.evaluate(slave, obstacle)); }, nb::arg("slave"), nb::arg("obstacle"),
+          "Areas by the multiplier nodes. Collective")
+      .def_prop_ro(
+          "aside", [](const FacingShares& s) { return copy(s.aside(), {s.aside().size()}); }, nb::rv_policy::move,
+          "Numbers of the facets that took no part");
   m.def(
       "springs",
       [](const dolfinx::common::IndexMap& map, int gdim, Indices nodes, nb::tuple rows, Array blocks)
@@ -245,7 +295,7 @@ void bind_constraints(nb::module_& m)
 struct Nodes
 {
   Mask usable, active, sliding;
-  Array gap, multiplier, slip, traction, direction, opening, stiffness, lock;
+  Array gap, multiplier, slip, traction, direction, opening, stiffness, lock, roughness;
   NodalMultipliers now;
 
   Nodes(const nb::dict& d, int gdim, double friction)
@@ -253,10 +303,10 @@ struct Nodes
         gap(nb::cast<Array>(d["gap"])), multiplier(nb::cast<Array>(d["multiplier"])), slip(nb::cast<Array>(d["slip"])),
         traction(nb::cast<Array>(d["traction"])), direction(nb::cast<Array>(d["direction"])),
         opening(nb::cast<Array>(d["opening"])), stiffness(nb::cast<Array>(d["stiffness"])),
-        lock(nb::cast<Array>(d["lock"])),
-        now{gdim,          friction,   view(usable),   view(active),    view(gap),     view(multiplier),
-            view(sliding), view(slip), view(traction), view(direction), view(opening), view(stiffness),
-            view(lock)}
+        lock(nb::cast<Array>(d["lock"])), roughness(nb::cast<Array>(d["roughness"])),
+        now{gdim,          friction,       view(usable),   view(active),    view(gap),     view(multiplier),
+            view(sliding), view(slip),     view(traction), view(direction), view(opening), view(stiffness),
+            view(lock),    view(roughness)}
   {
   }
 };
@@ -469,6 +519,9 @@ void bind_friction(nb::module_& m)
           "update_directions", [](CoulombFriction& f, Mask usable, nb::dict geometry, Mask locked)
           { f.update_directions(view(usable), Geometry(geometry).now, view(locked)); }, nb::arg("usable"),
           nb::arg("geometry"), nb::arg("locked"), "A new state to linearise about")
+      .def(
+          "set_edges", [](CoulombFriction& f, Array projectors) { f.set_edges(vector<double>(projectors)); },
+          nb::arg("projectors"), "Directions that another contact of a node holds, (n, gdim, gdim), or empty")
       .def_prop_ro(
           "locked", [](const CoulombFriction& f)
           { return copy(f.locked(), {f.num_nodes(), std::size_t(f.gdim()), std::size_t(f.gdim())}); },
@@ -573,6 +626,16 @@ void bind_saddle_point(nb::module_& m)
       .def_prop_ro(
           "pinned", [](const SaddlePoint& s) { return mask(s.pinned(), {s.pinned().size()}); }, nb::rv_policy::move,
           "Mask of the pinned unknowns, a copy")
+      .def_prop_ro(
+          "redundant",
+          [](const SaddlePoint& s)
+          {
+            nb::list out;
+            for (const auto& rows : s.redundant())
+              out.append(copy(rows, {rows.size()}));
+            return out;
+          },
+          "Numbers of the nodes whose normal condition was left out, by contact")
       .def_prop_ro("right", &SaddlePoint::right, nb::rv_policy::reference, "C, kept by this object")
       .def_prop_ro("left", &SaddlePoint::left, nb::rv_policy::reference, "C_L, kept by this object")
       .def(

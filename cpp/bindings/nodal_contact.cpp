@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
-#include "dolfinx_impact/enforcement/node_to_surface/KinematicContact.h"
+#include "dolfinx_impact/enforcement/node_to_surface/KinematicStep.h"
 #include "dolfinx_impact/enforcement/node_to_surface/PenaltyContact.h"
 #include <algorithm>
 #include <array>
@@ -329,6 +329,16 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "Add the forces to f (a view is changed); several times for timing")
       .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
            "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
+      .def(
+          "set_nodal_compliances",
+          [](PenaltyContact& self, Values slave, Values master)
+          {
+            self.set_nodal_compliances({slave.data(), slave.data() + slave.size()},
+                                       {master.data(), master.data() + master.size()});
+          },
+          nb::arg("slave"), nb::arg("master"),
+          "Reciprocals of the nodal stiffness of both surfaces by owned node, zero where none is known; before "
+          "`number`")
       .def_prop_ro(
           "other", [](PenaltyContact& self) { return self.other(); }, nb::rv_policy::reference_internal)
       .def("history", &penalty_history)
@@ -344,14 +354,19 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
            nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric)
       .def(
           "correct",
-          [](KinematicContact& self, const Halo& halo, MutableValues u, Values du, Values inverse_mass, double h,
-             double dt, MutableValues f, double share)
+          [](KinematicContact& self, Halo& halo, MutableValues u, Values du, Values inverse_mass, double h, double dt,
+             MutableValues f, double share)
           {
             const int gdim = self.candidates().gdim();
             const std::vector<double> rest(u.size(), 0.0);
-            self.correct(
-                {over(halo, du, gdim, "du"), rest, over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share},
-                over(halo, u, gdim, "u"), over(halo, f, gdim, "f"));
+            const PredictedStep step{
+                over(halo, du, gdim, "du"), rest, over(halo, inverse_mass, gdim, "inverse_mass"), h, dt, share};
+            dolfinx_impact::enforcement::KinematicStep all;
+            all.add(&self);
+            std::vector<std::int32_t> numbers(halo.num_nodes());
+            std::iota(numbers.begin(), numbers.end(), 0);
+            all.number(halo, halo, numbers);
+            all.correct(step, over(halo, u, gdim, "u"), over(halo, f, gdim, "f"));
           },
           nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),
           nb::arg("dt"), nb::arg("f").noconvert(), nb::arg("share") = 1.0,

@@ -50,6 +50,17 @@ void PlasticBody::set_history(const std::vector<J2History>& history)
   history_ = history;
 }
 
+Matrix PlasticBody::stiffness_at_rest(std::int64_t cell) const
+{
+  const Matrix X = model_.cell_points(cell);
+  const Vector still = Vector::Zero(std::int64_t(model_.cell_nodes(cell).size()) * model_.gdim());
+  const auto law = laws_.find(model_.tag(cell));
+  if (law == laws_.end())
+    return internal(sampler_, X, model_.material(cell), still, true, cell).tangent;
+  const std::vector<J2History> virgin(sampler_.num_points(), J2::virgin(kinematics_.strain));
+  return plastic_internal(sampler_, X, law->second, kinematics_, still, virgin, true, cell).tangent;
+}
+
 PlasticBody::Trial PlasticBody::evaluate(const Vector& u, bool with_tangent) const
 {
   model_.check_vector(u);

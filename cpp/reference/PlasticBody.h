@@ -33,6 +33,9 @@ public:
   bool finite_strain() const { return kinematics_.strain != PlasticStrain::small; }
   Trial evaluate(const Vector& u, bool with_tangent) const;
 
+  /// Stiffness of a cell without displacements and history [F/L].
+  Matrix stiffness_at_rest(std::int64_t cell) const;
+
   const std::vector<J2History>& history() const { return history_; }
   void commit(const Trial& trial) { history_ = trial.history; }
   /// @throws std::invalid_argument for another number of points

@@ -58,7 +58,8 @@ void bind_explicit(nb::module_& m)
           "__init__",
           [](NodalPenalty* self, const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
              double search_distance, V mass, P displacement, P slave_normals, P master_normals, double friction,
-             double penalty, bool balanced)
+             double penalty, bool balanced, P points, V weights, P mass_points, V mass_weights,
+             const std::string& lumping, const std::vector<PlasticBody*>& plastic)
           {
             check_friction(friction);
             if (not(penalty >= 0) or not std::isfinite(penalty))
@@ -70,6 +71,26 @@ void bind_explicit(nb::module_& m)
             if (balanced)
               pairs.push_back(
                   node_pairs(model, master, slave, obstacle, search_distance, mass, displacement, slave_normals));
+            if (penalty == 0)
+            {
+              const Sampler sampler = model.sampler({points, weights});
+              const auto stiffness = [&](std::int64_t cell) -> Matrix
+              {
+                return plastic.empty()
+                           ? impact_reference::stiffness(sampler, model.cell_points(cell), model.material(cell), cell)
+                           : plastic[0]->stiffness_at_rest(cell);
+              };
+              const auto of = [&](const Cells& facets, const std::string& name)
+              {
+                return nodal_stiffness(model, surface(model, facets, name), stiffness, {mass_points, mass_weights},
+                                       lumping);
+              };
+              const NodalStiffness low = of(slave, "slave");
+              const NodalStiffness high = obstacle.empty() ? of(master, "master") : NodalStiffness{};
+              pairs[0].set_stiffness(low, high);
+              if (balanced)
+                pairs[1].set_stiffness(high, low);
+            }
             new (self) NodalPenalty(std::move(pairs), friction, penalty);
           },
           nb::keep_alive<1, 2>())

@@ -120,6 +120,23 @@ double NodePairs::compliance(std::int64_t node, const Meeting& m) const
   return sum;
 }
 
+void NodePairs::set_stiffness(NodalStiffness slave, NodalStiffness master)
+{
+  stiffness_ = std::move(slave);
+  master_stiffness_ = std::move(master);
+}
+
+double NodePairs::spring_compliance(std::int64_t node, const Meeting& m, double dt) const
+{
+  const auto one = [&](const NodalStiffness& stiffness, std::int64_t k)
+  { return 1 / std::min(stiffness.at(k), 4 * (1 / (0.9 * 0.9) - 1) * mass(k) / (dt * dt)); };
+  double sum = one(stiffness_, node);
+  for (std::size_t j = 0; j < m.masters.size(); ++j)
+    sum +=
+        std::abs(m.phi[j]) * (1 + master_areas_.at(m.masters[j]) / area(node)) * one(master_stiffness_, m.masters[j]);
+  return sum;
+}
+
 Vec<double> NodePairs::relative(const Vector& motion, const Vec<double>& rigid, std::int64_t node,
                                 const Meeting& m) const
 {

@@ -22,6 +22,16 @@ struct Meeting
   double width = std::numeric_limits<double>::infinity(); ///< of the facet, at rest; infinite if rigid [L]
 };
 
+/// Stiffness by node of a surface [F/L].
+using NodalStiffness = std::map<std::int64_t, double>;
+
+/// What the nodes of a surface at rest offer to penalty springs (docs/explicit/penalty.md, "Stiffness").
+/// @param s without curved facets
+/// @param stiffness of a cell, on its nodes [F/L]
+NodalStiffness nodal_stiffness(const Model& model, const Surface& s,
+                               const std::function<Matrix(std::int64_t)>& stiffness, const Rule& mass_rule,
+                               const std::string& scheme);
+
 /// The nodes of a slave surface and their master.
 class NodePairs
 {
@@ -37,8 +47,14 @@ public:
   std::int64_t num_dofs() const { return model_.num_dofs(); }
   double mass(std::int64_t node) const { return mass_(gdim() * node); }
   double area(std::int64_t node) const { return areas_.at(node); } ///< of a slave node [L^2]
+  /// Areas of the master's nodes; none if it is rigid [L^2].
+  const std::map<std::int64_t, double>& master_areas() const { return master_areas_; }
   /// 1 / m_i + sum_j |phi_j| (1 + A_j / A_i) / m_j [1/M].
   double compliance(std::int64_t node, const Meeting& meeting) const;
+  /// The stiffness of the nodes of both surfaces; empty of a rigid master.
+  void set_stiffness(NodalStiffness slave, NodalStiffness master);
+  /// 1 / k_i + sum_j |phi_j| (1 + A_j / A_i) / k_j, where no k exceeds what a step dt bears [L/F].
+  double spring_compliance(std::int64_t node, const Meeting& meeting, double dt) const;
 
   Vec<double> at(const Vector& field, std::int64_t node) const; ///< a node's value of a field
   Vec<double> position(const Vector& u, std::int64_t node) const;
@@ -67,6 +83,7 @@ private:
   Matrix displacement_;
   std::vector<std::int64_t> nodes_;
   std::map<std::int64_t, double> areas_, master_areas_;
+  NodalStiffness stiffness_, master_stiffness_;
 };
 
 /// The longest distance between corners of a facet in the reference configuration [L].
@@ -157,7 +174,7 @@ class NodalPenalty : public ExplicitContact
 {
 public:
   /// @param directions one, or two for the balanced form, in which each has half the stiffness
-  /// @param penalty [F/L^3], or 0: from masses and step
+  /// @param penalty [F/L^3], or 0: from the stiffness of the pairs' nodes
   NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty);
 
   void before(const ContactStep& step) override;
@@ -199,7 +216,12 @@ class NodalKinematic : public ExplicitContact
 public:
   NodalKinematic(NodePairs pairs, double friction, int sweeps);
 
-  void after(const ContactStep& step, const Vector& predicted) override;
+  void close(const ContactStep& step, const Vector& predicted, KinematicWeights& all) override;
+  void respond(const ContactStep& step, const Vector& predicted, const KinematicWeights& all) override;
+  void sweep(const ContactStep& step, const Vector& moved, int number) override;
+  int sweeps() const override { return sweeps_; }
+  void push(const ContactStep& step, Vector& force) const override;
+  void conclude(const ContactStep& step, const Vector& moved) override;
   void corrected(const ContactStep& step, const Vector& next) override;
   bool kinematic() const override { return true; }
   std::vector<std::int64_t> nodes() const override { return pairs_.nodes(); }
@@ -226,6 +248,7 @@ private:
   std::vector<Vec<double>> weights(const Closed& node, const Vector& u) const;
   double release(const Closed& node, const ContactStep& step, const Vector& predicted,
                  const std::map<std::int64_t, double>& sums) const;
+  void push(Vector& force, const Closed& closed, const ContactStep& step) const;
   double work(const Closed& node, const Vec<double>& f, const std::vector<Vec<double>>& c, const ContactStep& step,
               const Vector& motion) const;
 
@@ -236,6 +259,7 @@ private:
   std::vector<Closed> closed_; // of the last step, with those that left
   std::vector<bool> was_closed_;
   std::vector<Absorbed> absorbed_energies_;
+  Matrix slip_before_; // per slave node, as in ContactAnswer
   double absorbed_ = 0;
 };
 } // namespace impact_reference

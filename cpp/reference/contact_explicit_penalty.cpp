@@ -20,7 +20,7 @@ double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const 
 {
   if (penalty_ > 0)
     return part_ * penalty_ * pairs.area(node);
-  return part_ * 0.5 / (dt * dt * pairs.compliance(node, m));
+  return part_ / pairs.spring_compliance(node, m, dt);
 }
 
 void NodalPenalty::before(const ContactStep& step)

@@ -64,7 +64,7 @@ double NodalKinematic::release(const Closed& node, const ContactStep& step, cons
   double response = 0;
   for (int k = 0; k < d; ++k)
   {
-    response += n[k] * n[k] * step.inverse(d * node.node + k);
+    response += n[k] * n[k] * sums.at(node.node) * step.inverse(d * node.node + k);
     for (std::size_t j = 0; j < b.size(); ++j)
       if (const std::int64_t master = node.m.masters[j]; norm(b[j]) > 0)
         response += b[j][k] * b[j][k] / norm(b[j]) * sums.at(master) * step.inverse(d * master + k);
@@ -76,10 +76,13 @@ double NodalKinematic::release(const Closed& node, const ContactStep& step, cons
   return std::min(absorbed.impulse * step.dt / step.h, force);
 }
 
-void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
+void NodalKinematic::close(const ContactStep& step, const Vector& predicted, KinematicWeights& all)
 {
-  const int d = std::min(pairs_.gdim(), 3); // no more than a Vec has
-  const Matrix slip_before = answer_.slip;
+  for (const std::int64_t node : pairs_.nodes())
+    ++all.num_surfaces[node];
+  for (const auto& [node, area] : pairs_.master_areas())
+    ++all.num_surfaces[node];
+  slip_before_ = answer_.slip;
   answer_ = no_contact(pairs_);
   const Vector motion = predicted - step.u;
   const Approach approach(pairs_, predicted, motion, step.n + 1, step.dt);
@@ -106,79 +109,95 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
       closed.back().m.normal = pairs_.facet_normal(m, step.u);
     closed.back().leaves = leaves;
   }
-  std::map<std::int64_t, double> sums; // s_j: what weighs on the masters
+  // What weighs on the nodes, and in which directions.
   for (const Closed& c : closed)
   {
+    Eigen::Matrix3d along = Eigen::Matrix3d::Identity();
+    if (friction_ == 0)
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l)
+          along(k, l) = c.m.normal[k] * c.m.normal[l];
+    const auto weigh = [&](std::int64_t node, double part)
+    {
+      all.sums[node] += part;
+      all.directions.try_emplace(node, Eigen::Matrix3d::Zero()).first->second += part * along;
+    };
     const auto b = weights(c, step.u);
+    weigh(c.node, 1.0);
     for (std::size_t j = 0; j < c.m.masters.size(); ++j)
-      sums[c.m.masters[j]] += c.leaves ? norm(b[j]) : std::abs(c.m.phi[j]);
+      weigh(c.m.masters[j], c.leaves ? norm(b[j]) : std::abs(c.m.phi[j]));
   }
-  // Row sums of the bodies' response to the forces, component by component.
-  for (Closed& c : closed)
+}
+
+// Row sums of the bodies' response to the forces, component by component.
+void NodalKinematic::respond(const ContactStep& step, const Vector& predicted, const KinematicWeights& all)
+{
+  const int d = std::min(pairs_.gdim(), 3); // no more than a Vec has
+  for (Closed& c : closed_)
   {
     if (c.leaves)
-      c.f = release(c, step, predicted, sums) * c.m.normal;
+      c.f = release(c, step, predicted, all.sums) * c.m.normal;
     for (int k = 0; k < d; ++k)
     {
-      double sum = step.inverse(d * c.node + k);
+      double sum = all.in_sweeps.at(c.node) * step.inverse(d * c.node + k);
       for (std::size_t j = 0; j < c.m.masters.size(); ++j)
-        sum += std::abs(c.m.phi[j]) * sums.at(c.m.masters[j]) * step.inverse(d * c.m.masters[j] + k);
+        sum += std::abs(c.m.phi[j]) * all.in_sweeps.at(c.m.masters[j]) * step.inverse(d * c.m.masters[j] + k);
       c.normal += c.m.normal[k] * c.m.normal[k] * sum;
       c.across = std::max(c.across, sum);
     }
     if (not(c.normal > 1e-9 * c.across))
       c.normal = 0;
   }
+}
 
-  // Forces act at t_n: there the reaction's moment is taken.
-  const auto push = [&](Vector& force, const Closed& c)
+// Forces act at t_n: there the reaction's moment is taken.
+void NodalKinematic::push(Vector& force, const Closed& c, const ContactStep& step) const
+{
+  pairs_.add(force, c.f, c.node, c.m);
+  pairs_.add_moment(force, c.f, step.u, c.node, c.m);
+}
+
+void NodalKinematic::push(const ContactStep& step, Vector& force) const
+{
+  for (const Closed& c : closed_)
+    push(force, c, step);
+}
+
+void NodalKinematic::sweep(const ContactStep& step, const Vector& moved, int number)
+{
+  const double factor = (number % 2 == 0 ? 1.0 : 1.5) / step.h; // sweeps 2, 4, ... over-relaxed
+  for (Closed& c : closed_)
   {
-    pairs_.add(force, c.f, c.node, c.m);
-    pairs_.add_moment(force, c.f, step.u, c.node, c.m);
-  };
-  // Motion that the forces have brought.
-  const auto brought = [&]
-  {
-    Vector force = Vector::Zero(pairs_.num_dofs());
-    for (const Closed& c : closed)
-      push(force, c);
-    return Vector(step.h * step.inverse.cwiseProduct(force));
-  };
-  for (int sweep = 0; sweep < sweeps_; ++sweep)
-  {
-    // The first sweep does not see what the nodes that leave bring.
-    const Vector moved = sweep == 0 ? Vector(Vector::Zero(pairs_.num_dofs())) : brought();
-    const double factor = (sweep % 2 == 0 ? 1.0 : 1.5) / step.h; // sweeps 2, 4, ... over-relaxed
-    for (Closed& c : closed)
+    const Vec<double>& n = c.m.normal;
+    const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m);
+    if (c.normal > 0 and not c.leaves)
+      c.f = c.f + (factor * (-c.m.gap - dot(n, so_far)) / c.normal) * n;
+    if (friction_ > 0 and c.across > 0)
+      c.f = c.f - (factor / c.across) * tangential(c.moved + so_far, n);
+    const double normal = std::max(0.0, dot(c.f, n));
+    Vec<double> t;
+    c.cut = true;
+    if (friction_ > 0)
     {
-      const Vec<double>& n = c.m.normal;
-      const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m);
-      if (c.normal > 0 and not c.leaves)
-        c.f = c.f + (factor * (-c.m.gap - dot(n, so_far)) / c.normal) * n;
-      if (friction_ > 0 and c.across > 0)
-        c.f = c.f - (factor / c.across) * tangential(c.moved + so_far, n);
-      const double normal = std::max(0.0, dot(c.f, n));
-      Vec<double> t;
-      c.cut = true;
-      if (friction_ > 0)
-      {
-        t = tangential(c.f, n);
-        const double size = norm(t), bound = friction_ * normal;
-        c.cut = size > bound;
-        if (c.cut)
-          t = (bound / size) * t;
-      }
-      c.f = normal * n + t;
+      t = tangential(c.f, n);
+      const double size = norm(t), bound = friction_ * normal;
+      c.cut = size > bound;
+      if (c.cut)
+        t = (bound / size) * t;
     }
+    c.f = normal * n + t;
   }
+}
 
-  const Vector moved = brought();
-  for (const Closed& c : closed)
+void NodalKinematic::conclude(const ContactStep& step, const Vector& moved)
+{
+  const int d = std::min(pairs_.gdim(), 3); // no more than a Vec has
+  for (const Closed& c : closed_)
   {
     const Vec<double>& n = c.m.normal;
     const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m), t = tangential(c.f, n);
     const Vec<double> slip = tangential(c.moved + so_far, n);
-    push(answer_.force, c);
+    push(answer_.force, c, step);
     if (friction_ > 0)
       pairs_.add(answer_.tangential, t, c.node, c.m);
     answer_.total = answer_.total + c.f;
@@ -190,7 +209,7 @@ void NodalKinematic::after(const ContactStep& step, const Vector& predicted)
     for (int k = 0; k < d; ++k)
     {
       answer_.traction(c.row, k) = friction_ > 0 ? t[k] : 0;
-      answer_.slip(c.row, k) = slip_before(c.row, k) + slip[k];
+      answer_.slip(c.row, k) = slip_before_(c.row, k) + slip[k];
     }
   }
 }

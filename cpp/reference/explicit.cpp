@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "explicit.h"
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <stdexcept>
 
 namespace impact_reference
@@ -160,15 +162,47 @@ private:
   // Forces of kinematic contact at a prediction, which they move.
   Vector kinematic_forces(const ContactStep& step, Vector& predicted)
   {
-    Vector sum = Vector::Zero(num_);
+    KinematicWeights weights;
+    int sweeps = 0;
     for (auto* contact : data_.contacts)
-      if (contact->kinematic())
-      {
-        contact->after(step, predicted);
-        sum += contact->answer().force;
-        predicted += step.h * inverse_.cwiseProduct(contact->answer().force);
-      }
-    return sum;
+    {
+      contact->close(step, predicted, weights);
+      sweeps = std::max(sweeps, contact->sweeps());
+    }
+    for (const auto& [node, sum] : weights.sums)
+      weights.in_sweeps[node] = weights.num_surfaces[node] > 1 ? largest_in_one_direction(node, sum, weights) : sum;
+    for (auto* contact : data_.contacts)
+      contact->respond(step, predicted, weights);
+    const auto pushed = [&]
+    {
+      Vector force = Vector::Zero(num_);
+      for (const auto* contact : data_.contacts)
+        contact->push(step, force);
+      return force;
+    };
+    for (int number = 0; number < sweeps; ++number)
+    {
+      // The first sweep does not see what the nodes that leave bring.
+      const Vector moved = number == 0 ? Vector(Vector::Zero(num_)) : Vector(step.h * inverse_.cwiseProduct(pushed()));
+      for (auto* contact : data_.contacts)
+        contact->sweep(step, moved, number);
+    }
+    const Vector force = pushed(), moved = step.h * inverse_.cwiseProduct(force);
+    for (auto* contact : data_.contacts)
+      contact->conclude(step, moved);
+    predicted += moved;
+    return force;
+  }
+
+  // Of what weighs on a node, all that can add up in one direction; the sum itself where components are prescribed.
+  double largest_in_one_direction(std::int64_t node, double sum, const KinematicWeights& weights) const
+  {
+    const int d = model_.gdim();
+    for (int k = 0; k < d; ++k)
+      if (inverse_(d * node + k) == 0)
+        return sum;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(weights.directions.at(node), Eigen::EigenvaluesOnly);
+    return solver.eigenvalues().maxCoeff();
   }
 
   void update_contacts(const ContactStep& step, const Vector& next)

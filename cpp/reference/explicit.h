@@ -2,6 +2,7 @@
 #pragma once
 #include "PlasticBody.h"
 #include "contact.h"
+#include <map>
 #include <memory>
 
 /// Central differences as docs/explicit/scheme.md states them.
@@ -34,6 +35,16 @@ struct ContactAnswer
   double absorbed = 0;   ///< by normal forces of penalty springs and not stored, since the start [F L]
 };
 
+/// What weighs on the nodes when kinematic contacts share out their overlaps.
+struct KinematicWeights
+{
+  std::map<std::int64_t, double> sums; ///< s_k: of the parts that all closed nodes' forces have on node k [1]
+  std::map<std::int64_t, Eigen::Matrix3d>
+      directions;                           ///< the same parts times n n^T, or times the identity with friction [1]
+  std::map<std::int64_t, int> num_surfaces; ///< that the node belongs to, as slave or as master
+  std::map<std::int64_t, double> in_sweeps; ///< sigma_k [1]
+};
+
 /// A contact in an explicit analysis.
 class ExplicitContact
 {
@@ -41,15 +52,25 @@ public:
   virtual ~ExplicitContact() = default;
   /// Forces that are known before the step.
   virtual void before(const ContactStep&) {}
-  /// Forces that keep the displacements predicted for t_(n+1) from penetrating.
-  virtual void after(const ContactStep&, const Vector& /*predicted*/) {}
+  // Forces that keep the displacements predicted for t_(n+1) from penetrating, by all kinematic contacts together:
+  /// Which nodes are closed, and what they weigh.
+  virtual void close(const ContactStep&, const Vector& /*predicted*/, KinematicWeights&) {}
+  /// Responses to the forces, and forces of the nodes that open.
+  virtual void respond(const ContactStep&, const Vector& /*predicted*/, const KinematicWeights&) {}
+  /// Forces of one sweep, after the motion that those of all contacts have brought.
+  virtual void sweep(const ContactStep&, const Vector& /*moved*/, int /*number*/) {}
+  virtual int sweeps() const { return 0; }
+  /// Adds the forces on all nodes.
+  virtual void push(const ContactStep&, Vector& /*force*/) const {}
+  /// The answer, after the motion that all forces have brought.
+  virtual void conclude(const ContactStep&, const Vector& /*moved*/) {}
   /// The displacements that the forces of all contacts have led to at t_(n+1).
   virtual void corrected(const ContactStep&, const Vector& /*next*/) {}
   /// Energy that normal forces of kinematic contact have absorbed since the start, including the last step [F L].
   virtual double absorbed() const { return 0; }
   /// Sum of the positive absorbed energies E_i of the nodes that were closed in the last step [F L].
   virtual double recoverable() const { return 0; }
-  /// True if the forces come from `after`; then energies are the work of forces.
+  /// True if the forces come from sweeps; then energies are the work of forces.
   virtual bool kinematic() const = 0;
   virtual std::vector<std::int64_t> nodes() const = 0; ///< of the slave, increasing
   /// How far the rigid master moved from t_(n-1) to t_n [L].

@@ -39,10 +39,9 @@ run = RunFolder(name="implicit_or_explicit", parameters={"fast": fast})
 # Level by level: meshes and implicit steps are refined together; explicit steps follow from the mesh. CPU times are
 # those of this machine and leave out the set-up; compare them within the table.
 
-results, titles, rows = {}, {}, []
+results, cases, rows = {}, {}, []
 for number, (name, make) in enumerate(CASES.items()):
-    case = make(comm)
-    titles[name] = case.title
+    case = cases[name] = make(comm)
     run.print(f"{case.title}\n  {'':32s}{'level':>6s}{'steps':>8s}{'CPU [s]':>10s}{'error':>10s}")
     for kind, (method, how) in enumerate(METHODS.items()):
         found = results[name, method] = [case.run(how, level) for level in case.levels[: 2 if fast else None]]
@@ -66,14 +65,14 @@ answers = {name: (best(name, True), best(name, False)) for name in CASES}
 run.print(f"{'finest level':34s}{'explicit: error':>16s}{'implicit: error':>17s}{'CPU implicit/explicit':>23s}")
 for name, (explicit, implicit) in answers.items():
     ratio = implicit[1] / explicit[1]
-    run.print(f"{titles[name]:34s}{explicit[0]:16.2%}{implicit[0]:17.2%}{ratio:23.2f}")
+    run.print(f"{cases[name].title:34s}{explicit[0]:16.2%}{implicit[0]:17.2%}{ratio:23.2f}")
 
 # ## Files and picture
 
 names = ("case", "method", "level", "steps", "seconds", "error")
 units = ("1", "1", "1", "1", "s", "1")
 run.table("methods", {c: (np.array(v, dtype=float), unit) for c, v, unit in zip(names, zip(*rows), units)})
-run.pictures(lambda: figures.work_and_error(run, titles, METHODS, results))
+run.pictures(lambda: figures.work_and_error(run, cases, METHODS, results))
 run.print(f"results in {run.path}")
 
 # ## What must hold

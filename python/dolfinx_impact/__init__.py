@@ -8,6 +8,7 @@ closed-form solutions, and `verify` compares the package with the hand-written s
 
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
+from .common.lone_error import abort_at_exit
 from .common.visible_warnings import undo_capture
 from .contact import (
     ContactPair,
@@ -39,6 +40,7 @@ from .rolling.problem import RollingProblem
 from .statics.problem import StaticProblem
 
 undo_capture()
+abort_at_exit()
 
 __version__ = "0.1.0"
 

@@ -11,6 +11,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from .common.end_with_parent import command_of
+
 FORWARDED = {
     "verify": "generated kernels against the hand-written solver (its own options: dolfinx-impact verify --help)",
     "creep": "creep curve of a wheel on a rail (its own options: dolfinx-impact creep --help)",
@@ -74,7 +76,7 @@ def _environment(output: str | None) -> dict[str, str]:
 def _run(command: Sequence[str], env: Mapping[str, str], folder: Path | None = None) -> int:
     """Run a command in the foreground; returns its exit status, 128 + signal if a signal ended it."""
     sys.stdout.flush()
-    with subprocess.Popen(command, env=env, cwd=folder) as process:
+    with subprocess.Popen(command_of(command), env=env, cwd=folder) as process:
         while True:
             try:
                 status = process.wait()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Loads with checked input; their virtual work is in forms/loads.py."""
 
+import warnings
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,6 +17,9 @@ from .forms import loads, quadrature
 from .common.arguments import number
 
 VARYING = 2  # more degrees of quadrature for a load that is an expression
+# Of the earth at 45 degrees, in m/s^2, mm/s^2, cm/s^2, mm/ms^2, ft/s^2 and in/s^2.
+GRAVITIES = (9.80665, 9806.65, 980.665, 9.80665e-3, 32.17405, 386.0886)
+GRAVITY_WITHIN = 0.005  # 9.8 and 9.83 are meant by the same
 
 
 def _vector(name: str, value: Any, gdim: int) -> FloatArray:
@@ -63,6 +67,11 @@ def facet_tags_of(what: str, facet_tags: MeshTags) -> MeshTags:
     if not hasattr(facet_tags, "find"):
         raise TypeError(f"{what}: facet_tags must be MeshTags of facets, found {type(facet_tags).__name__}")
     return facet_tags
+
+
+def _is_gravity(value: float) -> bool:
+    """Whether an acceleration is the gravity of the earth in a usual unit."""
+    return any(abs(value - g) <= GRAVITY_WITHIN * g for g in GRAVITIES)
 
 
 class _Load:
@@ -124,23 +133,60 @@ class _Load:
 
 
 class BodyForce(_Load):
-    """Force per volume.
+    """Force on the inside of a body. As it stands, `BodyForce((0, -9.81))`, it is one per mass: an acceleration, which
+    the density of each material is multiplied with. `per_mass=False` makes it one per volume, such as rho g.
 
     Args:
-        vector: components [F/L^3], or acceleration [L/T^2] when `per_mass`; or a UFL expression of the place and of
-            functions, for a varying one.
-        per_mass: multiply with the material's density (gravity).
-        amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
+        vector: components of the acceleration [L/T^2], or with `per_mass=False` of the force per undeformed volume
+            [F/L^3]; or a UFL expression of the place and of functions, for a varying one.
+        per_mass: whether `vector` is a force per mass; False: per volume.
+        amplitude: factor in problems in time, a function of time or a pair (times, values); None: one [1].
+
+    Raises:
+        TypeError: `per_mass` is neither True nor False.
+
+    Warns:
+        UserWarning: when a problem takes it: a force per mass that is a density times the gravity of the earth, or a
+            force per volume that is this gravity; a force per mass on bodies whose densities are all zero.
     """
 
     def __init__(self, vector: Any, per_mass: bool = True, amplitude: Any = None) -> None:
+        if not isinstance(per_mass, (bool, np.bool_)):
+            raise TypeError(f"per_mass is {per_mass!r:.60}: give True (acceleration) or False (force per volume)")
         self.vector, self.per_mass, self.amplitude = vector, bool(per_mass), amplitude
+        self._warned = False
+
+    def _what(self) -> str:
+        return f"{super()._what()}, per_mass={self.per_mass}"
+
+    def _warn_of_meaning(self, material: Any, mesh: Mesh) -> None:
+        """Warn, once and on rank 0, of a value that looks like the other meaning."""
+        if self._warned or self.varies():
+            return
+        self._warned = True
+        size = float(np.linalg.norm(_vector("body force", self.vector, mesh.geometry.dim)))
+        densities = [m.density for _, m in material.parts() if m.density is not None]
+        text = ""
+        if self.per_mass and densities and not any(densities):
+            text = "acts on nothing: it is a force per mass and the density is zero; per_mass=False: one per volume"
+        elif size and self.per_mass and not _is_gravity(size):
+            for density in densities:
+                if density and _is_gravity(size / density):
+                    text = (
+                        f"is the density {density:g} times gravity, but counts as an acceleration, which is multiplied "
+                        "with the density: give g, or per_mass=False"
+                    )
+        elif not self.per_mass and _is_gravity(size) and any(d and abs(d - 1.0) > GRAVITY_WITHIN for d in densities):
+            text = "is gravity, but counts as a force per volume: leave out per_mass=False, or give rho g"
+        if text and mesh.comm.rank == 0:
+            warnings.warn(f"{self!r} {text}", stacklevel=5)
 
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         """External virtual work."""
         V = u.function_space
         mesh = V.mesh
         f = self._vector("body force", mesh)
+        self._warn_of_meaning(material, mesh)
         hypothesis = material.hypothesis_on(mesh)
         degree = quadrature.mass_degree(
             mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis

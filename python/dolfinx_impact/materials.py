@@ -135,15 +135,20 @@ class _Material:
         return laws.lame(self.E, self.nu)
 
     @property
+    def p_wave_modulus(self) -> float:
+        """Stress over strain in uniaxial strain, lambda + 2 mu; of sheets in plane stress [F/L^2]."""
+        lmbda, mu = self.lame
+        if self.hypothesis == "plane_stress":
+            lmbda = laws.plane_stress_lambda(lmbda, mu)
+        return float(lmbda + 2 * mu)
+
+    @property
     def wave_speed(self) -> float:
         """Dilatational wave speed [L/T]: seed (3.80), plane waves in 3D and plane strain; sheets in plane stress."""
         if self.density is None or self.density == 0.0:
             what = "no density" if self.density is None else "the density 0"
             raise ValueError(f"{self!r} has {what}: a wave speed was asked for")
-        lmbda, mu = self.lame
-        if self.hypothesis == "plane_stress":
-            lmbda = laws.plane_stress_lambda(lmbda, mu)
-        return float(np.sqrt((lmbda + 2 * mu) / self.density))
+        return float(np.sqrt(self.p_wave_modulus / self.density))
 
 
 class LinearElastic(_Material):

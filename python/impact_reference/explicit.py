@@ -50,7 +50,9 @@ class _Nodal:
         if self.rigid and any(given is not None for given in normals.values()):
             raise ValueError("normals are for smooth surfaces of deformable masters")
 
-    def _bind(self, model: Model, times: FloatArray, lumping: str) -> Any:  # an object of the compiled module
+    def _bind(
+        self, model: Model, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
+    ) -> Any:  # an object of the compiled module
         raise NotImplementedError
 
     def _arguments(self, model: Model, times: FloatArray, lumping: str) -> tuple[Any, ...]:  # of the compiled classes
@@ -84,7 +86,8 @@ class NodalPenalty(_Nodal):
         slave: points of every slave facet, shape (num_facets, nodes per facet); its vertices suffice.
         master: points of every master facet, as `slave`; or a rigid obstacle.
         friction: Coulomb's friction coefficient [1].
-        penalty: penalty; None takes stiffnesses from the masses and the step [F/L^3].
+        penalty: penalty; None takes half of the stiffness of the outermost layer of both bodies, within what their
+            masses bear [F/L^3].
         balanced: apply the contact once in each direction, with half the stiffness.
         search_distance: masters further away are ignored, and so are masters further away than twice the motion of
             node and master against each other in a step; None takes the longest distance between corners of any
@@ -117,9 +120,12 @@ class NodalPenalty(_Nodal):
             raise ValueError(f"penalty is {penalty!r}: it must be positive, or None")
         self.penalty, self.balanced = penalty, bool(balanced)
 
-    def _bind(self, model: Model, times: FloatArray, lumping: str) -> _reference.NodalPenalty:
+    def _bind(
+        self, model: Model, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
+    ) -> _reference.NodalPenalty:
         arguments = self._arguments(model, times, lumping)
-        return _reference.NodalPenalty(*arguments, self.friction, float(self.penalty or 0), self.balanced)
+        rules = *model._rule("stiffness"), *model._rule("mass"), lumping, [] if plastic is None else [plastic]
+        return _reference.NodalPenalty(*arguments, self.friction, float(self.penalty or 0), self.balanced, *rules)
 
 
 class NodalKinematic(_Nodal):
@@ -151,7 +157,9 @@ class NodalKinematic(_Nodal):
         super().__init__(slave, master, friction, search_distance, motion, {"master": master_normals})
         self.sweeps = int(sweeps)
 
-    def _bind(self, model: Model, times: FloatArray, lumping: str) -> _reference.NodalKinematic:
+    def _bind(
+        self, model: Model, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
+    ) -> _reference.NodalKinematic:
         return _reference.NodalKinematic(*self._arguments(model, times, lumping), self.friction, self.sweeps)
 
 
@@ -287,7 +295,7 @@ def run_explicit(
     vectors, amplitudes = _loads(loads, times[:-1], model.num_dofs)
     zero = np.zeros(model.num_dofs)
     b1, b2 = (0.0, 0.0) if viscosity is None else viscosity
-    bound = [contact._bind(model, times, lumping) for contact in contacts]
+    bound = [contact._bind(model, times, lumping, plastic) for contact in contacts]
     result = _reference.run_explicit(
         model._model,
         *model._strain_rule(),
@@ -353,7 +361,8 @@ def stable_step(
         ValueError: an unknown method or scheme.
     """
     u = np.zeros(model.num_dofs) if u is None else _vector(u)
-    bound = [contact._bind(model, np.zeros(2), lumping) for contact in contacts if isinstance(contact, NodalPenalty)]
+    springs = [contact for contact in contacts if isinstance(contact, NodalPenalty)]
+    bound = [contact._bind(model, np.zeros(2), lumping, None) for contact in springs]
     if method == "length":
         frequency = 2 / _reference.passage(model._model)
     elif method == "element":

@@ -98,14 +98,41 @@ def test_types_begin_with_what_another_checkout_left(lint, tmp_path):
 
 
 def test_make_test_stops_at_the_formatters(checkout):
-    """They come first, and make goes no further when one stops; .ci/run is `make test`."""
+    """They come first, and make goes no further when one stops."""
     plan = subprocess.run(
         ["make", "--dry-run", "test"], cwd=checkout, capture_output=True, text=True
     ).stdout.splitlines()
     formats_line = next(i for i, line in enumerate(plan) if "formats-here" in line)
     test_line = next(i for i, line in enumerate(plan) if "test-here" in line)
     assert formats_line < test_line
-    assert "make test" in (checkout / ".ci" / "run").read_text()
+
+
+# Stands for make and env/run: says its call, and fails where FAILS names it.
+STAND_IN = """#!/bin/sh
+echo "called $*"
+[ "$*" = test ] && printf '%s\\n' "1 failed, 20 passed, 3 skipped in 9.51s" "400 passed in 61.20s (0:01:01)"
+case " $FAILS " in *" $1 "*) exit 2 ;; esac
+"""
+
+
+@pytest.mark.parametrize("fails", ("", "test", "sanitize dolfinx-impact"))
+def test_ci_runs_all_three_and_says_how_each_ended(checkout, tmp_path, fails):
+    """What fails keeps none of the others from running; the last line has the numbers of tests of both processes."""
+    for name in (".ci/run", "env/run", "make"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(STAND_IN)
+        (tmp_path / name).chmod(0o755)
+    shutil.copy(checkout / ".ci" / "run", tmp_path / ".ci" / "run")
+    environment = os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}", "FAILS": fails}
+    done = subprocess.run([tmp_path / ".ci" / "run"], env=environment, capture_output=True, text=True, cwd="/")
+    calls = [line for line in done.stdout.splitlines() if line.startswith("called")]
+    assert calls == ["called test", "called sanitize", "called dolfinx-impact verify --json results/verify.json"]
+    assert done.returncode == (1 if fails else 0) and done.stderr == ""
+    *stages, verdict, tests = done.stdout.splitlines()[-5:]
+    for name, line in zip(("test", "sanitize", "dolfinx-impact"), stages):
+        assert name in line and line.endswith(" s") and ("failed with status 2" in line) == (name in fails)
+    assert verdict.startswith("ci: failed: " if fails else "ci: all passed")
+    assert tests == "tests: 1 failed, 420 passed, 3 skipped"
 
 
 # Stands for pytest in a shared run: notes its call.

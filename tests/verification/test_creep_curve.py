@@ -25,7 +25,7 @@ def model():
 
 @pytest.mark.slow
 def test_eurosprinter(model):
-    """Found: 1.8 % too large at the small creep, within 1 % above. The grid of CONTACT is 1 to 2 % high."""
+    """Found: 1.1 % too large at the small creep, 0.7 % above. The grid of CONTACT is 1 to 2 % high."""
     hertz = model.hertz
     assert hertz.a / hertz.b == pytest.approx(0.5, rel=1e-4)
     assert model.contact.force[2] * 2 == pytest.approx(106.7e3, rel=3e-4)
@@ -34,7 +34,7 @@ def test_eurosprinter(model):
     curve = model.curve(np.concatenate([[2e-5], CREEP]), progress=False)
     np.testing.assert_allclose(curve["ratio"][1:], CONTACT, rtol=0.03)
     slope = curve["force"][0, 0] / (2e-5 * G * hertz.a * hertz.b)
-    assert slope == pytest.approx(SLOPE, rel=0.04)  # 3 %, and 1 % for the creep of 2e-5 that is not zero
+    assert slope == pytest.approx(SLOPE, rel=0.03)  # found: 1.4 %
     assert np.all(np.diff(curve["torque"]) > 0.0)
     np.testing.assert_allclose(curve["force"][:, 2], 106.7e3, rtol=1e-3)
 

@@ -202,6 +202,16 @@ FacetShape::Foot FacetShape::foot(const Facet& facet, const double* x) const
   return out;
 }
 
+double FacetShape::largest_coordinate() const
+{
+  double largest = 0.0;
+  for (const Facet& facet : _facets)
+    for (const auto& x : facet.x)
+      for (double value : x)
+        largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 RigidPoint FacetShape::closest(std::span<const double> given) const
 {
   double x[3] = {given[0], given[1], _gdim == 3 ? given[2] : 0.0};

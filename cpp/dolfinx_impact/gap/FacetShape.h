@@ -24,6 +24,7 @@ public:
   FacetShape(int gdim, std::span<const double> points, std::span<const std::int32_t> facets);
 
   int gdim() const override { return _gdim; }
+  double largest_coordinate() const override;
   RigidPoint closest(std::span<const double> x) const override;
 
 private:

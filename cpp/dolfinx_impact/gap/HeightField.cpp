@@ -51,6 +51,20 @@ HeightField::HeightField(int gdim, const std::array<double, 3>& origin,
                                 std::to_string(_coefficients.size()) + " coefficients");
 }
 
+double HeightField::largest_coordinate() const
+{
+  // Splines lie in the hull of their coefficients: the corners of the grid's box bound all points.
+  double reach = 0.0;
+  for (double z : _coefficients)
+    reach = std::max(reach, std::abs(z));
+  for (int c = 0; c < _gdim - 1; ++c)
+    reach += std::max(std::abs(_grid.low[c]), std::abs(_grid.low[c] + _grid.spacing[c] * _grid.cells[c]));
+  double largest = 0.0;
+  for (double x : _origin)
+    largest = std::max(largest, std::abs(x));
+  return largest + reach;
+}
+
 HeightField::Height HeightField::height(const double* a) const
 {
   Height out{};

@@ -28,6 +28,7 @@ public:
               const Grid& grid, std::vector<double> coefficients);
 
   int gdim() const override { return _gdim; }
+  double largest_coordinate() const override;
   RigidPoint closest(std::span<const double> x) const override;
 
 private:

@@ -2,6 +2,7 @@
 #include "MortarIntegrals.h"
 #include "../operators/petsc_check.h"
 #include "../search/pairs.h"
+#include "facing.h"
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/la/Vector.h>
@@ -70,6 +71,8 @@ MultiplierNodes multiplier_nodes(const surface::FunctionSpace& V, const surface:
     }
   values = over_ranks(map, std::move(values), 2, false);
   MultiplierNodes out;
+  for (std::size_t f = 0; f < slave.size(); ++f)
+    out.facet_area[slave.id[f]] = areas[f];
   // On quadratic triangles the shares of the corners vanish (on curved ones they are small, of either sign): the
   // multipliers live at the midpoints of the edges; linear ones live at the corners.
   for (std::int32_t node = 0; node < map->size_local(); ++node)
@@ -79,6 +82,32 @@ MultiplierNodes multiplier_nodes(const surface::FunctionSpace& V, const surface:
       out.share.push_back(values[2 * node]);
       out.area.push_back(values[2 * node + 1]);
     }
+  return out;
+}
+
+std::vector<double> MultiplierNodes::counted_area(const std::shared_ptr<const IndexMap>& map,
+                                                  const surface::Facets& slave,
+                                                  std::span<const std::int8_t> counts) const
+{
+  const int n = slave.displacement.num_nodes();
+  std::vector<double> sums(map->size_local() + map->num_ghosts(), 0.0), out(nodes.size());
+  for (std::size_t f = 0; f < slave.size(); ++f)
+    for (int i = 0; i < n; ++i)
+      if (counts[f * n + i])
+        sums[slave.nodes_of(f)[i]] += facet_area.at(slave.id[f]);
+  sums = over_ranks(map, std::move(sums), 1, false);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    out[i] = sums[nodes[i]];
+  return out;
+}
+
+std::vector<std::int64_t> aside(const surface::Facets& slave, std::span<const std::int8_t> counts)
+{
+  const int n = slave.displacement.num_nodes();
+  std::vector<std::int64_t> out;
+  for (std::size_t f = 0; f < slave.size() && !counts.empty(); ++f)
+    if (std::any_of(&counts[f * n], &counts[f * n] + n, [](std::int8_t one) { return !one; }))
+      out.push_back(slave.id[f]);
   return out;
 }
 
@@ -105,29 +134,81 @@ std::vector<double> MortarIntegrals::summed(std::vector<double> values, int bloc
 
 void MortarIntegrals::update(std::span<const double> u, std::span<const double> start)
 {
+  update_cover(u, start);
+  integrate(covered());
+}
+
+void MortarIntegrals::update_cover(std::span<const double> u, std::span<const double> start)
+{
   _search->update(u, start);
   _map = _search->map();
   const surface::Facets &slave = _search->slave(), &master = _search->master();
-  const int gdim = slave.gdim;
+  const int gdim = slave.gdim, n = slave.displacement.num_nodes();
   const std::size_t size = _map->size_local() + _map->num_ghosts(), num = _nodes.nodes.size();
   const auto near = search::near_facets(slave, master, _search->reach());
   _segments = segment(slave, master, near.pairs, near.offsets, {_points, _weights}, _search->reach(), _axisymmetric);
+  _counts = counting(_map, slave, facing(slave, master, _segments));
+  for (std::size_t f = 0; f < slave.size(); ++f)
+    if (std::any_of(&_counts[f * n], &_counts[f * n] + n, [](std::int8_t counts) { return !counts; }))
+      _segments.covered[f] = 0.0;
 
-  std::vector<double> around(size, 0.0), carries(size, 0.0);
-  const std::vector<double> covers = gap::cover(slave, _segments, _basis);
+  std::vector<double> sums(size, 0.0), normals(size * gdim, 0.0);
+  const std::vector<double> covers = gap::cover(slave, _segments, _basis, least_cover);
   for (std::size_t i = 0; i < covers.size(); ++i)
-    around[slave.nodes[i]] += covers[i];
-  around = summed(std::move(around), 1);
-  participates.assign(num, 0);
+    sums[slave.nodes[i]] += covers[i];
+  sums = summed(std::move(sums), 1);
+  around.resize(num);
   for (std::size_t i = 0; i < num; ++i)
-    if (around[_nodes.nodes[i]] > least_share * _nodes.area[i])
-      participates[i] = carries[_nodes.nodes[i]] = 1;
+    around[i] = sums[_nodes.nodes[i]];
+  _area = _nodes.counted_area(_map, slave, _counts);
+  add_normals(slave, normals, _counts);
+  _sums = summed(std::move(normals), gdim);
+}
+
+std::vector<std::int8_t> MortarIntegrals::covered() const
+{
+  std::vector<std::int8_t> out(around.size());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = around[i] > least_share * _area[i];
+  return out;
+}
+
+std::vector<double> MortarIntegrals::sums_at_nodes() const
+{
+  const int gdim = _search->slave().gdim;
+  std::vector<double> out(_nodes.nodes.size() * gdim);
+  for (std::size_t i = 0; i < _nodes.nodes.size(); ++i)
+    std::copy_n(&_sums[std::size_t(_nodes.nodes[i]) * gdim], gdim, &out[i * gdim]);
+  return out;
+}
+
+void MortarIntegrals::set_sums(std::span<const double> sums)
+{
+  const int gdim = _search->slave().gdim;
+  if (sums.size() != _nodes.nodes.size() * gdim)
+    throw std::invalid_argument("a sum of normals at every node that may carry a multiplier is needed");
+  for (std::size_t i = 0; i < _nodes.nodes.size(); ++i)
+    std::copy_n(&sums[i * gdim], gdim, &_sums[std::size_t(_nodes.nodes[i]) * gdim]);
+  _sums = summed(std::move(_sums), gdim, true);
+}
+
+void MortarIntegrals::integrate(std::span<const std::int8_t> carriers)
+{
+  const surface::Facets &slave = _search->slave(), &master = _search->master();
+  const int gdim = slave.gdim;
+  const std::size_t size = _map->size_local() + _map->num_ghosts(), num = _nodes.nodes.size();
+  if (carriers.size() != num)
+    throw std::invalid_argument("a mask of all nodes that may carry a multiplier is needed");
+  std::vector<double> carries(size, 0.0);
+  participates.assign(carriers.begin(), carriers.end());
+  for (std::size_t i = 0; i < num; ++i)
+    carries[_nodes.nodes[i]] = participates[i];
   carries = summed(std::move(carries), 1, true);
   const std::vector<std::int8_t> flags(carries.begin(), carries.end());
-  _mortar = mortar(slave, master, _segments, _basis, flags);
+  _mortar = mortar(slave, master, _segments, _basis, flags, least_cover);
 
   // By node: diagonal of D, sum of its row (the shape functions add up to one), weighted gap vector, facet normals.
-  std::vector<double> sums(size * (2 + gdim), 0.0), normals(size * gdim, 0.0);
+  std::vector<double> sums(size * (2 + gdim), 0.0);
   for (std::size_t k = 0; k < _mortar.D.values.size(); ++k)
   {
     double* at = &sums[_mortar.D.rows[k] * (2 + gdim)];
@@ -138,8 +219,6 @@ void MortarIntegrals::update(std::span<const double> u, std::span<const double> 
     for (int c = 0; c < gdim; ++c)
       sums[slave.nodes[i] * (2 + gdim) + 2 + c] += _mortar.gamma[i * gdim + c];
   sums = summed(std::move(sums), 2 + gdim);
-  add_normals(slave, normals);
-  _sums = summed(std::move(normals), gdim);
   weight.resize(num);
   cover.resize(num);
   _gamma.resize(num * gdim);
@@ -168,6 +247,7 @@ void MortarIntegrals::update_gap(std::span<const std::int8_t> locked, double sym
   const int gdim = _search->slave().gdim;
   normal.resize(num * gdim);
   gap.assign(num, std::numeric_limits<double>::infinity());
+  weighted_gap.assign(num, 0.0);
   for (std::size_t i = 0; i < num; ++i)
   {
     double* n = &normal[i * gdim];
@@ -190,6 +270,7 @@ void MortarIntegrals::update_gap(std::span<const std::int8_t> locked, double sym
     double sum = 0.0;
     for (int c = 0; c < gdim; ++c)
       sum += n[c] * _gamma[i * gdim + c];
+    weighted_gap[i] = sum;
     gap[i] = sum / cover[i];
   }
 }
@@ -228,14 +309,22 @@ std::vector<double> MortarIntegrals::over_master(std::span<const double> values,
   return out;
 }
 
-std::vector<double> MortarIntegrals::jump(std::span<const double> moved) const
+std::vector<double> MortarIntegrals::weighted_jump(std::span<const double> moved) const
 {
   const int gdim = _search->slave().gdim;
   std::vector<double> out = over_master(moved, gdim);
   for (std::size_t i = 0; i < _nodes.nodes.size(); ++i)
     for (int c = 0; c < gdim; ++c)
-      out[i * gdim + c] =
-          participates[i] ? (weight[i] * moved[_nodes.nodes[i] * gdim + c] - out[i * gdim + c]) / cover[i] : 0.0;
+      out[i * gdim + c] = participates[i] ? weight[i] * moved[_nodes.nodes[i] * gdim + c] - out[i * gdim + c] : 0.0;
+  return out;
+}
+
+std::vector<double> MortarIntegrals::jump(std::span<const double> moved) const
+{
+  const int gdim = _search->slave().gdim;
+  std::vector<double> out = weighted_jump(moved);
+  for (std::size_t k = 0; k < out.size(); ++k)
+    out[k] = participates[k / gdim] ? out[k] / cover[k / gdim] : 0.0;
   return out;
 }
 
@@ -267,8 +356,10 @@ std::vector<double> MortarIntegrals::contact_forces(std::span<const double> trac
   return out;
 }
 
-MasterRows MortarIntegrals::master_rows(std::span<const std::int32_t> rows) const
+MasterRows MortarIntegrals::master_rows(std::span<const std::int32_t> rows, std::span<const double> weights) const
 {
+  if (weights.size() != _nodes.nodes.size())
+    throw std::invalid_argument("a weight of every node that may carry a multiplier is needed");
   MasterRows out{{0}, {}, {}};
   PetscInt first = 0;
   check(MatGetOwnershipRange(_mortar_matrix.matrix(), &first, nullptr), "M is read");
@@ -281,7 +372,7 @@ MasterRows MortarIntegrals::master_rows(std::span<const std::int32_t> rows) cons
     check(MatGetRow(_mortar_matrix.matrix(), row, &num, &columns, &values), "M is read");
     out.columns.insert(out.columns.end(), columns, columns + num);
     for (PetscInt k = 0; k < num; ++k)
-      out.values.push_back(values[k] / weight[i]);
+      out.values.push_back(values[k] / weights[i]);
     check(MatRestoreRow(_mortar_matrix.matrix(), row, &num, &columns, &values), "M is read");
     out.pointers.push_back(std::int64_t(out.columns.size()));
   }
@@ -323,7 +414,7 @@ Mat MortarIntegrals::tangent(std::span<const double> multiplier, std::span<const
     out.assign(comm(), owned, owned, gdim, std::move(entries));
   };
   assign(sliding_tangent(slave, master, _segments, _mortar, z), _sliding);
-  assign(turning_tangent(slave, _sums, force), _turning);
+  assign(turning_tangent(slave, _sums, force, _counts), _turning);
   // What turns on the slave turns on the master.
   const MasterRows facing = master_rows(rows);
   operators::CooMatrix::Entries jump;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Rigid.h"
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -50,5 +51,17 @@ RigidPoint evaluate(const Rigid& rigid, std::span<const double> x)
       out.hessian[3 * a + b] = sign * (projector - out.normal[a] * out.normal[b]) / distance;
     }
   return out;
+}
+
+double largest_position(const Rigid& rigid)
+{
+  double largest = 0.0, moved = 0.0;
+  for (double u : rigid.displacement)
+    moved = std::max(moved, std::abs(u));
+  if (rigid.kind == Rigid::Kind::surface)
+    return moved + rigid.shape->largest_coordinate();
+  for (double x : rigid.point)
+    largest = std::max(largest, std::abs(x));
+  return moved + largest + std::abs(rigid.radius);
 }
 } // namespace dolfinx_impact::gap

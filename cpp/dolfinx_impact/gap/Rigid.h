@@ -30,4 +30,6 @@ struct Rigid
 /// @param[in] x position, (gdim) [L]
 /// @pre x.size() is at least rigid.gdim
 RigidPoint evaluate(const Rigid& rigid, std::span<const double> x);
+/// Largest size of a number that the obstacle's position is computed from: gaps are known to its rounding [L].
+double largest_position(const Rigid& rigid);
 } // namespace dolfinx_impact::gap

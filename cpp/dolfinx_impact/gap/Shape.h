@@ -19,6 +19,8 @@ class Shape
 public:
   virtual ~Shape() = default;
   virtual int gdim() const = 0;
+  /// Largest absolute value of a coordinate of the surface [L].
+  virtual double largest_coordinate() const = 0;
   /// Signed distance to the closest point of the surface. No allocation.
   /// @param[in] x position, (gdim) [L]
   /// @pre x.size() is at least gdim()

@@ -14,9 +14,6 @@ constexpr int N = FacetElement::max_nodes;
 
 namespace
 {
-/// Facets of which less is covered count as not covered.
-constexpr double least_cover = 1e-2;
-
 /// Points of one slave facet: [first, last).
 struct Range
 {
@@ -109,7 +106,7 @@ void dual_coefficients(int n, double M[N][N], const double* d, double A[N][N])
 }
 } // namespace
 
-std::vector<double> cover(const Facets& slave, const Segments& segments, Multipliers basis)
+std::vector<double> cover(const Facets& slave, const Segments& segments, Multipliers basis, double least)
 {
   const FacetElement element = slave.displacement;
   const int n = element.num_nodes();
@@ -121,7 +118,7 @@ std::vector<double> cover(const Facets& slave, const Segments& segments, Multipl
     const Range points = points_of_facet(segments, first);
     const std::int32_t s = segments.slave[first];
     first = points.last;
-    if (segments.covered[s] < least_cover)
+    if (segments.covered[s] < least)
       continue;
     double mass[N][N] = {}, d[N] = {};
     integrate(element, segments, points, d, mass);
@@ -133,7 +130,7 @@ std::vector<double> cover(const Facets& slave, const Segments& segments, Multipl
 }
 
 Mortar mortar(const Facets& slave, const Facets& master, const Segments& segments, Multipliers basis,
-              std::span<const std::int8_t> carries)
+              std::span<const std::int8_t> carries, double least)
 {
   const FacetElement es = slave.displacement, em = master.displacement;
   const int n = es.num_nodes(), gdim = slave.gdim;
@@ -147,7 +144,7 @@ Mortar mortar(const Facets& slave, const Facets& master, const Segments& segment
     const std::int32_t s = segments.slave[first];
     const std::int32_t* nodes = slave.nodes_of(s);
     const int num_kept = int(std::count_if(nodes, nodes + n, [&](auto node) { return carries[node] != 0; }));
-    if (segments.covered[s] < least_cover || num_kept == 0)
+    if (segments.covered[s] < least || num_kept == 0)
     {
       first = last;
       continue;
@@ -228,12 +225,14 @@ Mortar mortar(const Facets& slave, const Facets& master, const Segments& segment
   return out;
 }
 
-void add_normals(const Facets& slave, std::span<double> normals)
+void add_normals(const Facets& slave, std::span<double> normals, std::span<const std::int8_t> counts)
 {
   const int n = slave.displacement.num_nodes(), gdim = slave.gdim;
   for (std::size_t f = 0; f < slave.size(); ++f)
     for (int i = 0; i < n; ++i)
     {
+      if (!counts.empty() && !counts[f * n + i])
+        continue;
       const auto xi = slave.displacement.node(i);
       const FacetPoint p = surface::evaluate(slave, f, slave.x_of(f), xi.data());
       for (int c = 0; c < gdim; ++c)
@@ -333,7 +332,8 @@ Entries sliding_tangent(const Facets& slave, const Facets& master, const Segment
   return out;
 }
 
-Entries turning_tangent(const Facets& slave, std::span<const double> sums, std::span<const double> force)
+Entries turning_tangent(const Facets& slave, std::span<const double> sums, std::span<const double> force,
+                        std::span<const std::int8_t> counts)
 {
   const FacetElement element = slave.displacement;
   const int n = element.num_nodes(), gdim = slave.gdim, dim = gdim - 1;
@@ -342,7 +342,7 @@ Entries turning_tangent(const Facets& slave, std::span<const double> sums, std::
     for (int i = 0; i < n; ++i)
     {
       const std::int32_t node = slave.nodes_of(f)[i];
-      if (force[node] == 0.0)
+      if (force[node] == 0.0 || (!counts.empty() && !counts[f * n + i]))
         continue;
       const auto xi = element.node(i);
       const FacetPoint p = surface::evaluate(slave, f, slave.x_of(f), xi.data());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/fem/DofMap.h>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +21,8 @@ CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>&
   if (mass.size() != _fields.own)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
                                 std::to_string(_fields.own));
+  for (double x : V->mesh()->geometry().x())
+    _largest_coordinate = std::max(_largest_coordinate, std::abs(x));
   _internal.check();
   _internal.read(_fields);
   std::copy(mass.begin(), mass.end(), _fields.mass.begin());
@@ -70,9 +73,26 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
   for (ForceTerm& term : _terms)
     term.reset();
   _contact.reset();
-  _energies.reset();
+  _energies.reset(uncertainty());
   _last_step = 0.0;
   _evaluated = false;
+}
+
+/// Mass times the square of what rounding does to a position, of all ranks.
+double CentralDifference::uncertainty() const
+{
+  double mass = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < _fields.owned; ++i)
+  {
+    mass += _fields.mass[i];
+    largest = std::max(largest, std::abs(_fields.u[i]));
+  }
+  largest += std::max(_largest_coordinate, _contact.largest_position());
+  const MPI_Comm comm = _fields.space_map().comm();
+  MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, comm);
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm);
+  const double rounding = std::numeric_limits<double>::epsilon() * largest;
+  return mass * rounding * rounding;
 }
 
 // --- the step

@@ -127,6 +127,7 @@ public:
 
 private:
   Coefficients coefficients(double dt) const;
+  double uncertainty() const;
   void fields_changed();
   bool evaluate();
   void complete_residual();
@@ -143,6 +144,7 @@ private:
   std::vector<ForceTerm> _terms;
   ContactForces _contact;
   EnergyBalance _energies;
+  double _largest_coordinate = 0.0;             ///< of this rank's undeformed mesh [L]
   std::vector<double> _beyond;                  ///< amplitudes one step on: velocities of prescribed motion now
   double _last_step = 0.0;                      ///< that led here; 0 at the start [T]
   bool _evaluated = false;                      ///< is the residual that of the present time level?

@@ -12,12 +12,13 @@ using common::Stopwatch;
 void ContactForces::add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
 {
   auto* springs = dynamic_cast<enforcement::SpringForces*>(contact.get());
-  auto* correction = dynamic_cast<enforcement::StepCorrection*>(contact.get());
-  if (!springs && !correction)
-    throw std::invalid_argument("a contact has to act: by SpringForces or by StepCorrection");
+  auto* kinematic = dynamic_cast<enforcement::KinematicContact*>(contact.get());
+  if (!springs && !kinematic)
+    throw std::invalid_argument("a contact has to act: by SpringForces or as a KinematicContact");
   _springs = _springs || springs;
-  _kinematic = _kinematic || correction;
-  _contacts.push_back({std::move(contact), springs, correction, columns, {}});
+  if (kinematic)
+    _kinematic_step.add(kinematic);
+  _contacts.push_back({std::move(contact), springs, kinematic != nullptr, columns, {}});
   _search_due = true;
 }
 
@@ -32,7 +33,7 @@ void ContactForces::reset()
 {
   _nodes.reset();
   _work = {};
-  _obstacle_work = 0.0;
+  _obstacle_work = _half_obstacle_work = 0.0;
   _search_due = true;
 }
 
@@ -64,9 +65,10 @@ void ContactForces::search(NodalFields& fields, double last_step)
     const auto needed = c.contact->needs(*fields.halo);
     nodes.insert(nodes.end(), needed.begin(), needed.end());
   }
-  _nodes.number(fields, std::move(nodes), _kinematic);
+  _nodes.number(fields, std::move(nodes), has_kinematic());
   for (Contact& c : _contacts)
     c.contact->number(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
+  _kinematic_step.number(*fields.halo, *_nodes.halo(), _nodes.numbers());
   _search_due = false;
 }
 
@@ -86,6 +88,14 @@ void ContactForces::move_obstacles(const double* amplitudes, bool first)
     o.displacement = displacement;
     c.contact->set_obstacle(o.displacement, o.increment);
   }
+}
+
+double ContactForces::largest_position() const
+{
+  double largest = 0.0;
+  for (const Contact& c : _contacts)
+    largest = std::max(largest, c.contact->largest_position());
+  return largest;
 }
 
 double ContactForces::half_work(const Contact& contact, const std::array<double, 3>& increment, int bs)
@@ -115,6 +125,7 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   _work.done += 0.5 * _nodes.gather(fields, last_step, _springs);
   for (const Contact& c : _contacts)
     _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
+  _half_obstacle_work = _obstacle_work;
   if (!_search_due)
     return false;
   search(fields, last_step);
@@ -150,7 +161,7 @@ void ContactForces::predict_searches()
 
 void ContactForces::keep(const NodalFields& fields)
 {
-  if (_kinematic)
+  if (has_kinematic())
     _nodes.keep(fields);
 }
 
@@ -167,12 +178,10 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
     n.du_before[k] = last_step * n.v_before[k];
     n.kinematic[k] = 0.0;
   }
-  for (Contact& c : _contacts)
-    if (c.correction)
-    {
-      c.correction->correct({n.du, n.du_before, n.inverse, h * dt, dt, release_share}, n.u, n.kinematic);
+  _kinematic_step.correct({n.du, n.du_before, n.inverse, h * dt, dt, release_share}, n.u, n.kinematic);
+  for (const Contact& c : _contacts)
+    if (c.kinematic)
       _obstacle_work += half_work(c, c.obstacle.increment_before, fields.bs);
-    }
   const int bs = fields.bs;
   for (std::size_t k = 0; k < n.size(); ++k)
     for (int c = 0; c < bs; ++c)
@@ -211,7 +220,7 @@ void ContactForces::add_energies(EnergySums& sums) const
     sums.friction += energy.friction;
     sums.normal += energy.normal;
     sums.passages += c.contact->passage().node >= 0;
-    if (c.correction)
+    if (c.kinematic)
     {
       sums.kinematic += energy.normal;
       sums.taken -= energy.normal + energy.later_normal;

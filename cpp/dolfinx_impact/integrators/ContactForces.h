@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../enforcement/node_to_surface/NodalContact.h"
+#include "../enforcement/node_to_surface/KinematicStep.h"
 #include "ContactNodes.h"
 #include "Loads.h"
 #include "energy.h"
@@ -27,12 +27,14 @@ public:
 
   /// @param[in] contact the contact
   /// @param[in] columns of the amplitudes with the displacement of a rigid master; -1: it stays
-  /// @throws std::invalid_argument for a contact that is neither SpringForces nor StepCorrection
+  /// @throws std::invalid_argument for a contact that is neither SpringForces nor a KinematicContact
   void add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
   bool empty() const { return _contacts.empty(); }
   std::size_t size() const { return _contacts.size(); }
+  /// Largest size of a number that positions of rigid masters are computed from [L].
+  double largest_position() const;
   bool has_springs() const { return _springs; }
-  bool has_kinematic() const { return _kinematic; }
+  bool has_kinematic() const { return !_kinematic_step.empty(); }
 
   /// The step that automatic stiffnesses are made for; to be set before the first step [T].
   /// @throws std::invalid_argument unless it is positive
@@ -80,6 +82,8 @@ public:
   void add_energies(EnergySums& sums) const;
   /// Work of the contact forces on rigid masters so far, of this rank [F L].
   double obstacle_work() const { return _obstacle_work; }
+  /// The same up to half a step before the present time level [F L].
+  double half_obstacle_work() const { return _half_obstacle_work; }
   /// Three components of each contact's force on its slave in the last step, of this rank [F].
   /// @param[out] out three entries for each contact; those beyond `bs` components stay as they are
   void resultants(int bs, double* out) const;
@@ -105,8 +109,8 @@ private:
   struct Contact
   {
     std::shared_ptr<enforcement::NodalContact> contact;
-    enforcement::SpringForces* springs;      ///< the same contact, or null
-    enforcement::StepCorrection* correction; ///< the same contact, or null
+    enforcement::SpringForces* springs; ///< the same contact, or null
+    bool kinematic;
     std::array<int, 3> columns;
     Obstacle obstacle;
   };
@@ -116,12 +120,13 @@ private:
 
   std::vector<Contact> _contacts;
   ContactNodes _nodes;
-  bool _springs = false, _kinematic = false, _search_due = true;
+  enforcement::KinematicStep _kinematic_step;
+  bool _springs = false, _search_due = true;
   double _searches_due = 0.0; ///< contacts whose candidates are used up, as far as this rank knows
   double _step = 0.0;
   Work _work;             ///< of the springs
   double _position = 0.0; ///< u . springs' forces
-  double _obstacle_work = 0.0;
+  double _obstacle_work = 0.0, _half_obstacle_work = 0.0;
   std::int64_t _num_searches = 0;
   double _seconds = 0.0;
 };

@@ -43,7 +43,8 @@ public:
   EnergyBalance& operator=(const EnergyBalance&) = delete;
 
   /// Works count from zero.
-  void reset();
+  /// @param[in] uncertainty sum over all ranks of mass times the square of what rounding does to a position [M L^2]
+  void reset(double uncertainty);
   /// What materials with internal variables have found at the present time level, on this rank.
   /// @param[in] energy elastic energy, for InternalEnergy::elastic [F L]
   /// @param[in] num_unsolved points whose local equations were not solved: the run counts as unstable
@@ -82,7 +83,7 @@ public:
 
   const EnergyGain& gain() const { return _gain; }
   double gain_limit() const { return _gain_limit; }
-  /// @param[in] limit of EnergyGain::now, beyond which a run counts as unstable [1]
+  /// @param[in] limit of EnergyGain::now, beyond which a run counts as unstable; infinite: energies stop no run [1]
   void set_gain_limit(double limit) { _gain_limit = limit; }
 
   /// What a run that goes on needs. The first five add up over ranks, the others are the same on all [F L].
@@ -111,7 +112,9 @@ private:
   MPI_Request _request = MPI_REQUEST_NULL;
   History _history;
   std::size_t _step = 0;
-  double _reference = 0.0; ///< energy that was there at the start or put in since
+  Steps _steps;              ///< about the time level of the last `begin_sum` [T]
+  double _uncertainty = 0.0; ///< see reset
+  double _reference = 0.0;   ///< energy that was there at the start or put in since
   double _release_share = 0.0;
   EnergyGain _gain;
   double _gain_limit = std::numeric_limits<double>::infinity();

@@ -26,7 +26,7 @@ Energies EnergySums::energies(InternalEnergy internal) const
   return e;
 }
 
-void EnergyGain::update(const Energies& e, double taken)
+void EnergyGain::update(const Energies& e, double taken, double round_off)
 {
   const double value = e.kinetic + e.internal + e.contact + std::max(0.0, taken) - e.external;
   lowest = largest == 0.0 ? value : std::min(lowest, value);
@@ -35,7 +35,8 @@ void EnergyGain::update(const Energies& e, double taken)
   for (double dissipated : {e.plastic, e.contact, e.friction, e.impact, e.damping, e.viscosity})
     size += std::max(0.0, dissipated);
   largest = std::max(largest, size);
-  now = largest > 0.0 ? (value - lowest) / largest : 0.0;
+  const double scale = std::max(largest, round_off);
+  now = scale > 0.0 ? (value - lowest) / scale : 0.0;
   most = std::max(most, now);
 }
 } // namespace dolfinx_impact::integrators

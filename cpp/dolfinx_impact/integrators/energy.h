@@ -71,16 +71,18 @@ struct EnergySums
   double foundation = 0.0;      ///< stored in springs to the ground
   double stored = 0.0;          ///< in springs of contact
   double friction = 0.0;
-  double normal = 0.0;       ///< work of the normal forces of contact, of springs without what they store
-  double kinematic = 0.0;    ///< the part of `normal` that kinematic contact does
-  double taken = 0.0;        ///< minus that of kinematic contact, with the motion after the last forces
-  double recoverable = 0.0;  ///< taken from nodes that are still closed
-  double searches_due = 0.0; ///< contacts that need a search
-  double stops_asked = 0.0;  ///< ranks that were asked to stop
-  double passages = 0.0;     ///< contacts that a node went through
-  double unsolved = 0.0;     ///< points whose local equations were not solved
+  double normal = 0.0;        ///< work of the normal forces of contact, of springs without what they store
+  double kinematic = 0.0;     ///< the part of `normal` that kinematic contact does
+  double taken = 0.0;         ///< minus that of kinematic contact, with the motion after the last forces
+  double recoverable = 0.0;   ///< taken from nodes that are still closed
+  double searches_due = 0.0;  ///< contacts that need a search
+  double stops_asked = 0.0;   ///< ranks that were asked to stop
+  double passages = 0.0;      ///< contacts that a node went through
+  double unsolved = 0.0;      ///< points whose local equations were not solved
+  double half_kinetic = 0.0;  ///< kinetic energy half a step before the time level
+  double half_external = 0.0; ///< work of external forces up to then
 
-  static constexpr std::size_t size = 25;
+  static constexpr std::size_t size = 27;
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
   static EnergySums of(const std::array<double, size>& values) { return std::bit_cast<EnergySums>(values); }
 
@@ -99,6 +101,7 @@ struct EnergyGain
 
   /// @param[in] energies at a time level
   /// @param[in] taken by kinematic contact so far, which may give it back when nodes leave [F L]
-  void update(const Energies& energies, double taken);
+  /// @param[in] round_off energy that rounding alone may bring: gains are relative to no less [F L]
+  void update(const Energies& energies, double taken, double round_off);
 };
 } // namespace dolfinx_impact::integrators

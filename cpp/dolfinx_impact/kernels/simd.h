@@ -23,10 +23,33 @@ struct Lanes<1>
   typedef double type;
 };
 
+/// Unsigned integers of the size of the lanes, for the bits of numbers. Unsigned, as shifts and sums of the bits of any
+/// number are to be defined: also of those lanes whose result is replaced afterwards.
+template <typename T>
+struct BitsOf
+{
+  typedef unsigned long long type __attribute__((vector_size(sizeof(T))));
+};
+template <>
+struct BitsOf<double>
+{
+  using type = unsigned long long;
+};
+template <typename T>
+inline typename BitsOf<T>::type bits_of(T x)
+{
+  return __builtin_bit_cast(typename BitsOf<T>::type, x);
+}
+template <typename T>
+inline T from_bits(typename BitsOf<T>::type bits)
+{
+  return __builtin_bit_cast(T, bits);
+}
+
 template <typename T>
 inline T splat(double x)
 {
-  return T{} + x;
+  return x - T{}; // not a sum, which would lose the sign of -0
 }
 template <>
 inline double splat<double>(double x)
@@ -145,7 +168,7 @@ concept Vector = !is_double<T> && requires(T x) { x[0]; };
 template <Vector T, typename F>
 inline T each(T x, F f)
 {
-  T y;
+  T y = x; // all lanes are replaced
   for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
     y[i] = f(x[i]);
   return y;
@@ -153,7 +176,7 @@ inline T each(T x, F f)
 template <Vector T, typename F>
 inline T each(T x, T y, F f)
 {
-  T z;
+  T z = x;
   for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
     z[i] = f(x[i], y[i]);
   return z;
@@ -206,7 +229,6 @@ inline T log(T x)
 template <Vector T>
 inline T exp(T x)
 {
-  using Bits = decltype(x < x);
   constexpr double shift = 6755399441055744.0; // 1.5 2^52: its last bits count ones
   constexpr double ln2_high = 0x1.62e42fee00000p-1, ln2_low = 0x1.a39ef35793c76p-33;
   const T shifted = x * 1.4426950408889634 + shift, n = shifted - shift;
@@ -218,8 +240,7 @@ inline T exp(T x)
   const T b = (1.0 / 720.0 + r * (1.0 / 5040.0)) + r2 * (1.0 / 40320.0 + r * (1.0 / 362880.0));
   const T c = (1.0 / 3628800.0 + r * (1.0 / 39916800.0)) + r2 * (1.0 / 479001600.0 + r * (1.0 / 6227020800.0));
   const T p = 1.0 + (r + r2 * (a + r4 * (b + r4 * c)));
-  const Bits power = (__builtin_bit_cast(Bits, shifted) << 52) + 0x3ff0000000000000;
-  T y = p * __builtin_bit_cast(T, power);
+  T y = p * from_bits<T>((bits_of(shifted) << 52) + 0x3ff0000000000000u);
   const auto regular = (x > -700.0) & (x < 700.0);
   if (any_lane(~regular)) [[unlikely]]
     for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
@@ -245,7 +266,7 @@ inline T atan2(T y, T x)
 template <Vector T>
 inline T abs(T x)
 {
-  return x < 0.0 ? -x : x;
+  return from_bits<T>(bits_of(x) & 0x7fffffffffffffffu); // without its sign; also of -0 and of what is not a number
 }
 // As fmin and fmax: if one argument is not a number, the result is the other one.
 template <Vector T>
@@ -259,30 +280,17 @@ inline T max(T a, T b)
   return (a > b) | (b != b) ? a : b;
 }
 
-/// Integers of the size of the lanes.
-template <typename T>
-struct BitsOf
-{
-  using type = decltype(T() < T());
-};
-template <>
-struct BitsOf<double>
-{
-  using type = long long;
-};
-
 /// x^(-1/3) of 1e-290 < x < 1e290, to two units in the last place; without division or branch, the same in all widths.
 template <typename T>
 inline T inverse_cube_root(T x)
 {
   // A first value, 4 % off, from the bits of x, whose exponent is divided by -3. Vector units have no division of
   // integers: the upper 52 bits are divided as a number, which is an integer when 2^52 is added.
-  using Bits = typename BitsOf<T>::type;
   constexpr double two52 = 4503599627370496.0;
-  constexpr long long two52_bits = 0x4330000000000000;
-  const T upper = __builtin_bit_cast(T, (__builtin_bit_cast(Bits, x) >> 12) | two52_bits) - two52;
+  constexpr unsigned long long two52_bits = 0x4330000000000000u;
+  const T upper = from_bits<T>((bits_of(x) >> 12) | two52_bits) - two52;
   const T thirds = 1499660000000000.0 - upper * (1.0 / 3.0);
-  T z = __builtin_bit_cast(T, (__builtin_bit_cast(Bits, T(thirds + two52)) & 0x000fffffffffffff) << 12);
+  T z = from_bits<T>((bits_of(T(thirds + two52)) & 0x000fffffffffffffu) << 12);
   // z (1 - r)^(-1/3) with r = 1 - x z^3, to the third power of r: 0.1, 1e-5, 1e-17 are the sizes of r.
   for (int i = 0; i < 2; ++i)
   {

@@ -3,6 +3,8 @@
 #include "normals.h"
 #include <basix/quadrature.h>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 
 namespace dolfinx_impact::surface
 {
@@ -45,8 +47,11 @@ std::vector<double> shares(const FacetElement& element)
 }
 } // namespace
 
-void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double>& areas)
+void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double>& areas,
+                     std::span<const double> factors)
 {
+  if (!factors.empty() && factors.size() != facets.size())
+    throw std::invalid_argument("nodal areas need a factor for each of " + std::to_string(facets.size()) + " facets");
   const FacetElement& element = facets.displacement;
   const int n = element.num_nodes(), tdim = element.tdim();
   const Rule gauss = rule(element.shape, 5);
@@ -56,7 +61,8 @@ void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double
     {
       const double xi[2] = {gauss.points[q * tdim], tdim == 2 ? gauss.points[q * tdim + 1] : 0.0};
       const FacetPoint p = evaluate(facets, f, facets.X_of(f), xi);
-      const double area = gauss.weights[q] * p.jacobian * (axisymmetric ? 2 * std::numbers::pi * p.x[0] : 1.0);
+      const double area = gauss.weights[q] * p.jacobian * (axisymmetric ? 2 * std::numbers::pi * p.x[0] : 1.0) *
+                          (factors.empty() ? 1.0 : factors[f]);
       double phi[FacetElement::max_nodes];
       element.values(xi, phi);
       for (int i = 0; i < n; ++i)

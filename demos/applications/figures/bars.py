@@ -80,7 +80,7 @@ def convergence(run, impact, profiles, table):
     stress.set(ylabel="stress / (ρ c v)", title=f"two thirds through the contact, {len(rows) // 2} cells in each bar")
     stress.title.set_fontsize(10)
     speed.set(ylabel="velocity / v", xlabel="x / L")
-    stress.legend(fontsize=9, loc="upper left")
+    stress.legend(fontsize=9, loc="lower center")
     for method, rows in table.items():
         rows = np.array(rows)
         colour = STYLES[method]
@@ -92,8 +92,8 @@ def convergence(run, impact, profiles, table):
         first = np.array(table["penalty" if order == 1 / 2 else "kinematic"])[0, 3] * start
         right.loglog(h, first * (h / h[0]) ** order, ":", color="k", lw=1)
         right.annotate(
-            f"slope {text}", (np.sqrt(h.prod()), first * (h[1] / h[0]) ** (order / 2)), (0, 5 if start > 1 else -12),
-            textcoords="offset points", ha="center", fontsize=9,
+            f"slope {text}", (np.sqrt(h.prod()), first * (h[1] / h[0]) ** (order / 2)), ((-8, 6), (8, -14))[start < 1],
+            textcoords="offset points", ha="right" if start > 1 else "left", fontsize=9,
         )  # fmt: skip
     right.set(xlabel="length of a cell / L", ylabel="L2 error / (jump behind the wave)")
     right.set_title("convergence to the wave equation", fontsize=10)

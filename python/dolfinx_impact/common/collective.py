@@ -11,6 +11,10 @@ At the end of the block the guard makes one reduction of three integers. It rais
 rank, if a value differs between ranks, or if the ranks are in different calls. Texts are exchanged only in these cases.
 On a communicator of one rank nothing is exchanged: errors pass through unchanged.
 
+An exception that one rank alone raises inside an exchange leaves the others waiting there. Nothing that handles an
+exception may communicate then: its rank must end, so that the launcher ends the others. Errors that all ranks raise
+together are marked (`common`), and handlers ask for the mark (`is_common`) before they communicate.
+
 `agree` does the same for an error that was caught; loops that call a user's function use it once per iteration.
 `comm_of` finds a communicator in a list of arguments, some of which may be wrong. This module imports nothing else of
 the package.
@@ -33,6 +37,8 @@ PATIENCE = 20.0  # s that a rank waits for the others if it does not know whethe
 
 _world: MPI.Comm | None = None  # a duplicate of COMM_WORLD that separates these messages from all others
 _Result = TypeVar("_Result")
+_Error = TypeVar("_Error", bound=BaseException)
+_COMMON = "_raised_on_all_ranks"  # attribute of exceptions that all ranks raise together
 _Report = tuple[str, tuple[bytes, str] | None, dict[str, str]]  # of a rank: call, packed error, texts of its values
 
 
@@ -160,6 +166,32 @@ def agree(comm: MPI.Comm, error: BaseException | None, call: str = "") -> None:
         raise error
 
 
+def common(error: _Error) -> _Error:
+    """Mark an error that every rank raises at the same place, because all have found the same values.
+
+    Args:
+        error: exception that this rank is about to raise.
+
+    Returns:
+        The same exception.
+    """
+    vars(error)[_COMMON] = True
+    return error
+
+
+def is_common(comm: MPI.Comm, error: BaseException | None) -> bool:
+    """Whether all ranks have raised an exception together, so that its handler may communicate.
+
+    Args:
+        comm: communicator of the handler.
+        error: exception of this rank; None: there is none on any rank.
+
+    Returns:
+        True for one rank, for no error and for errors that guards, `agree` and `common` have marked.
+    """
+    return comm.size == 1 or error is None or _COMMON in vars(error)
+
+
 def attempt(work: Callable[..., Any], *args: Any) -> tuple[Any, BaseException | None]:
     """Call a function and catch what it raises, for `agree`.
 
@@ -254,12 +286,12 @@ def _exchange(
     reports = comm.allgather((call, None if error is None else _packed(error), texts))
     failed = [(rank, e) for rank, (_, e, _) in enumerate(reports) if e is not None]
     if not failed:
-        raise ValueError(_difference(reports))
+        raise common(ValueError(_difference(reports)))
     if error is not None and len(failed) == comm.size and len({e for _, e in failed}) == 1:
-        raise error  # the same everywhere: no rank to name
+        raise common(error)  # the same everywhere: no rank to name
     rank, (kind, text) = failed[0]
     others = f" (and {len(failed) - 1} more ranks failed)" if len(failed) > 1 else ""
-    raise _error(kind, f"rank {rank} of {comm.size}: {text}{others}") from error
+    raise common(_error(kind, f"rank {rank} of {comm.size}: {text}{others}")) from error
 
 
 def _arrives(request: MPI.Request) -> bool:

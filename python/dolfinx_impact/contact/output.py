@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from ..common.collective import guard
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .initial_penetration import InitialPenetration
+from .pair import ContactPair
 from .protocol import ContactProblem
 
 
@@ -33,6 +34,7 @@ class ContactOutput:
 
     if TYPE_CHECKING:  # members of derived classes, attributes or properties
         comm: MPI.Comm
+        pair: ContactPair
 
         @property
         def initial(self) -> InitialPenetration | None: ...
@@ -48,6 +50,12 @@ class ContactOutput:
         def status(self) -> IntArray: ...
         @property
         def weight(self) -> FloatArray: ...
+
+    def __repr__(self) -> str:
+        known = "not solved yet"
+        if self.force is not None:  # a total: the same on all ranks, and known without communication
+            known = f"force on the slave ({', '.join(f'{value:.6g}' for value in self.force)})"
+        return f"{type(self).__name__}({self.pair!r}, {len(self.weight)} points on this rank, {known})"
 
     @property
     def initial_penetration(self) -> float:
@@ -113,6 +121,14 @@ class ContactOutput:
 
     def prescribed_overlap(self) -> str:
         """Describe prescribed displacements that cause penetration in a converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+        return ""
+
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state. Collective.
 
         Returns:
             A sentence, or an empty text.

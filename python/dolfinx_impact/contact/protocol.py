@@ -29,6 +29,7 @@ from .. import _cpp
 from ..amplitude import Amplitude
 from ..assembly.rigid_body_modes import RigidBodyModes
 from ..common.types import BoolArray, FloatArray, IntArray
+from ..materials import Material
 from .pair import ContactPair
 
 
@@ -72,9 +73,11 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     Attributes:
         mass: lumped mass by degrees of freedom [M].
+        material: material of the bodies; None for a residual of one's own.
     """
 
     mass: la.Vector
+    material: Material | None
     _cpp_object: _cpp.integrators.CentralDifference
 
     @property
@@ -84,6 +87,17 @@ class ExplicitContactProblem(ContactProblem, Protocol):
     @property
     def step(self) -> int:
         """Number of steps since the start."""
+
+    def frequency_stiffness(self, nodes: BoolArray) -> FloatArray:
+        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, in
+        the undeformed bodies. Collective.
+
+        Args:
+            nodes: mask of the nodes that are asked for, owned and ghosts.
+
+        Returns:
+            Sums, owned and ghosts; zero where the cells have no stiffness [F/L].
+        """
 
 
 @runtime_checkable
@@ -162,6 +176,14 @@ class StaticContact(Protocol):
 
     def prescribed_overlap(self) -> str:
         """Describe prescribed displacements that cause penetration in a converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state, and are open on its far
+        side. Collective.
 
         Returns:
             A sentence, or an empty text.
@@ -284,11 +306,17 @@ class MultiplierContact(StaticContact, Protocol):
     Attributes:
         nodes: owned nodes that may have a multiplier, (n).
         gdim: dimension of space.
+        active: mask of nodes in contact, (n).
+        sliding: mask of those that slip, (n).
+        multiplier: multipliers of the nodes, (n) [F/L^2].
         last_change: largest global number of the nodes that the last update_active_set changed, -1 without any.
     """
 
     nodes: IntArray
     gdim: int
+    active: BoolArray
+    sliding: BoolArray
+    multiplier: FloatArray
     last_change: int
 
     def constraints(self) -> _cpp.multipliers.Constraints:
@@ -344,6 +372,19 @@ class MultiplierContact(StaticContact, Protocol):
             forces: forces along the constrained directions, zero elsewhere, (n, gdim) [F].
         """
 
+    def num_turning(self) -> int:
+        """Number of nodes of all ranks whose friction traction is not yet that of the law. Collective."""
+
+    def set_redundant(self, nodes: IntArray) -> None:
+        """Set the nodes whose normal condition a linear problem has left out, as others of the same nodes imply it.
+
+        Args:
+            nodes: index of the nodes.
+        """
+
+    def over_constrained(self) -> IntArray:
+        """Owned nodes whose normal condition was left out in this increment, as others contradict it."""
+
     def rotate_friction_traction(self) -> None:
         """Rotate the friction tractions of the last iteration to the present tangent planes."""
 
@@ -357,12 +398,20 @@ class ExplicitContact(Protocol):
         nodes: owned slave nodes, (n).
         weight: areas of the nodes, (n) [L^2].
         motion: displacement of a rigid master as a function of time; None without one [L].
+        stored: energy stored in the springs, of all ranks [F L].
+        penetration_share: part of the deformation that is penetration; set by the problem [1].
     """
 
     pair: ContactPair
     nodes: IntArray
     weight: FloatArray
     motion: Amplitude | None
+    stored: float
+    penetration_share: float
+
+    @property
+    def kinematic(self) -> bool:
+        """Whether the contact has no springs."""
 
     def check_start(self) -> None:
         """Refuse bodies that penetrate by more than half a facet. Collective.

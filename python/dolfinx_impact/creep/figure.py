@@ -70,7 +70,8 @@ def draw_contact(axes: Any, model: CreepModel, tractions: Tractions) -> None:
     axes.set(xlabel="x [mm], the wheel travels to the right", ylabel="y [mm]", aspect="equal")
     axes.set_title("tractions on the wheel, last point")
     axes.set_xlim(-1.7 * 1e3 * hertz.a, 1.7 * 1e3 * hertz.a)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, fontsize=8)
+    # Outside of the axes: how high they are depends on the shape of the contact.
+    axes.figure.legend(*axes.get_legend_handles_labels(), loc="outside lower right", ncols=3, fontsize=8)
 
 
 def draw(file: FilePath, model: CreepModel, curve: Mapping[str, FloatArray], tractions: Tractions | None) -> None:
@@ -87,12 +88,13 @@ def draw(file: FilePath, model: CreepModel, curve: Mapping[str, FloatArray], tra
     picture, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.4), layout="constrained")
     varied = max(("creep", "lateral", "spin"), key=lambda name: float(np.ptp(curve[name])))
     unit = "1/m" if varied == "spin" else "1e-3"
+    names = {"creep": "longitudinal creep", "lateral": "lateral creep", "spin": "spin creep"}
     along = curve[varied] * (1.0 if varied == "spin" else 1e3)
     limit = model.data.friction * curve["force"][:, 2]
     for k, name in ((0, "longitudinal"), (1, "lateral")):
         if k == 0 or model.sides == 1:
             left.plot(along, curve["force"][:, k] / limit, "o-", label=name)
-    left.set(xlabel=f"{'spin creep' if varied == 'spin' else varied} [{unit}]", ylabel="force over friction times load")
+    left.set(xlabel=f"{names[varied]} [{unit}]", ylabel="force over friction times load [1]")
     left.grid(alpha=0.3)
     left.legend()
     draw_contact(right, model, tractions)

@@ -3,14 +3,11 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
-from .. import meshes, theory  # type: ignore[attr-defined,unused-ignore]  # installed beside it
+from .. import meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..common.types import ArrayLike, FilePath, FloatArray
 from ..contact import ContactPair, Lagrange
 from ..materials import LinearElastic, StVenantKirchhoff
@@ -18,49 +15,9 @@ from ..rolling.motions import Spin, Translation
 from ..rolling.problem import RollingProblem
 from ..rolling.contact import RollingContact
 from ..statics.problem import StaticProblem
+from .parameters import WheelOnRail
 
 ACCURACY = 1e-4  # of the load: what the approach is searched to
-
-
-@dataclass(frozen=True)
-class WheelOnRail:
-    """Wheel and rail; the contact is small against them, as in the theory of Hertz.
-
-    Attributes:
-        load: that presses wheel and rail together [N].
-        friction: coefficient [1].
-        radius: of the wheel [m].
-        crown_radius: transverse radius of the rail head, inf is flat [m].
-        wheel_crown_radius: transverse radius of the tread, inf is flat, negative hollow [m].
-        E: Young's modulus [Pa].
-        nu: Poisson's ratio [1].
-        density: [kg/m^3].
-        speed: of travel [m/s].
-        cells: in each half-axis of the contact.
-        reach: size of the bodies in larger half-axes.
-        path: what an explicit run from the steady state may roll, in half-axes along the rail.
-    """
-
-    load: float = 100e3
-    friction: float = 0.3
-    radius: float = 0.46
-    crown_radius: float = 0.30
-    wheel_crown_radius: float = math.inf
-    E: float = 210e9
-    nu: float = 0.3
-    density: float = 7850.0
-    speed: float = 30.0
-    cells: int = 6
-    reach: float = 5.0
-    path: float = 0.0
-
-    @property
-    def hertz(self) -> theory.HertzElliptic:
-        """Contact without friction, x along the rail."""
-        return theory.hertz_elliptic(
-            self.load, self.radius, self.wheel_crown_radius, math.inf, self.crown_radius, self.E, self.nu, self.E,
-            self.nu,
-        )  # fmt: skip
 
 
 class CreepModel:
@@ -200,3 +157,6 @@ class CreepModel:
             force[:, 1] = 0.0
         ratio = np.hypot(force[:, 0], force[:, 1]) / (self.data.friction * force[:, 2])
         return {**found, "force": force, "torque": self.sides * found["torque"], "ratio": ratio}
+
+
+__all__ = ["CreepModel", "WheelOnRail"]

@@ -4,10 +4,8 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Sequence
-from dataclasses import asdict
-from typing import Any
+from functools import partial
 
 import numpy as np
 from mpi4py import MPI
@@ -15,16 +13,20 @@ from mpi4py import MPI
 from ..common.types import FloatArray
 from ..io.run_folder import RunFolder
 from . import figure
-from .model import CreepModel, WheelOnRail
+from .model import CreepModel
+from .parameters import WheelOnRail
 
 UNITS = {"creep": "1", "lateral": "1", "spin": "1/m", "omega": "rad/s", "torque": "N m", "ratio": "1"}
+MOST_POINTS = 10_000  # of a curve
+LARGEST_SPIN = 1000.0  # [1/m]
 
 
-def sequence(text: str) -> FloatArray:
+def sequence(text: str, largest: float = 1.0) -> FloatArray:
     """Numbers from `first:last:count`, from a list with commas, or one number.
 
     Args:
         text: as on the command line.
+        largest: of their absolute values; wheels that slide by more do not roll.
 
     Returns:
         Numbers, (n).
@@ -35,50 +37,40 @@ def sequence(text: str) -> FloatArray:
     try:
         if ":" in text:
             first, last, count = text.split(":")
-            if int(count) < 1:
+            if not 1 <= int(count) <= MOST_POINTS:
                 raise ValueError
             values = np.linspace(float(first), float(last), int(count))
         else:
             values = np.array([float(part) for part in text.split(",")])
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r}: a number, numbers with commas, or FIRST:LAST:COUNT") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: a number, numbers with commas, or FIRST:LAST:COUNT of at most {MOST_POINTS}"
+        ) from None
     if not np.all(np.isfinite(values)):
         raise argparse.ArgumentTypeError(f"{text!r}: numbers must be finite")
+    if np.abs(values).max(initial=0.0) > largest:
+        raise argparse.ArgumentTypeError(f"{text!r}: numbers from {-largest:g} to {largest:g}")
     return values
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and value > 0.0):
-        raise argparse.ArgumentTypeError(f"{text!r}: a number above zero is needed")
-    return value
 
 
 def parser() -> argparse.ArgumentParser:
     """Parser of the command."""
     out = argparse.ArgumentParser(
-        "dolfinx-impact creep", description="Creep forces of a wheel that rolls on a rail, in 3D, with friction."
-    )
+        "dolfinx-impact creep", description="Creep forces of a wheel that rolls on a rail, in 3D, with friction.",
+        epilog="Parameters may have units: --load '100 kN'. They can be given as NAME=VALUE and in a TOML file, too.",
+    )  # fmt: skip
+    out.add_argument("values", nargs="*", metavar="FILE.toml | NAME=VALUE", help="file of parameters, and single ones")
     default = WheelOnRail()
-    number: dict[str, Any] = {"type": _positive, "metavar": "X"}
-    out.add_argument("--load", default=default.load, help="wheel load [N] (default %(default)g)", **number)
-    out.add_argument("--friction", default=default.friction, help="coefficient [1] (default %(default)g)", **number)
+    for name, value in default.values().items():
+        text = f"{default.what_of(name)}; {default.expected(name)} (default {value:g})".replace("%", "%%")
+        out.add_argument(f"--{name.replace('_', '-')}", dest=name, metavar="X", help=text)
     out.add_argument("--creep", type=sequence, default=sequence("0:3e-3:13"), metavar="FIRST:LAST:COUNT",
                      help="longitudinal creep [1] (default 0:3e-3:13)")  # fmt: skip
     out.add_argument("--lateral", type=sequence, metavar="FIRST:LAST:COUNT", help="lateral creep [1]")
-    out.add_argument("--spin", type=sequence, metavar="FIRST:LAST:COUNT", help="spin creep [1/m]")
-    out.add_argument("--radius", default=default.radius, help="of the wheel [m] (default %(default)g)", **number)
-    out.add_argument("--crown-radius", default=default.crown_radius,
-                     help="transverse radius of the rail head [m] (default %(default)g)", **number)  # fmt: skip
-    out.add_argument("--wheel-crown-radius", type=float, default=default.wheel_crown_radius, metavar="X",
-                     help="transverse radius of the tread [m], negative: hollow (default flat)")  # fmt: skip
-    out.add_argument("--speed", default=default.speed, help="of travel [m/s] (default %(default)g)", **number)
-    out.add_argument("--cells", type=int, default=default.cells, metavar="N",
-                     help="cells in each half-axis of the contact (default %(default)s)")  # fmt: skip
+    out.add_argument("--spin", type=partial(sequence, largest=LARGEST_SPIN), metavar="FIRST:LAST:COUNT",
+                     help="spin creep [1/m]")  # fmt: skip
     out.add_argument("--output", metavar="DIR", help="folder of the results (default results/creep)")
+    out.add_argument("--template", action="store_true", help="print a TOML file with all parameters, and end")
     return out
 
 
@@ -89,27 +81,44 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: arguments; None for those of the process.
 
     Returns:
-        Exit status: 2 for arguments that cannot be used.
+        Exit status: 2 for arguments that cannot be used, 1 for a run that fails.
     """
-    given = parser()
-    arguments = given.parse_args(argv)
+    arguments = parser().parse_args(argv)
     comm = MPI.COMM_WORLD
-    names = ("load", "friction", "radius", "crown_radius", "wheel_crown_radius", "speed", "cells")
-    data = WheelOnRail(**{name: getattr(arguments, name) for name in names})
-    whole = any(values is not None and np.any(values) for values in (arguments.lateral, arguments.spin))
-    run = RunFolder(arguments.output, name="creep", parameters=asdict(data))
     try:
-        model = CreepModel(data, whole, comm)
-        hertz = model.hertz
-        run.print(
-            f"{model.num_unknowns} unknowns; by Hertz the contact has the half-axes {1e3 * hertz.a:.3g} mm along and "
-            f"{1e3 * hertz.b:.3g} mm across the rail, and a pressure of {1e-6 * hertz.peak_pressure:.4g} MPa; free "
-            f"rolling, from which creep counts, is {model.free_creep:+.2e} off speed/radius"
-        )
-        curve = model.curve(arguments.creep, arguments.lateral, arguments.spin, run.file("points.h5"))
-    except ValueError as error:
-        run.print(f"dolfinx-impact creep: {error}")
+        given = {name: getattr(arguments, name) for name in WheelOnRail.model_fields}
+        data = WheelOnRail.from_command_line(arguments.values, **given)
+        if arguments.template:
+            if comm.rank == 0:
+                print(data.to_toml(), end="")
+            return 0
+        run = RunFolder(arguments.output, name="creep", parameters=data.values(), alone=True)
+    except (ValueError, RuntimeError) as error:
+        if comm.rank == 0:
+            print(f"dolfinx-impact creep: {error}", flush=True)
         return 2
+    with run:
+        try:
+            return _run(run, data, arguments)
+        except ValueError as error:
+            run.print(f"dolfinx-impact creep: {error}")
+            return 2
+        except RuntimeError as error:  # no equilibrium, a damaged file of points, a full disk: the text says what to do
+            run.print(f"dolfinx-impact creep: {error}")
+            return 1
+
+
+def _run(run: RunFolder, data: WheelOnRail, arguments: argparse.Namespace) -> int:
+    """The curve, its table and picture; returns the exit status."""
+    whole = any(values is not None and np.any(values) for values in (arguments.lateral, arguments.spin))
+    model = CreepModel(data, whole, run.comm)
+    hertz = model.hertz
+    run.print(
+        f"{model.num_unknowns} unknowns; by Hertz the contact has the half-axes {1e3 * hertz.a:.3g} mm along and "
+        f"{1e3 * hertz.b:.3g} mm across the rail, and a pressure of {1e-6 * hertz.peak_pressure:.4g} MPa; free "
+        f"rolling, from which creep counts, is {model.free_creep:+.2e} off speed/radius"
+    )
+    curve = model.curve(arguments.creep, arguments.lateral, arguments.spin, run.file("points.h5"))
     run.print(f"{'creep':>10s} {'lateral':>10s} {'spin [1/m]':>10s} {'Fx [N]':>10s} {'Fy [N]':>10s} {'Fz [N]':>10s} "
               f"{'torque [N m]':>12s} {'T/(f N)':>8s}")  # fmt: skip
     for k in range(len(curve["creep"])):

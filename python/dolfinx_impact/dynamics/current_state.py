@@ -9,6 +9,7 @@ from dolfinx import fem
 from .. import _cpp
 from ..common.types import FloatArray
 from ..contact.protocol import ExplicitContact
+from .penetration_share import PenetrationShare
 from .run_history import ENERGIES, RunHistory, total_energy
 
 
@@ -22,6 +23,7 @@ class CurrentState:
         acceleration: function that receives the acceleration [L/T^2].
         contacts: contacts whose results are updated.
         history: RunHistory; the energy drift is computed from it.
+        share: PenetrationShare, which the contacts get their share from.
 
     Attributes:
         energy: energies at the present time by name, with `total` [F L] and `drift` [1].
@@ -35,8 +37,9 @@ class CurrentState:
         acceleration: fem.Function,
         contacts: Sequence[ExplicitContact],
         history: RunHistory,
+        share: PenetrationShare,
     ) -> None:
-        self.integrator, self.contacts, self.history = integrator, contacts, history
+        self.integrator, self.contacts, self.history, self.share = integrator, contacts, history, share
         self.functions = (displacement, velocity, acceleration)
         V = displacement.function_space
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -64,4 +67,7 @@ class CurrentState:
         for contact in self.contacts:
             contact.update_results()
         values = dict(zip(ENERGIES, self.integrator.energies().tolist()))
+        self.share.update(values)
+        for contact in self.contacts:
+            contact.penetration_share = 0.0 if contact.kinematic else self.share.of(contact.stored, values)
         self.energy = {**values, "total": total_energy(values), "drift": self.history.drift(values)}

@@ -19,7 +19,7 @@ from ..assembly import lumped_mass as lumps
 from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
-from ..common.types import ArrayLike, FilePath, FloatArray
+from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.history import MaterialHistory, existing
@@ -39,11 +39,12 @@ from . import energy_gain, rolling_start, static_start
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
+from .penetration_share import PenetrationShare
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
 from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, damped
-from .start_values import check_velocity, density_expression
+from .start_values import check_velocity, density_expression, velocity_or_rest
 from .supports import Supports
 from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
@@ -66,8 +67,8 @@ class ExplicitProblem(Unique):
             with it counts as `damping`. Constants and other functions in it are read again after every callback.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression,
             positive; read once [M/L^3].
-        velocity: initial velocity, a function on u's space. If the residual contains it, the problem updates it and it
-            is the attribute `velocity`; otherwise it is not changed [L/T].
+        velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem
+            updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
         loads: loads; their `amplitude` is a function of time.
         contact: contacts: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
@@ -131,13 +132,15 @@ class ExplicitProblem(Unique):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
-            velocity = check_velocity(velocity, u)
+            check_velocity(velocity, u)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
                 raise ValueError(f"scheme {scheme!r} is unknown: use 'half_step' or 'classical'")
             ranks.same(**given, density=density, damping=damping, bulk_viscosity=bulk_viscosity, scheme=scheme,
-                       lumping=lumping, mass_scaling=mass_scaling, hypothesis=hypothesis)  # fmt: skip
+                       lumping=lumping, mass_scaling=mass_scaling, hypothesis=hypothesis,
+                       velocity_given=velocity is not None)  # fmt: skip
+        velocity = velocity_or_rest(velocity, u)
         self.u, self.space, self.material = u, u.function_space, material
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -224,8 +227,9 @@ class ExplicitProblem(Unique):
             self._cpp_object.add_contact(c._cpp_object, columns)
         inputs = Inputs(self.comm, self._cpp_object, self._terms, self.dead_loads, self._frequencies)
         self._history = RunHistory(len(self.contact), mesh.geometry.dim)
+        share = PenetrationShare(self, from_rest=not linear and self._parts is None)
         self._state = CurrentState(
-            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history
+            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share
         )  # fmt: skip
         self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, self._nonlinear)
         self._restart = Restart(self, self._stepper)
@@ -305,6 +309,18 @@ class ExplicitProblem(Unique):
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
         return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
+
+    def frequency_stiffness(self, nodes: BoolArray) -> FloatArray:
+        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, in
+        the undeformed bodies, without foundations. Collective.
+
+        Args:
+            nodes: mask of the nodes that are asked for, owned and ghosts.
+
+        Returns:
+            Sums, owned and ghosts, right at these nodes; zero where cells have no stiffness [F/L].
+        """
+        return self._frequencies.nodal_stiffness(nodes)
 
     def _frequencies_masses(self) -> CellMasses:
         masses = self._frequencies.masses()

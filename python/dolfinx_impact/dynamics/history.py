@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Table of one row per step in a bounded amount of memory."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import numpy.typing as npt
 
 from ..common.types import AnyArray
+from .row_blocks import RowBlocks
 
-LIMIT = 250_000  # rows: 24 MB with one contact, on every rank
+LIMIT = 250_000  # rows: 26 MB with one contact, on every rank
 
 
 class History:
@@ -25,13 +28,13 @@ class History:
     """
 
     def __init__(self, row_type: npt.DTypeLike, limit: int = LIMIT) -> None:
-        self._type, self._limit = row_type, limit
+        self._rows, self._limit = RowBlocks(row_type), limit
         self.clear()
 
     def clear(self) -> None:
         """Forget all rows."""
-        self._table: AnyArray = np.zeros(0, self._type)
-        self._size, self._count, self.stride = 0, 0, 1
+        self._rows.clear()
+        self._count, self.stride = 0, 1
         self.last: np.void | AnyArray | None = None
 
     @property
@@ -65,11 +68,15 @@ class History:
         self.last = rows[-1].copy()
         kept = rows[-self._count % self.stride :: self.stride]
         self._count += len(rows)
-        rows, first = kept, self._size
-        self._reserve(first + len(rows))
-        self._table[first : first + len(rows)] = rows
-        self._size = first + len(rows)
+        self._rows.add(kept)
         self._thin()
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __iter__(self) -> Iterator[AnyArray]:
+        """Views of the rows that are kept, a block at a time."""
+        return iter(self._rows)
 
     def rows(self) -> AnyArray:
         """Copy of the rows that are kept.
@@ -77,15 +84,9 @@ class History:
         Returns:
             (num_rows) rows of the row type.
         """
-        return self._table[: self._size].copy()
-
-    def _reserve(self, size: int) -> None:
-        if size > len(self._table):
-            table = np.zeros(max(size, 2 * len(self._table), 64), self._type)
-            table[: self._size] = self._table[: self._size]
-            self._table = table
+        return self._rows.rows()
 
     def _thin(self) -> None:
-        while self._size > self._limit:
-            kept = self._table[: self._size : 2].copy()
-            self._table, self._size, self.stride = kept, len(kept), 2 * self.stride
+        while len(self._rows) > self._limit:
+            self._rows.drop_every_second()
+            self.stride *= 2

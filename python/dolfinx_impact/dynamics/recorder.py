@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -14,12 +15,14 @@ import numpy.typing as npt
 from mpi4py import MPI
 
 from ..common import arguments
+from ..common.collective import is_common
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
 from ..assembly.inelastic_stress import STRESS, VON_MISES
 from ..io import hdf5
 from ..io.frames import Frames
-from ..io.run_folder import RunFolder
+from ..io.run_folder import FolderGone, RunFolder
 from .material_frames import MaterialFrames
+from .row_blocks import RowBlocks
 from .run_history import ENERGIES
 
 if TYPE_CHECKING:
@@ -102,7 +105,8 @@ class Recorder:
 
     Histories are written with frames, at most once a second; after 100,000 steps; with checkpoints; when `advance` ends
     by an exception; and by `close`. If the disk is full, `advance` ends with a RuntimeError after a step. The files can
-    then be read, and the rows that are missing in them are kept and written when there is room.
+    then be read, and the rows that are missing in them are kept and written when there is room. If the folder is
+    removed during the run, the run warns once and goes on without the recorder; `close` raises an error then.
 
     Args:
         problem: problem in time.
@@ -154,8 +158,9 @@ class Recorder:
         if of_materials:
             self._materials = MaterialFrames(self.folder, problem.history, problem.space.mesh, of_materials)
         self._samples: list[tuple[float, FloatArray]] = []
-        self._rows: list[npt.NDArray[np.void]] = []
-        self._waiting, self._frame = 0, -1
+        self._rows: RowBlocks | None = None  # those that wait
+        self._frame = -1
+        self._gone: FolderGone | None = None
         self._open()
         self._flushed = time.monotonic()
         self.seconds = 0.0
@@ -222,8 +227,11 @@ class Recorder:
         Args:
             rows: (n) rows of RunHistory.row_type.
         """
-        self._rows.append(rows)
-        self._waiting += len(rows)
+        if self._gone is not None:
+            return
+        if self._rows is None:
+            self._rows = RowBlocks(rows.dtype)
+        self._rows.add(rows)
 
     def after(self) -> None:
         """Write frame, sample and histories if they are due after the present step. Collective.
@@ -231,6 +239,23 @@ class Recorder:
         Raises:
             RuntimeError: no room; on all ranks.
         """
+        if self._gone is not None:
+            return
+        try:
+            self._write_what_is_due()
+        except FolderGone as gone:
+            self._give_up(gone)
+
+    def _give_up(self, gone: FolderGone) -> None:
+        """Record nothing more: nobody could read it, and the run is worth more than its records. Collective."""
+        p, self._gone = self.problem, gone
+        self._rows, self._samples = None, []
+        if p.comm.rank == 0:
+            warnings.warn(f"{gone}; from the time {p.time:.6g} the run goes on without its recorder", stacklevel=2)
+        with contextlib.suppress(RuntimeError):
+            self._close_writers()
+
+    def _write_what_is_due(self) -> None:
         p, begin = self.problem, time.perf_counter()
         frame, sample = self._frame_is_due(), bool(self._nodes) and p.step % self.points_every == 0
         if (frame or sample) and p.step != self._frame:
@@ -244,10 +269,10 @@ class Recorder:
                 if self._materials is not None:
                     self._materials.write(p.time)
                 if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
-                    self.flush()
+                    self._flush()
             self.seconds += time.perf_counter() - begin
-        if self._waiting > ROWS:
-            self.flush()
+        if self._rows is not None and len(self._rows) > ROWS:
+            self._flush()
             self.seconds += time.perf_counter() - begin
 
     def _sample(self) -> None:
@@ -266,15 +291,23 @@ class Recorder:
             RuntimeError: no room; on all ranks. The file has what was written before; the rest is kept for the next
                 call.
         """
+        if self._gone is not None:
+            return
+        try:
+            self._flush()
+        except FolderGone as gone:
+            self._give_up(gone)
+
+    def _flush(self) -> None:
         p, samples, rows = self.problem, self._samples, self._rows
 
         def work(file: h5py.File) -> None:
             if rows:
-                table = np.concatenate(rows)
                 for name in ("time", *ENERGIES):
-                    _append(file[name], table[name])
+                    _append(file[name], np.concatenate([block[name] for block in rows]))
                 for k in range(len(p.contact)):
-                    _append(file[f"force_{k}"], table["force"][:, k, : p.space.mesh.geometry.dim])
+                    gdim = p.space.mesh.geometry.dim
+                    _append(file[f"force_{k}"], np.concatenate([block["force"][:, k, :gdim] for block in rows]))
             if samples:
                 values = np.array([v for _, v in samples])
                 _append(file["points/time"], np.array([t for t, _ in samples]))
@@ -282,25 +315,38 @@ class Recorder:
                     _append(file[f"points/{name}"], values[:, :, k])
 
         self.folder.write("history.h5", lambda: hdf5.update(self.folder.file("history.h5"), work))
-        self._rows, self._waiting, self._samples, self._flushed = [], 0, [], time.monotonic()
+        self._rows, self._samples, self._flushed = None, [], time.monotonic()
 
     def close(self) -> None:
         """Write what waits in memory, close the files and stop recording. Collective.
 
         Raises:
+            FolderGone: the folder was removed before; its files are given up.
             RuntimeError: no room for what waits in memory; the files are closed nevertheless.
         """
         try:
-            self.flush()
-        finally:
-            if self in self._recorders:
-                self._recorders.remove(self)
-            writers: list[Frames | MaterialFrames | None] = [self._writer, self._materials]
-            self._writer = self._materials = None
-            with contextlib.ExitStack() as stack:  # closes both, whatever the first one raises
-                for writer in writers:
-                    if writer is not None:
-                        stack.callback(writer.close)
+            if self._gone is not None:
+                raise self._gone
+            self._flush()
+        except BaseException as error:
+            if is_common(self.problem.comm, error):
+                self._stop()
+            raise
+        self._stop()
+
+    def _stop(self) -> None:
+        """Close the files and stop recording. Collective."""
+        if self in self._recorders:
+            self._recorders.remove(self)
+        self._close_writers()
+
+    def _close_writers(self) -> None:
+        writers: list[Frames | MaterialFrames | None] = [self._writer, self._materials]
+        self._writer = self._materials = None
+        with contextlib.ExitStack() as stack:  # closes both, whatever the first one raises
+            for writer in writers:
+                if writer is not None:
+                    stack.callback(writer.close)
 
 
 def _append(dataset: h5py.Dataset, rows: AnyArray) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Energies and contact forces of an explicit run at every step."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -113,14 +113,22 @@ class RunHistory:
     @property
     def energies(self) -> FloatArray:
         """Times [T] and energies in the order of ENERGIES [F L], (num_rows, 10)."""
-        rows = self._rows.rows()
-        return np.column_stack([rows["time"], *(rows[name] for name in ENERGIES)])
+        names = ("time", *ENERGIES)
+        return self._columns(lambda rows: np.column_stack([rows[name] for name in names]), len(names))
 
     @property
     def forces(self) -> list[FloatArray]:
         """Forces on the slaves, for each contact (num_rows, gdim) [F]."""
-        force = self._rows.rows()["force"]
-        return [force[:, k, : self._gdim].copy() for k in range(force.shape[1])]
+        num_contacts = self.row_type["force"].shape[0]
+        return [self._columns(lambda rows: rows["force"][:, k, : self._gdim], self._gdim) for k in range(num_contacts)]
+
+    def _columns(self, of: Callable[[npt.NDArray[np.void]], FloatArray], num_columns: int) -> FloatArray:
+        """Numbers of all rows, (num_rows, num_columns), found block by block: no rows are copied."""
+        out, first = np.empty((len(self._rows), num_columns)), 0
+        for rows in self._rows:
+            out[first : first + len(rows)] = of(rows)
+            first += len(rows)
+        return out
 
     @property
     def limit(self) -> int:

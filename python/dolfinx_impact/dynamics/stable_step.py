@@ -20,7 +20,8 @@ from .. import _cpp
 from ..assembly import operators
 from ..assembly.jit import compile_form
 from ..common.cell_numbers import input_cell_numbers
-from ..common.types import FloatArray, IntArray
+from ..common.types import BoolArray, FloatArray, IntArray
+from ..contact.nodal_sum import NodalSum
 
 METHODS = ("length", "element", "eigenvalue")
 
@@ -148,11 +149,12 @@ class CellMatrices:
                 entities = operators.entities_of(self.space.mesh._cpp_object, kind, subdomain, self._tags.get(kind))
                 yield kernel, functions, np.ascontiguousarray(entities), constants
 
-    def spectra(self, masses: FloatArray) -> FloatArray:
+    def spectra(self, masses: FloatArray, only: BoolArray | None = None) -> FloatArray:
         """Bounds of the eigenvalues of every owned cell's matrix over its mass. Collective.
 
         Args:
             masses: lumped masses, (num_cells, local degrees of freedom) [M].
+            only: mask of the cells whose integrals count, without those over facets; None: all, with facets.
 
         Returns:
             Lower bound, upper bound and norm of the skew-symmetric part, (num_cells, 3), in the form's unit over [M].
@@ -163,11 +165,17 @@ class CellMatrices:
         V, failed = self.space, False
         out = np.zeros((len(masses), 3))
         for number, (kernel, functions, entities, constants) in enumerate(self._integrals()):
+            if only is not None:
+                if kernel.integral_type != "cell":
+                    continue
+                entities = np.ascontiguousarray(entities[only[entities]])
             cells = entities if kernel.integral_type == "cell" else np.ascontiguousarray(entities[::2])
             given = np.ascontiguousarray(masses[cells]).ravel()
             # Linear materials keep their stiffness: most cells of a model with a few that deform a lot.
-            same = bool(self._varying) and not any(
-                (kernel.integral_type, tag) in self._varying for tag in (-1, *kernel.subdomains)
+            same = (
+                only is None
+                and bool(self._varying)
+                and not any((kernel.integral_type, tag) in self._varying for tag in (-1, *kernel.subdomains))
             )
             digest = hashlib.blake2b(np.concatenate([np.ravel(constants), given])).digest() if same else b""
             before = self._kept.get(number)
@@ -294,6 +302,32 @@ class Frequencies:
         masses = self.masses()
         rates = np.zeros(len(masses)) if self._damping is None else self._damping.spectra(masses)[:, 1]
         return np.maximum(self.stiffness.spectra(masses)[:, 1], 0.0), np.maximum(rates, 0.0)
+
+    def nodal_stiffness(self, nodes: BoolArray) -> FloatArray:
+        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, at
+        rest: displacement zero, facets left out. Collective.
+
+        Args:
+            nodes: mask of the nodes that are asked for, owned and ghosts.
+
+        Returns:
+            Sums, owned and ghosts, right at these nodes; zero without stiffness, or if it is not a number [F/L].
+        """
+        V = self.u.function_space
+        dofs, bs = V.dofmap.list[: self._num_cells], V.dofmap.bs
+        near = np.any(nodes[dofs], axis=1)
+        masses, given = self.masses(), self.u.x.array.copy()
+        self.u.x.array[:] = 0.0
+        try:
+            squares = np.maximum(self.stiffness.spectra(masses, near)[near, 1], 0.0)
+        except ValueError:  # on all ranks: a residual that is not a number at rest
+            squares = np.zeros(np.count_nonzero(near))
+        finally:
+            self.u.x.array[:] = given
+        total = NodalSum(V.dofmap.index_map, 1)
+        sums = np.zeros(total.num_nodes)
+        np.add.at(sums, dofs[near], masses[near].reshape(len(squares), -1, bs).mean(axis=2) * squares[:, None])
+        return total(sums).ravel()
 
     def check_signs(self) -> None:
         """Refuse a stiffness or damping of the wrong sign. Collective.

@@ -11,22 +11,19 @@ from dolfinx.mesh import Mesh
 from ..common import arguments
 
 
-def check_velocity(velocity: fem.Function | None, u: fem.Function) -> fem.Function:
+def check_velocity(velocity: fem.Function | None, u: fem.Function) -> None:
     """Check the initial velocity of a problem on this rank; for use under a guard.
 
     Args:
-        velocity: the argument [L/T].
+        velocity: the argument; None: at rest [L/T].
         u: displacement function [L].
-
-    Returns:
-        `velocity`.
 
     Raises:
         TypeError: it is no function.
-        ValueError: it is missing, on another space, or not finite.
+        ValueError: it is on another space, or not finite.
     """
     if velocity is None:
-        raise ValueError("give the velocity at the start: a Function on u's space (zero: fem.Function(V))")
+        return
     arguments.function("velocity", velocity)
     if velocity is u:
         raise ValueError("displacement and velocity are one function: give two")
@@ -35,7 +32,19 @@ def check_velocity(velocity: fem.Function | None, u: fem.Function) -> fem.Functi
         raise ValueError("the velocity is on another space than the displacement")
     if not all(np.all(np.isfinite(f.x.array)) for f in (u, velocity)):
         raise ValueError("displacement or velocity at the start is not a number")
-    return velocity
+
+
+def velocity_or_rest(velocity: fem.Function | None, u: fem.Function) -> fem.Function:
+    """Initial velocity as a function. Collective.
+
+    Args:
+        velocity: the argument, checked; None: at rest [L/T].
+        u: displacement function [L].
+
+    Returns:
+        `velocity`, or a new function that is zero.
+    """
+    return fem.Function(u.function_space) if velocity is None else velocity
 
 
 def density_expression(density: float | ufl.core.expr.Expr | None, mesh: Mesh) -> ufl.core.expr.Expr:

@@ -13,7 +13,7 @@ from ..amplitude import PrescribedMotion
 from ..common.types import BoolArray, FloatArray, IntArray
 from .functions_of_time import FunctionsOfTime
 
-START = 1e-12  # relative difference between the start of u and a prescribed value that counts as none
+START = 1e-12  # part of the largest displacement by which u may differ from a prescribed value at the start
 
 
 class Supports:
@@ -50,8 +50,8 @@ class Supports:
             column = -1 if amplitude is None else functions.add(amplitude)[0]
             start = values[dofs] * (1.0 if amplitude is None else amplitude.sample(np.zeros(1))[0, 0])
             jump = float(np.max(np.abs(start - u.x.array[dofs]), initial=0.0))
-            size = comm.allreduce(float(np.max(np.abs(start), initial=0.0)), MPI.MAX)
-            if comm.allreduce(jump, MPI.MAX) > START * size:
+            size = max(float(np.max(np.abs(values), initial=0.0)) for values in (start, u.x.array))
+            if comm.allreduce(jump, MPI.MAX) > START * comm.allreduce(size, MPI.MAX):
                 raise ValueError(
                     "a prescribed displacement jumps at the start: let u have its value, or use PrescribedMotion with "
                     "an amplitude that begins where u is"

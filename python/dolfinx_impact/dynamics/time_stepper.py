@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from ..common.collective import agree, attempt
+from ..common.collective import agree, attempt, common, is_common
 from ..common.interrupts import Interrupts
 from ..common.arguments import number
 from ..common.types import FloatArray
@@ -38,7 +38,7 @@ RECHECK = 500  # steps after which the stable step of a deforming body is comput
 FIRST_CHECK = 2  # steps after which it is for the first time
 CHANGE = 0.03  # wanted relative change of the stable step from one check to the next; SAFETY leaves 0.1
 SNAPSHOT = 100  # steps between the states that an unstable run returns to
-MOST_STEPS = 10**9  # in one call: the energies of as many steps take a hundred gigabytes
+MOST_STEPS = 10**9  # in one call: what a recorder writes of as many steps takes a hundred gigabytes
 
 
 @dataclass
@@ -132,6 +132,7 @@ class TimeStepper:
             ValueError: bodies overlap too much; on all ranks.
         """
         self.integrator.set_contact_step(self.nominal_step)
+        self.state.share.begin_anew()
         self.integrator.start(displacement, velocity)
         self._run(0)
         for contact in self.problem.contact:
@@ -167,6 +168,7 @@ class TimeStepper:
         self.safe_step, self.nominal_step, self._stale = safe_step, nominal_step, False
         self.check_step, self.check_interval = check_step, check_interval
         self.schedule, self._good = schedule, None
+        self.state.share.begin_anew()
 
     def check_arguments(self, until: float, callback: Callable[[ExplicitProblem], object] | None) -> float:
         """Check arguments of `advance` on this rank.
@@ -244,12 +246,14 @@ class TimeStepper:
             try:
                 while self.step < self._present_schedule.last:
                     self._take_steps(until, dt, callback, unsafe, bar, interrupts)
-            except BaseException:  # the same on all ranks
-                self.state.update()
-                self._flush_recorders()
+            except BaseException as error:
+                if is_common(self.comm, error):
+                    self.state.update()
+                    self._flush_recorders()
                 raise
         self.schedule = None
         self.state.update()
+        self.state.share.warn()
 
     @property
     def _present_schedule(self) -> StepSchedule:
@@ -332,6 +336,7 @@ class TimeStepper:
 
     def _keep(self, times: FloatArray, steps: npt.NDArray[np.void]) -> None:
         rows = self.history.add(times, steps)
+        self.state.share.add(rows)
         if len(rows):
             for recorder in self.recorders:
                 recorder.add(rows)
@@ -359,10 +364,11 @@ class TimeStepper:
             contact.reset_history()
         self.problem.restore_history()
         self.history.begin_anew()
+        self.state.share.begin_anew()
         self.integrator.start(good.displacement, good.velocity)
         self._run(0)
         self.state.update()
-        raise RuntimeError(failed.message(self.time))
+        raise common(RuntimeError(failed.message(self.time)))
 
     def _flush_recorders(self) -> None:
         for recorder in self.recorders:
@@ -387,19 +393,21 @@ class TimeStepper:
             if nominal > self.safe_step * (1 + 1e-12):
                 text = f"dt = {nominal:.6g} is beyond the stable step {self.safe_step:.6g}"
                 if not unsafe:
-                    raise ValueError(f"{text}: take a smaller one, or pass unsafe=True to try it")
+                    raise common(ValueError(f"{text}: take a smaller one, or pass unsafe=True to try it"))
                 if self.comm.rank == 0:
                     warnings.warn(f"{text}: the run may go unstable", stacklevel=6)
         if known and self._present_schedule.until == until:
             return  # a run that was restored or interrupted continues with the steps it had
         if not math.isfinite(nominal):
-            raise ValueError("nothing limits the step: give dt")
+            raise common(ValueError("nothing limits the step: give dt"))
         needed = (until - self.time) / nominal * (1 - 1e-12)
         if needed > MOST_STEPS or nominal < np.spacing(until):
             why = ": the stable step is that small; check the mesh for tiny cells and the contacts for a large penalty"
-            raise ValueError(
-                f"a step of {nominal:g} takes {needed:.3g} steps to the time {until:g}, more than {MOST_STEPS:g}"
-                f"{why if isinstance(dt, str) else '; take a larger dt'}"
+            raise common(
+                ValueError(
+                    f"a step of {nominal:g} takes {needed:.3g} steps to the time {until:g}, more than {MOST_STEPS:g}"
+                    f"{why if isinstance(dt, str) else '; take a larger dt'}"
+                )
             )
         count = max(1, math.ceil(needed))
         self.nominal_step = nominal

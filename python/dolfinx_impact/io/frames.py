@@ -1,25 +1,25 @@
 # SPDX-License-Identifier: MIT
 """Fields for ParaView in frames, on disks that may be full.
 
-ADIOS2 writes the fields. On a full disk, a rank whose write fails leaves the other ranks waiting, and the process ends
-when the writer is destroyed. Therefore room for a frame is reserved before ADIOS2 writes it, by a file of its size that
-is then removed. Room for the end of the file is reserved from the beginning.
+ADIOS2 writes the fields (series_writer.py). On a full disk, a rank whose write fails leaves the other ranks waiting.
+Therefore room for a frame is reserved before ADIOS2 writes it, by a file of its size that is then removed. Room for the
+end of the file is reserved from the beginning.
 """
 
 from __future__ import annotations
 
-import ctypes
 import os
 import resource
 import shutil
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from dolfinx import fem, io
+from dolfinx import fem
 from mpi4py import MPI
 
-from ..common.collective import agree, attempt
+from ..common.collective import agree, attempt, is_common
 from .hdf5 import reserve
+from .series_writer import SeriesWriter, said
 
 if TYPE_CHECKING:
     from .run_folder import RunFolder
@@ -54,12 +54,12 @@ class Frames:
         self._before = 0
         folder.write(name, lambda: shutil.rmtree(self.path, ignore_errors=True))
         self._hold(END)
-        self._writer, error = attempt(io.VTXWriter, self.comm, self.path, functions, "BP4", io.VTXMeshPolicy.reuse)
+        self._writer: SeriesWriter | None
+        self._writer, error = attempt(SeriesWriter, self.comm, self.path, functions)
         agree(self.comm, error and self._error(error), "fields")
 
     def _error(self, error: BaseException) -> RuntimeError:
-        said = str(error).strip().splitlines()[0]
-        return RuntimeError(f"{self.path} cannot be written ({said}): make room there, or name another folder")
+        return RuntimeError(f"{self.path} cannot be written ({said(error)}): make room there, or name another folder")
 
     def _hold(self, size: int, more: int = 0) -> None:
         """Reserve room on the disk. Collective.
@@ -83,7 +83,7 @@ class Frames:
 
     def _sizes(self) -> list[int]:
         """Sizes of the files of the series [bytes]."""
-        return [e.stat().st_size for e in os.scandir(self.path)] if self.path.exists() else []
+        return [e.stat().st_size for e in os.scandir(self.path)]
 
     def _make_room(self) -> None:
         """Check that there is room for a frame. Collective."""
@@ -107,6 +107,7 @@ class Frames:
             now: time of the frame [T].
 
         Raises:
+            FolderGone: the series was removed; on all ranks.
             RuntimeError: no room; on all ranks. Earlier frames are complete, and later ones can be written when there
                 is room.
         """
@@ -115,28 +116,30 @@ class Frames:
         self._make_room()
         error = attempt(self._writer.write, now)[1]
         if error is not None:
-            self._abandon()
+            self._writer = None
         agree(self.comm, error and self._error(error), "fields")
-
-    def _abandon(self) -> None:
-        """Keep a writer that has failed alive for ever, as its destruction ends the process."""
-        ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._writer))
-        self._writer = None
 
     def close(self) -> None:
         """Close the series. Collective.
 
         Raises:
+            FolderGone: the series was removed; on all ranks.
             RuntimeError: the end of the series cannot be written; on all ranks.
         """
-        if self.comm.rank == 0:
+        writer, self._writer = self._writer, None
+        if writer is None:
+            return
+
+        def look() -> None:
             self._spare.unlink(missing_ok=True)
-        writer, error = self._writer, None
-        if writer is not None:
-            error = attempt(writer.close)[1]
-            if error is not None:
-                self._abandon()
-            self._writer = None
+            self._sizes()
+
+        try:
+            self.folder.write(self.path.name, look)
+        except RuntimeError:
+            writer.abandon()
+            raise
+        error = attempt(writer.close)[1]
         agree(self.comm, error and self._error(error), "fields")
 
 
@@ -155,5 +158,8 @@ def write_once(folder: RunFolder, name: str, functions: Sequence[fem.Function], 
     frames = Frames(folder, name, functions)
     try:
         frames.write(now)
-    finally:
-        frames.close()
+    except BaseException as error:
+        if is_common(frames.comm, error):
+            frames.close()
+        raise
+    frames.close()

@@ -11,6 +11,7 @@ from dolfinx.common import IndexMap
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from ..common.collective import common
 from ..common.types import AnyArray, FloatArray, IntArray
 
 T = TypeVar("T")
@@ -40,7 +41,7 @@ def together(comm: MPI.Intracomm, work: Callable[[], T]) -> T:
             outcome = (RuntimeError(f"{type(e).__name__}: {e}"), None)
     error, result = comm.bcast(outcome, root=0)
     if error is not None:
-        raise error
+        raise common(error)
     return result
 
 

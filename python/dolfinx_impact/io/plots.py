@@ -31,7 +31,16 @@ Image: TypeAlias = npt.NDArray[np.uint8]  # (height, width, 3)
 Box: TypeAlias = Sequence[float]  # xmin, xmax, ymin, ymax
 
 COLOURS = ("#0b5394", "#c8501e", "#3a7d44", "#6b6b6b")
-_STYLE = {"font.size": 10, "axes.grid": True, "grid.color": "#dddddd", "axes.axisbelow": True, "legend.frameon": False}
+_STYLE = {
+    "font.size": 10,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "axes.axisbelow": True,
+    # Legends without a frame, but curves below them fade, so that they can be read.
+    "legend.edgecolor": "none",
+    "legend.framealpha": 0.8,
+    "figure.constrained_layout.w_pad": 0.1,  # the label of a colour bar keeps off that of the next axes [inch]
+}
 
 
 class NoScreen(RuntimeError):

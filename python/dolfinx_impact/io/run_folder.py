@@ -31,6 +31,7 @@ from mpi4py import MPI
 
 from ..common.types import ArrayLike, FilePath
 from . import hdf5
+from .folder_lock import FolderLock
 from .frames import write_once
 from .gather import together
 
@@ -83,6 +84,10 @@ def versions() -> dict[str, str]:
     }
 
 
+class FolderGone(RuntimeError):
+    """The folder of a run, or a file in it to which the run adds, was removed."""
+
+
 class RunFolder:
     """Folder of one run.
 
@@ -91,12 +96,14 @@ class RunFolder:
         parameters: parameters of the run by name; written to parameters.json with versions and ranks.
         comm: communicator of the run.
         name: name of the run, for the default folder and parameters.json.
+        alone: lock the folder, until `close`, the end of a `with` block or of the process: no other run that does so
+            writes there.
 
     Attributes:
         path: absolute path of the folder.
 
     Raises:
-        RuntimeError: the folder cannot be created or written; on all ranks.
+        RuntimeError: the folder cannot be created or written, or another run has locked it; on all ranks.
     """
 
     def __init__(
@@ -105,7 +112,10 @@ class RunFolder:
         parameters: Mapping[str, Any] | None = None,
         comm: MPI.Intracomm = MPI.COMM_WORLD,
         name: str = "run",
+        alone: bool = False,
     ) -> None:
+        self._lock: FolderLock | None = None
+        self._alone = alone
         self.comm, self.name = comm, name
         self.path = Path(path or os.environ.get("IMPACT_OUTPUT") or Path("results") / name).absolute()
         self.path = Path(comm.bcast(str(self.path), root=0))
@@ -121,13 +131,21 @@ class RunFolder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        pass
+        self.close()
+
+    def close(self) -> None:
+        """Unlock the folder, if it is locked."""
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
 
     def _make(self) -> None:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=self.path) as probe:
                 probe.write(b"probe")
+            if self._alone:
+                self._lock = FolderLock(self.path)
         except OSError as error:
             raise RuntimeError(
                 f"results cannot be written to {self.path} ({error.strerror or error}): make room there, or name a "
@@ -135,19 +153,34 @@ class RunFolder:
             ) from error
 
     def write(self, what: FilePath, work: Callable[[], T]) -> T:
-        """Run work() on rank 0 and return its result; a failure to write is the same RuntimeError on all ranks.
+        """Run work() on rank 0 and return its result; a failure to write is the same error on all ranks. Collective.
 
-        `what` is the name of the file, for messages. Collective.
+        Args:
+            what: name of the file, for messages.
+            work: function without arguments; it must not communicate.
+
+        Returns:
+            What the function returned.
+
+        Raises:
+            FolderGone: the folder, or the file to which `work` adds, was removed.
+            RuntimeError: the file cannot be written.
         """
 
         def guarded() -> T:
             try:
                 return work()
             except OSError as error:
-                reason = error.strerror or error
-                raise RuntimeError(
-                    f"{self.path / what} cannot be written ({reason}): make room there, or name another folder; what "
-                    "was written before is untouched"
+                path, reason = self.path / what, error.strerror or error
+                if not self.path.is_dir():
+                    path = self.path
+                elif not (isinstance(error, FileNotFoundError) and str(error.filename) == str(path)):
+                    raise RuntimeError(
+                        f"{path} cannot be written ({reason}): make room there, or name another folder; what was "
+                        "written before is untouched"
+                    ) from error
+                raise FolderGone(
+                    f"{path} is gone: it was removed while the run wrote into it; record into a folder that stays"
                 ) from error
 
         return together(self.comm, guarded)

@@ -3,36 +3,41 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import resource
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+from .. import __version__
 from ..common.types import FilePath, FloatArray
 from ..dynamics.explicit import ExplicitProblem
 from ..dynamics.time_stepper import SAFETY
-from ..io.frames import Frames
-from ..io.gather import gather_field, together
+from ..io.gather import gather_field, gather_rows
 from ..io.hdf5 import write_whole
 from ..io.run_folder import RunFolder
 from . import figures, report
 from .model import JointModel
 from .parameters import RailJoint
-from .passage import FRAMES, Footprint, Frame, History, Passage, footprint
+from .frame_series import FrameSeries
+from .passage import FRAMES, Footprint, History, Passage
 from .results import Summary, summarise
+from .saved_case import SavedCase
 from .stress import NodalStress
 
-CHECKPOINT, STATE = "checkpoint.h5", "state.json"
+RESULTS = ("summary.json", "report.html")  # what says that a run is complete
 STATIONS = (0.10, 0.25, 0.40)  # places along the second rail where waves are recorded [m]
 STATION_HEIGHT = -0.02  # in the rail head [m]
+RESIDUAL_NAMES = ("sigma_xx", "von_mises")  # of the stress whose limits are told
+SURFACE = 1e-9  # nodes of the rails are not above [m]
 SAMPLES = 5  # steps between samples of points
 # Time of the equilibria of a passage over that of its rolling, and their memory by unknown [B]: 8e3 with `coarse`, 1e4
 # with `medium`; measured on two ranks.
@@ -47,12 +52,18 @@ CAPTIONS = {
     "passage.gif": "The passage.",
     "ends.png": "Heights of the rail ends: the dip that the wheel has to climb out of.",
     "passages.png": "What the passages leave: equivalent plastic strain, what each adds to it, and its largest force.",
-    "plastic.png": "Equivalent plastic strain of the rail heads after the last passage.",
-    "residual.png": "Residual stress along the rail without a wheel.",
+    "plastic.png": "Equivalent plastic strain of the rail heads after the last passage: the largest of each cell's "
+    "points, as in the table.",
+    "residual.png": "Residual stress of the rail heads without a wheel, averaged at the nodes; positive in tension.",
     "shear.png": "Shear stress in the plane of the rail while the wheel is on the edge of the second rail.",
-    "waves.png": "Velocities along the second rail at three stations: the joint's disturbance runs ahead of the wheel.",
+    "waves.png": "Velocities along the second rail at three stations, the lowest of each marked, and when waves from "
+    "the first station pass the others.",
     "energy.png": "Changes of the energies of what is computed, and what their balance misses.",
 }
+
+
+class UnusableJoint(ValueError):
+    """The mesh or the wheel cannot be made with the parameters."""
 
 
 class Case:
@@ -74,7 +85,8 @@ class Case:
 
     Raises:
         ValueError: the folder has a checkpoint of another joint; on all ranks.
-        RuntimeError: the folder cannot be written; on all ranks.
+        RuntimeError: the folder cannot be written, another run writes to it, or its checkpoint is damaged; on all
+            ranks.
     """
 
     def __init__(
@@ -90,31 +102,24 @@ class Case:
     ) -> None:
         self.data, self._comm, self._pictures, self._progress = data, comm, pictures, progress
         self._interval, self._frames = interval, frames
-        folder = RunFolder(path, comm=comm, name="rail_joint", parameters={"toml": data.to_toml().splitlines()})
-        self.run = folder
-        self._state = self._read_state() if resume else {}
-        if self._state and self._state["parameters"] != data.to_toml():
-            raise ValueError(f"{folder.path} has a checkpoint of another joint: give another folder, or its parameters")
-        self._seconds: dict[str, float] = dict(self._state.get("seconds", {}))
-        self._passes: list[dict[str, Any]] = list(self._state.get("passes", []))
-        folder.write("parameters.toml", lambda: write_whole(folder.file("parameters.toml"), data.to_toml()))
-
-    def _read_state(self) -> dict[str, Any]:
-        def work() -> dict[str, Any]:
-            path = self.run.file(STATE)
-            if not path.exists() or not self.run.file(CHECKPOINT).exists():
-                return {}
-            found = json.loads(path.read_text(encoding="utf-8"))
-            assert isinstance(found, dict)
-            return found
-
-        return together(self._comm, work)
-
-    def _write_state(self, number: int, **more: Any) -> None:
-        state = {
-            "parameters": self.data.to_toml(), "pass": number, "seconds": self._seconds, "passes": self._passes, **more
-        }  # fmt: skip
-        self.run.write(STATE, lambda: write_whole(self.run.file(STATE), json.dumps(state, indent=1) + "\n"))
+        parameters = {"toml": data.to_toml().splitlines()}
+        folder = self.run = RunFolder(path, comm=comm, name="rail_joint", parameters=parameters, alone=True)
+        try:
+            self._saved = SavedCase(folder, {
+                "parameters": data.identity(), "version": __version__, "frames": frames, "pictures": pictures,
+            })  # fmt: skip
+            self._goes_on = resume and self._saved.read()
+            if not self._goes_on:
+                self._saved.clear()
+                for name in RESULTS:  # of an earlier run
+                    folder.write(name, partial(folder.file(name).unlink, missing_ok=True))
+            state = self._saved.state
+            self._seconds: dict[str, float] = dict(state.get("seconds", {}))
+            self._passes: list[dict[str, Any]] = list(state.get("passes", []))
+            folder.write("parameters.toml", lambda: write_whole(folder.file("parameters.toml"), data.to_toml()))
+        except BaseException:
+            folder.close()
+            raise
 
     def _stage(self, name: str, work: Callable[[], Any]) -> Any:
         """Run a stage, count its time. Collective."""
@@ -134,26 +139,36 @@ class Case:
         Raises:
             RuntimeError: no equilibrium was found, or the run went unstable; on all ranks.
         """
+        with self.run:
+            return self._solve()
+
+    def _solve(self) -> Summary:
+        """As solve, in a folder that is locked. Collective."""
         data, run = self.data, self.run
-        model = self._stage("mesh", lambda: JointModel(data, self._comm))
+        model = self._stage("mesh", self._make_model)
         run.print(
             f"{model.num_cells} cells of {1e3 * data.cell_size:.2f} mm and more on {self._comm.size} rank(s); by Hertz "
             f"the contact's half-axes are {1e3 * data.hertz.a:.2f} mm along and {1e3 * data.hertz.b:.2f} mm across the "
             f"rail, its pressure {1e-6 * data.hertz.peak_pressure:.0f} MPa"
         )
-        passage = Passage(model, self._progress)
-        if data.preset != "coarse":
+        passage, state = Passage(model, self._progress), dict(self._saved.state)
+        first, rolling = int(state.get("pass", 0)), bool(state.get("rolling", False))
+        if self._goes_on:
+            self._stage("restart", lambda: self._restart(passage, rolling))
+        elif data.preset != "coarse" or data.shows_p2:
             self._stage("trial", lambda: self._predict(passage))
-        first = int(self._state.get("pass", 0))
         summary: Summary | None = None
         for number in range(first, data.passes):
-            summary = self._pass(passage, number, resume=bool(self._state) and number == first)
+            summary = self._pass(passage, number, resumed=rolling and number == first)
             self._stage("unloading", passage.unload)
+            summary = self._with_residual(passage, summary)
             self._passes.append(summary.as_dict())
+            if number + 1 < data.passes:
+                self._save(passage, number + 1)
         assert summary is not None
         run.write("summary.json", lambda: write_whole(run.file("summary.json"), json.dumps(
-            {"parameters": data.to_toml(), "summary": summary.as_dict(), "passes": self._passes,
-             "seconds": self._seconds}, indent=1, default=float) + "\n"))  # fmt: skip
+            {"identity": data.identity(), "parameters": data.to_toml(), "summary": summary.as_dict(),
+             "passes": self._passes, "seconds": self._seconds}, indent=1, default=float) + "\n"))  # fmt: skip
         if self._pictures:
             self._stage("drawing", lambda: self._draw_residual(passage))
             if len(self._passes) > 1 and passage.yields:
@@ -162,10 +177,53 @@ class Case:
             run.write("report.html", lambda: report.write(
                 run.file("report.html"), data, summary, CAPTIONS, seconds, self._passes))  # fmt: skip
             run.write("paraview_state.py", lambda: report.write_state(run.file("paraview_state.py")))
-        for name in (CHECKPOINT, STATE):
-            run.write(name, partial(run.file(name).unlink, missing_ok=True))
+        self._saved.clear()
         run.print(report.text_table(report.rows_of(data, summary)))
         return summary
+
+    def _make_model(self) -> JointModel:
+        try:
+            return JointModel(self.data, self._comm)
+        except ValueError as error:
+            raise UnusableJoint(str(error)) from error
+
+    def _save(self, passage: Passage, number: int) -> None:
+        """Save the state between two passages. Collective."""
+        self._saved.save(
+            {"pass": number, "rolling": False, "seconds": self._seconds, "passes": self._passes,
+             "carried": passage.numbers}, dict, {"carried": passage.write_carried},
+        )  # fmt: skip
+
+    def _save_rolling(
+        self, passage: Passage, number: int, history: History, static: Footprint | None, samples: Samples | None,
+        frames: Sequence[str], keep: tuple[str, ...],
+    ) -> None:  # fmt: skip
+        """Save the state of a wheel that rolls. Collective."""
+        run = passage.run
+        assert run is not None
+
+        def tables() -> dict[str, Any]:
+            out = {**history.tables(), **_static_tables(static)}
+            found = _samples(self.run.file("rolling") / "history.h5", samples)
+            return out | ({} if found is None else found._asdict())
+
+        write: dict[str, Callable[[Path], object]] = {"checkpoint": run.save}
+        if "carried" not in keep:
+            write["carried"] = passage.write_carried
+        self._saved.save(
+            {"pass": number, "rolling": True, "seconds": self._seconds, "passes": self._passes,
+             "carried": passage.numbers, "frames": len(frames)}, tables, write, (*keep, *frames),
+        )  # fmt: skip
+
+    def _restart(self, passage: Passage, rolling: bool) -> None:
+        """Read what was saved. Collective."""
+        saved = self._saved
+        try:
+            if rolling:
+                passage.resume(saved.file("checkpoint"))
+            passage.read_carried(saved.file("carried"), saved.state["carried"])
+        except ValueError as error:
+            raise RuntimeError(f"{saved.path} cannot be gone on from: {error}") from error
 
     def _predict(self, passage: Passage) -> None:
         """Time and memory of the run, from some seconds of steps with the wheel at its start. Collective."""
@@ -189,62 +247,65 @@ class Case:
             f"{STATIC_MEMORY * unknowns / 1e9:.0f} GB more for equilibria"
         )
 
-    def _pass(self, passage: Passage, number: int, resume: bool) -> Summary:
+    def _pass(self, passage: Passage, number: int, resumed: bool) -> Summary:
         """One passage and its numbers. Collective."""
-        data, run = self.data, self.run
+        data, run, saved = self.data, self.run, self._saved
         what = f" {number + 1}" if data.passes > 1 else ""
-        if resume:
-            problem = self._stage("restart", lambda: passage.resume(run.file(CHECKPOINT)))
-            passage.static_force = float(self._state["static_force"])
-            self.run.print(f"goes on at {1e3 * (data.begin + data.speed * problem.time):+.1f} mm")
-            static = _footprint_from(self._state.get("footprint"))
+        so_far: History | None = None
+        samples: Samples | None = None
+        begin = self._comm.rank == 0
+        if resumed:
+            problem = passage.run
+            assert problem is not None
+            run.print(f"goes on at {1e3 * (data.begin + data.speed * problem.time):+.1f} mm")
+            static = None
+            if begin:
+                so_far, static = History.of_tables(saved.tables), _static_of(saved.tables)
+                samples = Samples(*(saved.tables[name] for name in Samples._fields))
+            so_far = self._comm.bcast(so_far)
         else:
             equilibrium = self._stage("preload" + what, passage.preload)
             problem = self._stage("start" + what, partial(passage.start, equilibrium))
             del equilibrium  # its matrices are larger than all that the wheel needs to roll
             static = passage.static_footprint
-            self._write_state(number, static_force=passage.static_force, footprint=self._comm.bcast(_as_lists(static)))
+        pictured = self._pictures and number == data.passes - 1
+        frames = FrameSeries(passage.model, saved, run) if pictured else None
+        if frames is not None and resumed:
+            frames.read(passage, int(saved.state["frames"]))
         recorder = problem.record(
             run.file("rolling"), fields=(), points=self._points(), points_every=SAMPLES, every=10**9
         )
-        kept: list[tuple[Frame, Any]] = []
-        writer: list[Frames] = []
+        keep = ["carried"] if resumed else []
 
-        def show(frame: Frame) -> None:
-            gathered = figures.Picture(
-                frame.place, gather_field(frame.displacement), gather_field(frame.stress["von_mises"])
-            )
-            shear = gather_field(frame.stress["tau_xz"])
-            kept.append((Frame(frame.time, frame.place, frame.displacement, {}), (gathered, shear)))
-            fields = [frame.displacement, *frame.stress.values()]
-            if not writer:
-                self._shown = fields
-                writer.append(Frames(run, "frames.bp", fields))
-            for mine, new in zip(self._shown[1:], fields[1:]):
-                mine.x.array[:] = new.x.array
-            writer[0].write(frame.time)
+        def save(history: History) -> None:
+            names = frames.names if frames is not None else []
+            self._save_rolling(passage, number, history, static, samples, names, tuple(keep))
+            keep[:] = ["carried"]
 
-        last = number == data.passes - 1
-        pictured = self._pictures and last
         places = [float(x) for x in np.linspace(data.begin, data.end, self._frames)]
+        if not resumed:
+            save(passage.begun())
+        show = None if frames is None else partial(frames.add, passage)
         history = self._stage("rolling" + what, lambda: passage.roll(
-            places, show if pictured else None, run.file(CHECKPOINT), self._interval))  # fmt: skip
+            places, show, save, self._interval, so_far=so_far))  # fmt: skip
         recorder.close()
-        for frames in writer:
+        if frames is not None:
             frames.close()
         plastic = passage.plastic_strain()
 
         def numbers() -> tuple[Summary, FloatArray, Any]:
-            ends, waves = _recorded(run.file("rolling") / "history.h5", data)
-            found = summarise(
+            found = _samples(run.file("rolling") / "history.h5", samples)
+            assert found is not None
+            ends, waves = _recorded(found, data)
+            summary = summarise(
                 data, history, passage.static_force, static, plastic, passage.model.num_cells, self._comm.size, ends
             )
-            return found, ends, waves
+            return summary, ends, waves
 
         summary, ends, waves = run.write("rolling", numbers)
         self._table(history, ends)
-        if pictured:
-            self._stage("pictures", lambda: run.pictures(self._draw, history, summary, kept, ends, waves))
+        if frames is not None:
+            self._stage("pictures", lambda: run.pictures(self._draw, history, summary, frames, ends, waves))
         return summary
 
     def _points(self) -> FloatArray:
@@ -260,9 +321,7 @@ class Case:
         self.run.table("energy", {"time": (history.time, "s"), **{n: (v, "J") for n, v in history.energy.items()}})
         self.run.table("ends", {name: (ends[:, k], "m") for k, name in enumerate(("place", "first", "second"))})
 
-    def _draw(
-        self, history: History, summary: Summary, kept: list[tuple[Frame, Any]], ends: FloatArray, waves: Any
-    ) -> None:
+    def _draw(self, history: History, summary: Summary, frames: FrameSeries, ends: FloatArray, waves: Any) -> None:
         """Pictures of the passage; on rank 0."""
         data, file = self.data, self.run.file
         figures.force(file("force.png"), data, history, summary)
@@ -273,33 +332,58 @@ class Case:
         footprints = history.footprints
         chosen = [min(footprints, key=lambda f: abs(f.place - x)) for x in places]
         figures.footprints(file("footprint.png"), data, chosen)
-        pictures = [picture for _, (picture, _) in kept]
+        pictures = frames.pictures
         six = [min(pictures, key=lambda p: abs(p.place - x)) for x in places]
         figures.sequence(file("sequence.png"), data, six, history)
         figures.animation(file("passage.gif"), data, pictures)
-        edge = min(kept, key=lambda pair: abs(pair[0].place - 0.5 * data.gap))[1][1]
+        nearest = min(range(len(pictures)), key=lambda k: abs(pictures[k].place - 0.5 * data.gap))
+        edge = frames.shears[nearest]
         edge.values[:] *= 1e-6
         figures.field_on_rail(file("shear.png"), data, edge, "shear stress xz [MPa]", (-300.0, 300.0), "RdBu_r")
+
+    def _residual(self, passage: Passage) -> dict[str, fem.Function]:
+        """Stress of the rails without a wheel, at the nodes [Pa]. Collective."""
+        residual = passage.residual
+        assert residual is not None
+        return NodalStress(passage.model, residual.u).evaluate(residual.history if passage.yields else None)
+
+    def _with_residual(self, passage: Passage, summary: Summary) -> Summary:
+        """The numbers with those of the residual stress of the heads near the path. Collective."""
+        stress = {name: gather_field(f) for name, f in self._residual(passage).items() if name in RESIDUAL_NAMES}
+        limits: list[float] = []
+        if self._comm.rank == 0:
+            points = stress["sigma_xx"].points
+            assert points is not None
+            near = (np.abs(points) < figures.ZONE).all(axis=1) & (points[:, 2] < SURFACE)
+            along, von_mises = (found.values[near, 0] for found in map(stress.get, RESIDUAL_NAMES) if found is not None)
+            limits = [float(along.max()), float(along.min()), float(von_mises.max())]
+        tension, compression, largest = self._comm.bcast(limits)
+        return dataclasses.replace(
+            summary, residual_tension=tension, residual_compression=compression, residual_von_mises=largest
+        )
 
     def _draw_residual(self, passage: Passage) -> None:
         """Pictures of the unloaded rail. Collective."""
         residual, run, data = passage.residual, self.run, self.data
         assert residual is not None
-        history = residual.history if passage.yields else None
-        stress = gather_field(NodalStress(passage.model, residual.u).evaluate(history)["sigma_xx"])
-        plastic = gather_field(residual.history["plastic_strain"].at_nodes()) if passage.yields else None
+        stress = {name: gather_field(f) for name, f in self._residual(passage).items()}
+        largest = None
+        if passage.yields:
+            values = residual.history["plastic_strain"].values
+            largest = gather_rows(self._comm, values.reshape(len(values), -1).max(axis=1, initial=0.0))
 
         def draw() -> None:
-            assert stress.values is not None and stress.points is not None
-            stress.values[:] *= 1e-6
-            near = np.abs(stress.points[:, 0]) < figures.ZONE[0]
-            high = max(1.0, 0.8 * float(np.abs(stress.values[near]).max()))
-            label = "residual stress along the rail [MPa]"
-            figures.field_on_rail(run.file("residual.png"), data, stress, label, (-high, high), "RdBu_r")
-            if plastic is not None and plastic.values is not None:
-                plastic.values[:] *= 100.0
-                high = max(1e-4, float(plastic.values.max()))
-                figures.field_on_rail(run.file("plastic.png"), data, plastic, "plastic strain [%]", (0.0, high))
+            for found in stress.values():
+                assert found.values is not None and found.points is not None
+                found.values[:] *= 1e-6
+            along = stress["sigma_xx"]
+            assert along.values is not None and along.points is not None
+            near = np.abs(along.points[:, 0]) < figures.ZONE[0]
+            figures.residual(run.file("residual.png"), data, stress, max(1.0, 0.8 * np.abs(along.values[near]).max()))
+            if largest is not None:
+                high = max(1e-4, 100.0 * float(largest.max()))
+                label = "largest plastic strain of a cell's points [%]"
+                figures.field_on_rail(run.file("plastic.png"), data, along, label, (0.0, high), by_cell=100.0 * largest)
 
         run.pictures(draw)
 
@@ -310,28 +394,46 @@ def _moments(data: RailJoint) -> list[float]:
     return [data.begin, -half - 0.5 * a, 0.0, half + 0.5 * a, min(half + 1.5 * a, 0.6 * data.end), data.end]
 
 
-def _recorded(path: Path, data: RailJoint) -> tuple[FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
-    """Rail ends (place, two heights), and time, stations and velocities, from the recorder's file."""
+class Samples(NamedTuple):
+    """Points that were sampled.
+
+    Attributes:
+        sample_time: (n) [s].
+        sample_displacement: (n, points, 3) [m].
+        sample_velocity: (n, points, 3) [m/s].
+    """
+
+    sample_time: FloatArray
+    sample_displacement: FloatArray
+    sample_velocity: FloatArray
+
+
+def _samples(path: Path, before: Samples | None) -> Samples | None:
+    """Samples of the recorder's file, behind those from before the run was resumed."""
     with h5py.File(path) as file:
-        t = file["points/time"][:]
-        u, v = file["points/displacement"][:], file["points/velocity"][:]
+        new = Samples(*(file[f"points/{name}"][:] for name in ("time", "displacement", "velocity")))
+    if before is None:
+        return new
+    later = new.sample_time > before.sample_time[-1] if len(before.sample_time) else np.ones(len(new[0]), dtype=bool)
+    return Samples(*(np.concatenate([old, rows[later]]) for old, rows in zip(before, new)))
+
+
+def _recorded(found: Samples, data: RailJoint) -> tuple[FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
+    """Rail ends (place, two heights), and time, stations and velocities."""
+    t, u, v = found
     ends = np.column_stack([data.begin + data.speed * t, u[:, 0, 2], u[:, 1, 2]])
     return ends, (t, np.array(STATIONS), v[:, 2:, 0])
 
 
-def _as_lists(found: Footprint | None) -> dict[str, Any] | None:
-    if found is None:
-        return None
-    return {
-        "place": found.place, "points": found.points.tolist(), "pressure": found.pressure.tolist(),
-        "weight": found.weight.tolist(),
-    }  # fmt: skip
+def _static_tables(found: Footprint | None) -> dict[str, FloatArray]:
+    """Footprint of the preload as arrays; on rank 0."""
+    assert found is not None
+    return {"static": np.column_stack([found.points, found.pressure, found.weight]), "static_at": np.array(found.place)}
 
 
-def _footprint_from(found: dict[str, Any] | None) -> Footprint | None:
-    if found is None:
-        return None
-    return Footprint(found["place"], np.array(found["points"]), np.array(found["pressure"]), np.array(found["weight"]))
+def _static_of(tables: Mapping[str, FloatArray]) -> Footprint:
+    rows = tables["static"]
+    return Footprint(float(tables["static_at"]), rows[:, :3], rows[:, 3], rows[:, 4])
 
 
-__all__ = ["FRAMES", "Case", "footprint"]
+__all__ = ["FRAMES", "Case", "UnusableJoint"]

@@ -15,7 +15,7 @@ from ..io import plots
 from ..io.gather import Gathered
 from .parameters import RailJoint
 from .passage import Footprint, History
-from .results import P2_FREQUENCY, Summary, low_pass
+from .results import SLOW, Summary, low_pass
 
 MM, MPA, KN = 1e3, 1e-6, 1e-3
 VIEW = ((-0.55, -1.4, 0.55), (0, 0, 1))  # towards the viewer, up
@@ -60,7 +60,7 @@ def force(path: FilePath, data: RailJoint, history: History, summary: Summary) -
     up.plot(x, f[:, 2], color=plots.COLOURS[0], lw=1.4, label="contact force")
     slow = low_pass(history)
     if slow is not None:
-        up.plot(x, slow / data.load, color=plots.COLOURS[3], lw=1.2, label=f"below {P2_FREQUENCY:.0f} Hz")
+        up.plot(x, slow / data.load, color=plots.COLOURS[3], lw=1.2, label=f"below {SLOW:.0f} Hz")
     up.plot(summary.peak_place * MM, summary.dynamic_factor, "o", color=plots.COLOURS[1], ms=6)
     up.annotate(
         f"{summary.dynamic_factor:.3f} times the load", (summary.peak_place * MM, summary.dynamic_factor), (0, 9),
@@ -171,14 +171,17 @@ def rail_ends(path: FilePath, data: RailJoint, ends: FloatArray) -> None:
     figure, axes = plt.subplots(figsize=(8.5, 3.6), layout="constrained")
     for k, name in ((1, "end of the first rail"), (2, "end of the second rail")):
         axes.plot(ends[:, 0] * MM, (ends[:, k] - ends[0, k]) * 1e6, color=plots.COLOURS[k - 1], lw=1.4, label=name)
-    axes.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="height since the start [um]")
+    axes.set(xlabel="place of the axle, the joint at 0 [mm]", ylabel="height since the start [µm]")
     axes.legend()
     _shade(axes, data)
     plots.save(figure, path)
 
 
 def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArray, velocity: FloatArray) -> None:
-    """Longitudinal velocities at stations along the second rail, with the fronts of (3.80)'s waves.
+    """Longitudinal velocities at stations along the second rail, and when (3.80)'s waves pass from one to the next.
+
+    The load goes over to the second rail within a millisecond: there is no front. Marked is the lowest velocity of each
+    station; the lines say when waves that leave the first station with its lowest velocity pass the others.
 
     Args:
         path: PNG that is written.
@@ -189,32 +192,44 @@ def waves(path: FilePath, data: RailJoint, time: FloatArray, stations: FloatArra
     """
     plt = plots.pyplot()
     figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
-    shown = _low_pass(time, velocity)
-    spread = float(np.ptp(shown, axis=0).max(initial=0.0)) or 1.0
-    velocity = shown
-    for k, x in enumerate(stations):
-        axes.plot(time * MM, velocity[:, k] / spread + k, color=f"C{k}", lw=1.1)
-        axes.text(time[-1] * MM, k, f" x = {x:.2f} m", va="center", fontsize=9)
-    # The wheel meets the second rail when the contact's edge gets there.
-    meets = (0.5 * data.gap - data.hertz.a - data.begin) / data.speed
+    shown, filtered = _low_pass(time, velocity)
+    shown = 1e3 * (shown - shown[0])
+    spacing = float(_round_up(np.ptp(shown, axis=0).max(initial=0.0) or 1.0))
+    levels = spacing * np.arange(len(stations))
+    lowest = shown.argmin(axis=0)
+    for k in range(len(stations)):
+        axes.plot(time * MM, shown[:, k] + levels[k], color=f"C{k}", lw=1.2)
+        axes.plot(time[lowest[k]] * MM, shown[lowest[k], k] + levels[k], "o", color=f"C{k}", ms=5)
     for speed, name, style in ((np.sqrt(data.E / data.density), "bar", "--"), (_shear(data), "shear", ":")):
-        axes.plot([(meets + x / speed) * MM for x in stations], range(len(stations)), "k" + style, lw=1,
-                  label=f"from the joint at the {name} wave's {speed:.0f} m/s")  # fmt: skip
-    axes.set(xlabel="time [ms]", ylabel="velocity along the rail below 20 kHz", yticks=[])
+        passes = time[lowest[0]] + (stations - stations[0]) / speed
+        label = f"from the lowest value at x = {stations[0]:.2f} m at the {name} wave's {speed:.0f} m/s"
+        axes.plot(passes * MM, levels + shown[lowest[0], 0], "k" + style, lw=1, label=label)
+    # Grid lines are one unit of the scale apart.
+    axes.set(xlabel="time [ms]", xlim=(0.0, 1.03 * time[-1] * MM), yticks=levels)
+    axes.set_yticklabels([f"x = {x:.2f} m" for x in stations])
+    band = f" below {WAVES / 1e3:.0f} kHz" if filtered else ""
+    axes.set_title(f"velocity along the rail{band}, since the start; lines are {spacing:.3g} mm/s apart", fontsize=10)
+    axes.set_ylim(levels[0] - 1.1 * spacing, levels[-1] + 1.2 * spacing)
     axes.legend(loc="upper left", fontsize=9)
     plots.save(figure, path)
 
 
-def _low_pass(time: FloatArray, velocity: FloatArray) -> FloatArray:
-    """Velocities without what is faster than WAVES; where the samples are too few, as they are."""
+def _round_up(value: float) -> float:
+    """The next number of one digit that is 1, 2 or 5."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(digit * power for digit in (1.0, 2.0, 5.0, 10.0) if digit * power >= value))
+
+
+def _low_pass(time: FloatArray, velocity: FloatArray) -> tuple[FloatArray, bool]:
+    """Velocities without what is faster than WAVES, True; where the samples are too few, as they are, False."""
     step = float(np.median(np.diff(time))) if len(time) > 40 else 0.0
     if step == 0.0 or 1.0 / step <= 2.5 * WAVES:
-        return velocity
+        return velocity, False
     # The filter wants equal steps; the run has a shorter one before each of its pictures.
     even = np.arange(time[0], time[-1], step)
     sections = butter(4, WAVES, fs=1.0 / step, output="sos")
     columns = [np.interp(time, even, sosfiltfilt(sections, np.interp(even, time, v))) for v in velocity.T]
-    return np.column_stack(columns)
+    return np.column_stack(columns), True
 
 
 def _shear(data: RailJoint) -> float:
@@ -282,12 +297,35 @@ def animation(path: FilePath, data: RailJoint, pictures: Sequence[Picture]) -> N
         image = PIL.Image.fromarray(section(picture, data, (0.0, 800.0), (720, 520)))
         text = f"axle at {picture.place * MM:+5.1f} mm; von Mises stress 0 (dark) to 800 MPa (yellow)"
         PIL.ImageDraw.Draw(image).text((12, 500), text, fill="black")
-        frames.append(image.quantize(96))
-    frames[0].save(path, save_all=True, append_images=frames[1:], duration=120, loop=0, optimize=True)
+        frames.append(image)
+    colours = palette(frames)
+    frames = [image.quantize(palette=colours, dither=PIL.Image.Dither.NONE) for image in frames]
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=120, loop=0, optimize=False)
+
+
+def palette(images: Sequence[Any]) -> Any:
+    """Palette of 256 colours for all frames of an animation, in which rare colours count as much as frequent ones.
+
+    The hottest colours are those of a few pixels: a palette by their number would drop them.
+
+    Args:
+        images: of PIL, of one size or several.
+    """
+    import PIL.Image
+
+    pixels = np.concatenate([np.asarray(image.convert("RGB")).reshape(-1, 3) for image in images])
+    rare = np.unique(pixels & 0xF8, axis=0)  # colours that differ by less than 8 are one
+    return PIL.Image.fromarray(rare[None].astype(np.uint8)).quantize(256, method=PIL.Image.Quantize.MEDIANCUT)
 
 
 def field_on_rail(
-    path: FilePath, data: RailJoint, values: Gathered, label: str, clim: tuple[float, float], cmap: str = "magma"
+    path: FilePath,
+    data: RailJoint,
+    values: Gathered,
+    label: str,
+    clim: tuple[float, float],
+    cmap: str = "magma",
+    by_cell: FloatArray | None = None,
 ) -> None:
     """A field of the rail heads around the joint, cut at y = 0.
 
@@ -298,16 +336,59 @@ def field_on_rail(
         label: of the colour bar.
         clim: range of the colours.
         cmap: colour map.
+        by_cell: values of the cells in their order that are shown instead, (num_cells).
     """
     plt = plots.pyplot()
+    figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
+    plots.show(axes, _heads(data, values, clim, cmap, (1100, 560), by_cell))
+    plots.colour_bar(figure, axes, clim, label, cmap=cmap, shrink=0.8)
+    plots.save(figure, path)
+
+
+def _heads(
+    data: RailJoint,
+    values: Gathered,
+    clim: tuple[float, float],
+    cmap: str,
+    size: tuple[int, int],
+    by_cell: FloatArray | None = None,
+) -> Any:
+    """Image of a field of the rail heads around the joint, cut at y = 0."""
     assert values.values is not None and values.points is not None and values.cells is not None
-    grid = plots.grid(values, cell_mask=values.points[values.cells].mean(axis=1)[:, 2] < 0.0)  # without the wheel
-    grid.point_data["value"] = values.values[:, 0]
+    below = values.points[values.cells].mean(axis=1)[:, 2] < 0.0  # without the wheel
+    grid = plots.grid(values, cell_mask=below)
+    if by_cell is None:
+        grid.point_data["value"] = values.values[:, 0]
+    else:
+        grid.cell_data["value"] = by_cell[below]
     length, width, depth = ZONE
     first = -1e-4 if data.sides == 2 else 0.0
     part = grid.clip_box((-length, length, first, width, -depth, 1e-3), invert=False)
     view = ((-0.3, -1.3, 0.6), (0, 0, 1), (0.0, 0.01, -0.015))
-    figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="constrained")
-    plots.show(axes, plots.draw([part], clim, cmap=cmap, size=(1100, 560), view=view, edges=False, zoom=1.5))
-    plots.colour_bar(figure, axes, clim, label, cmap=cmap, shrink=0.8)
+    return plots.draw([part], clim, cmap=cmap, size=size, view=view, edges=False, zoom=1.5)
+
+
+RESIDUAL = {
+    "sigma_xx": "along the rail", "sigma_yy": "across the rail", "tau_xz": "shear in the plane of the rail",
+    "von_mises": "von Mises",
+}  # fmt: skip
+
+
+def residual(path: FilePath, data: RailJoint, stress: Mapping[str, Gathered], limit: float) -> None:
+    """Residual stress of the rail heads around the joint: normal stress along and across the rail, shear, von Mises.
+
+    Args:
+        path: PNG that is written.
+        data: the joint.
+        stress: by the names of RESIDUAL [MPa].
+        limit: largest absolute value of the colours [MPa].
+    """
+    plt = plots.pyplot()
+    figure, all_axes = plt.subplots(2, 2, figsize=(12.0, 7.0), layout="constrained")
+    for axes, (name, text) in zip(all_axes.ravel(), RESIDUAL.items()):
+        positive = name == "von_mises"
+        clim, cmap = (0.0 if positive else -limit, limit), "viridis" if positive else "RdBu_r"
+        plots.show(axes, _heads(data, stress[name], clim, cmap, (1100, 560)))
+        axes.set_title(text, fontsize=10)
+        plots.colour_bar(figure, axes, clim, "residual stress [MPa]", cmap=cmap, shrink=0.8)
     plots.save(figure, path)

@@ -20,12 +20,11 @@ from ..loads import BodyForce, Traction
 from ..materials import LinearElastic, MaterialMap, StVenantKirchhoff
 from ..plasticity import ArmstrongFrederick, J2Plasticity
 from ..common.types import BoolArray, FloatArray
-from .parameters import RailJoint
+from .parameters import MARGIN, PAD_LENGTH, WHEEL_WIDTH, RailJoint
 from .wheel import Wheel
 
 PATH_TAG = 10  # cells of the rails near the path, which may yield
 REACH = 4.0  # depth and half-width of that zone in half-axes of the contact
-PAD_LENGTH = 0.16  # of a pad along the rail [m]
 # Steps of cells that may yield, and of the wheel, over those of linear cells: measured.
 YIELDING_COST, WHEEL_COST = 6.0, 1.5
 HORIZONTAL = 0.5  # stiffness of the fastening along and across the rail, over that of the pad
@@ -61,8 +60,9 @@ class JointModel:
             rail_length=data.rail_length,
             crown_radius=data.crown_radius, head_profile=data.head_profile or None, gap=data.gap,
             bar_length=data.bar_length, bar=data.bar, glue=data.glue, h=data.cell_size, coarse=data.largest_cells,
-            path=(data.begin, data.end), margin=1.1 * data.hertz.a, symmetry="none" if data.whole else "half",
-            wheel_x=data.begin, wheel_radius=data.wheel_radius, cone=data.cone, fillet=data.fillet,
+            path=(data.begin, data.end), margin=MARGIN * data.hertz.a, symmetry="none" if data.whole else "half",
+            wheel_x=data.begin, wheel_radius=data.wheel_radius,
+            wheel_width=WHEEL_WIDTH, cone=data.cone, fillet=data.fillet,
         )  # fmt: skip
         self.mesh, self.facet_tags, self.tags = made.mesh, made.facet_tags, made.tags
         self.num_cells = self.mesh.topology.index_map(3).size_global

@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Parameters of a wheel that rolls over an insulated rail joint, read from TOML with units."""
+"""Parameters of a wheel that rolls over an insulated rail joint, and of studies of them."""
 
 from __future__ import annotations
 
-import dataclasses
+import itertools
 import math
-import re
-import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal
 
 from .. import theory
-from ..common.types import FilePath
+from ..common import rail_steel
+from ..common.parameters import Parameters, parameter
+from ..meshes.wheel_rail import HEAD_HALF_WIDTH  # type: ignore[import-not-found,unused-ignore]  # installed beside it
 
 # Young's modulus [Pa], Poisson's ratio and density [kg/m^3] of end posts. Moduli and ratios: Chen and Kuang (2002), as
 # quoted in the literature on insulated joints; densities: data sheets of the materials.
@@ -21,29 +19,17 @@ END_POSTS = {
     "epoxy": (45.0e9, 0.19, 1900.0),  # epoxy with glass fibres
     "nylon": (1.59e9, 0.39, 1140.0),  # nylon 66
     "ptfe": (0.40e9, 0.46, 2170.0),
-    "steel": (207.0e9, 0.30, 7800.0),  # no joint at all: to compare with
+    "steel": (rail_steel.E, rail_steel.NU, rail_steel.DENSITY),  # no joint at all: to compare with
 }
 
 # Cells in the half-axis of the contact that lies along the rail, and size of the largest cells [m].
 PRESETS = {"coarse": (4, 0.05), "medium": (8, 0.04), "fine": (16, 0.03)}
 
-# Factors of units that a TOML file may use, besides the SI units of the parameters.
-UNITS = {
-    "m": 1.0, "mm": 1e-3, "um": 1e-6, "N": 1.0, "kN": 1e3, "MN": 1e6, "kg": 1.0, "t": 1e3, "m/s": 1.0, "km/h": 1 / 3.6,
-    "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "kg/m^3": 1.0, "t/m^3": 1e3, "N/m": 1.0, "kN/mm": 1e6, "MN/m": 1e6,
-    "N s/m": 1.0, "kN s/m": 1e3, "Pa/m": 1.0, "1": 1.0, "%": 1e-2, "s": 1.0, "min": 60.0, "deg": math.pi / 180.0,
-}  # fmt: skip
-KINDS = (
-    {"m", "mm", "um"}, {"N", "kN", "MN"}, {"kg", "t"}, {"m/s", "km/h"}, {"Pa", "kPa", "MPa", "GPa"},
-    {"kg/m^3", "t/m^3"}, {"N/m", "kN/mm", "MN/m"}, {"N s/m", "kN s/m"}, {"Pa/m"}, {"1", "%"}, {"s", "min"},
-)  # fmt: skip
-SIGNED = ("begin", "end", "cone")
-MAY_BE_ZERO = ("fillet", "cells", "coarse", "friction", "pad_damping", "penalty", "recovery", "hardening_modulus")
-
-
-def _number(default: Any, unit: str, what: str) -> Any:
-    """A field with its unit and what it is."""
-    return field(default=default, metadata={"unit": unit, "what": what})
+WHEEL_WIDTH, HUB = 0.06, 0.15  # width of the wheel, radius of the hub with all that is fixed to it [m]
+PAD_LENGTH = 0.16  # of a pad along the rail [m]
+MARGIN = 1.1  # half-axes of the contact by which the fine cells are longer than the way
+SECOND_MOMENT = 3038e-8  # of the section of a rail 60E1 about its horizontal axis, EN 13674-1 [m^4]
+MOST_CASES = 10_000  # of a study
 
 
 @dataclass(frozen=True)
@@ -61,79 +47,110 @@ class EndPost:
     density: float
 
 
-@dataclass(frozen=True)
-class RailJoint:
-    """Wheel, rails, end post, joint bars and track; everything in SI units. Each field names its unit in its metadata.
+class RailJoint(Parameters):
+    """Insulated rail joint: wheel, rails, end post, joint bars and track.
 
     Raises:
-        ValueError: a value is not finite or outside its range.
+        ValueError: a value of a wrong kind, outside its range, or one that does not fit the others.
     """
 
-    preset: str = _number("coarse", "", "mesh: coarse, medium or fine")
-    load: float = _number(130e3, "N", "wheel load")
-    speed: float = _number(120 / 3.6, "m/s", "of travel")
-    friction: float = _number(0.3, "1", "coefficient between wheel and rail")
-    gap: float = _number(8e-3, "m", "between the rail ends")
-    end_post: str = _number("epoxy", "", f"material of the end post: {', '.join(END_POSTS)}")
-    passes: int = _number(1, "1", "passages of the wheel, one after the other")
+    preset: Literal["coarse", "medium", "fine"] = parameter("coarse", "", "mesh")
+    load: float = parameter(130e3, "N", "wheel load", 1e3, 1e6)
+    speed: float = parameter(120 / 3.6, "m/s", "of travel", 0.1, 200.0)
+    friction: float = parameter(0.3, "1", "coefficient between wheel and rail", 0.0, 2.0)
+    gap: float = parameter(8e-3, "m", "between the rail ends", 1e-4, 0.1)
+    end_post: Literal["epoxy", "nylon", "ptfe", "steel"] = parameter("epoxy", "", "material of the end post")
+    passes: int = parameter(1, "1", "passages of the wheel, one after the other", 1, 10_000)
 
-    wheel_radius: float = _number(0.46, "m", "of the wheel")
-    cone: float = _number(0.0, "1", "slope of the tread; other than 0: both sides of the rail are computed")
-    fillet: float = _number(0.0, "m", "radius of the flange's fillet, 0: none")
-    wheel_mass: float = _number(600.0, "kg", "unsprung mass: wheel, half of the axle, bearing box")
-    crown_radius: float = _number(0.30, "m", "transverse radius of the rail head")
-    head_profile: tuple[tuple[float, float], ...] = _number((), "m", "points (y, z) of the head instead of the crown")
+    wheel_radius: float = parameter(0.46, "m", "of the wheel", 0.25, 1.5)
+    cone: float = parameter(
+        0.0, "1", "slope of the tread; other than 0: both sides of the rail are computed", -0.19, 0.19
+    )
+    fillet: float = parameter(0.0, "m", "radius of the flange's fillet, 0: none", 1e-3, 0.05, zero=True)
+    wheel_mass: float = parameter(600.0, "kg", "unsprung mass: wheel, half of the axle, bearing box", 50.0, 1e5)
+    crown_radius: float = parameter(0.30, "m", "transverse radius of the rail head", 2.0 * HEAD_HALF_WIDTH, 100.0)
+    head_profile: tuple[tuple[float, float], ...] = parameter((), "m", "points (y, z) of the head instead of the crown")
 
-    rail_length: float = _number(1.5, "m", "from the joint to the far end of each rail")
-    bar_length: float = _number(0.9, "m", "of the joint bars")
-    bar: float = _number(22e-3, "m", "thickness of a joint bar")
-    glue: float = _number(2e-3, "m", "thickness of the insulating layer between joint bar and web")
-    glue_modulus: float = _number(5e9, "Pa", "Young's modulus of that layer")
-    pad_stiffness: float = _number(100e6, "N/m", "of the pad below each sleeper seat")
-    pad_damping: float = _number(30e3, "N s/m", "of the pad")
-    sleepers: float = _number(0.6, "m", "spacing of the sleepers, the joint half way between two")
-    support: str = _number("pads", "", "pads at the sleepers, or winkler: the same stiffness spread along the rail")
+    rail_length: float = parameter(1.5, "m", "from the joint to the far end of each rail", 0.1, 50.0)
+    bar_length: float = parameter(0.9, "m", "of the joint bars", 0.02, 20.0)
+    bar: float = parameter(22e-3, "m", "thickness of a joint bar", 2e-3, 0.1)
+    glue: float = parameter(2e-3, "m", "thickness of the insulating layer between joint bar and web", 1e-4, 0.02)
+    glue_modulus: float = parameter(5e9, "Pa", "Young's modulus of that layer", 1e4, 1e12)
+    pad_stiffness: float = parameter(100e6, "N/m", "of the pad below each sleeper seat", 1e5, 1e10)
+    pad_damping: float = parameter(30e3, "N s/m", "of the pad", 0.0, 1e7)
+    sleepers: float = parameter(0.6, "m", "spacing of the sleepers, the joint half way between two", 0.2, 2.0)
+    support: Literal["pads", "winkler"] = parameter(
+        "pads", "", "pads at the sleepers, or winkler: the same stiffness spread along the rail"
+    )
 
-    E: float = _number(207e9, "Pa", "Young's modulus of the steel")
-    nu: float = _number(0.3, "1", "Poisson's ratio of the steel")
-    density: float = _number(7800.0, "kg/m^3", "of the steel")
-    yield_stress: float = _number(780e6, "Pa", "of the rail near the path; inf: elastic")
-    hardening_modulus: float = _number(30e9, "Pa", "C of Armstrong and Frederick's kinematic hardening")
-    recovery: float = _number(100.0, "1", "gamma of their dynamic recovery; the back stress saturates at C/gamma")
+    E: float = parameter(rail_steel.E, "Pa", "Young's modulus of the steel", 1e9, 1e12)
+    nu: float = parameter(rail_steel.NU, "1", "Poisson's ratio of the steel", 0.0, 0.499)
+    density: float = parameter(rail_steel.DENSITY, "kg/m^3", "of the steel", 100.0, 3e4)
+    yield_stress: float = parameter(780e6, "Pa", "of the rail near the path; inf: elastic", 1e6, 1e11, infinite=True)
+    hardening_modulus: float = parameter(
+        30e9, "Pa", "C of Armstrong and Frederick's kinematic hardening, 0: none", 0.0, 1e12
+    )
+    recovery: float = parameter(
+        100.0, "1", "gamma of their dynamic recovery; the back stress saturates at C/gamma", 0.0, 1e6
+    )
 
-    begin: float = _number(-24e-3, "m", "place of the wheel at the start, the joint at 0")
-    end: float = _number(26e-3, "m", "place of the wheel at the end")
-    cells: int = _number(0, "1", "in the contact's half-axis along the rail, 0: by the preset")
-    coarse: float = _number(0.0, "m", "largest cells, 0: by the preset")
-    penalty: float = _number(0.0, "Pa/m", "of the contact in the explicit run, 0: as stiff as the time step allows")
-    smooth: bool = _number(False, "", "whether the contact sees round surfaces instead of facets")
+    begin: float = parameter(-24e-3, "m", "place of the wheel at the start, the joint at 0", -20.0, 0.0)
+    end: float = parameter(26e-3, "m", "place of the wheel at the end", 0.0, 20.0)
+    cells: int = parameter(0, "1", "cells in the contact's half-axis along the rail, 0: by the preset", 0, 64)
+    coarse: float = parameter(0.0, "m", "largest cells, 0: by the preset", 5e-3, 1.0, zero=True)
+    penalty: float = parameter(
+        0.0, "Pa/m", "of the contact in the explicit run, 0: as stiff as the time step allows", 1e6, 1e18, zero=True
+    )
+    smooth: bool = parameter(False, "", "whether the contact sees round surfaces instead of facets")
 
-    def __post_init__(self) -> None:
-        for item in dataclasses.fields(self):
-            self._check(item.name, getattr(self, item.name), item)
-        if self.preset not in PRESETS:
-            raise ValueError(f"preset is {self.preset!r}: one of {', '.join(PRESETS)}")
-        if self.end_post not in END_POSTS:
-            raise ValueError(f"end_post is {self.end_post!r}: one of {', '.join(END_POSTS)}")
-        if self.support not in ("pads", "winkler"):
-            raise ValueError(f"support is {self.support!r}: pads or winkler")
+    def _check_together(self) -> None:
         if not self.begin < -0.5 * self.gap or not self.end > 0.5 * self.gap:
-            raise ValueError(f"the wheel rolls from {self.begin} m to {self.end} m: not over the gap of {self.gap} m")
-        if self.passes < 1:
-            raise ValueError(f"passes is {self.passes}: at least one")
-        if self.head_profile and not self.whole:
-            object.__setattr__(self, "head_profile", tuple(tuple(float(v) for v in p) for p in self.head_profile))
+            raise ValueError(
+                f"begin is {self.begin:g} m and end {self.end:g} m: the wheel does not roll over the gap of "
+                f"{self.gap:g} m; give begin below {-0.5 * self.gap:g} m and end above {0.5 * self.gap:g} m"
+            )
+        self._check_profile()
+        hertz = self.hertz
+        if hertz.b > 0.5 * HEAD_HALF_WIDTH:
+            raise ValueError(
+                f"load is {self.load:g} N: by Hertz the contact is {2e3 * hertz.b:.0f} mm wide, more than half of the "
+                "head; give a smaller load or crown_radius, or a larger E"
+            )
+        margin = MARGIN * hertz.a
+        fine = max(-self.begin + margin, self.end + margin, 0.5 * self.gap + self.cell_size)
+        if not 2.0 * fine < self.bar_length:
+            raise ValueError(
+                f"bar_length is {self.bar_length:g} m: from begin to end the wheel needs more than {2.0 * fine:.3g} m; "
+                "give longer bars or a shorter way"
+            )
+        if not self.bar_length < 2.0 * self.rail_length:
+            raise ValueError(
+                f"rail_length is {self.rail_length:g} m: give more than half of bar_length, {self.bar_length / 2:g} m"
+            )
+        if self.support == "pads" and self.rail_length < 0.5 * self.sleepers:
+            raise ValueError(
+                f"sleepers is {self.sleepers:g} m: the rails of {self.rail_length:g} m (rail_length) end before the "
+                "first sleeper, half a spacing from the joint"
+            )
+        rim = self.density * math.pi * (self.wheel_radius**2 - HUB**2) * WHEEL_WIDTH
+        if not self.wheel_mass > rim:
+            raise ValueError(
+                f"wheel_mass is {self.wheel_mass:g} kg: the rim alone (wheel_radius, density) weighs {rim:.0f} kg; "
+                "give more than that"
+            )
 
-    def _check(self, name: str, value: Any, item: Any) -> None:
-        if isinstance(item.default, bool) or isinstance(item.default, (str, tuple)):
+    def _check_profile(self) -> None:
+        points = self.head_profile
+        if not points:
             return
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ValueError(f"{name} is {value!r}: a number [{item.metadata['unit']}]")
-        good = math.isfinite(value) or (name == "yield_stress" and value > 0)
-        signed, zero = name in SIGNED, name in SIGNED + MAY_BE_ZERO
-        if not good or (value < 0 and not signed) or (value == 0 and not zero):
-            kind = "finite" if signed else "non-negative" if zero else "positive"
-            raise ValueError(f"{name} is {value!r}: a {kind} number [{item.metadata['unit']}]")
+        across = [y for y, _ in points]
+        good = len(points) >= 3 and all(math.isfinite(v) for point in points for v in point)
+        good = good and all(a < b for a, b in zip(across, across[1:])) and max(abs(z) for _, z in points) < 0.05
+        if not good or across[0] > -HEAD_HALF_WIDTH or across[-1] < HEAD_HALF_WIDTH:
+            raise ValueError(
+                f"head_profile is {str(points)[:60]}: give at least three points (y, z) with ascending y from "
+                f"{-HEAD_HALF_WIDTH} m or less to {HEAD_HALF_WIDTH} m or more, and heights within 0.05 m"
+            )
 
     @property
     def whole(self) -> bool:
@@ -168,110 +185,63 @@ class RailJoint:
         return self.coarse or PRESETS[self.preset][1]
 
     @property
+    def track_stiffness(self) -> float:
+        """Vertical stiffness of rail and pads under the wheel: a beam on Winkler's bed [N/m]."""
+        bed = self.pad_stiffness / self.sleepers
+        return float(2.0 * (4.0 * self.E * SECOND_MOMENT) ** 0.25 * bed**0.75)
+
+    @property
+    def p2_period(self) -> float:
+        """Period of the unsprung mass on the track, in which the force P2 rises and falls [s].
+
+        The rail, its bars and what moves of the pads are left out: a lower bound.
+        """
+        return 2.0 * math.pi * math.sqrt(self.wheel_mass / self.track_stiffness)
+
+    @property
+    def shows_p2(self) -> bool:
+        """Is the way behind the joint long enough for P2? It must contain a period: rise, peak and fall."""
+        return self.end >= self.speed * self.p2_period * (1.0 - 1e-9)
+
+    def for_p2(self) -> RailJoint:
+        """The same joint with a way that is long enough for P2, bars and rails as long as that needs, and two cells in
+        the half-axis of the contact unless `cells` says otherwise."""
+        end = max(self.end, self.speed * self.p2_period)
+        bars = max(self.bar_length, 2.0 * (end + MARGIN * self.hertz.a) + 0.05)
+        rails = max(self.rail_length, 0.5 * bars + self.sleepers)
+        return self.changed(end=end, bar_length=bars, rail_length=rails, cells=self.cells or 2)
+
+    @property
     def duration(self) -> float:
         """Time of a passage [s]."""
         return (self.end - self.begin) / self.speed
 
-    def changed(self, **values: Any) -> RailJoint:
-        """The same joint with other values.
+
+class Study(Parameters):
+    """Study of rail joints: all combinations of some values."""
+
+    gap: tuple[float | str, ...] = parameter((), "m", "gaps, numbers or texts with units")
+    speed: tuple[float | str, ...] = parameter((), "m/s", "speeds, numbers or texts with units")
+    load: tuple[float | str, ...] = parameter((), "N", "wheel loads, numbers or texts with units")
+    end_post: tuple[str, ...] = parameter((), "", "end posts")
+    jobs: int = parameter(1, "1", "cases at once", 1, 1024)
+
+    def cases(self, base: RailJoint) -> list[RailJoint]:
+        """All combinations of the values, each once.
 
         Args:
-            values: by name.
+            base: joint with what is not varied.
 
         Raises:
-            ValueError: an unknown name, or a value outside its range.
+            ValueError: a joint does not take one of the values, or there are too many cases.
         """
-        known = {item.name for item in dataclasses.fields(self)}
-        unknown = sorted(set(values) - known)
-        if unknown:
-            raise ValueError(f"a RailJoint has no {', '.join(unknown)}; it has {', '.join(sorted(known))}")
-        return dataclasses.replace(self, **values)
-
-    @classmethod
-    def from_toml(cls, path: FilePath) -> RailJoint:
-        """Read parameters: `name = number` in SI units, or `name = "number unit"`, for example `speed = "120 km/h"`.
-
-        Args:
-            path: file; what it does not name has its default.
-
-        Raises:
-            ValueError: the file cannot be read or is no TOML, an unknown name, a unit of another kind, a bad value.
-        """
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-            given = tomllib.loads(text)
-        except OSError as error:
-            raise ValueError(f"{path} cannot be read: {error.strerror}") from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise ValueError(f"{path} is no TOML file: {error}") from None
-        return cls.from_mapping(given)
-
-    @classmethod
-    def from_mapping(cls, given: Mapping[str, Any]) -> RailJoint:
-        """Parameters from names and values, which may be texts with units.
-
-        Args:
-            given: values by name, as in a TOML file.
-
-        Raises:
-            ValueError: an unknown name, a unit of another kind, a bad value.
-        """
-        known = {item.name: item for item in dataclasses.fields(cls)}
-        values = {}
-        for name, value in given.items():
-            if name in known:
-                value = with_unit(name, value, known[name].metadata["unit"], type(known[name].default))
-            values[name] = value
-        return cls().changed(**values)
-
-    def to_toml(self) -> str:
-        """Text of a TOML file with all parameters, their units and what they are."""
-        lines = ['# Insulated rail joint; numbers are in the units of the comments, or write texts such as "120 km/h"']
-        for item in dataclasses.fields(self):
-            value = getattr(self, item.name)
-            unit = f"[{item.metadata['unit']}] " if item.metadata["unit"] else ""
-            lines.append(f"{item.name} = {_as_toml(value)}  # {unit}{item.metadata['what']}")
-        return "\n".join(lines) + "\n"
-
-
-def _as_toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f'"{value}"'
-    if isinstance(value, tuple):
-        return "[" + ", ".join(_as_toml(v) for v in value) + "]"
-    return repr(value)
-
-
-def with_unit(name: str, value: Any, unit: str, kind: type) -> Any:
-    """A value of a TOML file or of the command line in the unit of the parameter.
-
-    Args:
-        name: of the parameter, for messages.
-        value: a number in SI units, or a text such as "120 km/h"; other kinds are returned as they are.
-        unit: of the parameter.
-        kind: type of the parameter.
-
-    Raises:
-        ValueError: the text is no number with a unit of the right kind.
-    """
-    if kind is tuple:
-        return tuple(tuple(float(v) for v in point) for point in value)
-    if not isinstance(value, str) or kind is str:
-        return float(value) if kind is float and isinstance(value, int) and not isinstance(value, bool) else value
-    if kind is bool:
-        if value.lower() in ("true", "false"):
-            return value.lower() == "true"
-        raise ValueError(f"{name} is {value!r}: true or false")
-    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?|inf))\s*(.*?)\s*", value)
-    given = match.group(2) if match else ""
-    alike = next((kinds for kinds in KINDS if unit in kinds), {unit})
-    if match is None or (given and given not in alike):
-        raise ValueError(f"{name} is {value!r}: a number in {', '.join(sorted(alike))} (without a unit: {unit})")
-    number = float(match.group(1)) * (UNITS[given] if given else 1.0)
-    if kind is int:
-        if number != int(number):
-            raise ValueError(f"{name} is {value!r}: a whole number")
-        return int(number)
-    return number
+        axes: dict[str, list[Any]] = {}
+        for name in ("gap", "speed", "load", "end_post"):
+            given = getattr(self, name)
+            if given:
+                axes[name] = list(given)
+        number = math.prod(len(values) for values in axes.values())
+        if number > MOST_CASES:
+            raise ValueError(f"{', '.join(axes)} make {number} cases: give at most {MOST_CASES} combinations")
+        found = [base.changed(**dict(zip(axes, row))) for row in itertools.product(*axes.values())]
+        return list({joint.identity(): joint for joint in found}.values())

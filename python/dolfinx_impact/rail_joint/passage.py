@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,6 +16,7 @@ from ..common.memory import free_garbage
 from ..common.types import AnyArray, FilePath, FloatArray
 from ..contact import Lagrange, Penalty
 from ..dynamics.explicit import ExplicitProblem
+from ..io import checkpoint
 from ..io.gather import gather_rows
 from ..statics.problem import StaticProblem
 from .model import JointModel
@@ -23,6 +24,10 @@ from .way_bar import WayBar
 
 TOLERANCE = 3e-5  # of the preload's residual: the time steps that follow make larger errors
 FRAMES = 25  # pictures of a passage
+ROUND_OFF = 1e-12  # of times
+CARRIED = ("pressed", "sunk", "unloaded")  # displacements that later equilibria begin with
+ENERGIES = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "plastic", "external")
+ROWS = 100_000_000  # of histories: all steps are kept, as a run that is resumed keeps them, too
 
 
 @dataclass
@@ -66,12 +71,13 @@ class History:
     Attributes:
         time: (n) [s].
         place: of the wheel, (n) [m].
-        force: on the wheel, of both sides of the rail, (n, 3) [N].
+        force: on the wheel, of both sides of the rail, (n, 3); across the rail zero where one side is computed [N].
         energy: by name, of what is computed, (n) [J].
         steps: number of time steps [1].
         dt: the step [s].
         seconds: wall-clock time of rolling [s].
-        footprints: at the frames.
+        footprints: at the frames; on rank 0.
+        frames: number of places at which footprints were taken so far [1].
     """
 
     time: FloatArray
@@ -82,9 +88,37 @@ class History:
     dt: float
     seconds: float
     footprints: list[Footprint] = field(default_factory=list)
+    frames: int = 0
 
+    def tables(self) -> dict[str, AnyArray]:
+        """Arrays from which `of_tables` makes the same history."""
+        out: dict[str, AnyArray] = {
+            "time": self.time, "place": self.place, "force": self.force,
+            "energy": np.column_stack([self.energy[name] for name in ENERGIES]),
+            "numbers": np.array([self.steps, self.dt, self.seconds, self.frames]),
+            "footprint_sizes": np.array([len(f.points) for f in self.footprints], dtype=np.int64),
+            "footprint_places": np.array([f.place for f in self.footprints]),
+        }  # fmt: skip
+        rows = [np.column_stack([f.points, f.pressure, f.weight]) for f in self.footprints]
+        out["footprints"] = np.concatenate(rows) if rows else np.zeros((0, 5))
+        return out
 
-ENERGIES = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "plastic", "external")
+    @classmethod
+    def of_tables(cls, tables: Mapping[str, AnyArray]) -> History:
+        """The history whose `tables` these are.
+
+        Args:
+            tables: arrays by name.
+        """
+        ends = np.cumsum(tables["footprint_sizes"])
+        rows = np.split(tables["footprints"], ends[:-1]) if len(ends) else []
+        steps, dt, seconds, frames = tables["numbers"].tolist()
+        return cls(
+            tables["time"], tables["place"], tables["force"],
+            {name: tables["energy"][:, k] for k, name in enumerate(ENERGIES)}, int(steps), dt, seconds,
+            [Footprint(x, r[:, :3], r[:, 3], r[:, 4]) for x, r in zip(tables["footprint_places"].tolist(), rows)],
+            int(frames),
+        )  # fmt: skip
 
 
 def footprint(contact: Any, place: float) -> Footprint | None:
@@ -211,29 +245,80 @@ class Passage:
         self.u = self.run.u
         return self.run
 
-    def resume(self, checkpoint: FilePath) -> ExplicitProblem:
+    def _bare(self, u: fem.Function) -> ExplicitProblem:
+        """An explicit problem of the joint into which a state is read. Collective."""
+        zero = fem.Function(self.model.V, name="velocity")
+        return ExplicitProblem(u, self.model.material, velocity=zero, **self.explicit_arguments())
+
+    def resume(self, path: FilePath) -> ExplicitProblem:
         """The explicit problem of a checkpoint. Collective.
 
         Args:
-            checkpoint: file that `run.save` has written in the same passage of the same joint.
+            path: file that `run.save` has written in the same passage of the same joint.
 
         Raises:
             RuntimeError: the file cannot be read; on all ranks.
             ValueError: it belongs to another joint; on all ranks.
         """
-        model = self.model
-        zero = fem.Function(model.V, name="velocity")
-        self.run = ExplicitProblem(self.u, model.material, velocity=zero, **self.explicit_arguments())
-        self.run.restore(checkpoint)
+        self.run = self._bare(self.u)
+        self.run.restore(path)
         return self.run
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """What `read_carried` needs beside the file of `write_carried`, for JSON."""
+        columns = {name: int(np.prod(values.shape[1:])) for name, values in self._history.items()}
+        fields = [name for name in CARRIED if getattr(self, f"_{name}") is not None]
+        return {"penalty": self._penalty, "static_force": self.static_force, "history": columns, "fields": fields}
+
+    def write_carried(self, path: FilePath) -> None:
+        """Write what the next passages begin with: starts of their equilibria, history of the steel. Collective.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            RuntimeError: it cannot be written; on all ranks.
+        """
+        run, n = self.run, self.model.V.dofmap.index_map.size_local * 3
+        assert run is not None, "preload and start come first"
+        fields = {name: getattr(self, f"_{name}") for name in self.numbers["fields"]}
+        arrays = {name: values[:n].reshape(-1, 3) for name, values in fields.items()}
+        cellwise = {name: values.reshape(len(values), -1) for name, values in self._history.items()}
+        checkpoint.write(path, run, arrays, {}, cellwise, {}, {})
+
+    def read_carried(self, path: FilePath, numbers: Mapping[str, Any]) -> None:
+        """Read what `write_carried` has written. Collective.
+
+        Args:
+            path: file.
+            numbers: as they were then.
+
+        Raises:
+            RuntimeError: the file cannot be read; on all ranks.
+            ValueError: it belongs to another joint; on all ranks.
+        """
+        V = self.model.V
+        run = self.run or self._bare(fem.Function(V, name="displacement"))
+        found = checkpoint.Reader(path, run, dict.fromkeys(numbers["fields"], 3), {}, numbers["history"], {}, ())
+        for name, values in found.arrays.items():
+            f = fem.Function(V)
+            f.x.array[: values.size] = values.ravel()
+            f.x.scatter_forward()
+            setattr(self, f"_{name}", f.x.array.copy())
+        self._history = {n: v.reshape(run.history[n].values.shape) for n, v in found.cellwise.items()}
+        self._penalty, self.static_force = numbers["penalty"], float(numbers["static_force"])
+        if self.run is None and self._unloaded is not None:
+            self.u.x.array[:] = self._unloaded
 
     def roll(
         self,
         frames: Sequence[float] | None = None,
         show: Callable[[Frame], None] | None = None,
-        checkpoint: FilePath | None = None,
+        save: Callable[[History], None] | None = None,
         interval: float = 300.0,
         dt: float | str = "auto",
+        so_far: History | None = None,
     ) -> History:
         """Roll to the end of the way. Collective.
 
@@ -241,54 +326,79 @@ class Passage:
             frames: places of the wheel at which `show` is called and the footprint is kept, ascending; None: FRAMES of
                 them, evenly [m].
             show: called with the fields of that moment.
-            checkpoint: file that is written every `interval` seconds, and can be resumed from.
-            interval: wall-clock time between checkpoints [s].
+            save: called with the passage so far every `interval` seconds, and at the end.
+            interval: wall-clock time between calls of `save` [s].
             dt: time step, as in ExplicitProblem.advance [s].
+            so_far: what `save` got before the run was resumed; None: it begins.
+
+        Returns:
+            The whole passage, from its start.
 
         Raises:
-            ValueError: a step, but no penalty of the joint, is given: the springs of "auto" follow from the step, and
-                the start is in equilibrium with those of the step "auto"; on all ranks.
+            ValueError: the step is longer than the stable one; on all ranks.
             RuntimeError: the run went unstable; on all ranks.
         """
         from .stress import NodalStress
 
-        run, data = self.run, self.model.data
+        run, data, comm = self.run, self.model.data, self.model.comm
         assert run is not None, "preload and start, or resume, come first"
-        if dt != "auto" and not data.penalty:
-            raise ValueError("a time step of your own needs a penalty of your own: RailJoint.changed(penalty=...)")
         places = np.linspace(data.begin, data.end, FRAMES) if frames is None else np.asarray(frames, dtype=float)
+        places = np.append(places[places < data.end], data.end)
         stress = NodalStress(self.model, run.u) if show is not None else None
-        footprints, before, saved = [], time.perf_counter(), time.perf_counter()
-        first = run.step
+        begun = saved = time.perf_counter()
+        run.history_limit = ROWS
+        done = comm.bcast(0 if so_far is None else so_far.frames)
+        footprints = [] if so_far is None else list(so_far.footprints)
         free_garbage(self.model.mesh.comm, 3 * self.model.V.dofmap.index_map.size_global)  # matrices of the equilibria
-        with WayBar(self.model.comm, data, self._progress) as bar:
-            for place in np.append(places[places < data.end], data.end):
+
+        def history() -> History:
+            return self._history_of(run, so_far, footprints, done, time.perf_counter() - begun)
+
+        with WayBar(comm, data, self._progress) as bar:
+            for place in places[done:]:
                 moment = (place - data.begin) / data.speed
-                if moment < run.time * (1.0 - 1e-12):
-                    continue
-                while run.time < moment:
+                while run.time < moment * (1.0 - ROUND_OFF):
                     until = min(moment, run.time + data.duration / FRAMES)
                     run.advance(until, dt=dt, progress=False, callback=bar if self._progress else None)
-                    late = self.model.comm.bcast(time.perf_counter() - saved > interval)
-                    if checkpoint is not None and late:
-                        run.save(checkpoint)
+                    if save is not None and comm.bcast(time.perf_counter() - saved > interval):
+                        save(history())
                         saved = time.perf_counter()
                 found = footprint(run.contact[0], float(place))
                 if found is not None:
                     footprints.append(found)
                 if show is not None and stress is not None:
-                    history = run.history if self.yields else None
-                    show(Frame(run.time, float(place), run.u, stress.evaluate(history)))
-        if checkpoint is not None:
-            run.save(checkpoint)
-        rows, force = run.energy_history, run.force_history[0]
+                    show(Frame(run.time, float(place), run.u, stress.evaluate(run.history if self.yields else None)))
+                done += 1
+        whole = history()
+        if save is not None:
+            save(whole)
+        return whole
+
+    def begun(self) -> History:
+        """The passage before its first step."""
+        assert self.run is not None, "preload and start come first"
+        return self._history_of(self.run, None, [], 0, 0.0)
+
+    def _history_of(
+        self, run: ExplicitProblem, so_far: History | None, footprints: list[Footprint], frames: int, seconds: float
+    ) -> History:
+        """The passage up to the present, with what was before it was resumed."""
+        data, rows, force = self.model.data, run.energy_history, self.model.data.sides * run.force_history[0]
+        if data.sides == 2:
+            # The other half bears the opposite force across the rail: together none.
+            force[:, 1] = 0.0
         times = rows[:, 0]
         energy = {name: rows[:, 1 + k] for k, name in enumerate(ENERGIES)}
-        steps = run.step - first
-        return History(
-            times, data.begin + data.speed * times, data.sides * force, energy, run.step,
-            float(np.diff(times).max(initial=0.0)), time.perf_counter() - before if steps else 0.0, footprints,
-        )  # fmt: skip
+        place = data.begin + data.speed * times
+        if so_far is not None:
+            # The run begins anew with the row of the moment at which it was saved.
+            old = so_far.time < (times[0] if len(times) else np.inf)
+            seconds += so_far.seconds
+            times, place = np.append(so_far.time[old], times), np.append(so_far.place[old], place)
+            force = np.concatenate([so_far.force[old], force])
+            energy = {name: np.append(so_far.energy[name][old], values) for name, values in energy.items()}
+        step = float(np.diff(times).max(initial=0.0))
+        return History(times, place, force, energy, run.step, step, seconds, list(footprints), frames)
 
     def unload(self) -> StaticProblem:
         """Lift the wheel off: residual displacement and stress, and the history for another passage. Collective.

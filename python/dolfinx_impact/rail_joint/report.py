@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import base64
-import dataclasses
 import html
 import math
 from collections.abc import Mapping, Sequence
@@ -14,7 +13,7 @@ from typing import Any
 from ..io.hdf5 import write_whole
 from ..io.run_folder import versions
 from .parameters import RailJoint
-from .results import P2_FREQUENCY, Summary
+from .results import SLOW, Summary
 
 STYLE = """
 body { font-family: sans-serif; max-width: 60rem; margin: 2rem auto; color: #222; line-height: 1.45; padding: 0 1rem; }
@@ -43,15 +42,18 @@ def rows_of(data: RailJoint, summary: Summary) -> list[tuple[str, str, str]]:
         ("least force, over the load", f"{s.least_force:.3f} at {1e3 * s.least_place:+.1f} mm", ""),
         ("largest force (P1), over the load", f"{s.dynamic_factor:.3f} at {1e3 * s.peak_place:+.1f} mm", ""),
         (
-            f"largest force below {P2_FREQUENCY:.0f} Hz (P2), over the load",
-            "the way is too short" if math.isnan(s.low_frequency_peak) else f"{s.low_frequency_peak:.3f}",
-            "",
+            f"largest force below {SLOW:.0f} Hz behind the joint, over the load",
+            f"none: shorter than {1e3 / SLOW:.0f} ms" if math.isnan(s.low_frequency_peak)
+            else f"{s.low_frequency_peak:.3f}", "",
         ),
+        ("P2, over the load", _p2(data, s), ""),
         ("contact in mid-rail: half-axes along, across", f"{along}, {across}", "mm"),
         ("the same by Hertz", ", ".join(f"{1e3 * a:.2f}" for a in s.hertz_half_axes), "mm"),
         ("largest pressure: mid-rail; Hertz; of the passage",
          f"{s.static_pressure / 1e6:.0f}; {s.hertz_pressure / 1e6:.0f}; {s.peak_pressure / 1e6:.0f}", "MPa"),
-        ("largest equivalent plastic strain", f"{100 * s.plastic_strain:.4f}", "%"),
+        (f"largest equivalent plastic strain (depends on the mesh: {1e3 * data.cell_size:.2f} mm at the edge)",
+         f"{100 * s.plastic_strain:.4f}", "%"),
+        ("residual stress of the heads: along the rail from, to; von Mises", _residual(s), "MPa"),
         ("largest deflection of the rail ends since the start", f"{1e6 * s.deflection:.1f}", "um"),
         ("second rail end above the first with the wheel on the first", f"{1e6 * s.step:.1f}", "um"),
         ("energy exchanged; part that the balance misses", f"{s.energy_exchanged:.1f} J; {s.energy_missed:.1e}", ""),
@@ -59,6 +61,25 @@ def rows_of(data: RailJoint, summary: Summary) -> list[tuple[str, str, str]]:
         ("wall-clock time of rolling", f"{s.seconds:.0f}", "s"),
     ]  # fmt: skip
     return rows
+
+
+def _p2(data: RailJoint, summary: Summary) -> str:
+    """P2, or why there is none."""
+    if not math.isnan(summary.p2):
+        return f"{summary.p2:.3f}"
+    behind, needed = data.end / data.speed, data.p2_period
+    return (
+        f"none: it takes {1e3 * needed:.1f} ms behind the joint (end = {1e3 * data.speed * needed:.0f} mm, "
+        f"joint --p2), the run has {1e3 * behind:.1f} ms"
+    )
+
+
+def _residual(summary: Summary) -> str:
+    if math.isnan(summary.residual_von_mises):
+        return "not known"
+    parts = (summary.residual_compression, summary.residual_tension, summary.residual_von_mises)
+    along_from, along_to, von_mises = (f"{1e-6 * value:.0f}" for value in parts)
+    return f"{along_from}, {along_to}; {von_mises}"
 
 
 def text_table(rows: Sequence[tuple[str, str, str]]) -> str:
@@ -107,10 +128,10 @@ def write(
     """
     shown = [_picture(path.parent / name, text) for name, text in pictures.items() if (path.parent / name).exists()]
     parameters = []
-    for item in dataclasses.fields(data):
-        value = getattr(data, item.name)
-        number = f"{value:.6g}" if isinstance(value, float) else str(value)
-        parameters.append((f"{item.name}: {item.metadata['what']}", f"{number} {item.metadata['unit']}"))
+    for name, value in data.values().items():
+        number = f"{value:.6g}" if isinstance(value, float) else str(value) if value != () else "none"
+        unit = data.unit_of(name) if value != () else ""
+        parameters.append((f"{name}: {data.what_of(name)}", f"{number} {unit}" if unit not in ("", "1") else number))
     several = ""
     if len(passes) > 1:
         head = ("pass", "largest force / load", "plastic strain [%]", "largest pressure [MPa]")
@@ -127,7 +148,9 @@ def write(
 <h1>{html.escape(title)}</h1>
 <p>A wheel under {data.load / 1e3:.0f} kN is pressed on the rail (multipliers), rolls over the joint (explicit dynamics,
 penalty contact, friction {data.friction:g}) and is lifted off.</p>
-<h2>Results</h2>{_table(rows_of(data, summary))}{several}
+<h2>Results</h2>{_table(rows_of(data, summary))}
+<p>Forces and footprint change by some percent when cells get half as large. Plastic strain and residual stress at the
+edges of the rails do not converge: stress at a corner has no limit. Compare them between runs of one mesh only.</p>{several}
 <h2>Pictures</h2>{"".join(shown)}
 <h2>Parameters</h2>{_table(parameters)}
 <h2>Time</h2>{_table(stages)}

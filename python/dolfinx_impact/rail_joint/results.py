@@ -14,7 +14,9 @@ from ..common.types import FloatArray
 from .parameters import RailJoint
 from .passage import Footprint, History
 
-P2_FREQUENCY = 500.0  # below which the force is the low-frequency one of vehicle and track [Hz]
+# Above the resonance of the unsprung mass on the track, some 30 to 100 Hz, and below that of the wheel on the contact,
+# which makes P1, some 200 to 1000 Hz: what is slower than this [Hz].
+SLOW = 500.0
 QUIET = 1.0  # half-axes of the contact and more before the rail end: not yet the joint
 
 
@@ -31,14 +33,17 @@ class Summary:
         dynamic_factor: largest force behind the joint's middle over the static one [1].
         peak_force: that force, as the P1 force of the literature [N].
         peak_place: where [m].
-        low_frequency_peak: of the force below P2_FREQUENCY, over the static one; nan where the way is shorter than a
-            period of it [1].
+        low_frequency_peak: largest force below SLOW behind the joint's middle, over the static one; nan where the run
+            is shorter than a period of it [1].
+        p2: the same as the P2 force of the literature, over the static one; nan where the way behind the joint is
+            shorter than a period of the wheel on the track (RailJoint.shows_p2) [1].
         hertz_pressure: largest pressure by Hertz [Pa].
         static_pressure: largest nodal pressure of the preload [Pa].
         hertz_half_axes: along and across the rail [m].
         static_half_axes: the same of the preload, from the area in contact and its ratio of extents [m].
         peak_pressure: largest nodal pressure of all footprints [Pa].
-        plastic_strain: largest equivalent one [1].
+        plastic_strain: largest equivalent one of all points of quadrature; at the edge of the rail it grows without
+            limit as cells get smaller [1].
         deflection: largest deflection of the rail ends below that at the start [m].
         step: difference of the heights of the rail ends when the wheel is on the first one's edge [m].
         steps: number of time steps [1].
@@ -48,6 +53,10 @@ class Summary:
         ranks: [1].
         energy_exchanged: largest change of an energy [J].
         energy_missed: by the balance, over the energy exchanged [1].
+        residual_tension: largest residual stress along the rail in its heads, averaged at nodes, without a wheel;
+            nan before the wheel is lifted off [Pa].
+        residual_compression: least one, negative in compression [Pa].
+        residual_von_mises: largest von Mises stress of the residual stress there [Pa].
     """
 
     static_force: float
@@ -59,6 +68,7 @@ class Summary:
     peak_force: float
     peak_place: float
     low_frequency_peak: float
+    p2: float
     hertz_pressure: float
     static_pressure: float
     hertz_half_axes: tuple[float, float]
@@ -74,13 +84,16 @@ class Summary:
     ranks: int
     energy_exchanged: float
     energy_missed: float
+    residual_tension: float = math.nan
+    residual_compression: float = math.nan
+    residual_von_mises: float = math.nan
 
     def as_dict(self) -> dict[str, Any]:
         """Numbers by name, for JSON, which has no name for what is not a number: None."""
         return {name: None if value != value else value for name, value in asdict(self).items()}
 
 
-def low_pass(history: History, frequency: float = P2_FREQUENCY) -> FloatArray | None:
+def low_pass(history: History, frequency: float = SLOW) -> FloatArray | None:
     """Vertical force without what is faster than a frequency; None if the passage is shorter than its period.
 
     Butterworth's filter of fourth order, run forward and backward, so that nothing is delayed.
@@ -168,10 +181,11 @@ def summarise(
         step = float(ends[at_edge, 2] - ends[at_edge, 1])
     pressures = [float(f.pressure.max(initial=0.0)) for f in history.footprints]
     hertz = data.hertz
+    slow_peak = math.nan if slow is None else float(slow[behind].max()) / data.load
     return Summary(
         static_force, float(before.mean()), float(np.abs(before / before.mean() - 1.0).max()), float(force[least]),
         float(place[least]), float(force[peak]), float(force[peak]) * data.load, float(place[peak]),
-        math.nan if slow is None else float(slow[behind].max()) / data.load, hertz.peak_pressure,
+        slow_peak, slow_peak if data.shows_p2 else math.nan, hertz.peak_pressure,
         math.nan if static_footprint is None else float(static_footprint.pressure.max()), (hertz.a, hertz.b),
         half_axes(static_footprint, data.sides), max(pressures, default=math.nan), plastic_strain, deflection, step,
         history.steps, history.dt, history.seconds, cells, ranks, exchanged, float(np.abs(balance).max()) / exchanged,

@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
 from mpi4py import MPI
 
-from .case import Case
+from .case import Case, UnusableJoint
 from .parameters import END_POSTS, PRESETS, RailJoint
 
 
@@ -22,8 +21,10 @@ def parser() -> argparse.ArgumentParser:
         epilog="Every parameter of the TOML file can be given as NAME=VALUE, for example speed='160 km/h' gap='6 mm'.",
     )
     out.add_argument("values", nargs="*", metavar="FILE.toml | NAME=VALUE", help="file of parameters, and single ones")
+    out.add_argument("--parameters", metavar="FILE", help="file of parameters, whatever its name looks like")
     out.add_argument("--preset", choices=PRESETS, help="mesh (default coarse)")
     out.add_argument("--end-post", choices=END_POSTS, help="material of the end post (default epoxy)")
+    out.add_argument("--p2", action="store_true", help="a way that is long enough for the force P2 (takes much longer)")
     out.add_argument("--output", metavar="DIR", help="folder of the results (default results/rail_joint)")
     out.add_argument("--resume", action="store_true", help="go on from the checkpoint in the folder, if there is one")
     out.add_argument("--no-pictures", action="store_true", help="numbers only: no pictures, fields and report")
@@ -32,28 +33,18 @@ def parser() -> argparse.ArgumentParser:
     return out
 
 
-def parameters(values: Sequence[str], **given: Any) -> RailJoint:
+def parameters(values: Sequence[str], file: str | None = None, **given: Any) -> RailJoint:
     """Parameters from a file and single values.
 
     Args:
         values: at most one file, and texts NAME=VALUE.
+        file: TOML file; None: one of `values`, or none.
         given: further values by name; None: not given.
 
     Raises:
         ValueError: an unknown name, a bad value, or a file that cannot be read.
     """
-    files = [text for text in values if "=" not in text]
-    if len(files) > 1:
-        raise ValueError(f"more than one file of parameters: {', '.join(files)}")
-    data = RailJoint.from_toml(files[0]) if files else RailJoint()
-    single: dict[str, Any] = dict(text.split("=", 1) for text in values if "=" in text)
-    single |= {name: value for name, value in given.items() if value is not None}
-    known = {item.name for item in dataclasses.fields(RailJoint)}
-    unknown = sorted(set(single) - known)
-    if unknown:
-        raise ValueError(f"a RailJoint has no {', '.join(unknown)}; it has {', '.join(sorted(known))}")
-    changed = RailJoint.from_mapping(single)
-    return data.changed(**{name: getattr(changed, name) for name in single})
+    return RailJoint.from_command_line(values, file, **given)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -63,21 +54,32 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: arguments; None for those of the process.
 
     Returns:
-        Exit status: 2 for arguments that cannot be used.
+        Exit status: 2 for arguments that cannot be used, 1 for a run that fails.
     """
     arguments = parser().parse_args(argv)
     comm = MPI.COMM_WORLD
+
+    def refuse(error: Exception, status: int) -> int:
+        if comm.rank == 0:
+            print(f"dolfinx-impact joint: {error}", flush=True)
+        return status
+
     try:
-        data = parameters(arguments.values, preset=arguments.preset, end_post=arguments.end_post)
+        data = parameters(arguments.values, arguments.parameters, preset=arguments.preset, end_post=arguments.end_post)
+        data = data.for_p2() if arguments.p2 else data
         if arguments.template:
-            print(data.to_toml(), end="")
+            if comm.rank == 0:
+                print(data.to_toml(), end="")
             return 0
         case = Case(data, arguments.output, comm, not arguments.no_pictures, not arguments.quiet, arguments.resume)
-    except ValueError as error:
-        if comm.rank == 0:
-            print(f"dolfinx-impact joint: {error}")
-        return 2
-    case.solve()
+    except (ValueError, RuntimeError) as error:
+        return refuse(error, 2)
+    try:
+        case.solve()
+    except UnusableJoint as error:
+        return refuse(error, 2)
+    except RuntimeError as error:  # no equilibrium, an unstable run, a full disk: the text says what to do
+        return refuse(error, 1)
     case.run.print(f"results in {case.run.path}")
     return 0
 

@@ -13,11 +13,12 @@ from ..assembly.operators import PointValues
 from .model import PATH_TAG, JointModel
 from .wheel import HUB_TAGS, RIM_TAG
 
-NAMES = ("von_mises", "sigma_xx", "tau_xz")
+# Along, across and normal to the rail, and the shear in its plane.
+NAMES = ("von_mises", "sigma_xx", "sigma_yy", "sigma_zz", "tau_xz")
 
 
 class NodalStress:
-    """Von Mises stress, sigma_xx and tau_xz at the nodes: means over the cells at a node that are of the same part.
+    """Von Mises stress and four components at the nodes: means over the cells at a node that are of the same part.
 
     Parts are the wheel, the steel of rails and bars, the end post and the insulating layer: where two of them meet, a
     node has the larger von Mises stress. Cauchy's stress; on the wheel from the first one of Piola and Kirchhoff.
@@ -69,14 +70,14 @@ class NodalStress:
         deviator = s - np.trace(s, axis1=2, axis2=3)[..., None, None] / 3.0 * np.eye(3)
         values = {
             "von_mises": np.sqrt(1.5 * np.einsum("cpij,cpij->cp", deviator, deviator)),
-            "sigma_xx": s[..., 0, 0], "tau_xz": s[..., 0, 2],
+            "sigma_xx": s[..., 0, 0], "sigma_yy": s[..., 1, 1], "sigma_zz": s[..., 2, 2], "tau_xz": s[..., 0, 2],
         }  # fmt: skip
         if history is not None:
             yielding = self._model.cell_tags.find(PATH_TAG)
             yielding = yielding[yielding < self._num_cells]
             stress = history["stress"].values[yielding].mean(axis=1)
-            for name, mean in (("sigma_xx", stress[:, 0]), ("tau_xz", stress[:, 5])):
-                values[name][yielding] = mean[:, None]
+            for name, k in (("sigma_xx", 0), ("sigma_yy", 1), ("sigma_zz", 2), ("tau_xz", 5)):
+                values[name][yielding] = stress[:, k, None]
             values["von_mises"][yielding] = history["von_mises"].values[yielding].mean(axis=1)[:, None]
         return {name: self._average(name, v, dofs) for name, v in values.items()}
 

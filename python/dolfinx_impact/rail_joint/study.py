@@ -5,8 +5,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import hashlib
-import itertools
 import json
 import os
 import subprocess
@@ -20,9 +18,10 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from ..common.end_with_parent import command_of
 from ..io import plots
 from ..io.run_folder import RunFolder
-from .parameters import END_POSTS, PRESETS, RailJoint
+from .parameters import END_POSTS, PRESETS, RailJoint, Study
 from .run import parameters
 
 # Options of the command: parameter, factor to SI units, unit of bare numbers.
@@ -56,9 +55,9 @@ class Job:
     @property
     def summary(self) -> dict[str, Any] | None:
         """Its numbers, None before it is done."""
-        with contextlib.suppress(OSError, ValueError):
+        with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
             found = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
-            if found["parameters"] == self.data.to_toml():
+            if found["identity"] == self.data.identity():
                 return dict(found["summary"])
         return None
 
@@ -67,11 +66,11 @@ class Job:
         self.folder.mkdir(parents=True, exist_ok=True)
         file = self.folder / "case.toml"
         file.write_text(self.data.to_toml(), encoding="utf-8")
-        command = [sys.executable, "-m", "dolfinx_impact.cli", "joint", str(file), "--output", str(self.folder),
-                   "--resume", "--no-pictures", "--quiet"]  # fmt: skip
+        command = [sys.executable, "-m", "dolfinx_impact.cli", "joint", "--parameters", str(file), "--output",
+                   str(self.folder), "--resume", "--no-pictures", "--quiet"]  # fmt: skip
         with open(self.folder / "output.txt", "ab") as output:
             self.process = subprocess.Popen(
-                command, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                command_of(command), stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                 env={**os.environ, "OMP_NUM_THREADS": "1"},
             )  # fmt: skip
         self.started = time.perf_counter()
@@ -83,44 +82,21 @@ def name_of(data: RailJoint) -> str:
     Args:
         data: the joint.
     """
-    checksum = hashlib.sha256(data.to_toml().encode()).hexdigest()[:6]
+    checksum = data.identity()[:8]
     return (
         f"{data.end_post}_{1e3 * data.gap:g}mm_{3.6 * data.speed:.4g}kmh_{data.load / 1e3:g}kN_{data.preset}_{checksum}"
     )
 
 
-def values(text: str) -> list[float]:
-    """Positive numbers with commas.
+def listed(text: str, unit: str = "") -> list[str]:
+    """Parts of a text between commas, with a unit where they have none.
 
     Args:
         text: as on the command line.
-
-    Raises:
-        argparse.ArgumentTypeError: the text is something else.
+        unit: of bare numbers.
     """
-    try:
-        found = [float(part) for part in text.split(",")]
-    except ValueError:
-        found = []
-    if not found or not all(np.isfinite(v) and v > 0.0 for v in found):
-        raise argparse.ArgumentTypeError(f"{text!r}: positive numbers with commas")
-    return found
-
-
-def end_posts(text: str) -> list[str]:
-    """Names of end posts with commas.
-
-    Args:
-        text: as on the command line.
-
-    Raises:
-        argparse.ArgumentTypeError: an unknown name.
-    """
-    found = text.split(",")
-    unknown = [name for name in found if name not in END_POSTS]
-    if unknown:
-        raise argparse.ArgumentTypeError(f"{', '.join(unknown)}: end posts are {', '.join(END_POSTS)}")
-    return found
+    parts = [part.strip() for part in text.split(",")]
+    return [f"{part} {unit}" if unit and part[-1:].isdigit() else part for part in parts]
 
 
 def parser() -> argparse.ArgumentParser:
@@ -132,17 +108,17 @@ def parser() -> argparse.ArgumentParser:
     out.add_argument("what", choices=["rail_joint"], help="what is studied")
     out.add_argument("values", nargs="*", metavar="FILE.toml | NAME=VALUE", help="parameters of all cases")
     for option, (_, _, unit) in VARIED.items():
-        out.add_argument(f"--{option}", type=values, metavar="X,Y,...", help=f"values in {unit}")
-    out.add_argument("--end-post", type=end_posts, metavar="NAME,...", help=f"of {', '.join(END_POSTS)}")
+        out.add_argument(f"--{option}", metavar="X,Y,...", help=f"values in {unit}, or with units")
+    out.add_argument("--end-post", metavar="NAME,...", help=f"of {', '.join(END_POSTS)}")
     out.add_argument("--preset", choices=PRESETS, help="mesh of all cases (default coarse)")
-    out.add_argument("--jobs", type=int, default=max(1, (os.cpu_count() or 1)), metavar="N",
+    out.add_argument("--jobs", default=str(max(1, (os.cpu_count() or 1))), metavar="N",
                      help="cases at once (default: number of processors, %(default)s)")  # fmt: skip
     out.add_argument("--output", metavar="DIR", help="folder of the results (default results/study)")
     return out
 
 
-def cases(arguments: argparse.Namespace) -> list[RailJoint]:
-    """All combinations of the values that were given.
+def study_of(arguments: argparse.Namespace) -> Study:
+    """Parameters of a study.
 
     Args:
         arguments: of the command.
@@ -150,15 +126,12 @@ def cases(arguments: argparse.Namespace) -> list[RailJoint]:
     Raises:
         ValueError: a bad value.
     """
-    base = parameters(arguments.values, preset=arguments.preset)
-    axes: dict[str, list[Any]] = {}
-    for option, (name, factor, _) in VARIED.items():
-        given = getattr(arguments, option)
-        if given is not None:
-            axes[name] = [factor * v for v in given]
-    if arguments.end_post is not None:
-        axes["end_post"] = arguments.end_post
-    return [base.changed(**dict(zip(axes, row))) for row in itertools.product(*axes.values())]
+    given: dict[str, Any] = {
+        name: tuple(listed(getattr(arguments, name), unit))
+        for name, unit in (*((name, unit) for name, (_, _, unit) in VARIED.items()), ("end_post", ""))
+        if getattr(arguments, name) is not None
+    }
+    return Study(**given, jobs=arguments.jobs)
 
 
 def run_queue(jobs: Sequence[Job], most: int) -> list[str]:
@@ -269,17 +242,26 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("dolfinx-impact study: runs cases side by side by itself (--jobs); start it without mpirun")
         return 2
     try:
-        data = cases(arguments)
-        if arguments.jobs < 1:
-            raise ValueError(f"--jobs is {arguments.jobs}: one or more")
-    except ValueError as error:
+        study = study_of(arguments)
+        data = study.cases(parameters(arguments.values, preset=arguments.preset))
+        run = RunFolder(arguments.output, name="study", parameters={"cases": len(data)}, alone=True)
+    except (ValueError, RuntimeError) as error:
         print(f"dolfinx-impact study: {error}")
         return 2
-    run = RunFolder(arguments.output, name="study", parameters={"cases": len(data)})
+    with run:
+        try:
+            return _run(run, data, study.jobs)
+        except RuntimeError as error:  # a full disk
+            print(f"dolfinx-impact study: {error}")
+            return 1
+
+
+def _run(run: RunFolder, data: Sequence[RailJoint], at_once: int) -> int:
+    """All cases, their table and picture; returns the exit status."""
     jobs = [Job(case, run.file(name_of(case))) for case in data]
     done = sum(job.summary is not None for job in jobs)
-    run.print(f"{len(jobs)} cases, {done} done already, {arguments.jobs} at once; results in {run.path}")
-    failed = run_queue(jobs, arguments.jobs)
+    run.print(f"{len(jobs)} cases, {done} done already, {at_once} at once; results in {run.path}")
+    failed = run_queue(jobs, at_once)
     finished = [job for job in jobs if job.summary is not None]
     if finished:
         _write(run, finished)

@@ -13,9 +13,9 @@ from dolfinx.mesh import Mesh, MeshTags, compute_midpoints, meshtags
 from mpi4py import MPI
 
 from ..common.types import FloatArray, IntArray
-from .parameters import RailJoint
+from .parameters import HUB, RailJoint
 
-BORE, HUB = 0.1, 0.15  # radii of the bore, and of the hub with all that is fixed to it [m]
+BORE = 0.1  # radius of the bore [m]
 HUB_TAGS = (8, 9)  # tags of the cells of the hub's upper and lower half
 RIM_TAG = 2  # tag of the other cells
 
@@ -82,7 +82,10 @@ class Wheel:
         found = np.linalg.solve(np.column_stack([moments[t] for t in HUB_TAGS]), wanted)
         if np.any(found <= 0.0):
             rim = data.sides * data.density * moments[RIM_TAG][0]
-            raise ValueError(f"wheel_mass is {data.wheel_mass} kg: the rim alone weighs {rim:.0f} kg")
+            raise ValueError(
+                f"wheel_mass is {data.wheel_mass:g} kg: the rim alone weighs {rim:.0f} kg, and the hub must balance "
+                "what its finer cells weigh; give a larger wheel_mass, or more cells"
+            )
         return {tag: float(density) for tag, density in zip(HUB_TAGS, found)}
 
     @property

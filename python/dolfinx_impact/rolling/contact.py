@@ -59,6 +59,8 @@ class RollingContact(LagrangeContact):
             velocities by displacements, at the present state [L^2], [L^2/T].
     """
 
+    may_share_nodes = False
+
     def __init__(self, spec: RollingLagrange, problem: Any) -> None:
         super().__init__(spec, problem)
         self._flow = spec.flow

@@ -265,7 +265,7 @@ class RollingProblem(Unique):
 
         def equilibrium(number: int) -> Report:
             if self._reduced is None:
-                return p.solve(number, rtol, atol, max_iterations, cut_backs, verbose)
+                return p.solve(number, rtol, atol, max_iterations, cut_backs, verbose, progress=False)
             with Interrupts(self.u.function_space.mesh.comm) as interrupts:
                 solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
                 report = run_steps(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)

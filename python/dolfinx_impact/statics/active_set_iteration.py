@@ -7,7 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from mpi4py import MPI
 
+from ..common.types import AnyArray
+from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
@@ -16,6 +19,8 @@ if TYPE_CHECKING:
 
 NOBODY = -2  # a number that no node has
 VIOLATION = 1e-11  # largest violation of the contact conditions in a converged state, in sizes of the bodies
+# Relative difference of the pressures of states that are the same, above the round-off of a linear solution.
+REPEATED = 1e-6
 PATIENCE = 3  # updates of all nodes in succession that may fail to reduce the number of wrong nodes
 
 
@@ -58,6 +63,55 @@ class ActiveSetIteration:
         return found
 
 
+class RepeatedStates:
+    """Recognises active sets of a linearised problem that come again, although single nodes change.
+
+    Such a problem has no active set that fits: with friction there need not be one, as normal and friction forces of a
+    node depend on each other. Its updates would go round for ever.
+
+    Args:
+        comm: communicator of the problem.
+        later: number of updates after the first repetition at which to stop, so that linearised problems that follow
+            each other begin from different states of a cycle [1].
+    """
+
+    def __init__(self, comm: MPI.Comm, later: int = 0) -> None:
+        self._comm, self._later = comm, later
+        self._states: list[list[AnyArray]] = []
+        self._end: int | None = None
+
+    def stops(self, contacts: Sequence[MultiplierContact]) -> bool:
+        """Add the present state, and decide whether further updates are useless. Collective.
+
+        Args:
+            contacts: contacts with multipliers, after an update of a single node.
+
+        Returns:
+            Whether the updates are to end here.
+        """
+        state: list[AnyArray] = []
+        for c in contacts:
+            state += [c.active.copy(), c.sliding.copy(), c.multiplier.copy()]
+        same = [all(_equal(a, b) for a, b in zip(state, before)) for before in self._states]
+        again = [k for k, equal in enumerate(zip(*self._comm.allgather(same))) if all(equal)]
+        self._states.append(state)
+        if again and self._end is None:
+            period = len(self._states) - 1 - again[-1]
+            self._end = len(self._states) + self._later % period
+        return self._end is not None and len(self._states) >= self._end
+
+    def forget(self) -> None:
+        """Forget all states: all nodes have changed at once."""
+        self._states, self._end = [], None
+
+
+def _equal(one: AnyArray, other: AnyArray) -> bool:
+    """Whether masks are equal, and numbers to REPEATED of the largest."""
+    if one.dtype == bool:
+        return bool(np.array_equal(one, other))
+    return bool(np.abs(one - other).max(initial=0.0) <= REPEATED * np.abs(other).max(initial=0.0))
+
+
 def did_not_converge(
     result: Increment, newton: Newton, moved: bool, small: bool, pending: int, violation: float
 ) -> Increment:
@@ -83,12 +137,17 @@ def did_not_converge(
         found.append(f"{pending} contact points change their state")
     if violation >= VIOLATION:
         found += [text for text in [c.largest_violation() for c in contacts] if text]
+    crowded = over_constrained(newton.multipliers) if newton.multipliers else ""
+    if crowded:
+        found.append(crowded)
     if not moved:
         found.append("prescribed values are not reached")
+    if result.stalled():
+        found.append("the linearised problems have no active set that fits, and the residual does not fall")
     if period:
         found.append(f"the same states come again after {period} iterations")
     text = (
-        f"Newton's method did not converge in {newton.max_iterations} iterations: {', '.join(found)}; residual norms: "
+        f"Newton's method did not converge in {result.iterations} iterations: {', '.join(found)}; residual norms: "
         f"{', '.join(f'{n:.3e}' for n in norms)}"
     )
     if small and moved and not pending:

@@ -44,6 +44,7 @@ WORTH = 10  # iterations that cost as much as factors of other packages than MUM
 # Operations of a factorisation run this much faster than those of a solution with the factors (measured: 4.5 on meshes
 # of the plane, 5.5 in space).
 BLOCKED = 5.0
+MOST_WORK_SPACE = 1000  # beyond what MUMPS foresees [%]
 _SOLVERS = itertools.count()
 
 
@@ -173,8 +174,9 @@ class LinearSolver:
         self._asked = {key: own + key for key in {**(options or {}), **given}}
         if indefinite and not self.direct:
             raise ValueError(
-                f"pc_type is {named!r}: multipliers with another basis than 'dual' stay in a saddle point, which needs "
-                "a direct solver (pc_type lu); or take the dual basis"
+                f"pc_type is {named!r}: multipliers with another basis than 'dual', and those of several contacts at "
+                "the same nodes, stay in a saddle point, which needs a direct solver (pc_type lu); or take the dual "
+                "basis, and leave common nodes out of the tags"
             )
         self.near_nullspace = None if self.direct else rigid_motions(V)
         self._given_rtol = "ksp_rtol" in chosen
@@ -256,6 +258,10 @@ class LinearSolver:
             x.set(0.0)
         self._prepare(system)
         self._run(system, b, x)
+        while self._short_of_work_space():
+            x.set(0.0)
+            self._prepare(system)
+            self._run(system, b, x)
         if self._pins and self.ksp.getConvergedReason() == PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_PC:
             # Where the stiffness jumps by orders of magnitude and a material is nearly incompressible, multigrid may be
             # indefinite. Conjugate gradients end there; GMRES goes on with it.
@@ -368,6 +374,20 @@ class LinearSolver:
         self.ksp.getPC().setReusePreconditioner(False)
         self.num_set_ups += 1
         self._pinned, self._own = system.mask, system
+
+    def _short_of_work_space(self) -> bool:
+        """Has MUMPS ended because pivots that it put off took more memory than it had foreseen? Then ask for more.
+        Small indefinite matrices do that. Collective."""
+        pc = self.ksp.getPC()
+        if self.ksp.getConvergedReason() >= 0 or not self.direct or pc.getFactorSolverType() != "mumps":
+            return False
+        key = self._prefix + "mat_mumps_icntl_14"
+        given = PETSc.Options().getInt(key, 20)
+        if pc.getFactorMatrix().getMumpsInfog(1) not in (-8, -9) or given >= MOST_WORK_SPACE:
+            return False
+        PETSc.Options()[key] = 4 * given
+        weakref.finalize(self, _forget, [key])
+        return True
 
     def _run(self, system: System, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve with the present preconditioner. Collective."""

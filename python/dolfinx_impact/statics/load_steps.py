@@ -12,11 +12,15 @@ import numpy as np
 from mpi4py import MPI
 
 from ..common.types import FloatArray
+from .equilibrium import open_contacts
+from .progress import SolveProgress
 
 if TYPE_CHECKING:
     from .problem import StaticProblem
 
 LOG = logging.getLogger("dolfinx_impact")
+STALLED = 2  # linearised problems in succession without an active set that fits, one for each state of a cycle of two
+FALLING = 0.9  # of the residual: what such problems must reduce it to for going on
 SAME = 1e-3  # relative difference of the residuals of states that count as equal
 
 
@@ -33,6 +37,8 @@ class Increment:
         changes: number of points whose status changed by iteration [1].
         iterations: number of linearised problems, each with its active set updated to convergence [1].
         unsettled: number of those whose active set did not converge [1].
+        unsettled_in_succession: number of the last of them in succession [1].
+        closed: whether each contact was closed at the start of the increment; empty: not known.
     """
 
     fault: str = "not finished"
@@ -43,6 +49,8 @@ class Increment:
     changes: list[int] = field(default_factory=list)
     iterations: int = 0
     unsettled: int = 0
+    unsettled_in_succession: int = 0
+    closed: list[bool] = field(default_factory=list)
 
     def add(self, norm: float, size: int, changes: int) -> None:
         """Add an iteration.
@@ -85,17 +93,29 @@ class Increment:
         """Period of a cycle in the last iterations.
 
         Returns:
-            Number of iterations after which the same states came again, in the last three periods; 0: no cycle [1].
+            Number of iterations after which the same states came again, in the last two periods; 0: no cycle [1].
         """
         for period in (2, 3):
-            if len(self.residual_norms) < 3 * period:
+            if len(self.residual_norms) < 2 * period:
                 continue
-            norms = np.reshape(self.residual_norms[-3 * period :], (3, period))
-            sizes = np.reshape(self.active_set_sizes[-3 * period :], (3, period))
+            norms = np.reshape(self.residual_norms[-2 * period :], (2, period))
+            sizes = np.reshape(self.active_set_sizes[-2 * period :], (2, period))
             same = np.abs(norms - norms[-1]) <= SAME * norms[-1]
             if np.all(same) and np.all(sizes == sizes[-1]) and np.ptp(norms[-1]) > SAME * norms[-1].max():
                 return period
         return 0
+
+    def stalled(self) -> bool:
+        """Whether the active sets of the last linearised problems did not converge, and the residual does not fall.
+
+        Returns:
+            Whether STALLED problems in succession after another one were left with wrong nodes, at a residual no less
+            than after that one.
+        """
+        if self.unsettled_in_succession < STALLED + 1:
+            return False
+        before, last = self.residual_norms[-STALLED - 1], self.residual_norms[-STALLED:]
+        return min(last) >= FALLING * before
 
 
 @dataclass
@@ -175,10 +195,15 @@ class StepLog:
     Args:
         comm: communicator of the problem.
         verbose: whether lines are printed on the terminal.
+        progress: whether a solve that takes long says from time to time how far it is; not with `verbose`.
+
+    Attributes:
+        progress: lines of progress.
     """
 
-    def __init__(self, comm: MPI.Comm, verbose: bool) -> None:
+    def __init__(self, comm: MPI.Comm, verbose: bool, progress: bool = False) -> None:
         self.rank, self.verbose = comm.rank, verbose
+        self.progress = SolveProgress(comm, progress and not verbose)
 
     def __call__(self, text: str) -> None:
         if self.rank == 0:
@@ -197,6 +222,7 @@ class StepLog:
             changes: number of points whose status changed [1].
         """
         relative = f"{norm / scale:.2e}" if scale > 0 else "0"
+        self.progress.show(f"iteration {i}: residual {norm:.1e} (relative {relative}), {size} in contact")
         self(f"  iteration {i:2d}: residual {norm:.3e} (relative {relative}), {size} in contact, {changes} changed")
 
 
@@ -284,7 +310,14 @@ class IncrementSolver(Protocol):
         ...
 
 
-def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_backs: int, verbose: bool) -> Report:
+def run_steps(
+    problem: StaticProblem,
+    solver: IncrementSolver,
+    steps: int,
+    cut_backs: int,
+    verbose: bool,
+    progress: bool = False,
+) -> Report:
     """Solve all increments of a load step. Collective.
 
     Args:
@@ -293,6 +326,7 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
         steps: number of equal increments [1].
         cut_backs: largest number of times that the increment is halved [1].
         verbose: whether iterations are printed on the terminal.
+        progress: whether a solve that takes long says from time to time how far it is.
 
     Returns:
         Report.
@@ -300,8 +334,9 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
     Raises:
         RuntimeError: an increment did not converge; the problem is in its last converged state.
     """
-    report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose), LoadPath(problem)
+    report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose, progress), LoadPath(problem)
     width, done, halved = 1.0 / steps, 0.0, 0
+    closed = [c.num_active > 0 for c in problem.contact]
     good = problem.u.x.array.copy()
     while done < 1.0 - 1e-12:
         fraction = min(done + width, 1.0)
@@ -311,6 +346,7 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
         if fraction > 1.0 - 1e-9:
             fraction = 1.0
         log(f"increment {len(report.iterations) + 1}: to {fraction:.4f} of the way")
+        log.progress.begin(len(report.iterations) + 1, done, fraction)
         states = [c.save_state() for c in problem.contact]
         displacements = iter(path.apply(fraction))
         target = path.values(fraction)
@@ -331,6 +367,8 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
             for contact in problem.contact:
                 contact.accept_step()
             report.add(increment, fraction)
+            known = increment.closed or closed
+            closed = [was or at_start or c.num_active > 0 for was, at_start, c in zip(closed, known, problem.contact)]
             good, done = problem.u.x.array.copy(), fraction
             continue
         _back(problem, good, states)
@@ -347,6 +385,9 @@ def run_steps(problem: StaticProblem, solver: IncrementSolver, steps: int, cut_b
         report.rejected_iterations.append(increment.iterations)
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")
     path.finish(1.0)
+    lost = open_contacts(problem, closed)
+    if lost and problem.space.mesh.comm.rank == 0:
+        LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(lost)}")
     report.seconds = solver.seconds
     log(report.table())
     return report

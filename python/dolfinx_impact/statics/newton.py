@@ -23,9 +23,11 @@ from .. import _cpp
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
-from .active_set_iteration import VIOLATION, ActiveSetIteration, did_not_converge
+from .equilibrium import open_contacts, out_of_balance
+from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
 from .load_steps import Increment, StepLog
 from ..common.types import FloatArray, IntArray
+from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
@@ -103,6 +105,7 @@ class Newton:
         """
         p, result = self.problem, Increment()
         scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
+        unbalanced = np.inf
         self._K: PETSc.Mat | None = None
         for iteration in itertools.count():
             with self._clock("bodies"):
@@ -116,6 +119,7 @@ class Newton:
                 return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
                                      "evaluated (inverted cells?)")  # fmt: skip
             with self._clock("contact"):
+                bodies = b.array.copy()
                 for contact in p.contact:
                     contact.update_gap(p.u.x.array)
                     if not contact.has_multipliers:
@@ -137,19 +141,32 @@ class Newton:
             log.iteration(iteration, norm, max(scale, inner), result.active_set_sizes[-1], result.changes[-1])
             self._tell(iteration, norm)
             settled = iteration > 0 or not p.contact
-            small = norm <= max(self.atol, noise, self.rtol * max(scale, inner))
+            tolerance = max(self.atol, noise, self.rtol * max(scale, inner))
+            small = norm <= tolerance
+            if iteration == 0:
+                result.closed = [c.num_active > 0 for c in p.contact]
             if moved and settled and pending == 0 and violation < VIOLATION and small:
+                lost = self._lost_contact(result.closed)
+                if lost:
+                    return result.failed(lost)
                 again = any([c.augment() for c in p.contact])
                 faults = [c.fault for c in p.contact if c.fault]
                 if faults:
                     return result.failed("; ".join(faults), hopeless=True)
-                if not again:
+                if again:
+                    round_start = iteration
+                    continue
+                missing = out_of_balance(p, bodies, tolerance)
+                if missing is None:
                     return result.converged()
-                round_start = iteration
-                continue
-            if iteration - round_start == self.max_iterations:
+                # Directions of friction follow the normals one iteration later: what is missing falls then.
+                last = iteration - round_start == self.max_iterations
+                if last or missing.norm > 0.5 * unbalanced:
+                    return result.failed(missing.text, hopeless=True)
+                unbalanced = missing.norm
+            if iteration - round_start == self.max_iterations or result.stalled():
                 break
-            period = result.cycle() if iteration - round_start > PLAIN else 0
+            period = result.cycle() if iteration - round_start > 0 else 0
             K = self._stiffness()
             if iteration == 0 and p.contact and not p.body.has_inertia:
                 loose = self.unconstrained_modes(K)
@@ -168,11 +185,19 @@ class Newton:
                 likely = 0.1 * (norm / before) ** 2 if before else 1e-4
                 digits = min(digits, max(enough, min(likely, LOOSE_DIGITS)))
             before, start = norm if moved else None, p.u.x.array.copy()
-            fault, settling, left = self._solve(K, residual, jump, digits, log)
+            fault, settling, left = self._solve(K, residual, jump, digits, log, result.unsettled)
             result.iterations += 1
             result.unsettled += left > 0
+            result.unsettled_in_succession = result.unsettled_in_succession + 1 if left > 0 else 0
             p.u.x.array[p.fixed] = target[p.fixed]  # without round-off
+            if fault and p.contact and not p.body.has_inertia:
+                loose = self.unconstrained_modes(K)
+                if loose:
+                    return result.failed(f"{loose}; the linear solver failed ({fault})", hopeless=True)
             if fault:
+                crowded = over_constrained(self.multipliers)
+                if crowded:
+                    return result.failed(f"the linear problem has no solution: {crowded}", advice="")
                 collapse = " Is the load more than the body can bear?" if self.inelastic else ""
                 return result.failed(
                     f"the linear solver failed ({fault}): is the body held against rigid motion?{collapse}"
@@ -185,6 +210,27 @@ class Newton:
                 else:
                     self._backtrack(start, norm)
         return did_not_converge(result, self, moved, small, pending, violation)
+
+    def _lost_contact(self, closed: Sequence[bool]) -> str:
+        """Message about points that have passed through a master, or bodies that nothing holds any more as contacts
+        have opened; an empty text if there are none. Collective.
+
+        Args:
+            closed: whether each contact was closed at the start of the increment.
+        """
+        p = self.problem
+        passed = [text for text in [c.passed_through() for c in p.contact] if text]
+        if passed:
+            return "; ".join(passed)
+        if p.body.has_inertia:
+            return ""
+        lost = open_contacts(p, closed)
+        if not lost:
+            return ""
+        bearing = [c for c in p.contact if c.num_active > 0]
+        springs = self._stiffness() if p.body.has_springs else None
+        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, bearing, p.u.x.array, p.axisymmetric, springs)
+        return f"contact was lost ({'; '.join(lost)}), and {'; '.join(loose)}" if loose else ""
 
     @contextlib.contextmanager
     def _clock(self, part: str) -> Iterator[None]:
@@ -293,6 +339,8 @@ class Newton:
             # The residual of penalty contact is already that of the new status; where the friction limit is reached
             # exactly, round-off decides on the status.
             pending += changed if contact.has_multipliers else 0
+        if not first:
+            pending += sum([c.num_turning() for c in self.multipliers])
         return changes, pending
 
     def _free_norm(self, residual: FloatArray) -> float:
@@ -384,7 +432,7 @@ class Newton:
         return _cpp.multipliers.Condensation(self.comm, self.num_owned, start, space.mesh.geometry.dim, parts)
 
     def _solve(
-        self, K: PETSc.Mat, residual: FloatArray, jump: FloatArray, rtol: float, log: StepLog
+        self, K: PETSc.Mat, residual: FloatArray, jump: FloatArray, rtol: float, log: StepLog, unsettled: int = 0
     ) -> tuple[str | None, int, int]:
         """Solve the linearised problem with updates of its active set, and update u. Collective.
 
@@ -394,6 +442,7 @@ class Newton:
             jump: increments of the prescribed displacements, over `fixed` [L].
             rtol: relative tolerance of the linear solution [1].
             log: log of the iterations.
+            unsettled: number of linearised problems of this increment whose active set did not converge [1].
 
         Returns:
             What went wrong, or None; number of changes of the active set; number of nodes that were still wrong.
@@ -417,6 +466,7 @@ class Newton:
         moved: FloatArray = np.zeros(self.num_owned)
         moved[self.fixed] = jump
         digits, settle, corrected, left = (LOOSE_DIGITS if self.multipliers else rtol), ActiveSetIteration(), False, 0
+        repeated = RepeatedStates(self.comm, unsettled)
         while True:
             fault, moved, forces, found = self.one_solution(
                 K, penalties, geometric, symmetric, residual, moved, mean, digits
@@ -432,6 +482,7 @@ class Newton:
                 if self.saddle:
                     self._set_multipliers(mean)
                 found = settle.change(self.multipliers)
+                log.progress.show(f"update {settle.count} of the active set: {found} nodes change")
             if found == 0:
                 if corrected and digits <= rtol:
                     break
@@ -440,7 +491,7 @@ class Newton:
                     with self._clock("contact"):
                         self._correct(moved)
                     corrected = True
-            elif settle.count == MAX_CHANGES:
+            elif settle.count == MAX_CHANGES or self._repeats(settle, repeated):
                 log(f"    active set not converged after {settle.count} updates: {found} nodes still change")
                 left = found
                 break
@@ -448,6 +499,13 @@ class Newton:
         p.u.x.array[: self.num_owned] += moved
         p.u.x.scatter_forward()
         return fault, changes, left
+
+    def _repeats(self, settle: ActiveSetIteration, repeated: RepeatedStates) -> bool:
+        """Do updates of single nodes go round? Collective."""
+        if settle.patience > 0:
+            repeated.forget()
+            return False
+        return repeated.stops(self.multipliers)
 
     def _correct(self, moved: FloatArray) -> None:
         """Apply the second-order correction of contacts at the solution of the linearised problem. Collective.
@@ -507,6 +565,8 @@ class Newton:
         system: LinearSystem | SaddlePoint
         if self.saddle:
             self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
+            for multiplier, nodes in zip(self.multipliers, self._rows.redundant):
+                multiplier.set_redundant(nodes)
             system = SaddlePoint(K, extra, self._rows)
             start = system.unknowns(guess, self._forces)
         else:

@@ -27,6 +27,7 @@ from .snes import Solver
 from .load_steps import Report, run_steps
 from ..common.types import BoolArray, FloatArray
 from ..common.unique import Unique, claim
+from ..contact.mortar.shared_nodes import connect
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 
@@ -103,19 +104,21 @@ class StaticProblem(Unique):
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads)
         self._b = self.body.vector()
-        # Only multipliers with the dual basis can be condensed. With another basis, all stay in the system.
-        self.keeps_multipliers = any(getattr(c, "basis", "dual") != "dual" for c in contact)
-        self.linear_solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
-        # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
-        # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
-        # order of pressure over stiffness.
-        self.exact_tangent = self.linear_solver.direct
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for d in dofs:
             self.fixed[d] = True
         self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
+        # Only multipliers with the dual basis can be condensed, and only one constraint at a node. Otherwise, all stay
+        # in the system.
+        shared = connect(self.contact)
+        self.keeps_multipliers = shared or any(getattr(c, "basis", "dual") != "dual" for c in contact)
+        self.linear_solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
+        # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
+        # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
+        # order of pressure over stiffness.
+        self.exact_tangent = self.linear_solver.direct
 
     @property
     def tangent(self) -> BodyTangent:
@@ -175,6 +178,7 @@ class StaticProblem(Unique):
         max_iterations: int = 25,
         cut_backs: int | None = None,
         verbose: bool = False,
+        progress: bool = True,
     ) -> Report:
         """Solve for the present values of loads, boundary conditions and rigid obstacles, in steps from the values of
         the last solve. Collective.
@@ -191,6 +195,8 @@ class StaticProblem(Unique):
             cut_backs: largest number of times that the increment is halved if it does not converge; None: 8 with
                 contact or several steps, otherwise 0 [1].
             verbose: print every iteration on rank 0. It is always written to the log "dolfinx_impact" at level INFO.
+            progress: a solve that takes longer than five seconds says on rank 0 (error output) from time to time how
+                far it is.
 
         Returns:
             Report.
@@ -216,11 +222,8 @@ class StaticProblem(Unique):
         for contact in self.contact:
             contact.check_parameters()
         with Interrupts(self.space.mesh.comm) as interrupts:
-            solver = Solver(self, rtol, atol, max_iterations, interrupts)
-            try:
-                report = run_steps(self, solver, steps, most, verbose)
-            finally:
-                solver.free()
+            with Solver(self, rtol, atol, max_iterations, interrupts) as solver:
+                report = run_steps(self, solver, steps, most, verbose, bool(progress))
             interrupts.check()
         self.linear_solver.warn_of_unused()
         return report

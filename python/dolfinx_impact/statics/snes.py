@@ -8,14 +8,16 @@ penalty contact the equations are smooth enough for other types: -snes_type newt
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import TracebackType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
 
-from ..common.collective import attempt
+from ..common.collective import attempt, is_common
 from ..common.interrupts import Interrupts
 from ..common.types import FloatArray
+from .equilibrium import out_of_balance
 from .newton import LOOSE_DIGITS, Newton
 from .load_steps import Increment, StepLog
 
@@ -77,6 +79,16 @@ class Solver:
                 f"snes_type is {kind!r}: Lagrange multipliers need the package's own method, snes_type {OWN!r}; "
                 "or take Penalty"
             )
+
+    def __enter__(self) -> Solver:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        # PETSc's objects are destroyed by all ranks together: after an error of one rank the garbage collector does it.
+        if is_common(self.problem.space.mesh.comm, error):
+            self.free()
 
     def forget(self) -> None:
         """Forget what was kept from earlier increments, start vectors and places of matrices. Collective."""
@@ -257,5 +269,8 @@ class Solver:
             if faults:
                 return result.failed("; ".join(faults), hopeless=True)
             if not again:
+                missing = out_of_balance(p, p.assemble_residual().array.copy(), max(tolerance, float(norms[-1])))
+                if missing:
+                    return result.failed(missing.text, hopeless=True)
                 result.iterations += 1  # the linear step to the prescribed values
                 return result.converged()

@@ -98,19 +98,31 @@ class RandomVariation:
         self.angles, self.direction, self.spin = rng.uniform(-1, 1, (3, 3)) * [[0.3], [0.5], [0.3]]
         self.phases = rng.uniform(0, 2 * np.pi, 3)
 
-    def rotate_upper_body(self, domain: Mesh) -> None:
-        """Rotate the upper body about its centre and keep its lowest point at the same height.
+    def rotate_upper_body(self, domain: Mesh, top: Callable[[FloatArray], FloatArray] | None = None) -> None:
+        """Rotate the upper body about its centre and keep its least height above the lower body.
+
+        The body falls from the same gap then, and touches before it has turned or moved far.
 
         Args:
             domain: mesh of two bodies, which is changed.
+            top: height of the lower body's upper face as a function of positions, shape (n, 3) to (n); None: the face
+                is level [L].
         """
         if self.seed is None:
             return
         dim = domain.geometry.dim
         x, upper = domain.geometry.x, _upper_nodes(domain)
-        low, centre = x[upper, dim - 1].min(), x[upper].mean(axis=0)
+        cells = domain.geometry.dofmap[upper[domain.geometry.dofmap].all(axis=1)]
+
+        def height() -> float:
+            # Facets may be nearer than their nodes where the lower body is curved: in the middle, or nearly there.
+            places = 0.5 * (x[cells[:, :, None]] + x[cells[:, None, :]]).reshape(-1, 3)
+            above = places[:, dim - 1] - (0.0 if top is None else top(places))
+            return float(above.min())
+
+        low, centre = height(), x[upper].mean(axis=0)
         x[upper, :dim] = ((x[upper] - centre) @ _rotation(self.angles, dim).T + centre)[:, :dim]
-        x[upper, dim - 1] += low - x[upper, dim - 1].min()
+        x[upper, dim - 1] += low - height()
 
     def apply(self, case: Run) -> Run:
         """Vary the time step and the initial velocity of a run.
@@ -328,6 +340,13 @@ def smooth_hill(cell: str, degree: int, variation: RandomVariation = RandomVaria
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
     lower, upper_cells = ((7, 3), (5, 3)) if dim == 2 else ((3, 3, 2), (2, 2, 2))
 
+    def squared(x: FloatArray) -> FloatArray:
+        """Squared distance from the vertical axis [L^2]."""
+        return ((x[:, : dim - 1] - 0.5) ** 2).sum(axis=1)
+
+    def top(x: FloatArray) -> FloatArray:
+        return 1.0 - 0.5 * squared(x)
+
     def normals(x: FloatArray) -> FloatArray:
         return np.vstack([x[: dim - 1] - 0.5, np.ones((1, x.shape[1]))])
 
@@ -342,10 +361,9 @@ def smooth_hill(cell: str, degree: int, variation: RandomVariation = RandomVaria
     for kind, options in (*methods, ("penalty", {"balanced": True}), ("kinematic", {})):
         domain, tags = two_bodies(cell, lower, upper_cells, start=(0.21, 0.17))
         x, upper = domain.geometry.x, _open_gap(domain, GAP)
-        squared = ((x[:, : dim - 1] - 0.5) ** 2).sum(axis=1)
-        x[upper, dim - 1] += 0.2 * squared[upper]
-        x[~upper, dim - 1] *= 1.0 - 0.5 * squared[~upper]  # the top's height is 1 - r^2/2, its normal (x, y, 1)
-        variation.rotate_upper_body(domain)
+        x[upper, dim - 1] += 0.2 * squared(x[upper])
+        x[~upper, dim - 1] *= top(x[~upper])  # the top's normal is (x, y, 1), from the axis
+        variation.rotate_upper_body(domain, top)
         body = _body(domain, tags, degree, "3d" if dim == 3 else "plane_strain", friction=0.3)
         name = f"body on a smooth hill, {'balanced ' if options else ''}{kind}"
         yield Run(name, body, velocity, kind, options, smooth=normals)

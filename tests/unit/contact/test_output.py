@@ -4,7 +4,8 @@
 import h5py
 import numpy as np
 import pytest
-from dolfinx import io
+from dolfinx import fem, io
+from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 from initial_penetration_checks import Square
@@ -79,3 +80,36 @@ def test_before_the_first_solution_nothing_touches(method):
         assert len(values) == len(contact.points) > 0 and not np.any(values), name
     np.testing.assert_allclose(contact.gap, 0.1)
     assert contact.force is None
+
+
+@pytest.mark.parametrize(
+    "kind, method",
+    [("static", di.Lagrange), ("static", di.Penalty), ("newmark", di.Lagrange), ("newmark", di.Penalty)]
+    + [("explicit", di.Penalty), ("explicit", di.Kinematic)],
+)
+def test_contacts_print_what_they_are(kind, method):
+    """Their pair, and the force on the slave once there is one; no address."""
+    made = dmesh.create_unit_square(MPI.COMM_SELF, 2, 2, dmesh.CellType.quadrilateral)
+    V = fem.functionspace(made, ("Lagrange", 1, (2,)))
+    foot = dmesh.locate_entities_boundary(made, 1, lambda x: np.isclose(x[1], 0.0))
+    tags = dmesh.meshtags(made, 1, np.sort(foot), np.full(len(foot), 3, dtype=np.int32))
+    pair = di.ContactPair(tags, 3, di.RigidPlane((0.0, 0.0), (0.0, 1.0)), friction=0.25, name="sole")
+    top = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[1], 1.0))
+    bcs, law = [fem.dirichletbc(np.array([0.0, -0.01]), top, V)], di.LinearElastic(1.0, 0.0, 1.0, "plane_strain")
+    u, contact = fem.Function(V), [method(pair)]
+    if kind == "static":
+        problem = di.StaticProblem(u, law, bcs=bcs, contact=contact)
+        solve = problem.solve
+    else:
+        velocity = fem.Function(V)
+        velocity.x.array[1::2] = -0.1
+        make = di.ExplicitProblem if kind == "explicit" else di.NewmarkProblem
+        problem = make(u, law, velocity=velocity, contact=contact)
+        solve = lambda: problem.advance(0.04, dt=0.01, progress=False)  # noqa: E731
+    text = repr(problem.contact[0])
+    assert "'sole'" in text and "friction 0.25" in text and f"{len(problem.contact[0].weight)} points" in text
+    solve()
+    text = repr(problem.contact[0])
+    force = problem.contact[0].force
+    assert f"({force[0]:.6g}, {force[1]:.6g})" in text and force[1] > 0.0
+    assert " object at 0x" not in text

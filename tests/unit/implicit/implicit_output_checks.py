@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Implicit runs that are saved, recorded or cut short, alike on all ranks. See on_ranks.py."""
 
+import shutil
+import warnings
+
 import numpy as np
 import pytest
 from dolfinx import fem
@@ -49,6 +52,26 @@ def check_steps_end_at_given_times():
             np.testing.assert_array_equal(file["time"][:], times[1:])  # from the recorder's start on
             assert file["points/displacement"].shape == (len(times), 1, 2)
         assert (path / "run" / "fields.bp").exists()
+
+
+def check_a_folder_that_is_removed():
+    """The run goes on with one warning; closing the recorder is an error."""
+    with folder() as path:
+        problem, again = bar(), bar()
+        recorder = problem.record(path / "run", every=2)
+        for k, p in enumerate((problem, again)):
+            p.advance(0.1, 0.02, progress=False)
+            COMM.barrier()
+            if k == 0 and COMM.rank == 0:
+                shutil.rmtree(path / "run")
+            COMM.barrier()
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always")
+                p.advance(0.2, 0.02, progress=False)
+            assert ["is gone" in str(t.message) for t in told] == [True] * (k == 0 and COMM.rank == 0)
+        np.testing.assert_array_equal(motion(problem), motion(again))
+        with pytest.raises(RuntimeError, match="is gone: it was removed"):
+            recorder.close()
 
 
 def check_a_run_that_fails_keeps_its_last_state():

@@ -2,6 +2,7 @@
 """Bodies with internal variables, on the ranks of COMM_WORLD; see on_ranks.py."""
 
 import contextlib
+import shutil
 import tempfile
 import warnings
 from pathlib import Path
@@ -427,6 +428,25 @@ def check_cells_that_lock_are_warned_of():
 
 
 # --- output -----------------------------------------------------------------------------------------------------------
+
+
+def check_a_series_of_materials_that_is_removed():
+    """The run warns and goes on; closing the recorder is an error."""
+    with folder() as path:
+        problem = thrown(domain=square())
+        dt = 0.5 * problem.stable_step()
+        recorder = problem.record(path / "run", fields=["displacement", "von_mises"], every=5)
+        problem.advance(10 * dt, dt=dt, progress=False)
+        COMM.barrier()
+        if COMM.rank == 0:
+            shutil.rmtree(path / "run" / "materials.bp")
+        COMM.barrier()
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            problem.advance(20 * dt, dt=dt, progress=False)
+        assert problem.step == 20 and len(told) == (COMM.rank == 0)
+        assert all("materials.bp is gone" in str(t.message) for t in told)
+        raises(RuntimeError, "materials.bp is gone", recorder.close)
 
 
 def check_recorders_write_internal_variables():

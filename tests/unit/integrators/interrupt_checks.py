@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Ctrl-C and exceptions while steps are being taken: all ranks stop after the same step. See on_ranks.py."""
 
+import functools
 import os
 import signal
 import threading
@@ -16,6 +17,21 @@ from dolfinx_impact.common.interrupts import Interrupts
 
 LAST = COMM.rank == COMM.size - 1
 VARIANTS = ({}, {"kind": di.Kinematic}, {"law": di.NeoHookean, "balanced": True})
+
+
+def with_ctrl_c(check):
+    """A check with Python's own handler of SIGINT. Where a shell starts the tests in the background (`make test &`,
+    nohup) the signal is ignored, and what a process ignores, those that it starts ignore, too."""
+
+    @functools.wraps(check)
+    def checked():
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        try:
+            check()
+        finally:
+            signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+
+    return checked
 
 
 def press():
@@ -66,12 +82,13 @@ def go_on_from(problem, end, variant):
     return state(problem), state(again)
 
 
+@with_ctrl_c
 def check_ctrl_c_within_a_piece():
     """Steps that C++ takes alone: the signal comes to one rank while it is at it. Functions, histories and checkpoint
     are those of the step that is told, and the run goes on bit for bit."""
     for variant in VARIANTS:
         problem = block_on_block(**variant)
-        end = 1e7 * problem.stable_step()
+        end = 1e6 * problem.stable_step()  # half a minute and more, if no signal came
         timer = threading.Timer(0.15, lambda: os.kill(os.getpid(), signal.SIGINT))
         At(problem, 1, timer.start if LAST else lambda: None)
         with pytest.raises(KeyboardInterrupt):
@@ -92,6 +109,7 @@ def check_ctrl_c_within_a_piece():
         np.testing.assert_array_equal(problem.energy_history, other.energy_history)
 
 
+@with_ctrl_c
 def check_left_in_a_callback_and_gone_on():
     """By Ctrl-C or an exception on one rank, at a step at which stiffness is looked at again: what is left goes on as
     if nothing had been, and so does its checkpoint."""
@@ -120,6 +138,7 @@ def check_left_in_a_callback_and_gone_on():
         time_stepper.RECHECK = wanted
 
 
+@with_ctrl_c
 def check_a_function_of_time_that_fails():
     """On one rank, in the middle of a run."""
     problem = block_on_block()
@@ -137,6 +156,7 @@ def check_a_function_of_time_that_fails():
     assert np.all(np.isfinite(state(problem)))
 
 
+@with_ctrl_c
 def check_histories_are_written_when_a_run_is_left():
     import h5py
 
@@ -153,6 +173,7 @@ def check_histories_are_written_when_a_run_is_left():
         recorder.close()
 
 
+@with_ctrl_c
 def check_handlers():
     """The handler that was there is back afterwards; one of the user's own is asked, one that ignores is left alone."""
     handler = signal.getsignal(signal.SIGINT)
@@ -178,6 +199,7 @@ def check_handlers():
         signal.signal(signal.SIGINT, handler)
 
 
+@with_ctrl_c
 def check_nested_and_late_signals():
     """The inner block raises; several signals are one; a signal after the last check is delivered at the end."""
     raised = 0
@@ -199,6 +221,7 @@ def check_nested_and_late_signals():
     assert raised == 1 + LAST
 
 
+@with_ctrl_c
 def check_other_threads():
     """A run in a thread that gets no signals is like any other."""
     # Only where MPI allows it: one thread at a time communicates.
@@ -222,6 +245,7 @@ def pressed_block():
     return u, tags, [fem.dirichletbc(np.zeros(2), bottom, V)], plane
 
 
+@with_ctrl_c
 def check_statics_goes_back_to_the_last_converged_state():
     """Ctrl-C on one rank in the middle of an increment; the next solve goes on from there to the same end."""
     for kind in (di.Lagrange, di.Penalty):
@@ -270,6 +294,7 @@ def check_statics_goes_back_to_the_last_converged_state():
         np.testing.assert_allclose(contact.force, whole.contact[0].force, rtol=1e-7)
 
 
+@with_ctrl_c
 def check_statics_by_a_method_of_petsc():
     """An exception passes through PETSc's own methods as it is."""
     u, tags, bcs, plane = pressed_block()

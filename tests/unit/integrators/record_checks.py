@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What explicit runs write while they run. See on_ranks.py."""
 
+import shutil
+import warnings
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -84,6 +87,44 @@ def check_forces_of_every_step_are_the_contact_s():
     problem.advance(200 * problem.stable_step(), callback=lambda p: seen.append(p.contact[0].force), progress=False)
     assert len(seen) == problem.step + 1
     np.testing.assert_allclose(problem.force_history[0], np.array(seen)[:-1], rtol=0, atol=1e-12)
+
+
+def go_on_without_folder(path, problem, again, time, lost):
+    """Run until the folder, or what is named of it, is removed, then on: the run is what it is without a recorder."""
+    recorder = problem.record(path / "run", every=5)
+    problem.advance(time, progress=False)
+    COMM.barrier()
+    if COMM.rank == 0:
+        gone = path / "run" / lost
+        gone.unlink() if gone.is_file() else shutil.rmtree(gone)
+    COMM.barrier()
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        problem.advance(2 * time, progress=False)
+        problem.save(path / "checkpoint.h5")
+    for end in (time, 2 * time):
+        again.advance(end, progress=False)
+    np.testing.assert_array_equal(problem.u.x.array, again.u.x.array)
+    assert problem.step == again.step
+    assert [str(t.message) for t in told if "is gone" in str(t.message)] == [str(t.message) for t in told]
+    assert len(told) == (COMM.rank == 0)
+    where = str((path / "run" / lost).resolve())
+    assert all(str(t.message).startswith(where) and "goes on without" in str(t.message) for t in told)
+    with pytest.raises(RuntimeError, match="is gone: it was removed"):
+        recorder.close()
+
+
+def check_a_folder_that_is_removed():
+    """By whoever cleans a scratch disk: one warning, and an error when the recorder is closed."""
+    for lost in (".", "fields.bp", "history.h5"):
+        with folder() as path:
+            problem, again = block_on_block(), block_on_block()
+            dt = 0.9 * problem.stable_step()
+            before, recorder_module.INTERVAL = recorder_module.INTERVAL, 0.0
+            try:
+                go_on_without_folder(path, problem, again, 20 * dt, lost)
+            finally:
+                recorder_module.INTERVAL = before
 
 
 def check_bad_input():

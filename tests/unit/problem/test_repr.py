@@ -35,8 +35,8 @@ def test_materials(square):
 
 def test_loads(square, facet_tags):
     x = ufl.SpatialCoordinate(square)
-    assert repr(di.BodyForce((0, -9.81))) == "BodyForce(vector=[0.0, -9.81])"
-    assert repr(di.BodyForce(x)) == "BodyForce(vector=expression)"
+    assert repr(di.BodyForce((0, -9.81))) == "BodyForce(vector=[0.0, -9.81], per_mass=True)"
+    assert repr(di.BodyForce(x, per_mass=False)) == "BodyForce(vector=expression, per_mass=False)"
     assert repr(di.Traction(facet_tags, 2, (1.0, 0.5))) == "Traction(tag=2, vector=[1.0, 0.5])"
     assert repr(di.FollowerPressure(facet_tags, 3, 7)) == "FollowerPressure(tag=3, pressure=7.0)"
 

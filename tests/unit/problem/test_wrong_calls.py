@@ -234,7 +234,6 @@ CALLS = {
     "dt None": (lambda b: run(b, dt=None), TypeError, "dt must be a number"),
     "callback a number": (lambda b: run(b, callback=3), TypeError, "callback must be a function"),
     "advance from a callback": (nested, RuntimeError, "called while it runs"),
-    "velocity None": (lambda b: b.explicit(velocity=None), ValueError, "velocity at the start"),
     "velocity an array": (lambda b: b.explicit(velocity=np.zeros(3)), TypeError, "velocity must be"),
     "save, no name": (lambda b: b.explicit().save(None), TypeError, "path must be the name"),
     "save, empty name": (lambda b: b.explicit().save(""), ValueError, "path is empty"),

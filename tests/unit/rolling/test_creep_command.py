@@ -19,11 +19,18 @@ def test_sequences():
             run.sequence(text)
 
 
-@pytest.mark.parametrize("argument", ["--load=-1", "--friction=0", "--radius=inf", "--speed=fast", "--creep=0:1"])
-def test_numbers_that_cannot_be_used(argument, capsys):
+@pytest.mark.parametrize("argument", ["--creep=0:1", "--lateral=5", "--spin=1:2:1000000000", "--creep=nan"])
+def test_sequences_that_cannot_be_used(argument, capsys):
     with pytest.raises(SystemExit) as exit:
         run.main([argument])
     assert exit.value.code == 2 and argument.split("=")[0] in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("argument", ["--load=-1", "--friction=0", "--radius=inf", "--speed=fast", "--cells=1.5"])
+def test_numbers_that_cannot_be_used(argument, capsys):
+    assert run.main([argument]) == 2
+    said = capsys.readouterr().out
+    assert f"{argument.split('=')[0][2:]} is " in said and "give a" in said
 
 
 def test_wheels_that_cannot_be_used(tmp_path, capsys):

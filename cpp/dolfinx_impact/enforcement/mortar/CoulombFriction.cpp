@@ -119,6 +119,23 @@ void CoulombFriction::update_directions(std::span<const std::int8_t> usable, con
   }
 }
 
+void CoulombFriction::set_edges(std::vector<double> projectors)
+{
+  if (!projectors.empty() && projectors.size() != _locked.size())
+    throw std::invalid_argument("a projector of every node is needed");
+  _edges = std::move(projectors);
+}
+
+/// Projector of a node on directions in which nothing slips.
+std::array<double, 9> CoulombFriction::without_slip(std::size_t i) const
+{
+  const std::size_t size = _gdim * _gdim;
+  std::array<double, 9> out{};
+  for (std::size_t k = 0; k < size; ++k)
+    out[k] = _locked[i * size + k] + (_edges.empty() ? 0.0 : _edges[i * size + k]);
+  return out;
+}
+
 std::vector<double> CoulombFriction::prescribed() const
 {
   std::vector<double> out(_locked);
@@ -148,7 +165,7 @@ std::vector<std::int8_t> CoulombFriction::update_imposed(const NodalMultipliers&
     apply(g, lock, &imposed[i * g], before);
     for (int a = 0; a < g; ++a)
       rest[a] = traction[a] - along[a];
-    const double bound = now.friction * std::max(now.multiplier[i], 0.0);
+    const double bound = now.coefficient(i) * std::max(now.multiplier[i], 0.0);
     const double room = std::sqrt(std::max(0.0, bound * bound - dot(g, rest, rest))), size = norm(g, kept);
     const double part = stuck && size > 0.0 ? std::min(room, size) / size : 0.0;
     double change[3];
@@ -182,7 +199,8 @@ CoulombFriction::Springs CoulombFriction::update_springs(const NodalMultipliers&
   {
     const bool on = now.active[i] && now.usable[i];
     const bool grip = grips(now, i), slide = g == 3 && on && now.sliding[i], drive = sticks(now, i) && _is_driven[i];
-    const double *lock = &_locked[i * g * g], *normal = &geometry.normal[i * g];
+    const std::array<double, 9> still = without_slip(i);
+    const double *lock = still.data(), *normal = &geometry.normal[i * g];
     double *spring = &_spring[i * g * g], *driving = &_driving[i * g * g], *slack = &_slack[i * g];
     double part[3], here[3];
     if (grip || slide || drive)
@@ -193,7 +211,7 @@ CoulombFriction::Springs CoulombFriction::update_springs(const NodalMultipliers&
       for (int a = 0; a < g; ++a)
         slip[a] = now.slip[i * g + a] - part[a];
       const double turning =
-          std::min(now.friction * pressure / std::max(norm(g, slip), 1e-300), stiffest * now.stiffness[i]);
+          std::min(now.coefficient(i) * pressure / std::max(norm(g, slip), 1e-300), stiffest * now.stiffness[i]);
       const double factor = grip ? pressure / now.opening[i] : turning;
       for (int a = 0; a < g && !drive; ++a)
         for (int b = 0; b < g; ++b)
@@ -255,7 +273,7 @@ std::vector<double> CoulombFriction::known_tractions(const NodalMultipliers& now
   for (std::size_t i = 0; i < now.size(); ++i)
   {
     double part[3], stretch[3], traction[3];
-    apply(g, &_locked[i * g * g], &now.slip[i * g], part);
+    apply(g, without_slip(i).data(), &now.slip[i * g], part);
     for (int a = 0; a < g; ++a)
       stretch[a] = now.slip[i * g + a] - part[a] - _slack[i * g + a];
     apply(g, &_spring[i * g * g], stretch, traction);

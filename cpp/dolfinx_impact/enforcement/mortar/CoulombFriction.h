@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "active_set.h"
+#include <array>
 
 namespace dolfinx_impact::enforcement
 {
@@ -29,6 +30,10 @@ public:
   /// @param[in] locked components along which the relative motion is prescribed to be zero, [i*gdim + c]
   void update_directions(std::span<const std::int8_t> usable, const NodalGeometry& geometry,
                          std::span<const std::int8_t> locked);
+  /// Directions along which another contact of the same node holds it: nothing slips there, and equilibrium does not
+  /// tell the friction, which is taken for none.
+  /// @param[in] projectors of all nodes; empty: there are none
+  void set_edges(std::vector<double> projectors);
   /// Projectors on locked directions.
   const std::vector<double>& locked() const { return _locked; }
   /// Projectors on locked and driven directions together.
@@ -69,7 +74,10 @@ public:
 private:
   int _gdim;
   std::size_t _num;
+  std::array<double, 9> without_slip(std::size_t i) const;
+
   std::vector<double> _locked, _driven; ///< projectors
+  std::vector<double> _edges;           ///< projectors, or empty
   std::vector<std::int8_t> _is_driven;  ///< nodes with driven directions
   bool _has_springs = false;
   std::vector<double> _spring, _driving; ///< stiffness per area of slipping and driven nodes [F/L^3]

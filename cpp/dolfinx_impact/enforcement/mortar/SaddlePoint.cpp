@@ -2,6 +2,9 @@
 #include "SaddlePoint.h"
 #include "../../operators/petsc_check.h"
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 
@@ -12,6 +15,30 @@ typedef operators::CooMatrix::Entries Triplets;
 
 namespace
 {
+/// Part of a condition's square that must be its own beside those of the same node: planes that meet at less than 1e-5
+/// are one.
+constexpr double least_own = 1e-10;
+
+typedef std::map<std::int64_t, double> SparseRow; ///< by degree of freedom of all ranks
+
+double dot(const SparseRow& a, const SparseRow& b)
+{
+  double sum = 0.0;
+  for (const auto& [dof, value] : a)
+    if (const auto other = b.find(dof); other != b.end())
+      sum += value * other->second;
+  return sum;
+}
+
+/// A condition of a contact's node: along direction d of its frame.
+struct Condition
+{
+  std::size_t contact, i;
+  int d;
+  bool normal;
+  double known;
+};
+
 /// Ends of the ranks' parts of a vector.
 std::vector<PetscInt> ends(MPI_Comm comm, std::size_t size)
 {
@@ -88,7 +115,8 @@ SaddlePoint::~SaddlePoint()
 }
 
 /// Entries of one contact's constrained jumps: slave nodes along q_d, master nodes along m_d.
-void SaddlePoint::add(const Constraints& p, std::size_t start, Triplets& right, Triplets& left) const
+void SaddlePoint::add(const Constraints& p, std::span<const std::int8_t> constrained, std::size_t start,
+                      Triplets& right, Triplets& left) const
 {
   const int g = _gdim;
   const auto add_node = [&](std::size_t i, std::int64_t node, const double* directions, double factor)
@@ -96,7 +124,7 @@ void SaddlePoint::add(const Constraints& p, std::size_t start, Triplets& right, 
     for (int a = 0; a < g; ++a)
       for (int d = 0; d < g; ++d)
       {
-        if (!p.constrained[i * g + d])
+        if (!constrained[i * g + d])
           continue;
         const PetscInt row = _first_force + PetscInt(g * (start + p.rows[i]) + d), column = PetscInt(g * node + a);
         const double along = directions[a * g + d], lean = d == p.normal[i] ? p.tilt[i * g + a] : 0.0;
@@ -111,6 +139,91 @@ void SaddlePoint::add(const Constraints& p, std::size_t start, Triplets& right, 
       add_node(i, p.columns[k], &p.over[i * g * g], -p.values[k]);
 }
 
+/// Masks of the conditions that do not follow from others of the same node; sets `redundant`.
+std::vector<std::vector<std::int8_t>> SaddlePoint::independent(std::span<const Constraints> parts)
+{
+  const int g = _gdim;
+  std::vector<std::vector<std::int8_t>> out;
+  std::map<std::int32_t, std::vector<Condition>> by_node;
+  std::map<std::int32_t, int> times;
+  _redundant.assign(parts.size(), {});
+  for (const Constraints& p : parts)
+  {
+    out.push_back(p.constrained);
+    for (std::int32_t node : p.nodes)
+      ++times[node];
+  }
+  for (std::size_t c = 0; c < parts.size(); ++c)
+    for (std::size_t i = 0; i < parts[c].size(); ++i)
+      for (int d = 0; d < g && times[parts[c].nodes[i]] > 1; ++d)
+        if (parts[c].constrained[i * g + d])
+          by_node[parts[c].nodes[i]].push_back({c, i, d, d == parts[c].normal[i], parts[c].known[i * g + d]});
+  for (auto& [node, conditions] : by_node)
+  {
+    std::stable_sort(conditions.begin(), conditions.end(), [](const Condition& a, const Condition& b)
+                     { return a.normal != b.normal ? a.normal : a.normal && a.known > b.known; });
+    std::vector<SparseRow> basis;
+    std::vector<std::array<double, 3>> normals; // orthonormal
+    for (const Condition& one : conditions)
+    {
+      const Constraints& p = parts[one.contact];
+      std::array<double, 3> direction{};
+      for (int a = 0; a < g; ++a)
+        direction[a] = p.frames[(one.i * g + a) * g + one.d];
+      for (const auto& other : normals)
+      {
+        const double along = std::inner_product(direction.begin(), direction.end(), other.begin(), 0.0);
+        for (int a = 0; a < g; ++a)
+          direction[a] -= along * other[a];
+      }
+      const double left = std::inner_product(direction.begin(), direction.end(), direction.begin(), 0.0);
+      if (one.normal && left > least_own)
+      {
+        for (double& value : direction)
+          value /= std::sqrt(left);
+        normals.push_back(direction);
+      }
+      if (!one.normal && left < 0.5) // along the surface, but held by other normals
+      {
+        out[one.contact][one.i * g + one.d] = 0;
+        continue;
+      }
+      SparseRow row;
+      // What is prescribed on this rank is no unknown of a condition.
+      const auto enter = [&](std::int64_t dof, double value)
+      {
+        const std::int64_t local = dof - _first_u;
+        if (local < 0 || local >= std::int64_t(_num) || !_pinned[local])
+          row[dof] += value;
+      };
+      for (int a = 0; a < g; ++a)
+        enter(_first_u + std::int64_t(g) * node + a, p.frames[(one.i * g + a) * g + one.d]);
+      for (std::int64_t k = p.pointers[one.i]; k < p.pointers[one.i + 1]; ++k)
+        for (int a = 0; a < g; ++a)
+          enter(g * p.columns[k] + a, -p.values[k] * p.over[(one.i * g + a) * g + one.d]);
+      const double whole = dot(row, row);
+      for (const SparseRow& other : basis)
+      {
+        const double along = dot(row, other);
+        for (const auto& [dof, value] : other)
+          row[dof] -= along * value;
+      }
+      const double own = dot(row, row);
+      if (own > least_own * whole && own > 0.0)
+      {
+        for (auto& [dof, value] : row)
+          value /= std::sqrt(own);
+        basis.push_back(std::move(row));
+        continue;
+      }
+      out[one.contact][one.i * g + one.d] = 0;
+      if (one.normal)
+        _redundant[one.contact].push_back(p.rows[one.i]);
+    }
+  }
+  return out;
+}
+
 void SaddlePoint::assign(std::span<const Constraints> parts, std::span<const std::int8_t> pinned,
                          std::span<const double> forces, double diagonal)
 {
@@ -122,6 +235,7 @@ void SaddlePoint::assign(std::span<const Constraints> parts, std::span<const std
   std::fill(_pinned.begin() + _num, _pinned.end(), std::int8_t(1));
   std::fill(_known.begin(), _known.end(), 0.0);
   Triplets right, left;
+  const auto constrained = independent(parts);
   for (std::size_t c = 0; c < parts.size(); ++c)
   {
     const Constraints& p = parts[c];
@@ -132,11 +246,11 @@ void SaddlePoint::assign(std::span<const Constraints> parts, std::span<const std
       for (int d = 0; d < _gdim; ++d)
       {
         const std::size_t at = _gdim * (_starts[c] + p.rows[i]) + d;
-        _pinned[_num + at] = !p.constrained[i * _gdim + d];
-        _known[at] = p.constrained[i * _gdim + d] ? _diagonal * p.known[i * _gdim + d] : 0.0;
+        _pinned[_num + at] = !constrained[c][i * _gdim + d];
+        _known[at] = constrained[c][i * _gdim + d] ? _diagonal * p.known[i * _gdim + d] : 0.0;
       }
     }
-    add(p, _starts[c], right, left);
+    add(p, constrained[c], _starts[c], right, left);
   }
   for (std::size_t i = 0; i < _forces.size(); ++i)
     _forces[i] = _pinned[_num + i] ? 0.0 : forces[i];

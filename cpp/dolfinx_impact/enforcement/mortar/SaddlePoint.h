@@ -17,6 +17,10 @@ namespace dolfinx_impact::enforcement
 /// of a slipping node leans along its friction. Rows of C are multiplied by an entry of K's size, so that residuals of
 /// both kinds are forces. Multipliers of any basis will do; the matrix is indefinite and needs a direct solver.
 ///
+/// Nodes that several contacts constrain have the conditions of all. Those that others imply, or that contradict them,
+/// are left out: the normals come first, the most closed before the others, then what sticks along directions that no
+/// normal of the node holds, in the order of the contacts.
+///
 /// A rank's unknowns are its displacements, then `gdim` forces for every node of its contacts. Those of directions that
 /// are not constrained are pinned at zero. Matrices keep their pattern from one linear problem to the next while it
 /// stands.
@@ -44,6 +48,8 @@ public:
   std::size_t num_unknowns() const { return _pinned.size(); }
   /// Pinned unknowns: prescribed displacements, forces of directions without constraint.
   const std::vector<std::int8_t>& pinned() const { return _pinned; }
+  /// Nodes whose normal condition was left out, by contact: Constraints::rows.
+  const std::vector<std::vector<std::int32_t>>& redundant() const { return _redundant; }
   /// C and C_L by rows of the forces, borrowed.
   Mat right() const { return _right.matrix(); }
   Mat left() const { return _left.matrix(); }
@@ -62,14 +68,16 @@ public:
   std::vector<double> forces(Vec y) const;
 
 private:
-  void add(const Constraints& part, std::size_t start, operators::CooMatrix::Entries& right,
-           operators::CooMatrix::Entries& left) const;
+  void add(const Constraints& part, std::span<const std::int8_t> constrained, std::size_t start,
+           operators::CooMatrix::Entries& right, operators::CooMatrix::Entries& left) const;
+  std::vector<std::vector<std::int8_t>> independent(std::span<const Constraints> parts);
   void product(std::span<const Mat> stiffness, std::span<const double> x, std::vector<double>& y);
 
   MPI_Comm _comm;
   std::size_t _num; ///< displacements
   int _gdim;
-  std::vector<std::size_t> _starts;  ///< of every contact's nodes among all, and the end
+  std::vector<std::size_t> _starts; ///< of every contact's nodes among all, and the end
+  std::vector<std::vector<std::int32_t>> _redundant;
   std::vector<PetscInt> _u_ends;     ///< of the ranks' displacements among all
   std::vector<PetscInt> _force_ends; ///< of the ranks' forces among all
   PetscInt _first_u, _first_force;

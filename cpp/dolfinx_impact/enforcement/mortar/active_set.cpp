@@ -30,7 +30,8 @@ void check_sizes(const NodalMultipliers& now)
   if (now.usable.size() != n || now.gap.size() != n || now.multiplier.size() != n ||
       (friction && (now.sliding.size() != n || now.slip.size() != vector || now.traction.size() != vector ||
                     now.direction.size() != vector || now.opening.size() != n || now.stiffness.size() != n)) ||
-      (!now.lock.empty() && now.lock.size() != vector * now.gdim))
+      (!now.lock.empty() && now.lock.size() != vector * now.gdim) ||
+      (!now.roughness.empty() && now.roughness.size() != n))
     throw std::invalid_argument("the arrays of a contact's nodes differ in their numbers");
 }
 
@@ -63,7 +64,7 @@ void trial_traction(const NodalMultipliers& now, std::size_t i, double bound, bo
   unlocked(now, i, now.traction.data(), traction);
   // Closed in this step, from a gap: t = -p s / gap, see docs/contact.md.
   const bool fresh = now.opening[i] > 0.0;
-  const double rate = bound / (now.friction * (fresh ? now.opening[i] : 1.0));
+  const double rate = fresh && bound > 0.0 ? bound / (now.coefficient(i) * now.opening[i]) : 0.0;
   for (int c = 0; c < g; ++c)
     trial[c] = fresh ? -rate * slip[c] : traction[c] - now.stiffness[i] * (moving ? slip[c] : 0.0);
 }
@@ -101,7 +102,7 @@ ActiveSet update_active_set(const NodalMultipliers& now, bool first, double tole
     }
     // Of a node that closes the pressure that its overlap would call for: it has no multiplier yet.
     const double overlap = now.stiffness[i] * (closing ? std::min(now.gap[i], 0.0) : 0.0);
-    const double bound = now.friction * std::max(now.multiplier[i] - overlap, 0.0);
+    const double bound = now.coefficient(i) * std::max(now.multiplier[i] - overlap, 0.0);
     const bool sliding = now.sliding[i];
     double trial[3];
     trial_traction(now, i, bound, sliding || closing, trial);
@@ -110,7 +111,7 @@ ActiveSet update_active_set(const NodalMultipliers& now, bool first, double tole
     out.active[i] = (active || closing) && !(opening && !(sticks(now, i) && size > 0.0));
     const bool held = (out.active[i] && active) || closing;
     // At the bound, and nothing moves: round-off must not decide. What slips goes on to.
-    bool slips = held && size > bound * (sliding ? 1 - 1e-8 : 1 + 1e-10);
+    bool slips = held && (size > bound * (sliding ? 1 - 1e-8 : 1 + 1e-10) || now.coefficient(i) == 0.0);
     // What slipped and would now slip the other way, but not far, comes to rest first, or it might go to and fro.
     const bool back = dot(g, trial, &now.direction[i * g]) < 0.0;
     slips = slips && !(sliding && back && size < far * bound);
@@ -133,7 +134,7 @@ std::vector<double> friction_tilt(const NodalMultipliers& now)
     const bool closed_now = grips(now, i);
     for (int c = 0; c < g; ++c)
       tilt[i * g + c] = closed_now       ? -slip[c] / now.opening[i]
-                        : now.sliding[i] ? now.friction * now.direction[i * g + c]
+                        : now.sliding[i] ? now.coefficient(i) * now.direction[i * g + c]
                                          : 0.0;
   }
   return tilt;

@@ -23,8 +23,11 @@ struct NodalMultipliers
   std::span<const double> opening = {};      ///< gap at the start of the step where a node was open, else 0 [L]
   std::span<const double> stiffness = {};    ///< of the bodies per area [F/L^3]
   std::span<const double> lock = {}; ///< projector on directions without slip, [(i*gdim + a)*gdim + b]; empty: none
+  std::span<const double> roughness = {}; ///< coefficient of a node over `friction` [1]; empty: one everywhere
 
   std::size_t size() const { return active.size(); }
+  /// Coefficient of friction of a node [1].
+  double coefficient(std::size_t i) const { return roughness.empty() ? friction : friction * roughness[i]; }
 };
 
 /// @throws std::invalid_argument for arrays of other sizes

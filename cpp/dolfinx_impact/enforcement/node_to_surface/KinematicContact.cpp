@@ -11,9 +11,7 @@ namespace dolfinx_impact::enforcement
 {
 namespace
 {
-constexpr double negligible = 1e-9; ///< a mass ratio below this means that the node cannot move along the normal
-constexpr double over_relaxation =
-    1.5; ///< factor of every second sweep; it damps forces that alternate from node to node
+constexpr double negligible = 1e-9;    ///< a mass ratio below this means that the node cannot move along the normal
 constexpr double impulse_decay = 0.95; ///< factor per step on the impulse that bounds a release
 
 KinematicContactOptions checked(const KinematicContactOptions& o)
@@ -68,14 +66,10 @@ void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_
                               std::span<const double> mass)
 {
   NodeToSurface::number(halo, numbers, mass);
-  const std::size_t num = halo.num_nodes();
   _contact_nodes.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _contact_nodes.insert(_contact_nodes.end(), _tracker.master().nodes.begin(), _tracker.master().nodes.end());
   std::sort(_contact_nodes.begin(), _contact_nodes.end());
   _contact_nodes.erase(std::unique(_contact_nodes.begin(), _contact_nodes.end()), _contact_nodes.end());
-  _weight.assign(num, 0.0);
-  for (std::vector<double>* values : {&_contact_force, &_correction, &_previous_increment})
-    values->assign(num * _gdim, 0.0);
 }
 
 /// Value at closed node q minus the value interpolated at its projection on the master.
@@ -94,11 +88,10 @@ void KinematicContact::relative_to_master(std::size_t q, const double* values, d
             });
 }
 
-/// Collect the nodes in contact in the predicted configuration, and the nodes that open in this step.
 template <int D>
-void KinematicContact::predict(const PredictedStep& step, const double* u)
+void KinematicContact::find_closed(const PredictedStep& step, const double* u)
 {
-  const double *du = step.du.data(), *before = step.du_before.data();
+  const double* du = step.du.data();
   _num_closed = 0;
   ContactPoint point;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
@@ -149,13 +142,16 @@ void KinematicContact::predict(const PredictedStep& step, const double* u)
       motion[c] -= _rigid ? _obstacle_increment[c] : 0.0;
   }
   std::fill_n(_nodal_force.data(), _num_closed * D, 0.0);
-  for (std::int32_t node : _contact_nodes)
-    for (int c = 0; c < D; ++c)
-    {
-      const std::size_t k = std::size_t(node) * D + c;
-      _previous_increment[k] = before[k];
-      _correction[k] = 0.0;
-    }
+}
+
+void KinematicContact::predict(const PredictedStep& step, std::span<const double> u)
+{
+  if (!_rigid)
+  {
+    _candidates.advance(step.dt);
+    _tracker.advance(u.data(), step.du.data());
+  }
+  _gdim == 2 ? find_closed<2>(step, u.data()) : find_closed<3>(step, u.data());
 }
 
 /// Forces on the master nodes of closed node q that balance a unit normal force on it, [j*D + c].
@@ -171,44 +167,61 @@ void KinematicContact::reaction(std::size_t q, double* out) const
                                      [&](int j, int c, double value) { out[j * D + c] += value; });
 }
 
+template <int D>
+void KinematicContact::weigh(CorrectedNodes& nodes) const
+{
+  for (std::size_t q = 0; q < _num_closed; ++q)
+  {
+    const Closed& closed = _closed_now[q];
+    const double* n = closed.normal;
+    // With friction, forces act in all directions; without, along the normal.
+    const auto add = [&](std::size_t node, double part)
+    {
+      nodes.weight[node] += part;
+      if (nodes.largest.empty() || !nodes.shared[node])
+        return;
+      int entry = 0;
+      for (int c = 0; c < D; ++c)
+        for (int d = 0; d <= c; ++d, ++entry)
+          nodes.tensor[entry / 3][3 * node + entry % 3] +=
+              part * (_options.friction > 0.0 ? double(c == d) : n[c] * n[d]);
+    };
+    add(closed.node, 1.0);
+    if (closed.releases)
+    {
+      double pushed[surface::FacetElement::max_nodes * D];
+      reaction<D>(q, pushed);
+      for (int j = 0; j < _num_masters; ++j)
+        add(closed.masters[j], std::sqrt(dot(pushed + j * D, pushed + j * D, D)));
+    }
+    else
+      for (int j = 0; j < _num_masters; ++j)
+        add(closed.masters[j], std::abs(_phi[q * _num_masters + j]));
+  }
+}
+
+void KinematicContact::add_weights(CorrectedNodes& nodes) const
+{
+  _gdim == 2 ? weigh<2>(nodes) : weigh<3>(nodes);
+}
+
 /// Effective masses of a sweep: reciprocals of row sums of the response matrix, along the normal and in all directions.
 template <int D>
-void KinematicContact::add_masses(const double* inverse_mass)
+void KinematicContact::set_masses(const double* inverse_mass, const std::vector<double>& weight)
 {
-  if (!_rigid)
-  {
-    // Ghosts still hold the values that their owners sent in the last step: all entries are reset.
-    std::fill(_weight.begin(), _weight.end(), 0.0);
-    for (std::size_t q = 0; q < _num_closed; ++q)
-    {
-      const Closed& closed = _closed_now[q];
-      if (closed.releases)
-      {
-        double pushed[surface::FacetElement::max_nodes * D];
-        reaction<D>(q, pushed);
-        for (int j = 0; j < _num_masters; ++j)
-          _weight[closed.masters[j]] += std::sqrt(dot(pushed + j * D, pushed + j * D, D));
-      }
-      else
-        for (int j = 0; j < _num_masters; ++j)
-          _weight[closed.masters[j]] += std::abs(_phi[q * _num_masters + j]);
-    }
-    _halo->reverse(_weight, 1);
-    _halo->forward(_weight, 1);
-  }
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
     const double* phi = _phi.data() + q * _num_masters;
     double w[D], along = 0.0, across = 0.0;
     for (int c = 0; c < D; ++c)
-      w[c] = inverse_mass[std::size_t(closed.node) * D + c];
+      w[c] = weight[closed.node] * inverse_mass[std::size_t(closed.node) * D + c];
     for_nodes(_num_masters,
               [&](int j)
               {
                 const std::size_t node = closed.masters[j];
                 for (int c = 0; c < D; ++c)
-                  w[c] += std::abs(phi[j]) * _weight[node] * inverse_mass[node * D + c];
+                  w[c] += std::abs(phi[j]) * weight[node] * inverse_mass[node * D + c];
               });
     const double* n = closed.normal;
     for (int c = 0; c < D; ++c)
@@ -224,7 +237,7 @@ void KinematicContact::add_masses(const double* inverse_mass)
 /// Normal forces of the nodes that open: each force returns at most the energy that contact has absorbed from the node
 /// since it closed, and its impulse is bounded by that of the last steps (docs/explicit/kinematic.md, "Release").
 template <int D>
-void KinematicContact::solve_release_forces(const PredictedStep& step)
+void KinematicContact::solve_release_forces(const PredictedStep& step, const CorrectedNodes& nodes)
 {
   const double *du = step.du.data(), *inverse_mass = step.inverse_mass.data(), h = step.h, dt = step.dt;
   for (std::size_t q = 0; q < _num_closed; ++q)
@@ -234,13 +247,13 @@ void KinematicContact::solve_release_forces(const PredictedStep& step)
       continue;
     const double* n = closed.normal;
     double before[3], pushed[surface::FacetElement::max_nodes * D];
-    relative_to_master<D>(q, _previous_increment.data(), before);
+    relative_to_master<D>(q, nodes.before.data(), before);
     // Work of a unit force on the predicted motion, and the displacement (times 2/h) that the unit force adds.
     double way = 0.0, moves = 0.0;
     for (int c = 0; c < D; ++c)
     {
       way += 0.5 * n[c] * (before[c] - (_rigid ? _obstacle_before[c] : 0.0) + _motion[q * D + c]);
-      moves += n[c] * n[c] * inverse_mass[std::size_t(closed.node) * D + c];
+      moves += n[c] * n[c] * nodes.weight[closed.node] * inverse_mass[std::size_t(closed.node) * D + c];
     }
     reaction<D>(q, pushed);
     for (int j = 0; j < _num_masters; ++j)
@@ -250,9 +263,9 @@ void KinematicContact::solve_release_forces(const PredictedStep& step)
       for (int c = 0; c < D; ++c)
       {
         const double push = pushed[j * D + c], correction = push + phi * n[c];
-        way += 0.5 * correction * (_previous_increment[node * D + c] + du[node * D + c]);
+        way += 0.5 * correction * (nodes.before[node * D + c] + du[node * D + c]);
         if (size > 0.0)
-          moves += push * push / size * _weight[node] * inverse_mass[node * D + c];
+          moves += push * push / size * nodes.weight[node] * inverse_mass[node * D + c];
       }
     }
     const double taken = step.release_share * _absorbed_energy[closed.i], most = _impulse[closed.i] * dt / h;
@@ -263,17 +276,30 @@ void KinematicContact::solve_release_forces(const PredictedStep& step)
   }
 }
 
-/// One sweep: update the forces and project them on the admissible set (no tension, Coulomb's cone).
-/// @param[in] factor over-relaxation of the increments [1]
+void KinematicContact::begin(const PredictedStep& step, const CorrectedNodes& nodes)
+{
+  const double* inverse_mass = step.inverse_mass.data();
+  if (_gdim == 2)
+  {
+    set_masses<2>(inverse_mass, nodes.in_sweeps());
+    solve_release_forces<2>(step, nodes);
+  }
+  else
+  {
+    set_masses<3>(inverse_mass, nodes.in_sweeps());
+    solve_release_forces<3>(step, nodes);
+  }
+}
+
 template <int D>
-void KinematicContact::solve_forces(double h, double factor)
+void KinematicContact::sweep(const double* correction, double h, double factor)
 {
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
     const double* n = closed.normal;
     double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
-    relative_to_master<D>(q, _correction.data(), moved);
+    relative_to_master<D>(q, correction, moved);
     const double pushed = closed.releases ? 0.0 : factor / h * _normal_mass[q] * (closed.overlap - dot(n, moved, D));
     if (_options.friction > 0.0)
     {
@@ -305,45 +331,42 @@ void KinematicContact::solve_forces(double h, double factor)
   }
 }
 
-/// Nodal sums of the contact forces and the displacements that they cause.
-template <int D>
-void KinematicContact::apply(const double* inverse_mass, double h)
+void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, double factor)
 {
-  for (std::int32_t node : _contact_nodes)
-    std::fill_n(_contact_force.data() + std::size_t(node) * D, D, 0.0);
+  const double* correction = nodes.correction.data();
+  _gdim == 2 ? sweep<2>(correction, h, factor) : sweep<3>(correction, h, factor);
+}
+
+template <int D>
+void KinematicContact::add_all(std::span<double> forces) const
+{
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
     const double *f = _nodal_force.data() + q * D, *phi = _phi.data() + q * _num_masters;
     for (int c = 0; c < D; ++c)
-      _contact_force[std::size_t(closed.node) * D + c] += f[c];
+      forces[std::size_t(closed.node) * D + c] += f[c];
     for_nodes(_num_masters,
               [&](int j)
               {
                 for (int c = 0; c < D; ++c)
-                  _contact_force[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
+                  forces[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
               });
     if (corrects_moments())
       _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
                                        [&](int j, int c, double value)
-                                       { _contact_force[std::size_t(closed.masters[j]) * D + c] += value; });
+                                       { forces[std::size_t(closed.masters[j]) * D + c] += value; });
   }
-  if (!_rigid)
-    _halo->reverse(_contact_force, D);
-  for (std::int32_t node : _contact_nodes)
-    if (node < _halo->num_owned())
-      for (int c = 0; c < D; ++c)
-      {
-        const std::size_t k = std::size_t(node) * D + c;
-        _correction[k] = h * _contact_force[k] * inverse_mass[k];
-      }
-  if (!_rigid)
-    _halo->forward(_correction, D);
 }
 
-/// Results and work of the step. A force works half on the increment before it and half on the increment after it.
+void KinematicContact::add_forces(std::span<double> forces) const
+{
+  _gdim == 2 ? add_all<2>(forces) : add_all<3>(forces);
+}
+
+/// A force works half on the increment before it and half on the increment after it.
 template <int D>
-void KinematicContact::record(double h, double dt)
+void KinematicContact::record_all(const CorrectedNodes& nodes, double h, double dt)
 {
   _force.fill(0.0);
   _energy.normal += _energy.later_normal;
@@ -355,8 +378,8 @@ void KinematicContact::record(double h, double dt)
     const std::size_t i = closed.i;
     const double *n = closed.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
     double moved[3], before[3], slip[3];
-    relative_to_master<D>(q, _correction.data(), moved);
-    relative_to_master<D>(q, _previous_increment.data(), before);
+    relative_to_master<D>(q, nodes.correction.data(), moved);
+    relative_to_master<D>(q, nodes.before.data(), before);
     _results.gap[i] = dot(n, moved, D) - closed.overlap;
     std::copy_n(n, D, _results.normal.data() + i * D);
     const double normal = dot(n, f, D);
@@ -379,8 +402,8 @@ void KinematicContact::record(double h, double dt)
                                        {
                                          const std::size_t k = std::size_t(closed.masters[j]) * D + c;
                                          const double du = _tracker.masters()[closed.corners[j]].du[c];
-                                         work += 0.5 * value * _previous_increment[k];
-                                         later += 0.5 * value * (du + _correction[k]);
+                                         work += 0.5 * value * nodes.before[k];
+                                         later += 0.5 * value * (du + nodes.correction[k]);
                                        });
     _energy.normal += work;
     _energy.friction -= 0.5 * dot(f, before, D) - along;
@@ -406,36 +429,8 @@ void KinematicContact::restore_obstacle(const std::array<double, 3>& displacemen
   _obstacle_before = increment;
 }
 
-template <int D>
-void KinematicContact::correct_all(const PredictedStep& step, std::span<double> u, std::span<double> f)
+void KinematicContact::record(const CorrectedNodes& nodes, double h, double dt)
 {
-  predict<D>(step, u.data());
-  add_masses<D>(step.inverse_mass.data());
-  solve_release_forces<D>(step);
-  for (int sweep = 0; sweep < _sweeps; ++sweep)
-  {
-    solve_forces<D>(step.h, sweep % 2 ? over_relaxation : 1.0);
-    apply<D>(step.inverse_mass.data(), step.h);
-  }
-  for (std::int32_t node : _contact_nodes)
-    if (node < _halo->num_owned())
-      for (int c = 0; c < D; ++c)
-      {
-        const std::size_t k = std::size_t(node) * D + c;
-        u[k] += _correction[k];
-        f[k] += _contact_force[k];
-      }
-  _halo->forward(u, D);
-  record<D>(step.h, step.dt);
-}
-
-void KinematicContact::correct(const PredictedStep& step, std::span<double> u, std::span<double> f)
-{
-  if (!_rigid)
-  {
-    _candidates.advance(step.dt);
-    _tracker.advance(u.data(), step.du.data());
-  }
-  _gdim == 2 ? correct_all<2>(step, u, f) : correct_all<3>(step, u, f);
+  _gdim == 2 ? record_all<2>(nodes, h, dt) : record_all<3>(nodes, h, dt);
 }
 } // namespace dolfinx_impact::enforcement

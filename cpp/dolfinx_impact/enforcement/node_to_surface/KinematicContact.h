@@ -10,8 +10,23 @@ struct KinematicContactOptions : NodeToSurfaceOptions
   int sweeps = 3; ///< sweeps over the closed nodes in each step
 };
 
+/// Values at the nodes of the Halo that all kinematic contacts of a run have in common in a step. Ghost entries of
+/// `force` outside the contacts' nodes stay zero: the array is summed over the ranks and never sent forward.
+struct CorrectedNodes
+{
+  std::vector<double> weight;  ///< sum of the parts that all closed nodes' forces have on a node [1]
+  std::vector<double> largest; ///< of these, all that can add up in one direction; empty: no node has several surfaces
+  std::array<std::vector<double>, 2> tensor; ///< parts by direction: xx, xy, yy and xz, yz, zz, three for each node
+  std::vector<char> shared;                  ///< does the node belong to several surfaces?
+  std::vector<double> force, correction;     ///< sums of the contacts' forces [F], displacements by them [L]
+  std::vector<double> before;                ///< increments of the step before [L]
+
+  /// What weighs on a node in a sweep.
+  const std::vector<double>& in_sweeps() const { return largest.empty() ? weight : largest; }
+};
+
 /// Explicit contact by the kinematic method: forces that correct the predicted step (docs/explicit/kinematic.md).
-class KinematicContact : public NodeToSurface, public StepCorrection
+class KinematicContact : public NodeToSurface
 {
 public:
   /// Collective.
@@ -23,7 +38,26 @@ public:
   KinematicContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
                    const KinematicContactOptions& options);
 
-  void correct(const PredictedStep& step, std::span<double> u, std::span<double> f) override;
+  // The parts of a step, in their order; KinematicStep does what lies between them. `predict` is collective.
+
+  /// Find the nodes in contact in the predicted configuration, and the nodes that open in this step.
+  /// @param[in] u predicted displacements, ghosts valid [L]
+  void predict(const PredictedStep& step, std::span<const double> u);
+  /// Add what the closed nodes' forces weigh on all nodes.
+  void add_weights(CorrectedNodes& nodes) const;
+  /// Masses for the sweeps, and forces of the nodes that open.
+  void begin(const PredictedStep& step, const CorrectedNodes& nodes);
+  /// One sweep: update the forces and project them on the admissible set (no tension, Coulomb's cone).
+  /// @param[in] factor over-relaxation of the increments [1]
+  void solve_forces(const CorrectedNodes& nodes, double h, double factor);
+  /// Add the forces to those of the nodes.
+  void add_forces(std::span<double> forces) const;
+  /// Results and work of the step.
+  void record(const CorrectedNodes& nodes, double h, double dt);
+
+  int sweeps() const { return _sweeps; }
+  /// Nodes that it reads or acts on, by number, ascending.
+  std::span<const std::int32_t> nodes() const { return _contact_nodes; }
   void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
   void restore_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
@@ -50,21 +84,21 @@ private:
   template <int D>
   void relative_to_master(std::size_t q, const double* values, double* out) const;
   template <int D>
-  void predict(const PredictedStep& step, const double* u);
+  void find_closed(const PredictedStep& step, const double* u);
   template <int D>
   void reaction(std::size_t q, double* out) const;
   template <int D>
-  void add_masses(const double* inverse_mass);
+  void weigh(CorrectedNodes& nodes) const;
   template <int D>
-  void solve_release_forces(const PredictedStep& step);
+  void set_masses(const double* inverse_mass, const std::vector<double>& weight);
   template <int D>
-  void solve_forces(double h, double factor);
+  void solve_release_forces(const PredictedStep& step, const CorrectedNodes& nodes);
   template <int D>
-  void apply(const double* inverse_mass, double h);
+  void sweep(const double* correction, double h, double factor);
   template <int D>
-  void record(double h, double dt);
+  void add_all(std::span<double> forces) const;
   template <int D>
-  void correct_all(const PredictedStep& step, std::span<double> u, std::span<double> f);
+  void record_all(const CorrectedNodes& nodes, double h, double dt);
 
   int _sweeps;
   int _num_masters; ///< nodes of a master facet; 0 if the master is rigid
@@ -75,9 +109,6 @@ private:
   std::vector<double> _phi, _motion, _nodal_force, _normal_mass, _isotropic_mass;
   std::vector<MomentCorrection> _moment_corrections;
   std::vector<double> _arms; ///< of the moment corrections
-  // Values at the Halo's nodes. Ghost entries of `_contact_force` outside `_contact_nodes` stay zero: the array is
-  // summed over the ranks and never sent forward.
   std::vector<std::int32_t> _contact_nodes;
-  std::vector<double> _weight, _contact_force, _correction, _previous_increment;
 };
 } // namespace dolfinx_impact::enforcement

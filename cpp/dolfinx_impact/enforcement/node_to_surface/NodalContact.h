@@ -37,7 +37,7 @@ struct Passage
 };
 
 /// Interface of a contact to the explicit integrator: candidates, nodes, energies. Forces on slave and master nodes are
-/// equal and opposite. A contact implements SpringForces or StepCorrection as well, which say how its forces act.
+/// equal and opposite. A contact implements SpringForces as well, or is a KinematicContact: they say how forces act.
 class NodalContact
 {
 public:
@@ -58,6 +58,8 @@ public:
   /// @param[in] numbers in `halo`, for each node of the Halo passed to `needs`
   /// @param[in] mass of the nodes of `halo`, ghosts valid [M]
   virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) = 0;
+  /// Largest size of a number that the position of a rigid master is computed from; zero: deformable [L].
+  virtual double largest_position() const = 0;
   /// Displacement and last increment of a rigid master; no effect on deformable masters [L].
   virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
   /// The same after a restart: the increment is that of the last step, which has been completed [L].
@@ -92,7 +94,8 @@ public:
   virtual void add_forces(const NodalState& state, std::span<double> f) = 0;
 };
 
-/// Predicted step passed to contacts that correct it: arrays over the nodes of the Halo, entry node*gdim + c.
+/// Predicted step passed to kinematic contacts, which correct it: arrays over the nodes of the Halo, entry node*gdim +
+/// c.
 struct PredictedStep
 {
   std::span<const double> du;           ///< increments of the step as predicted [L]
@@ -101,17 +104,5 @@ struct PredictedStep
   double h = 0.0;                       ///< a force f moves a node by h*f/m in the step [T^2]
   double dt = 0.0;                      ///< step [T]
   double release_share = 1.0;           ///< share of the recoverable energy that opening nodes may get back [1]
-};
-
-/// A contact that corrects the predicted configuration (kinematic method).
-class StepCorrection
-{
-public:
-  virtual ~StepCorrection() = default;
-  /// Collective. No allocation.
-  /// @param[in] step as predicted, ghosts valid
-  /// @param[in,out] u predicted displacements, ghosts valid; on return corrected, ghosts valid [L]
-  /// @param[in,out] f complete on owned nodes: forces are added [F]
-  virtual void correct(const PredictedStep& step, std::span<double> u, std::span<double> f) = 0;
 };
 } // namespace dolfinx_impact::enforcement

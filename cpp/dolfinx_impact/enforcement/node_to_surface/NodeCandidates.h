@@ -31,6 +31,8 @@ public:
   /// Largest facet diameter of slave and master; smallest() is that of the master (rigid: largest of the slave) [L].
   double size() const { return _size; }
   double smallest() const { return _smallest; }
+  /// Number of nodes of the space that this rank owns.
+  std::size_t num_owned() const { return _halo.num_owned(); }
 
   /// See NodalContact::search.
   /// @param[in] deepest deepest penetration of a closed node; it extends the search distance [L]

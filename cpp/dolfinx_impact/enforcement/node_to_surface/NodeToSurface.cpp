@@ -53,6 +53,13 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
     : _options(checked(options)), _gdim(slave.gdim), _rigid(rigid != nullptr), _obstacle(rigid ? *rigid : gap::Rigid{}),
       _candidates(V, slave, master, options.search_distance, options.axisymmetric), _tracker(_gdim, _candidates.X())
 {
+  if (rigid)
+  {
+    gap::Rigid undisplaced = *rigid;
+    undisplaced.displacement = {};
+    _undisplaced_size = gap::largest_position(undisplaced);
+    _obstacle_size = gap::largest_position(*rigid);
+  }
   if (rigid && rigid->gdim != _gdim)
     throw std::invalid_argument("the rigid master has another dimension than the slave");
   const std::size_t n = _candidates.nodes().size(), vector = n * _gdim;
@@ -108,12 +115,12 @@ void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> 
   for (std::int32_t& node : _slave_facets.nodes)
     node = numbers[node];
   _tracker.reset(std::move(_facets), _candidates.numbers(), std::move(_slave_facets), _candidates.distance());
-  const auto masters = _tracker.master_nodes();
-  for (std::size_t k = 0; k < masters.size(); ++k)
+  _master_inverse_mass.clear();
+  _master_areas.clear();
+  for (std::int32_t master : _tracker.master_nodes())
   {
-    search::MasterNode& master = _tracker.masters()[k];
-    master.inverse_mass = 1.0 / mass[masters[k]];
-    master.area_per_mass = areas[masters[k]] / mass[masters[k]];
+    _master_inverse_mass.push_back(1.0 / mass[master]);
+    _master_areas.push_back(areas[master]);
   }
 }
 
@@ -121,6 +128,12 @@ void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, cons
 {
   _obstacle.displacement = displacement;
   _obstacle_increment = increment;
+  if (!_rigid)
+    return;
+  double moved = 0.0;
+  for (double value : displacement)
+    moved = std::max(moved, std::abs(value));
+  _obstacle_size = _undisplaced_size + moved;
 }
 
 NodalHistory NodeToSurface::history() const
@@ -181,6 +194,17 @@ void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
     _closed[i] = 0;
 }
 
+/// What rounding of the positions does to the gap of node i. Surfaces that touch have gaps of both signs within it:
+/// contact that took the negative ones for overlaps would set a body in motion that is at rest.
+double NodeToSurface::rounding(std::size_t i, const double* u) const
+{
+  const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
+  double size = _obstacle_size;
+  for (int c = 0; c < _gdim; ++c)
+    size += std::abs(_candidates.X()[i * _gdim + c]) + std::abs(u[k + c]);
+  return 4.0 * std::numeric_limits<double>::epsilon() * size;
+}
+
 bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
                                  ContactPoint& point)
 {
@@ -188,6 +212,8 @@ bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* d
   point.node = _candidates.numbers()[i];
   point.at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du);
   Projection& at = point.at;
+  if (at.gap < 0.0 && at.gap > -rounding(i, u))
+    at.gap = 0.0;
   if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) &&
       passes_through(point, u, du))
   {

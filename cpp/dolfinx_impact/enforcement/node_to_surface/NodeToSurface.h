@@ -58,9 +58,12 @@ public:
   ContactEnergy energy() const override { return _energy; }
   Passage passage() const override { return _passage; }
   const std::array<double, 3>& force() const override { return _force; }
+  double largest_position() const override { return _obstacle_size; }
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
   const NodeCandidates& candidates() const { return _candidates; }
+  /// Areas of the master's nodes, zero elsewhere, over the nodes of the Halo of the last `needs`; empty: rigid [L^2].
+  std::span<const double> master_areas() const { return _areas; }
   const NodalResults& results() const { return _results; }
   const search::NodeTracker& tracker() const { return _tracker; }
   /// Number of nodes that were left open because their first penetration was implausibly deep.
@@ -127,6 +130,8 @@ protected:
   search::NodeTracker _tracker;
   operators::Halo* _halo = nullptr;
   std::vector<double> _inverse_mass, _per_area; ///< by slave node: reciprocals of mass and area
+  /// By position in NodeTracker's list of master nodes: reciprocals of masses, and areas.
+  std::vector<double> _master_inverse_mass, _master_areas;
   NodalResults _results;
   std::vector<double> _tangential;
   std::vector<std::int8_t> _closed;
@@ -135,6 +140,7 @@ protected:
   Passage _passage;
 
 private:
+  double rounding(std::size_t i, const double* u) const;
   bool is_marked(const ContactPoint& point, const double* u, const double* du);
   /// Projection in the configuration u - back*du.
   search::Projection point_before(std::size_t i, const double* u, const double* du, double back) const;
@@ -149,5 +155,6 @@ private:
   surface::Facets _facets, _slave_facets; ///< candidates; slave facets at the nodes
   std::vector<double> _areas;
   std::int64_t _num_implausible = 0;
+  double _undisplaced_size = 0.0, _obstacle_size = 0.0; ///< of the numbers in the rigid master's position [L]
 };
 } // namespace dolfinx_impact::enforcement

@@ -15,6 +15,10 @@ using surface::FacetElement;
 
 namespace
 {
+/// Largest stiffness of a node times dt^2 over its mass: what a step of 0.9 of the stable one leaves of the square of
+/// the highest frequency, 1/0.9^2 - 1, times the 4 of the stable step itself.
+constexpr double most = 4.0 * 0.19 / 0.81;
+
 PenaltyContactOptions checked(const PenaltyContactOptions& o, bool rigid)
 {
   if (!std::isfinite(o.penalty) || !(o.penalty >= 0.0))
@@ -49,7 +53,7 @@ PenaltyContact::PenaltyContact(const surface::FunctionSpace& V, const surface::F
                                const surface::Facets* master, const gap::Rigid* rigid,
                                const PenaltyContactOptions& options)
     : NodeToSurface(V, slave, master, rigid, checked(options, rigid != nullptr)), _penalty(options.penalty),
-      _kappa(options.kappa), _stiffness(num_nodes(), 0.0), _springs(num_nodes())
+      _kappa(options.kappa), _slave_compliance(num_nodes(), 0.0), _stiffness(num_nodes(), 0.0), _springs(num_nodes())
 {
 }
 
@@ -82,6 +86,12 @@ void PenaltyContact::search(std::span<const double> u, std::span<const double> d
 std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
 {
   const auto own = NodeToSurface::needs(all);
+  if (!_master_known.empty())
+  {
+    _all_known.assign(all.num_nodes(), 0.0);
+    std::copy(_master_known.begin(), _master_known.end(), _all_known.begin());
+    all.forward(_all_known, 1);
+  }
   if (!_other)
     return own;
   const auto more = _other->needs(all);
@@ -93,7 +103,19 @@ std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
 void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   NodeToSurface::number(halo, numbers, mass);
-  _master_force.assign(_tracker.master_nodes().size(), {});
+  const auto masters = _tracker.master_nodes();
+  _master_force.assign(masters.size(), {});
+  if (!_all_known.empty())
+  {
+    std::vector<double> known(halo.num_nodes(), 0.0);
+    for (std::size_t node = 0; node < numbers.size(); ++node)
+      if (numbers[node] >= 0)
+        known[numbers[node]] = _all_known[node];
+    _master_here.clear();
+    for (std::int32_t master : masters)
+      _master_here.push_back(known[master]);
+  }
+  _compliance_step = 0.0;
   if (_other)
     _other->number(halo, numbers, mass);
 }
@@ -136,6 +158,24 @@ void PenaltyContact::keep_normals(bool keep)
     _other->keep_normals(keep);
 }
 
+void PenaltyContact::set_nodal_compliances(std::vector<double> slave, std::vector<double> master)
+{
+  for (const std::vector<double>* values : {&slave, &master})
+  {
+    if (values->size() != _candidates.num_owned())
+      throw std::invalid_argument("nodal compliances: " + std::to_string(_candidates.num_owned()) +
+                                  " values are needed, not " + std::to_string(values->size()));
+    for (double value : *values)
+      if (!std::isfinite(value) || value < 0.0)
+        throw std::invalid_argument("a nodal compliance is " + std::to_string(value) + ", it must not be negative");
+  }
+  if (_other)
+    _other->set_nodal_compliances(master, slave);
+  _slave_known = std::move(slave);
+  _master_known = std::move(master);
+  _compliance_step = 0.0;
+}
+
 void PenaltyContact::set_springs(std::vector<Spring> springs)
 {
   if (springs.size() != num_nodes())
@@ -167,22 +207,45 @@ void PenaltyContact::drop_stored_energy(std::size_t i)
   _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance);
 }
 
-/// Reciprocal of the contact stiffness.
-inline double PenaltyContact::compliance(const ContactPoint& point, double dt) const
+/// Compliance of a node: the known one, but no less than a step can bear; from mass and step if none is known.
+inline double PenaltyContact::node_compliance(double known, double inverse_mass, double dt) const
+{
+  const double per_step = dt * dt * inverse_mass;
+  return known > 0.0 ? std::max(known, per_step / most) : per_step / _kappa;
+}
+
+void PenaltyContact::update_compliances(double dt)
+{
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+  {
+    const double known = _slave_known.empty() ? 0.0 : _slave_known[std::size_t(_candidates.nodes()[i])];
+    _slave_compliance[i] = node_compliance(known, _inverse_mass[i], dt);
+  }
+  for (std::size_t k = 0; k < _master_inverse_mass.size(); ++k)
+  {
+    search::MasterNode& master = _tracker.masters()[k];
+    master.compliance = node_compliance(_master_here.empty() ? 0.0 : _master_here[k], _master_inverse_mass[k], dt);
+    master.area_compliance = _master_areas[k] * master.compliance;
+  }
+  _compliance_step = dt;
+}
+
+/// Reciprocal of the contact stiffness: slave and master in series.
+inline double PenaltyContact::compliance(const ContactPoint& point) const
 {
   const double per_area = _per_area[point.i];
   if (_penalty > 0.0)
     return per_area / (_share * _penalty);
-  double own = _inverse_mass[point.i], masters = 0.0;
+  double own = _slave_compliance[point.i], masters = 0.0;
   for_nodes(point.num,
             [&](int j)
             {
               const double weight = std::abs(point.phi[j]);
               const search::MasterNode& master = _tracker.masters()[point.corners[j]];
-              own += weight * master.inverse_mass;
-              masters += weight * master.area_per_mass;
+              own += weight * master.compliance;
+              masters += weight * master.area_compliance;
             });
-  return dt * dt * (own + masters * per_area) / (_share * _kappa);
+  return (own + masters * per_area) / _share;
 }
 
 namespace
@@ -270,7 +333,7 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std:
   if (!_rigid)
     _tracker.track(i, at);
 
-  const double per_k = compliance(point, state.dt), k = 1.0 / per_k, last_compliance = spring.compliance;
+  const double per_k = compliance(point), k = 1.0 / per_k, last_compliance = spring.compliance;
   _energy.normal -= normal_step(spring, k * overlap, k, per_k, gap, change, begins);
   const double normal_force = spring.force;
   double force[W] = {}, tangential_squared = 0.0;
@@ -358,6 +421,8 @@ void PenaltyContact::add_forces(const NodalState& state, std::span<double> f)
 {
   _force.fill(0.0);
   _energy.stored = 0.0;
+  if (state.dt != _compliance_step)
+    update_compliances(state.dt);
   if (!_rigid)
   {
     _candidates.advance(state.dt);

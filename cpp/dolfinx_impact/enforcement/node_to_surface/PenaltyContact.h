@@ -8,8 +8,8 @@ namespace dolfinx_impact::enforcement
 {
 struct PenaltyContactOptions : NodeToSurfaceOptions
 {
-  double penalty = 0.0;  ///< pressure per penetration; 0: stiffness from masses and step [F/L^3]
-  double kappa = 0.5;    ///< bound of dt^2 times the increase of the highest squared frequency by contact [1]
+  double penalty = 0.0;  ///< pressure per penetration; 0: nodal stiffness of the surfaces [F/L^3]
+  double kappa = 0.5;    ///< stiffness of a node times dt^2 over its mass where no nodal stiffness is known [1]
   bool balanced = false; ///< two-pass contact: both surfaces are slave once, each with half the stiffness
 };
 
@@ -50,6 +50,10 @@ public:
   ContactEnergy energy() const override;
   Passage passage() const override;
   void keep_normals(bool keep) override;
+  /// Nodal stiffness of both surfaces (docs/explicit/penalty.md, "Stiffness"); call before `needs`.
+  /// @param[in] slave,master reciprocals by node that this rank owns; zero where none is known [L/F]
+  /// @throws std::invalid_argument for another number of nodes, negative or infinite values
+  void set_nodal_compliances(std::vector<double> slave, std::vector<double> master);
   /// The other direction of balanced contact, or null.
   PenaltyContact* other() { return _other.get(); }
 
@@ -69,7 +73,9 @@ private:
                  const gap::Rigid* rigid, const PenaltyContactOptions& options);
   double deepest_penetration() const override;
   void drop_stored_energy(std::size_t i) override;
-  double compliance(const ContactPoint& point, double dt) const;
+  double compliance(const ContactPoint& point) const;
+  double node_compliance(double known, double inverse_mass, double dt) const;
+  void update_compliances(double dt);
   template <int D>
   void open_spring(std::size_t i, const double* n, double change, const double* motion);
   template <int D>
@@ -78,7 +84,12 @@ private:
   void add_all(const NodalState& state, std::span<double> f);
 
   double _penalty, _kappa;
-  double _share = 1.0; ///< of the stiffness: half when balanced
+  std::vector<double> _slave_known, _master_known; ///< by owned node of the space, empty: none known [L/F]
+  std::vector<double> _all_known;                  ///< of the master over the nodes of the Halo of `needs` [L/F]
+  std::vector<double> _master_here;                ///< by position in NodeTracker's list of master nodes [L/F]
+  std::vector<double> _slave_compliance;           ///< by slave node, in the present step [L/F]
+  double _compliance_step = 0.0;                   ///< step that compliances were made for; 0: none yet [T]
+  double _share = 1.0;                             ///< of the stiffness: half when balanced
   std::unique_ptr<PenaltyContact> _other;
   std::vector<std::int64_t> _all_remote; ///< of both directions
   std::vector<int> _all_owners;

@@ -12,10 +12,10 @@ namespace dolfinx_impact::search
 /// A node of the master: what a step needs of it lies in one line of the cache.
 struct alignas(64) MasterNode
 {
-  double x[3] = {};           ///< position at the last `advance` [L]
-  double du[3] = {};          ///< increment of the last step [L]
-  double inverse_mass = 0.0;  ///< set by the contact [1/M]
-  double area_per_mass = 0.0; ///< nodal area over nodal mass; set by the contact [L^2/M, in the plane L/M]
+  double x[3] = {};             ///< position at the last `advance` [L]
+  double du[3] = {};            ///< increment of the last step [L]
+  double compliance = 0.0;      ///< of penalty springs at this node; set by the contact [L/F]
+  double area_compliance = 0.0; ///< the same times the nodal area; set by the contact [L^3/F, in the plane L^2/F]
 };
 
 /// The master surface of a NodeTracker. It owns the facets, the positions of their nodes at the last step, the facets'

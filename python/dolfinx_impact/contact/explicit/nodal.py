@@ -12,12 +12,13 @@ from ... import _cpp
 from ...amplitude import Amplitude
 from ...assembly import operators
 from ...common.arguments import integer
-from ...common.collective import comm_of, guard
+from ...common.collective import comm_of, common, guard
 from ...common.types import FloatArray, IntArray
 from ...forms.materials import weight
 from ..output import ContactOutput
 from ..pair import ContactPair, check_pair
 from ..protocol import ExplicitContactProblem
+from .nodal_stiffness import nodal_compliances
 from .springs import searched
 from ..initial_penetration import check_side
 
@@ -29,7 +30,8 @@ class Kinematic:
 
     Args:
         pair: the pair of surfaces.
-        sweeps: number of corrections per step; matching nodes need one [1].
+        sweeps: number of corrections per step; matching nodes need one. Kinematic contacts of a problem act together:
+            the largest of their numbers counts [1].
 
     Raises:
         TypeError: `pair` is not a ContactPair, or `sweeps` not a number; on all ranks.
@@ -78,6 +80,10 @@ class NodalResult(ContactOutput):
         status: ContactStatus numbers, (n).
         stiffness: contact stiffness of the nodes, (n) [F/L].
         motion: displacement of a rigid master as a function of time; None for deformable masters [L].
+        stored: energy stored in the springs, of all ranks; zero in kinematic contact [F L].
+        penetration_share: energy in the springs over that in all springs and in the deformation of the bodies: how much
+            of the deformation is penetration. Zero in kinematic contact; not a number in problems of a residual of
+            one's own, whose energy is not known [1].
 
     Raises:
         ValueError: surfaces that do not fit the problem, or `remove_penetration`; on all ranks.
@@ -95,6 +101,7 @@ class NodalResult(ContactOutput):
     force: FloatArray
     moment: FloatArray
     motion: Amplitude | None
+    stored = penetration_share = 0.0
     _known: dict[str, FloatArray] | None = None  # gaps and normals of the last step, after they have been evaluated
 
     def __init__(
@@ -117,6 +124,9 @@ class NodalResult(ContactOutput):
         self._surfaces = slave, self.obstacle if pair.rigid else master
         facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
         self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest one in the reference configuration
+        self._compliances: tuple[FloatArray, FloatArray] | None = None
+        if not self.kinematic and not self.penalty:
+            self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master)
         self._cpp_object = self.make(law, **options)
         self.nodes, self.weight = self._cpp_object.nodes, self._cpp_object.areas
         self._X = self._cpp_object.X.reshape(-1, self.gdim)
@@ -151,7 +161,7 @@ class NodalResult(ContactOutput):
             The contact.
         """
         pair = self.pair
-        return law(
+        made = law(
             self.V._cpp_object,
             *self._surfaces,
             friction=pair.friction,
@@ -159,10 +169,13 @@ class NodalResult(ContactOutput):
             axisymmetric=self.problem.axisymmetric,
             **options,
         )
+        if self._compliances is not None:
+            made.set_nodal_compliances(*self._compliances)
+        return made
 
     @property
     def penalty(self) -> float:
-        """Given penalty; 0 if the stiffness follows from masses and step, and in kinematic contact [F/L^3]."""
+        """Given penalty; 0 if the stiffness follows from the bodies, and in kinematic contact [F/L^3]."""
         return self.options.get("penalty", 0.0)
 
     @property
@@ -239,9 +252,11 @@ class NodalResult(ContactOutput):
             deep = self._deep_by_springs()
         deep = self.comm.allreduce(deep, MPI.SUM)
         if deep:
-            raise ValueError(
-                f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies overlap "
-                "at the start; move them apart"
+            raise common(
+                ValueError(
+                    f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies "
+                    "overlap at the start; move them apart"
+                )
             )
 
     def _deep_by_springs(self) -> int:
@@ -293,10 +308,10 @@ class NodalResult(ContactOutput):
             moments = np.cross(self.points, forces)
         energy = self._cpp_object.energy()
         totals = [self._cpp_object.force, moments.sum(axis=0), [self.weight[self.status > 0].sum(), energy["friction"]]]
-        sums = self.comm.allreduce(np.concatenate(totals), MPI.SUM)
+        sums = self.comm.allreduce(np.concatenate([*totals, [energy["stored"]]]), MPI.SUM)
         gdim = self.gdim
-        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
-        self.dissipated = float(sums[-1])
+        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-3], float(sums[-3])
+        self.dissipated, self.stored = float(sums[-2]), float(sums[-1])
 
     def save_results(self) -> tuple[FloatArray, FloatArray]:
         """Results of `update_results` for a checkpoint.

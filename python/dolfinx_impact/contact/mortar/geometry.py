@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Nodal gaps, normals and weights of a contact by multipliers, and those against rigid obstacles."""
 
+from __future__ import annotations
+
 import abc
 import copy
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import basix
 import numpy as np
@@ -13,7 +15,11 @@ from ... import _cpp
 from ...common.types import BoolArray, FloatArray, IntArray
 from ..nodal_sum import NodalSum
 from ..body_size import body_size
+from ..crossing import through_obstacle
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
+
+if TYPE_CHECKING:
+    from .joined_nodes import JoinedNodes
 
 # Part of a rim node's length that is in contact, by the ratio r of pressures: polynomial, highest power first, and the
 # most it can be, where the next node begins to touch. Measured on Hertz's line contact between elastic bodies, the edge
@@ -52,15 +58,25 @@ class SurfaceGeometry(abc.ABC):
         basis: Multipliers. nodes: (n) owned nodes of the slave surface that a multiplier may live at.
         numbers: (n) their global numbers. participates: (n) mask of those where one does.
         weight: (n) diagonal of D: force on the node per multiplier [L^2]. cover: (n) integral of the multiplier's
-        function over the part of the surface that faces a master [L^2]; gaps and slips are means over it.
+        function over the part of the surface that faces a master [L^2]; gaps and slips are means over it. At nodes that
+        pairs have in common both are sums over the pairs (joined_nodes.py); own_weight, own_cover are of this pair.
+        around: (n) as cover, with nodes that carry no multiplier [L^2]. area: (n) of the facets around a node [L^2].
+        Both are without facets that lie round a sharp edge, whose numbers are `aside`.
+        part: (n) mask of nodes that this pair has a force at. carrier: (n) mask, false where another pair has the
+        multiplier of a common node.
         gap: (n) [L]. normal: (n, gdim). fixed: (n, gdim) prescribed components. locked: (n, gdim) those along which the
         motion against the master is prescribed to be zero in this increment.
         tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment, all dofs [L].
     """
 
     participates: BoolArray
+    part: BoolArray
+    carrier: BoolArray
     weight: FloatArray
     cover: FloatArray
+    own_weight: FloatArray
+    own_cover: FloatArray
+    weighted_gap: FloatArray
     gap: FloatArray
     normal: FloatArray
     locked: BoolArray
@@ -74,6 +90,8 @@ class SurfaceGeometry(abc.ABC):
     def __init__(self, spec: Any, V: Any, axisymmetric: bool, fixed: BoolArray, basis: str) -> None:
         self.prescribed, self.driven = fixed, np.zeros(len(fixed))
         self.pair, self.V, self.axisymmetric = spec.pair, V, axisymmetric
+        self.joined: JoinedNodes | None = None
+        self.member = 0
         self.basis = getattr(_cpp.gap.Multipliers, basis)
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         self.slave, self.master = self.pair.surfaces(V)
@@ -84,10 +102,8 @@ class SurfaceGeometry(abc.ABC):
         self.displacement = np.zeros(3)
         element = self.slave.displacement
         # Exact for the shape functions on flat, affine facets, with the radius as weight.
-        points, weights = quadrature_rule(element.shape, 2 * element.degree + 2)
-        self._nodes = _cpp.multipliers.MultiplierNodes(
-            V._cpp_object, self.slave, points, weights, self.basis, axisymmetric
-        )
+        self._rule = quadrature_rule(element.shape, 2 * element.degree + 2)
+        self._nodes = _cpp.multipliers.MultiplierNodes(V._cpp_object, self.slave, *self._rule, self.basis, axisymmetric)
         self.nodes, self.share, self.area = self._nodes.nodes, self._nodes.share, self._nodes.area
         self.numbers = self.index_map.local_to_global(self.nodes)
         self.fixed = fixed.reshape(-1, self.gdim)[self.nodes]
@@ -99,31 +115,58 @@ class SurfaceGeometry(abc.ABC):
     # --- what the two kinds of masters differ in -------------------------------------------------------------------
 
     @abc.abstractmethod
-    def update_gap(self, u: FloatArray) -> None:
-        """Gaps, normals and locked components. Collective.
+    def update_cover(self, u: FloatArray) -> None:
+        """What of each node faces the master, `around`, and sums of facet normals. Collective.
 
         Args:
             u: displacements, owned and ghost dofs [L].
         """
 
     @abc.abstractmethod
-    def jump(self, moved: FloatArray) -> FloatArray:
-        """Weighted displacements of slave against master, (n, gdim) [L]. Collective.
+    def covered(self) -> BoolArray:
+        """Nodes of which enough is covered, mask (n)."""
+
+    @abc.abstractmethod
+    def normal_sums(self) -> FloatArray:
+        """Sums of facet normals out of the master, (n, gdim)."""
+
+    @abc.abstractmethod
+    def integrate(self, carriers: BoolArray) -> None:
+        """Weights of the nodes, and locked components, `own_locked`. Collective.
+
+        Args:
+            carriers: mask of the nodes that carry a multiplier, (n).
+        """
+
+    @abc.abstractmethod
+    def update_own_gap(self, locked: BoolArray, sums: FloatArray | None = None) -> None:
+        """Normals, and gaps of this pair times its cover, `weighted_gap`. Collective.
+
+        Args:
+            locked: as the attribute.
+            sums: of facet normals, where other surfaces continue this one, (n, gdim); None: its own.
+        """
+
+    @abc.abstractmethod
+    def weighted_jump(self, moved: FloatArray) -> FloatArray:
+        """Displacements of slave against master times this pair's cover, (n, gdim). Collective.
 
         Args:
             moved: increments, owned dofs [L].
         """
 
     @abc.abstractmethod
-    def master_rows(self, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
-        """Rows of D^-1 M of some of the nodes, D the diagonal.
+    def weighted_rows(self, rows: IntArray, weights: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Rows of this pair's M over weights; see master_rows.
 
         Args:
             rows: index of the nodes.
-
-        Returns:
-            pointers, global nodes (the master's, and slave nodes without a multiplier), values.
+            weights: of all nodes, (n) [L^2].
         """
+
+    @abc.abstractmethod
+    def over_master(self, values: FloatArray) -> FloatArray:
+        """M times values over the owned nodes of V, (n). Collective."""
 
     @abc.abstractmethod
     def stiffness(self, multiplier: FloatArray, traction: FloatArray, active: BoolArray) -> PETSc.Mat | None:
@@ -144,10 +187,70 @@ class SurfaceGeometry(abc.ABC):
         """
 
     @abc.abstractmethod
-    def _facing(self, values: FloatArray) -> FloatArray:
-        """Values over the owned nodes of V as the slave's nodes face them, (n)."""
+    def passed_through(self, had_master: BoolArray) -> BoolArray:
+        """Nodes that have passed through the master in this increment, mask (n). Collective.
+
+        Args:
+            had_master: mask of nodes that had a master at the start of the increment, (n).
+        """
 
     # --- common ----------------------------------------------------------------------------------------------------
+
+    def update_gap(self, u: FloatArray) -> None:
+        """Gaps, normals and locked components. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+        """
+        if self.joined is not None:
+            self.joined.update(u)
+            return
+        self.update_cover(u)
+        self.integrate(self.covered())
+        self.locked = self.own_locked
+        self.update_own_gap(self.locked)
+        self.part, self.carrier = self.participates, np.ones(len(self.nodes), dtype=bool)
+        self.weight, self.cover = self.own_weight, self.own_cover
+        self.gap = np.full(len(self.nodes), np.inf)
+        self.gap[self.part] = self.weighted_gap[self.part] / self.cover[self.part]
+
+    def jump(self, moved: FloatArray) -> FloatArray:
+        """Means over the cover of the displacement of slave against master, (n, gdim) [L]. Collective.
+
+        Args:
+            moved: increments, owned dofs [L].
+        """
+        if self.joined is not None:
+            return self.joined.jump(self.member, moved)
+        jump = self.weighted_jump(moved)
+        return np.where(self.part[:, None], jump, 0.0) / np.where(self.part, self.cover, 1.0)[:, None]
+
+    def master_rows(self, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Rows of D^-1 M of some of the nodes, D the diagonal.
+
+        Args:
+            rows: index of the nodes.
+
+        Returns:
+            pointers, global nodes (the master's, and slave nodes without a multiplier), values.
+        """
+        if self.joined is not None:
+            return self.joined.master_rows(self.member, rows)
+        return self.weighted_rows(np.ascontiguousarray(rows, dtype=np.int32), self.weight)
+
+    def joined_forces(self, traction: FloatArray) -> FloatArray:
+        """Nodal forces of tractions at carriers, of all pairs that share them, owned dofs [F]. Collective.
+
+        Args:
+            traction: (n, gdim), of carriers [F/L^2].
+        """
+        return self.forces(traction) if self.joined is None else self.joined.forces(self.member, traction)
+
+    @property
+    def surfaces(self) -> list[Any]:
+        """Facets of the bodies that the nodes of this pair may touch."""
+        members = [self] if self.joined is None else self.joined.geometries
+        return [s for g in members for s in (g.slave, g.master) if s is not None]
 
     def _set_initial_penetration(self) -> None:
         """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
@@ -205,30 +308,48 @@ class SurfaceGeometry(abc.ABC):
         Returns:
             gap (n) [L], slip (n, gdim) [L].
         """
-        there = self._elsewhere()
+        if self.joined is not None:
+            return self.joined.evaluate_at(self.member, u)
+        there = self.elsewhere()
         there.update_gap(u)
         return there.gap, there.slip()
 
-    def _elsewhere(self) -> "SurfaceGeometry":
+    def elsewhere(self) -> SurfaceGeometry:
         """A copy that another state may be evaluated with."""
         return copy.copy(self)
 
     def slip(self) -> FloatArray:
         """Tangential displacement of slave against master in this increment, (n, gdim) [L]. Collective."""
-        moved = self.jump((self.u - self.start)[: self.gdim * self.index_map.size_local])
+        return self.slip_of(self.jump(self.moved))
+
+    @property
+    def moved(self) -> FloatArray:
+        """Displacements in this increment, owned dofs [L]."""
+        return (self.u - self.start)[: self.gdim * self.index_map.size_local]
+
+    def slip_of(self, jump: FloatArray) -> FloatArray:
+        """Tangential part of a displacement against the master as it moves, (n, gdim) [L].
+
+        Args:
+            jump: displacement against a master at rest, (n, gdim) [L].
+        """
         rigid = (self.displacement - self.start_displacement)[: self.gdim]
-        return _cpp.multipliers.tangential(self.normal, moved - rigid)
+        return _cpp.multipliers.tangential(self.normal, jump - rigid)
 
     def nearest(self) -> BoolArray | None:
         """Nodes to be closed where nothing touches but the bodies nearly do, mask (n), or None: they are apart.
         Collective."""
+        gap = nearly_touching(self.comm, self.gap, self.facet_sizes())
+        return None if gap is None else self.gap < gap
+
+    def facet_sizes(self) -> FloatArray:
+        """Mean size of the facets around each node, (n) [L]. Collective."""
         size = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1)[:, None], self.slave.nodes.shape[1], 1)
         sums, counts = (np.zeros(self.sum.num_nodes) for _ in range(2))
         np.add.at(sums, self.slave.nodes, size)
         np.add.at(counts, self.slave.nodes, 1.0)
         sums, counts = (self.sum(a).ravel()[self.nodes] for a in (sums, counts))
-        gap = nearly_touching(self.comm, self.gap, sums / counts)
-        return None if gap is None else self.gap < gap
+        return np.asarray(sums / counts)
 
     def springs(self, rows: IntArray, blocks: FloatArray) -> PETSc.Mat:
         """Matrix of springs between nodes and what they face on the master [F/L]. Collective.
@@ -241,7 +362,7 @@ class SurfaceGeometry(abc.ABC):
             self.index_map, self.gdim, self.nodes[rows], self.master_rows(rows), np.ascontiguousarray(blocks)
         )
 
-    def covered(self, pressure: FloatArray, active: BoolArray) -> FloatArray:
+    def part_in_contact(self, pressure: FloatArray, active: BoolArray) -> FloatArray:
         """Part of each node's area that is in contact, (n) [1]. Collective.
 
         Args:
@@ -256,7 +377,7 @@ class SurfaceGeometry(abc.ABC):
         p, touching, known = np.zeros(size), np.zeros(size), np.zeros(size)
         p[self.nodes], touching[self.nodes], known[self.nodes] = pressure, active, 1.0
         p, touching, known = (self.sum.forward(a).ravel() for a in (p, touching, known))
-        nodes = self.slave.nodes
+        nodes = self.slave.nodes[~np.isin(self.slave.id, self.aside)]
         rim = np.any((known[nodes] > 0) & (touching[nodes] == 0), axis=1) if len(nodes) else np.zeros(0, dtype=bool)
         outermost = np.repeat(rim[:, None], nodes.shape[1], 1)
         if self.gdim == 2:  # an end of a facet whose midpoint touches lies further inside
@@ -295,9 +416,8 @@ class SurfaceGeometry(abc.ABC):
             held: index of the nodes.
         """
         rows = np.zeros((self.gdim, len(held), motions.num_modes))
-        surfaces = [s for s in (self.slave, self.master) if s is not None]
         touched = np.zeros(motions.count, dtype=np.int32)
-        touched[np.concatenate([motions.body[s.nodes.ravel()] for s in surfaces])] = 1
+        touched[np.concatenate([motions.body[s.nodes.ravel()] for s in self.surfaces])] = 1
         touched = np.sum(self.comm.allgather(touched), axis=0) > 0
         for number in np.flatnonzero(np.repeat(touched, len(motions.names))):
             rows[:, :, number] = self.jump(motions.everywhere(number).ravel())[held].T
@@ -315,7 +435,11 @@ class SurfaceGeometry(abc.ABC):
         diagonal = K.getDiagonal()
         values = np.abs(diagonal.array.reshape(-1, self.gdim)).mean(axis=1)
         diagonal.destroy()
-        return values[self.nodes], self._facing(values)
+        if self.joined is not None:
+            opposite = self.joined.over_master(self.member, values)
+        else:
+            opposite = np.where(self.part, self.over_master(values), 0.0)
+        return values[self.nodes], np.abs(opposite / np.where(self.participates, self.weight, 1.0))
 
 
 class RigidGeometry(SurfaceGeometry):
@@ -328,44 +452,73 @@ class RigidGeometry(SurfaceGeometry):
     def __init__(self, spec: Any, V: Any, axisymmetric: bool, fixed: BoolArray) -> None:
         super().__init__(spec, V, axisymmetric, fixed, "dual")
         self.obstacle = self.pair.rigid_master.obstacle(self.gdim)
-        self.weight = self.cover = self.share
-        self.participates = np.ones(len(self.nodes), dtype=bool)
+        self._shares = _cpp.multipliers.FacingShares(
+            V._cpp_object, self.slave, self._nodes, *self._rule, self.basis, axisymmetric
+        )
         check_side(self.pair, V, self.slave, self.obstacle)
         self._set_initial_penetration()
 
-    def update_gap(self, u: FloatArray) -> None:
-        """Gaps and normals; see SurfaceGeometry. Collective."""
+    def update_cover(self, u: FloatArray) -> None:
+        """Gaps, and areas that face the obstacle; see SurfaceGeometry. Collective."""
         self._move(u)
         self.obstacle.displacement = self.displacement.tolist()
-        self.gap, self.normal, self.hessian = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
-        self.gap = self.gap + self.offset
+        self.around = self.area = self._shares.evaluate(self.slave, self.obstacle)
+        self.aside = self._shares.aside
+        self._nodal = self.obstacle.evaluate(np.ascontiguousarray(self.points).ravel())
+
+    def covered(self) -> BoolArray:
+        """All nodes: gaps are those of the nodes themselves."""
+        return np.ones(len(self.nodes), dtype=bool)
+
+    def normal_sums(self) -> FloatArray:
+        """Normals of the obstacle; see SurfaceGeometry."""
+        return self._nodal[1]
+
+    def integrate(self, carriers: BoolArray) -> None:
+        """Weights and locked components; see SurfaceGeometry."""
+        self.participates, self.own_weight, self.own_cover = carriers, self.around, self.around
         motion = (self.displacement - self.start_displacement).tolist()
-        self.locked = _cpp.multipliers.locked_components(
+        self.own_locked = _cpp.multipliers.locked_components(
             self.prescribed, self.driven, self.gdim, self.nodes, motion, self.tolerance
         )
 
-    def _facing(self, values: FloatArray) -> FloatArray:
-        return np.zeros(len(self.nodes))
+    def passed_through(self, had_master: BoolArray) -> BoolArray:
+        """Nodes on the far side of the obstacle; see SurfaceGeometry. Collective."""
+        moved = (self.u - self.start).reshape(-1, self.gdim)[self.nodes]
+        moved = moved - (self.displacement - self.start_displacement)[: self.gdim]
+        return through_obstacle(self.obstacle, self.points - moved, self.points, self.offset, self.tolerance)
 
-    def jump(self, moved: FloatArray) -> FloatArray:
+    def update_own_gap(self, locked: BoolArray, sums: FloatArray | None = None) -> None:
+        """Gaps and normals, which are the obstacle's; see SurfaceGeometry."""
+        gap, self.normal, self.hessian = self._nodal
+        self.weighted_gap = self.own_cover * (gap + self.offset)
+
+    def weighted_jump(self, moved: FloatArray) -> FloatArray:
         """Displacements of the nodes against an obstacle at rest; see SurfaceGeometry."""
-        return moved.reshape(-1, self.gdim)[self.nodes]
+        return self.own_cover[:, None] * moved.reshape(-1, self.gdim)[self.nodes]
 
-    def master_rows(self, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
+    def weighted_rows(self, rows: IntArray, weights: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
         """No master nodes."""
         return np.zeros(len(rows) + 1, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty(0)
+
+    def over_master(self, values: FloatArray) -> FloatArray:
+        """No master nodes: zeros."""
+        return np.zeros(len(self.nodes))
 
     def stiffness(self, multiplier: FloatArray, traction: FloatArray, active: BoolArray) -> PETSc.Mat | None:
         """The normal turns where a node slides over a curved obstacle: matrix of - D lambda d n/dx, or None.
         Collective."""
         rows = np.flatnonzero(active & (multiplier != 0.0))
-        blocks = -(self.weight * multiplier)[rows, None, None] * self.hessian[rows]
+        blocks = -(self.own_weight * multiplier)[rows, None, None] * self.hessian[rows]
         if not self.comm.allreduce(int(np.any(blocks))):
             return None
-        return self.springs(rows, blocks)
+        alone = self.weighted_rows(rows, self.own_weight)
+        return _cpp.multipliers.springs(
+            self.index_map, self.gdim, self.nodes[rows], alone, np.ascontiguousarray(blocks)
+        )
 
     def forces(self, traction: FloatArray) -> FloatArray:
         """Nodal forces on the slave; see SurfaceGeometry."""
         out = np.zeros((self.index_map.size_local, self.gdim))
-        out[self.nodes] = self.weight[:, None] * traction
+        out[self.nodes] = self.own_weight[:, None] * traction
         return out.ravel()

@@ -14,6 +14,7 @@ from ...common.types import AnyArray, BoolArray, FloatArray, IntArray
 from .geometry import RigidGeometry, SurfaceGeometry
 from .mortar_geometry import MortarGeometry
 from .prescribed_overlap import prescribed_overlap
+from ..crossing import describe
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..initial_penetration import InitialPenetration
 from ..output import ContactOutput
@@ -21,6 +22,11 @@ from ..saved_history import SavedHistory
 
 NO_MASTER = -1.0  # stands for an infinite opening in checkpoints; openings are not negative
 BASES = ("dual", "standard", "linear")
+TURNED = 1e-6  # of the largest bound: friction tractions of a converged state are off by less
+PENETRATES = 1e-6  # of the bodies' size: a gap of a linearised problem, which is solved to a few digits
+LEAST_ANGLE = 0.1  # between two normals whose edge is a direction of its own [rad]
+# Arrays by node that all contacts of a joined node have alike.
+_STATE = ("active", "sliding", "direction", "multiplier", "friction_traction", "traction_n", "total_slip")
 
 
 class Lagrange:
@@ -73,9 +79,15 @@ class LagrangeContact(ContactOutput):
         opening: (n) gap at the start of the increment where a node is open then, else zero [L]; None before the first.
         basis: basis of the multipliers.
         quadrature_degree: degree of the quadrature; None: exact on flat, affine facets.
+        edges: other contacts that constrain nodes of this one along another normal: contact, index of the nodes among
+            this contact's and among its own.
+        partners: other contacts with which nodes are joined, and the index of each node among theirs, (n), -1: none.
+        redundant: mask of nodes whose normal condition other conditions of the same node imply, (n).
         coulomb: tractions that no equilibrium of a node tells: CoulombFriction (C++).
         nodal_stiffness, facing_stiffness: (n) of the bodies at the slave's nodes and opposite to them [F/L].
     """
+
+    may_share_nodes = True  # with other contacts by multipliers
 
     nodes: IntArray
     gdim: int
@@ -116,10 +128,52 @@ class LagrangeContact(ContactOutput):
         self.nodal_stiffness = np.ones(n)
         self.facing_stiffness = np.zeros(n)
         self.last_change = -1
+        self.partners: list[tuple[LagrangeContact, IntArray]] = []
+        self.edges: list[tuple[LagrangeContact, IntArray, IntArray]] = []
+        self.redundant, self._crowded = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+
+    @property
+    def _coefficient(self) -> float:
+        """Coefficient of friction, the largest of those that act at a node [1]."""
+        return max([self.pair.friction, *(c.pair.friction for c, _ in self.partners)])
 
     @property
     def _friction(self) -> bool:
-        return self.pair.friction > 0.0
+        return self._coefficient > 0.0
+
+    def _coefficients(self) -> FloatArray:
+        """Coefficients of friction of the nodes, (n) [1]."""
+        joined = self.geometry.joined
+        if joined is None:
+            return np.full(len(self.nodes), self.pair.friction)
+        friction = {self.geometry.member: self.pair.friction}
+        friction |= {c.geometry.member: c.pair.friction for c, _ in self.partners}
+        return joined.mean(self.geometry.member, [friction[k] for k in range(len(joined.geometries))])
+
+    # --- nodes that belong to several pairs --------------------------------------------------------------------------
+
+    @property
+    def _part(self) -> BoolArray:
+        """Nodes at which this pair has a force where it is active, mask (n)."""
+        return self.geometry.part & (self.place >= 0)
+
+    @property
+    def _own(self) -> BoolArray:
+        """Nodes whose state this contact decides, mask (n)."""
+        return self.geometry.carrier
+
+    def _tell_partners(self) -> None:
+        """Joined nodes have the state of their carrier in all contacts."""
+        for other, index in self.partners:
+            mine = np.flatnonzero((index >= 0) & self._own)
+            theirs = index[mine]
+            mine, theirs = mine[~other._own[theirs]], theirs[~other._own[theirs]]
+            for name in _STATE:
+                getattr(other, name)[theirs] = getattr(self, name)[mine]
+            if self._friction:
+                imposed = other.coulomb.imposed
+                imposed[theirs] = self.coulomb.imposed[mine]
+                other.coulomb.imposed = imposed
 
     # --- state of an increment -------------------------------------------------------------------------------------
 
@@ -201,6 +255,7 @@ class LagrangeContact(ContactOutput):
             displacement: of a rigid master at the end of the increment, (3); None for deformable masters [L].
             target: prescribed values at its end, over all dofs, prescribed entries count; None: they stay [L].
         """
+        self._crowded[:] = False
         if self.opening is None:
             self.geometry.update_gap(u)
             self.opening = self._opened(self.geometry.gap)
@@ -213,12 +268,13 @@ class LagrangeContact(ContactOutput):
         """The increment has converged: slip adds up, less what a node slides before it closes. Collective."""
         slip, opening = self._slip, np.zeros(0) if self.opening is None else self.opening
         if self._friction:  # along locked directions nothing slips
-            slip = slip - np.einsum("nab,nb->na", self._lock, slip)
+            slip = slip - np.einsum("nab,nb->na", self._lock + self._edge_locks(), slip)
         length = np.linalg.norm(slip, axis=1)
-        free = np.where(np.isfinite(opening), opening, 0.0) * self.pair.friction
+        free = np.where(np.isfinite(opening), opening, 0.0) * self._coefficients()
         part = np.where(opening > 0.0, np.maximum(0.0, 1.0 - free / np.maximum(length, 1e-300)), 1.0)
         self.total_slip += np.where(self.active[:, None], part[:, None] * slip, 0.0)
         self.total_slip[~self.active] = 0.0
+        self._tell_partners()
         self.opening = self._opened(self.linearised_gap)
         self.traction_n = np.where(self.active[:, None], self.friction_traction, 0.0)
         self.update_totals()
@@ -232,12 +288,53 @@ class LagrangeContact(ContactOutput):
         g = self.geometry
         g.update_gap(u)
         self.frames, self.place, self.free_length = _cpp.multipliers.frames_at(g.normal, self.fixed)
-        self.usable = g.participates & (self.place >= 0)
+        self._align_frames()
+        self.usable = g.participates & (self.place >= 0) & g.carrier
+        self.redundant = np.zeros(len(self.nodes), dtype=bool)
         self.linearised_gap, self._slip = g.gap, g.slip()
         self._at = self.linearised_gap, self._slip
         if self._friction:
             self.coulomb.update_directions(self.usable, self._geometry(), g.locked)
             self._lock = self.coulomb.locked
+
+    def _edge_locks(self) -> FloatArray | float:
+        """Projectors on the directions along the surface that other contacts of the same nodes hold, (n, gdim, gdim);
+        0 without any."""
+        if not self.edges or not self._friction:
+            return 0.0
+        g = self.geometry
+        basis, count = np.zeros((len(self.nodes), self.gdim, self.gdim)), np.zeros(len(self.nodes), dtype=int)
+        for other, mine, theirs in self.edges:
+            on = (self.active & self.usable)[mine] & (other.active & other.geometry.participates)[theirs]
+            rows, normals = mine[on], other.geometry.normal[theirs[on]]
+            # Gram-Schmidt: less the node's own normal, and what others hold.
+            own = g.normal[rows]
+            part = normals - np.einsum("na,na->n", own, normals)[:, None] * own
+            part -= np.einsum("nab,nb->na", basis[rows], part)
+            length = np.linalg.norm(part, axis=1)
+            new = length > LEAST_ANGLE
+            axis = part[new] / length[new, None]
+            basis[rows[new]] += axis[:, :, None] * axis[:, None, :]
+            count[rows[new]] += 1
+        basis[count == 0] = 0.0
+        basis[np.any(self.fixed, axis=1)] = 0.0  # there prescribed components decide
+        return basis
+
+    def _align_frames(self) -> None:
+        """At nodes with two normals in space one tangent lies along the edge between them: what sticks or slips there
+        is told apart from what the other normal holds."""
+        if self.gdim == 2 or not self._friction:
+            return
+        for other, mine, theirs in self.edges:
+            normal = self.geometry.normal[mine]
+            edge = np.cross(normal, other.geometry.normal[theirs])
+            length = np.linalg.norm(edge, axis=1)
+            free = (length > LEAST_ANGLE) & ~np.any(self.fixed[mine], axis=1)
+            rows, edge = mine[free], edge[free] / length[free, None]
+            tangents = np.stack([edge, np.cross(edge, normal[free])], axis=1)
+            for k in range(2):
+                column = (self.place[rows] + 1 + k) % 3
+                self.frames[rows, :, column] = tangents[:, k]
 
     def update_linearised_gap(self, increments: FloatArray) -> None:
         """Gaps and slips after a linear solution, linear in its increments. Collective.
@@ -247,7 +344,7 @@ class LagrangeContact(ContactOutput):
         """
         self.linearised_gap, self._slip = _cpp.multipliers.add_jump(self._geometry(), self.geometry.jump(increments))
         if self._friction:
-            self.coulomb.raise_imposed(self._state(), self.pair.friction)
+            self.coulomb.raise_imposed(self._state(), self._coefficient)
 
     def linearised_response(self, increments: FloatArray, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
         """What gaps and multipliers gain by increments and the forces they cause, without friction. Collective.
@@ -273,7 +370,7 @@ class LagrangeContact(ContactOutput):
         """
         gap, slip = self.geometry.evaluate_at(u)
         self._at = _cpp.multipliers.add_linearisation_error(
-            self._state(), self._geometry(), self.gdim, self.pair.friction, gap, slip
+            self._state(), self._geometry(), self.gdim, self._coefficient, gap, slip
         )
 
     # --- active set ------------------------------------------------------------------------------------------------
@@ -285,7 +382,8 @@ class LagrangeContact(ContactOutput):
             "multiplier": self.multiplier, "slip": self._slip, "traction": self.friction_traction,
             "direction": self.direction,
             "stiffness": self.nodal_stiffness / np.where(self.usable, self.geometry.weight, 1.0),
-            "opening": np.zeros(0) if self.opening is None else self.opening, "lock": self._lock,
+            "opening": np.zeros(0) if self.opening is None else self.opening, "lock": self._lock + self._edge_locks(),
+            "roughness": self._coefficients() / self._coefficient if self.partners and self._friction else np.zeros(0),
         }  # fmt: skip
 
     def _geometry(self) -> dict[str, AnyArray]:
@@ -302,7 +400,7 @@ class LagrangeContact(ContactOutput):
         return values.reshape(-1, self.gdim)[self.nodes]
 
     def _law(self) -> tuple[int, float]:
-        return self.gdim, self.pair.friction
+        return self.gdim, self._coefficient
 
     def _tilt(self) -> FloatArray:
         """Friction traction per pressure, (n, gdim), of nodes that slip or have closed in this increment; else zero."""
@@ -329,14 +427,12 @@ class LagrangeContact(ContactOutput):
         tilt, known, follow, state = self._no_tilt, np.zeros(0), np.zeros(0), self._state()
         if self._friction:
             tilt = self._linear_tilt if self.coulomb.has_springs else self._tilt()
-            known = self.coulomb.known_tractions(state, self.pair.friction)
+            known = self.coulomb.known_tractions(state, self._coefficient)
             follow = self.coulomb.prescribed
         found = _cpp.multipliers.evaluate_multipliers(
             state, self._geometry(), *self._law(), self._at_nodes(residual), tilt, known, follow
         )
-        self.multiplier = found[0]
-        if self._friction:
-            self.friction_traction = found[1]
+        self._set(found[0], found[1] if self._friction else self.friction_traction)
 
     def set_multipliers(self, forces: FloatArray) -> None:
         """Multipliers from a saddle point. After `constraints` and `friction_springs`, whose state the solution is of,
@@ -345,15 +441,23 @@ class LagrangeContact(ContactOutput):
         Args:
             forces: (n, gdim) along the directions of the frames, zero where nothing is constrained [F].
         """
-        state, known = self._state(), self.coulomb.known_tractions(self._state(), self.pair.friction)
-        self.multiplier, self.friction_traction = _cpp.multipliers.take_multipliers(
+        state, known = self._state(), self.coulomb.known_tractions(self._state(), self._coefficient)
+        multiplier, traction = _cpp.multipliers.take_multipliers(
             state, self._geometry(), *self._law(), forces, self._linear_tilt, known
         )
+        self._set(multiplier, traction)
+
+    def _set(self, multiplier: FloatArray, traction: FloatArray) -> None:
+        """Take over multipliers and friction tractions at the nodes that are this contact's, and tell its partners."""
+        self.multiplier = np.where(self._own, multiplier, self.multiplier)
+        self.friction_traction = np.where(self._own[:, None], traction, self.friction_traction)
+        self._tell_partners()
 
     def rotate_friction_traction(self) -> None:
         """Friction tractions known from a saddle point follow the surface and the slip to the present state."""
-        self.friction_traction = _cpp.multipliers.rotate_friction_traction(
-            self._state(), *self._law(), self.geometry.normal
+        self._set(
+            self.multiplier,
+            _cpp.multipliers.rotate_friction_traction(self._state(), *self._law(), self.geometry.normal),
         )
 
     def update_active_set(self, first: bool, last: int | None = None) -> int:
@@ -368,18 +472,19 @@ class LagrangeContact(ContactOutput):
         """
         state = self._state()
         active, sliding, direction = self._proposed_active_set(state, first)
-        changed = (active != self.active) | (sliding != self.sliding)
+        changed = ((active != self.active) | (sliding != self.sliding)) & self._own
         number = self.geometry.numbers
         self.last_change = self.comm.allreduce(int(np.max(number[changed], initial=-1)), MPI.MAX)
-        take = np.ones_like(changed) if last is None else number == last
+        take = self._own if last is None else self._own & (number == last)
         self.active = np.where(take, active, self.active)
         self.sliding = np.where(take, sliding, self.sliding)
         self.direction = np.where(take[:, None], direction, self.direction)
         if self._friction and not first:
             was_stuck = _cpp.multipliers.sticking(state, *self._law())
             changed = changed | self.coulomb.update_imposed(
-                self._state(), self.pair.friction, was_stuck, self.traction_n
+                self._state(), self._coefficient, was_stuck, self.traction_n
             )
+        self._tell_partners()
         return self.comm.allreduce(int(np.count_nonzero(changed)))
 
     def _proposed_active_set(self, state: Any, first: bool) -> tuple[BoolArray, BoolArray, FloatArray]:
@@ -391,12 +496,42 @@ class LagrangeContact(ContactOutput):
         """
         tolerance = self.geometry.tolerance
         largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
-        return _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
+        self._crowded |= self.redundant & self.active & (self.linearised_gap < -PENETRATES * self.geometry.size)
+        active, sliding, direction = _cpp.multipliers.update_active_set(state, *self._law(), first, tolerance, largest)
+        # A node whose condition was left out has no multiplier to open it.
+        opened = self.redundant & (self.linearised_gap > tolerance)
+        return active & ~opened, sliding & ~opened, direction
+
+    def num_turning(self) -> int:
+        """Nodes whose friction traction is not yet that of Coulomb's law: the direction of slip has turned since the
+        linear problem was made, which in space it may without any change of the active set. Collective."""
+        if not self._friction or self.gdim == 2:
+            return 0
+        slides = self.active & self.usable & self.sliding
+        law = (self._coefficients() * self.multiplier)[:, None] * self.direction
+        still = self._lock + self._edge_locks()
+        traction = self.friction_traction - np.einsum("nab,nb->na", still, self.friction_traction)
+        largest = self.comm.allreduce(float(np.max(self.multiplier, initial=0.0)), MPI.MAX)
+        error = np.linalg.norm(traction - law, axis=1)
+        turned = slides & (error > TURNED * self._coefficient * largest)
+        return self.comm.allreduce(int(np.count_nonzero(turned)))
+
+    def set_redundant(self, nodes: IntArray) -> None:
+        """Take over which normal conditions a linear problem has left out, as others of the same nodes imply them.
+
+        Args:
+            nodes: index of the nodes.
+        """
+        self.redundant = np.isin(np.arange(len(self.nodes)), nodes)
+
+    def over_constrained(self) -> IntArray:
+        """Owned nodes whose condition was left out in this increment, as others contradict it."""
+        return self.nodes[self._crowded]
 
     @property
     def num_active(self) -> int:
         """Active nodes of all ranks. Collective."""
-        return self.comm.allreduce(int(np.count_nonzero(self.active)))
+        return self.comm.allreduce(int(np.count_nonzero(self.active & self.geometry.part)))
 
     def _violations(self) -> tuple[FloatArray, FloatArray]:
         """Gaps of active nodes and slips of those that stick, (n), (n) [L]."""
@@ -432,6 +567,12 @@ class LagrangeContact(ContactOutput):
         prescribed = self.geometry.participates & (self.place < 0)
         return prescribed_overlap(self.pair.name, self.comm, self.geometry, prescribed)
 
+    def passed_through(self) -> str:
+        """A sentence about nodes that have passed through the master since the last converged state, or an empty text.
+        Collective."""
+        had_master = np.isfinite(self.opening) if self.opening is not None else np.zeros(len(self.nodes), dtype=bool)
+        return describe(self.pair.name, self.comm, self.points, self.geometry.passed_through(had_master))
+
     def augment(self) -> bool:
         """Multipliers need no further rounds."""
         return False
@@ -442,6 +583,7 @@ class LagrangeContact(ContactOutput):
         if near is None:
             return False
         self.active = self.active | (near & self.usable)
+        self._tell_partners()
         return True
 
     def closing_forces(self) -> None:
@@ -474,12 +616,13 @@ class LagrangeContact(ContactOutput):
         """
         if not self._friction:
             return None
+        self.coulomb.set_edges(np.asarray(self._edge_locks()) if self.edges else np.zeros(0))
         rows, blocks, traction = self.coulomb.update_springs(
-            self._state(), self._geometry(), self.pair.friction, self.nodal_stiffness, self.facing_stiffness
+            self._state(), self._geometry(), self._coefficient, self.nodal_stiffness, self.facing_stiffness
         )
         if not self.comm.allreduce(len(rows) + int(np.any(self.coulomb.imposed))):
             return None
-        return self.geometry.springs(rows, blocks), self.geometry.forces(traction)
+        return self.geometry.springs(rows, blocks), self.geometry.joined_forces(traction)
 
     def imposed_friction_forces(self) -> FloatArray | None:
         """Nodal forces on both bodies of tractions imposed along prescribed directions, owned dofs [F]; or None.
@@ -487,7 +630,7 @@ class LagrangeContact(ContactOutput):
         if not self._friction:
             return None
         imposed = self.coulomb.imposed
-        return self.geometry.forces(imposed) if self.comm.allreduce(int(np.any(imposed))) else None
+        return self.geometry.joined_forces(imposed) if self.comm.allreduce(int(np.any(imposed))) else None
 
     def update_nodal_stiffness(self, K: PETSc.Mat) -> None:
         """Take from the bodies' stiffness what the changes of state need. Collective.
@@ -499,7 +642,7 @@ class LagrangeContact(ContactOutput):
 
     def tangent(self) -> PETSc.Mat | None:
         """Geometric stiffness of the contact forces [F/L]; None: it is zero. Collective."""
-        return self.geometry.stiffness(self.multiplier, self.traction, self.active & self.usable)
+        return self.geometry.stiffness(self.multiplier, self.traction, self.active & self._part)
 
     def rigid_body_constraints(self, motions: Any) -> list[FloatArray]:
         """Jumps at active nodes under the rigid body modes; see StaticContact. Collective.
@@ -509,7 +652,13 @@ class LagrangeContact(ContactOutput):
         """
         held = np.flatnonzero(self.active & self.usable)
         rows = self.geometry.rigid_body_jumps(motions, held)
-        return list(rows) if self._friction else [np.einsum("na,anm->nm", self.normal[held], rows)]
+        along = np.einsum("na,anm->nm", self.normal[held], rows)
+        if not self._friction:
+            return [along]
+        if self.opening is not None:  # nothing holds a node along the surface that closes only in this increment
+            fresh = self.opening[held] > 0.0
+            rows[:, fresh] = np.einsum("na,nm->anm", self.normal[held][fresh], along[fresh])
+        return list(rows)
 
     # --- results ---------------------------------------------------------------------------------------------------
 
@@ -531,7 +680,12 @@ class LagrangeContact(ContactOutput):
     @property
     def pressure(self) -> FloatArray:
         """Contact pressure per reference area, (n) [F/L^2]."""
-        return np.maximum(np.where(self.active, self.multiplier, 0.0), 0.0)
+        return np.maximum(np.where(self._touching, self.multiplier, 0.0), 0.0)
+
+    @property
+    def _touching(self) -> BoolArray:
+        """Nodes at which this pair is in contact, mask (n): an active node that pairs share need not lie on both."""
+        return self.active & self.geometry.part
 
     @property
     def normal(self) -> FloatArray:
@@ -542,7 +696,7 @@ class LagrangeContact(ContactOutput):
     def traction(self) -> FloatArray:
         """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
         return np.where(
-            self.active[:, None], self.multiplier[:, None] * self.geometry.normal + self.friction_traction, 0.0
+            self._touching[:, None], self.multiplier[:, None] * self.geometry.normal + self.friction_traction, 0.0
         )
 
     @property
@@ -554,16 +708,16 @@ class LagrangeContact(ContactOutput):
     def status(self) -> IntArray:
         """ContactStatus numbers, (n)."""
         slips = self.sliding | (self.pair.friction == 0.0)
-        return np.where(~self.active, ContactStatus.open, np.where(slips, ContactStatus.slip, ContactStatus.stick))
+        return np.where(~self._touching, ContactStatus.open, np.where(slips, ContactStatus.slip, ContactStatus.stick))
 
     @property
     def weight(self) -> FloatArray:
         """Area that belongs to each point, (n) [L^2]; a length in 2D."""
-        return self.geometry.cover
+        return self.geometry.own_cover
 
     def covered(self) -> FloatArray:
         """Part of each point's area that is in contact, (n). Collective."""
-        return self.geometry.covered(self.pressure, self.active & self.usable)
+        return self.geometry.part_in_contact(self.pressure, self.active & self._part)
 
     def contact_forces(self) -> FloatArray:
         """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Nodal gaps, normals and weights between two deformable surfaces, by mortar integrals."""
 
+from __future__ import annotations
+
 import copy
 from typing import Any
 
@@ -9,6 +11,7 @@ from petsc4py import PETSc
 
 from ... import _cpp
 from ...common.types import BoolArray, FloatArray, IntArray
+from ..crossing import through_master
 from .geometry import SurfaceGeometry, quadrature_rule
 
 # Sine of the largest angle by which facets may tilt a normal at a plane of symmetry: 5 degrees, docs/contact.md.
@@ -44,7 +47,8 @@ class MortarGeometry(SurfaceGeometry):
         )
         self._set_initial_penetration()
 
-    def _elsewhere(self) -> "MortarGeometry":
+    def elsewhere(self) -> MortarGeometry:
+        """A copy with integrals of its own; see SurfaceGeometry."""
         there = copy.copy(self)
         there.integrals = self._ahead
         return there
@@ -52,17 +56,38 @@ class MortarGeometry(SurfaceGeometry):
     def forget(self) -> None:
         """Forget candidates of the search."""
         self.search.forget()
+        if self.joined is not None:
+            self.joined.forget()
 
-    def update_gap(self, u: FloatArray) -> None:
-        """Search, segments, mortar integrals, gaps and normals; see SurfaceGeometry. Collective."""
+    def update_cover(self, u: FloatArray) -> None:
+        """Search, segments and cover; see SurfaceGeometry. Collective."""
         self._move(u)
+        self.integrals.update_cover(self.u, self.start)
+        self.around, self.area, self.aside = self.integrals.around, self.integrals.area, self.integrals.aside
+
+    def covered(self) -> BoolArray:
+        """Nodes of which enough is covered, mask (n)."""
+        return self.integrals.covered()
+
+    def normal_sums(self) -> FloatArray:
+        """Sums of facet normals; see SurfaceGeometry."""
+        return self.integrals.sums_at_nodes()
+
+    def integrate(self, carriers: BoolArray) -> None:
+        """Mortar integrals and locked components; see SurfaceGeometry. Collective."""
         made = self.integrals
-        made.update(self.u, self.start)
-        self.map, self.participates, self.weight, self.cover = made.map, made.participates, made.weight, made.cover
-        self.locked = self._locked()
-        made.update_gap(self.locked, SYMMETRY)
+        made.integrate(carriers)
+        self.map, self.participates, self.own_weight, self.own_cover = made.map, carriers, made.weight, made.cover
+        self.own_locked = self._locked()
+
+    def update_own_gap(self, locked: BoolArray, sums: FloatArray | None = None) -> None:
+        """Gaps and normals; see SurfaceGeometry. Collective."""
+        made = self.integrals
+        if sums is not None:
+            made.set_sums(np.ascontiguousarray(sums))
+        made.update_gap(locked, SYMMETRY)
         self.normal = made.normal.reshape(-1, self.gdim)
-        self.gap = made.gap + np.where(self.participates, self.offset, 0.0)
+        self.weighted_gap = made.weighted_gap + np.where(self.participates, self.offset * self.own_cover, 0.0)
 
     @property
     def mortar(self) -> Any:
@@ -84,17 +109,35 @@ class MortarGeometry(SurfaceGeometry):
             self.tolerance,
         )  # fmt: skip
 
-    def _facing(self, values: FloatArray) -> FloatArray:
-        over = self.integrals.over_master(values, 1).ravel()
-        return np.abs(np.where(self.participates, over / np.where(self.participates, self.weight, 1.0), 0.0))
+    def passed_through(self, had_master: BoolArray) -> BoolArray:
+        """Nodes that have lost their master deep inside it; see SurfaceGeometry. Collective."""
+        here, suspects = self.u, had_master & ~self.participates
+        if not self.comm.allreduce(int(np.any(suspects))):
+            return suspects
 
-    def jump(self, moved: FloatArray) -> FloatArray:
-        """Means over the cover of the displacement of slave against master; see SurfaceGeometry. Collective."""
-        return self.integrals.jump(np.ascontiguousarray(moved)).reshape(-1, self.gdim)
+        def gap_at(part: float) -> FloatArray:
+            there = self.elsewhere()
+            there.joined = None  # the gaps against this pair's own master
+            there.update_gap(self.start + part * (here - self.start))
+            return np.where(there.participates, there.gap, np.inf)
 
-    def master_rows(self, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
-        """Rows of D^-1 M of some of the nodes; see SurfaceGeometry."""
-        return self.integrals.master_rows(np.ascontiguousarray(rows, dtype=np.int32))
+        passed = through_master(self.comm, suspects, self.facet_sizes(), gap_at)
+        self.slave.move(here)
+        if self.joined is not None:
+            self.joined.forget()  # its states elsewhere have these integrals, too
+        return passed
+
+    def over_master(self, values: FloatArray) -> FloatArray:
+        """M times values; see SurfaceGeometry. Collective."""
+        return self.integrals.over_master(values, 1).ravel()
+
+    def weighted_jump(self, moved: FloatArray) -> FloatArray:
+        """Jumps times the cover; see SurfaceGeometry. Collective."""
+        return self.integrals.weighted_jump(np.ascontiguousarray(moved)).reshape(-1, self.gdim)
+
+    def weighted_rows(self, rows: IntArray, weights: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Rows of M over weights; see SurfaceGeometry."""
+        return self.integrals.master_rows(np.ascontiguousarray(rows, dtype=np.int32), np.ascontiguousarray(weights))
 
     def stiffness(self, multiplier: FloatArray, traction: FloatArray, active: BoolArray) -> PETSc.Mat | None:
         """Points slide over the master, normals turn: derivative of minus the contact force, a matrix that the

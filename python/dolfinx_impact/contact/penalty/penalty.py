@@ -12,7 +12,7 @@ from ... import _cpp
 from ...assembly.rigid_body_modes import RigidBodyModes
 from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
-from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
+from ...common.types import AnyArray, ArrayLike, BoolArray, FloatArray, IntArray
 from .automatic import automatic_penalty, check_penalty
 from .facets import WIDEST, FacetKeeper
 from ..nodal_sum import NodalSum
@@ -20,6 +20,7 @@ from ..explicit.nodal import NodalResult
 from ..output import ContactOutput
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
 from ..body_size import body_size
+from ..crossing import describe, through_master, through_obstacle
 from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 from ..saved_history import SavedHistory
 from ..protocol import ExplicitContactProblem, StaticContactProblem
@@ -32,14 +33,19 @@ FACTOR = 10.0
 COARSE = 2.0
 # Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
 TOUCH = 1e-12
+# Least cosine between a master's normal and the slave's inward one where the surfaces face each other. Beside the rim the
+# direction to the master lies along the slave, cosine zero; where surfaces touch, their normals differ by a facet's turn.
+FACING = 0.5
+ROUND_OFF = 1e-15  # part of the bodies' size below which a penetration is round-off of positions
 STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off
 
 
 class Penalty:
     """Enforce contact of a pair by a penalty, seed (3.48), corrected.
 
-    In explicit problems (docs/explicit/penalty.md) the contact points are the slave's nodes, and "auto" is a stiffness
-    from nodal masses and the step; `tangential`, `augmented` and `quadrature_degree` are options of static problems.
+    In explicit problems (docs/explicit/penalty.md) the contact points are the slave's nodes, and "auto" is half of the
+    stiffness of the outermost cells of both bodies, within what their nodal masses bear; `tangential`, `augmented` and
+    `quadrature_degree` are options of static problems.
 
     Args:
         pair: the pair of surfaces.
@@ -85,6 +91,11 @@ class Penalty:
             self.penalty = None if auto else number("penalty", penalty, 0.0, " [F/L^3]")
             self.tangential = None if tangential is None else number("tangential penalty", tangential, 0.0, " [F/L^3]")
             self.tolerance = number("tolerance", tolerance, 0.0)
+            if self.tolerance < ROUND_OFF:
+                raise ValueError(
+                    f"tolerance is {self.tolerance:g}: penetrations below {ROUND_OFF:g} of the bodies' size are "
+                    "round-off of positions; take a larger one"
+                )
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
 
@@ -161,6 +172,7 @@ class PenaltyContact(ContactOutput):
         self._locate(self.start)
         self._initial = InitialPenetration(self.pair, V, self.slave, self.master, self._points.x, self._points.gap)
         self.history.offset = self._initial.offset
+        self._gap_before = self.gap  # in the last converged state
 
     @property
     def initial(self) -> InitialPenetration:
@@ -257,7 +269,7 @@ class PenaltyContact(ContactOutput):
         self._keep_facets(u, rows["facet"].ravel())
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
         self._known_status = self._status = rows["status"].ravel().astype(np.int8)
-        self._slip_before = np.array(self.slip)
+        self._slip_before, self._gap_before = np.array(self.slip), self.gap
         self.restore_totals(saved.totals)
 
     def _facet_ids(self) -> FloatArray:
@@ -321,7 +333,7 @@ class PenaltyContact(ContactOutput):
     def accept_step(self) -> None:
         """Accept a converged increment: tractions and slips become history, totals are updated. Collective."""
         self._cpp.accept_step()
-        self._touched = self.status > 0
+        self._touched, self._gap_before = self.status > 0, self.gap
         self.update_totals()
 
     def augment(self) -> bool:
@@ -337,7 +349,8 @@ class PenaltyContact(ContactOutput):
             return False
         assert self.penalty is not None  # begin_step has set it
         tolerance = self.spec.tolerance * self.size
-        multiplier = self.uzawa.augment(self.gap, self._points.weight, self.penalty, tolerance)
+        gap = np.where(self._beside_master(), np.inf, self.gap)
+        multiplier = self.uzawa.augment(gap, self._points.weight, self.penalty, tolerance)
         if multiplier is None:
             return False
         self.history.multiplier = multiplier
@@ -345,6 +358,19 @@ class PenaltyContact(ContactOutput):
             return True
         self.fault = f"{self.pair.name}: {self.uzawa.fault(self.penalty, tolerance)}"
         return False
+
+    def _beside_master(self) -> BoolArray:
+        """Open points that the master does not face, mask (n): their gap is the way to its rim, which is no gap that a
+        pressure could close. On a slave's facet that the master covers in part they would keep the mean gap open."""
+        sums = np.zeros(len(self._u))
+        self.slave.move(self._u)
+        _cpp.gap.add_normals(self.slave, sums)
+        inward = sums.reshape(-1, self.gdim)[self.slave.nodes].sum(axis=1)
+        inward = np.repeat(
+            inward / np.maximum(np.linalg.norm(inward, axis=1), 1e-300)[:, None], self._points.per_facet, 0
+        )
+        facing = np.einsum("na,na->n", self.normal, inward)
+        return np.asarray((self.gap > 0.0) & (facing < FACING))
 
     def update_gap(self, u: FloatArray) -> None:
         """Update candidates, gaps, normals and tractions. Collective.
@@ -415,6 +441,35 @@ class PenaltyContact(ContactOutput):
         self._cpp.evaluate()
         self._closes_nearest = True
         return True
+
+    def passed_through(self) -> str:
+        """Describe points that have passed through the master since the last converged state. Collective.
+
+        Returns:
+            A sentence, or an empty text.
+        """
+        if self.obstacle is not None:
+            element = self.slave.displacement
+            table = np.array([element.tabulate(*xi)[0] for xi in self._points.xi[: self._points.per_facet]])
+            nodal = (self._u - self.start).reshape(-1, self.gdim)[self.slave.nodes]
+            moved = np.einsum("qn,fna->fqa", table, nodal).reshape(-1, self.gdim) if len(nodal) else 0.0 * self.points
+            moved = moved - (self.displacement - self.start_displacement)[: self.gdim]
+            passed = through_obstacle(
+                self.obstacle, self.points - moved, self.points, self.initial.offset, TOUCH * self.size
+            )
+        else:
+            sizes = np.repeat(np.linalg.norm(np.ptp(self.slave.X, axis=1), axis=1), self._points.per_facet)
+            suspects = np.isfinite(self._gap_before) & np.isinf(self.gap)
+            passed, here = np.zeros(len(suspects), dtype=bool), self._u
+            if self.comm.allreduce(int(np.any(suspects))):
+                passed = through_master(self.comm, suspects, sizes, self._gap_on_the_way)
+                self.update_gap(here)
+        return describe(self.pair.name, self.comm, self.points, passed)
+
+    def _gap_on_the_way(self, part: float) -> FloatArray:
+        """Gaps at a fraction of the way from the start of the increment to the present state, (n) [L]. Collective."""
+        self._locate(self.start + part * (self._u - self.start))
+        return self.gap.copy()
 
     def _locate(self, u: FloatArray) -> None:
         """Update closest points and gaps at the displacements u. Collective."""
@@ -542,6 +597,12 @@ class PenaltyContact(ContactOutput):
             if self.pair.friction > 0.0:
                 directions = [np.tile(e, (len(at), 1)) for e in np.eye(self.gdim)]
             slaves = body[slave.nodes[at // self._points.per_facet, 0]]
+            if self.pair.friction > 0.0:  # nothing holds a point along the surface that closes only in this increment
+                fresh = np.asarray(self.history.gap)[at] > 0.0
+                normal = self.normal[at]
+                directions = [
+                    np.where(fresh[:, None], normal * np.sum(normal * d, axis=1)[:, None], d) for d in directions
+                ]
             for d in directions:
                 rows = motions.rows(slaves, self.points[at], d)
                 if master is not None:

@@ -8,8 +8,11 @@ from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
 from ... import _cpp
-from ...common.types import FloatArray
+from ...common.types import BoolArray, FloatArray
 from ..nodal_sum import NodalSum
+
+# Part of a corner's area, weighted with its function, below which a master covers little of it.
+COVERED = 0.2
 
 
 class Uzawa:
@@ -60,20 +63,45 @@ class Uzawa:
             Multipliers at the quadrature points, (n); None if the penetration is below the tolerance [F/L^2].
         """
         gap = gap.reshape(-1, len(self._table))
-        weight = np.where(np.isfinite(gap), weight.reshape(gap.shape), 0.0)
+        whole = weight.reshape(gap.shape)
+        weight = np.where(np.isfinite(gap), whole, 0.0)
         sums = []
-        for values in (weight * np.where(np.isfinite(gap), gap, 0.0), weight):
+        for values in (weight * np.where(np.isfinite(gap), gap, 0.0), weight, whole):
             total = np.zeros(len(self.multiplier))
             np.add.at(total, self._corners, values @ self._table)
             sums.append(self._sum(total).ravel())
         mean = np.where(sums[1] > 0.0, sums[0] / np.where(sums[1] > 0.0, sums[1], 1.0), np.inf)
-        new = np.maximum(0.0, self.multiplier - penalty * mean)
+        new = self._extrapolated(np.maximum(0.0, self.multiplier - penalty * mean), sums[1] < COVERED * sums[2])
         change = float(np.max(np.abs(new - self.multiplier), initial=0.0)) / penalty
         self.penetration = self.penetration[1], self.comm.allreduce(change, MPI.MAX)
         if self.penetration[1] <= tolerance:
             return None
         self.multiplier, self.rounds = new, self.rounds + 1
         return (new[self._corners] @ self._table.T).ravel()
+
+    def _extrapolated(self, values: FloatArray, little: BoolArray) -> FloatArray:
+        """Multipliers where the master covers little around a corner: the mean of the other corners of its facets.
+        Collective.
+
+        The few points there hardly tell its multiplier from that of the next corner, and Uzawa's method would take
+        hundreds of rounds to do so.
+
+        Args:
+            values: multipliers at owned and ghost nodes [F/L^2].
+            little: mask of the corners, owned and ghosts.
+
+        Returns:
+            Multipliers at owned and ghost nodes [F/L^2].
+        """
+        if not self.comm.allreduce(int(np.any(little))):
+            return values
+        others = np.where(little, 0.0, 1.0)[self._corners]
+        sums = []
+        for v in (others * values[self._corners], others):
+            total = np.zeros(len(values))
+            np.add.at(total, self._corners, np.repeat(v.sum(axis=1)[:, None], self._corners.shape[1], 1))
+            sums.append(self._sum(total).ravel())
+        return np.where(little & (sums[1] > 0.0), sums[0] / np.where(sums[1] > 0.0, sums[1], 1.0), values)
 
     def fault(self, penalty: float, tolerance: float) -> str:
         """Describe why the permitted number of augmentations was too small, and what to do.

@@ -33,6 +33,18 @@ class MotionFunctions:
             f.x.array[: self._num_owned] = values
             f.x.scatter_forward()
 
+    def save(self) -> tuple[FloatArray, FloatArray]:
+        """Values of this rank, ghosts included, for `bring_back`."""
+        return self._velocity.x.array.copy(), self._acceleration.x.array.copy()
+
+    def bring_back(self, saved: tuple[FloatArray, FloatArray]) -> None:
+        """Set velocity and acceleration to values that `save` has returned; it does not communicate.
+
+        Args:
+            saved: values of velocity [L/T] and acceleration [L/T^2].
+        """
+        self._velocity.x.array[:], self._acceleration.x.array[:] = saved
+
     def with_ghosts(self, values: FloatArray) -> FloatArray:
         """Values whose ghosts are those of their owners. Collective.
 

@@ -32,7 +32,7 @@ from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
 from ...statics.inelastic_body import InelasticBody
 from ..functions_of_time import FunctionsOfTime
-from ..start_values import check_velocity, density_expression
+from ..start_values import check_velocity, density_expression, velocity_or_rest
 from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..supports import Supports
@@ -60,7 +60,11 @@ if TYPE_CHECKING:
     from ...statics.body import BodyTangent
 
 IMPACT = ("mass_redistribution", "none")
+# Smallest tolerance of local errors: they follow from differences of accelerations, whose round-off in double precision,
+# 2e-16, a stiff mesh multiplies by (omega dt)^2, up to some thousand.
+SMALLEST_ERROR = 1e-12
 SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten cut-backs
+STEPS = (1e-140, 1e140)  # whose squares, times anything that physics has, are numbers [T]
 
 
 class NewmarkProblem(Unique):
@@ -72,8 +76,8 @@ class NewmarkProblem(Unique):
         residual: UFL residual of your own in u (rank 1): internal minus external forces. If it contains the function
             given as `velocity`, that function stands for the velocity at the end of a step.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression [M/L^3].
-        velocity: initial velocity, a function on u's space; where motion is prescribed, its own velocity counts. The
-            function is not changed unless the residual contains it [L/T].
+        velocity: initial velocity, a function on u's space; None: at rest. Where motion is prescribed, its own velocity
+            counts. The function is not changed unless the residual contains it [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
         loads: loads; their `amplitude` is a function of time.
         contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters move by `motion`.
@@ -156,7 +160,7 @@ class NewmarkProblem(Unique):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, implicit=True)
-            velocity = check_velocity(velocity, u)
+            check_velocity(velocity, u)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if impact not in IMPACT:
@@ -166,7 +170,9 @@ class NewmarkProblem(Unique):
             self.scheme = ImplicitScheme.of_arguments(beta, gamma, rho_inf, hht)
             arguments.options(options)
             ranks.same(**given, density=density, damping=damping, scheme=str(self.scheme), lumping=lumping,
-                       impact=impact, hypothesis=hypothesis, options=options, prefix=prefix)  # fmt: skip
+                       impact=impact, hypothesis=hypothesis, options=options, prefix=prefix,
+                       velocity_given=velocity is not None)  # fmt: skip
+        velocity = velocity_or_rest(velocity, u)
         self.u, self.space, self.material = u, u.function_space, material
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -274,6 +280,7 @@ class NewmarkProblem(Unique):
         self.u.x.scatter_forward()
         for k, contact in enumerate(self.contact):
             contact.begin_step(self.u.x.array, start.places[k] if contact.pair.rigid else None)
+        for contact in self.contact:
             contact.update_gap(self.u.x.array)
             if not contact.has_multipliers:
                 contact.update_active_set(True)
@@ -362,7 +369,7 @@ class NewmarkProblem(Unique):
     def advance(
         self,
         until: float,
-        dt: float,
+        dt: float | None = None,
         tolerance: float | None = None,
         smallest: float | None = None,
         callback: Callable[[NewmarkProblem], object] | None = None,
@@ -380,7 +387,7 @@ class NewmarkProblem(Unique):
 
         Args:
             until: time to advance to; a step ends there [T].
-            dt: largest step; without `tolerance` all steps are equal unless one fails [T].
+            dt: largest step, to be given; without `tolerance` all steps are equal unless one fails [T].
             tolerance: local error of a step's displacement, relative to the largest displacement so far, by which steps
                 are chosen; None: they are not [1].
             smallest: smallest step; None: a thousandth of dt [T].
@@ -402,9 +409,21 @@ class NewmarkProblem(Unique):
         """
         with guard(self.comm, "advance", callback=callback) as ranks:
             until = self.stepper.calls.check(self.time, until, callback)
+            if dt is None:
+                raise TypeError("advance needs dt, the largest step [T]: implicit steps have no stable step to follow")
             dt = arguments.number("dt", dt, 0.0, " [T]")
             if tolerance is not None:
                 tolerance = arguments.number("tolerance", tolerance, 0.0)
+                if tolerance < SMALLEST_ERROR:
+                    raise ValueError(
+                        f"tolerance is {tolerance:g}: local errors below {SMALLEST_ERROR:g} of the displacement are "
+                        "round-off, to which steps would be shortened in vain; take a larger one"
+                    )
+            if until > self.time and not STEPS[0] <= min(dt, until - self.time) <= STEPS[1]:
+                raise ValueError(
+                    f"dt is {dt:g}, the time to advance by {until - self.time:g}: steps from {STEPS[0]:g} to "
+                    f"{STEPS[1]:g} [T] can be taken, whose squares are numbers; choose another unit of time"
+                )
             smallest = SMALLEST * dt if smallest is None else arguments.number("smallest", smallest, 0.0, " [T]")
             if smallest > dt:
                 raise ValueError(f"smallest is {smallest:g}: it must not be greater than dt = {dt:g}")
@@ -425,9 +444,10 @@ class NewmarkProblem(Unique):
             self.account.forces = self._balance.forces(self.stepper.state, start)
             self.run_history.begin_anew()
             self.add_row()
-        control, known = StepControl(dt, smallest, tolerance), self.stepper.control
+        known, shortest = self.stepper.control, max(smallest, float(np.spacing(until)))
+        control = StepControl(dt, shortest, tolerance)
         if known is not None and known.largest == dt and known.tolerance == tolerance:
-            control = StepControl(dt, smallest, tolerance, known.length, known.last)
+            control = StepControl(dt, shortest, tolerance, known.length, known.last)
         limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
         self.stepper.advance(until, control, limits, callback, progress, verbose)
         self.linear_solver.warn_of_unused()

@@ -10,6 +10,7 @@ from dolfinx.fem import Function
 from petsc4py import PETSc
 
 from ...common.types import BoolArray
+from ...contact.mortar.shared_nodes import connect
 from ...materials import MaterialMap, _Material
 from ...statics.bodies import assemble_residual
 from ...statics.linear_solver import LinearSolver
@@ -51,7 +52,8 @@ class StepEquations:
         self.u, self.space, self.material, self.axisymmetric = u, V, material, axisymmetric
         self.body, self.contact, self.fixed = body, contact, fixed
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
-        self.keeps_multipliers = any(getattr(c, "basis", "dual") != "dual" for c in contact)
+        shared = connect(contact)
+        self.keeps_multipliers = shared or any(getattr(c, "basis", "dual") != "dual" for c in contact)
         self.linear_solver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
         self.exact_tangent = self.linear_solver.direct
         self._b = body.vector()

@@ -6,11 +6,12 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...common.collective import agree, attempt
+from ...common.collective import agree, attempt, is_common
 from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
 from ...statics.load_steps import Increment, StepLog
@@ -28,6 +29,21 @@ if TYPE_CHECKING:
 LOG = logging.getLogger("dolfinx_impact")
 DIFFERENCE = 0.01  # of a step: half the distance at which functions of time are differentiated
 MOST_STEPS = 10**8  # in one call
+
+
+@dataclass
+class Before:
+    """State of this rank before a step, ghosts included.
+
+    Attributes:
+        displacement: displacement [L].
+        contacts: states of the contacts.
+        motion: velocity [L/T] and acceleration [L/T^2].
+    """
+
+    displacement: FloatArray
+    contacts: list[dict[str, Any]]
+    motion: tuple[FloatArray, FloatArray]
 
 
 class ImplicitStepper:
@@ -106,12 +122,12 @@ class ImplicitStepper:
         self.control = control
         log = StepLog(self.comm, verbose)
         with self.calls.running(), Interrupts(self.comm) as interrupts:
-            solver = self._solver = Solver(self.problem.equations, interrupts=interrupts, **solver_arguments)
-            try:
-                self._advance(until, control, solver, callback, progress, log, interrupts)
-            finally:
-                self._solver = None
-                solver.free()
+            with Solver(self.problem.equations, interrupts=interrupts, **solver_arguments) as solver:
+                self._solver = solver
+                try:
+                    self._advance(until, control, solver, callback, progress, log, interrupts)
+                finally:
+                    self._solver = None
             interrupts.check()
 
     def _advance(
@@ -152,7 +168,7 @@ class ImplicitStepper:
         # What others wrote into the displacement function since the last step does not count.
         u.array[: p.num_owned] = self.state.displacement
         u.scatter_forward()
-        before, states = u.array.copy(), [c.save_state() for c in p.contact]
+        before = Before(u.array.copy(), [c.save_state() for c in p.contact], p.motion.save())
         error: float | None = None
         values = self.sample(step, end)
         try:
@@ -161,8 +177,10 @@ class ImplicitStepper:
                 overlaps = [text for text in [c.prescribed_overlap() for c in p.contact] if text]
                 if overlaps:
                     increment.failed("; ".join(overlaps), hopeless=True)
-        except BaseException:  # Ctrl-C: return to the last converged state
-            self._back(before, states)
+        except BaseException as raised:  # Ctrl-C, a user's function: return to the last converged state
+            self._back(before)
+            if is_common(self.comm, raised):
+                self._update_gaps(before)
             raise
         self.iterations = increment.iterations
         if not increment.fault:
@@ -173,9 +191,11 @@ class ImplicitStepper:
                 return
             self.rejected += 1
             log(f"  the local error is {error:.1e}: repeated with a step of {control.length:.3e}")
-            self._back(before, states)
+            self._back(before)
+            self._update_gaps(before)
             return self._again(end, control, solver, log)
-        self._back(before, states)
+        self._back(before)
+        self._update_gaps(before)
         if increment.hopeless:
             raise RuntimeError(f"{increment.fault} (at the time {end:.6g})")
         if not control.failed(step):
@@ -283,11 +303,16 @@ class ImplicitStepper:
         self.problem.add_row()
         control.done(step, self.iterations, error)
 
-    def _back(self, before: FloatArray, states: list[dict[str, Any]]) -> None:
-        """Return to the state before a step that is given up. Collective."""
+    def _back(self, before: Before) -> None:
+        """Return to the state before a step that is given up. It does not communicate: an exception may have come on
+        one rank alone."""
         p = self.problem
-        p.u.x.array[:] = before
-        for contact, state in zip(p.contact, states):
+        p.u.x.array[:] = before.displacement
+        for contact, state in zip(p.contact, before.contacts):
             contact.restore_state(state)
-            contact.update_gap(before)
-        p.motion.set(self.state)
+        p.motion.bring_back(before.motion)
+
+    def _update_gaps(self, before: Before) -> None:
+        """Compute the gaps of the state before a step anew. Collective."""
+        for contact in self.problem.contact:
+            contact.update_gap(before.displacement)
