@@ -230,13 +230,14 @@ def wheel_mesh(around=48, through=3, across=4, width=0.2):
 
 
 def wheel_on_plane(
-    friction=0.3, speed=1.0, omega=-1.0, contact=di.Lagrange, approach=0.01, law=di.LinearElastic, **more
+    friction=0.3, speed=1.0, omega=-1.0, contact=di.Lagrange, approach=0.01, law=di.LinearElastic, scale=1.0, **more
 ):
-    """A wheel that rolls towards +x on a rigid plane."""
+    """A wheel that rolls towards +x on a rigid plane; `scale` stretches it after it was tagged."""
     domain, tags = wheel_mesh()
+    domain.geometry.x[:, :] *= scale
     V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
     hub, values = mesh.locate_entities_boundary(
-        domain, 2, lambda x: np.isclose(np.hypot(x[0], x[1]), 0.5)
+        domain, 2, lambda x: np.isclose(np.hypot(x[0], x[1]), 0.5 * scale)
     ), fem.Function(V)
     axle = fem.locate_dofs_topological(V, 2, hub)
     values.x.array.reshape(-1, 3)[axle] = (0.0, -approach, 0.0)
@@ -323,6 +324,83 @@ def check_a_sweep_goes_on_where_it_was_stopped():
         continued = again.sweep(creep=[0.0, 2e-3, 4e-3], file=file, progress=False)
         np.testing.assert_allclose(continued["force"], whole["force"], atol=1e-9)
         assert again.omega == pytest.approx(-1.004)
+        complete = wheel_on_plane()
+        np.testing.assert_array_equal(complete.sweep(creep=[0.0, 2e-3, 4e-3], file=file, progress=False)["force"],
+                                      continued["force"])  # fmt: skip
+        np.testing.assert_array_equal(state_of(complete), state_of(again))
+
+
+def state_of(problem):
+    """Displacement, and what is told of the contact."""
+    c = problem.contact[0]
+    parts = [problem.u.x.array, c.force, c.moment, [c.area, c.friction_power, problem.torque, problem.omega], c.gap]
+    parts += [c.normal, c.pressure, c.traction, c.slip_velocity, c.status]
+    return np.concatenate([np.ravel(part) for part in parts])
+
+
+def check_files_of_other_sweeps_are_refused():
+    """Another geometry, material, support, obstacle, friction, or option of the solution."""
+    curve = {"creep": [0.0, 2e-3], "progress": False}
+    others = {
+        "mesh": {"scale": 1.01}, "material": {"law": di.NeoHookean}, "bcs": {"approach": 0.0101},
+        "contact.0..pair.friction": {"friction": 0.31}, "contact.0..pair.master.velocity": {"speed": 1.01},
+        "motions": {"omega": -1.01},
+    }  # fmt: skip
+    with shared_folder() as path:
+        wheel_on_plane().sweep(file=path / "a.h5", **curve)
+        for words, change in others.items():
+            problem = wheel_on_plane(**change)
+            with pytest.raises(ValueError, match=f"another problem, {words}"):
+                problem.sweep(file=path / "a.h5", **curve)
+        with pytest.raises(ValueError, match="another problem, options"):
+            wheel_on_plane().sweep(file=path / "a.h5", steps=2, **curve)
+
+
+def check_damaged_files_of_sweeps_are_refused():
+    """One sentence on all ranks, wherever a byte was changed; a table that is missing or short; an end that is cut."""
+    import h5py
+
+    def edited(change):
+        def edit(file):
+            with h5py.File(file, "a") as data:
+                change(data)
+
+        return edit
+
+    def short(data):
+        rows = data["torque"][:-1]
+        del data["torque"]
+        data["torque"] = rows
+
+    def flipped(place):
+        def flip(file):
+            content = bytearray(file.read_bytes())
+            content[int(place * (len(content) - 1))] ^= 4
+            file.write_bytes(content)
+
+        return flip
+
+    damages = [flipped(place) for place in np.linspace(0.0, 1.0, 23)]
+    damages += [lambda file: file.write_bytes(file.read_bytes()[:3000]), lambda file: file.write_bytes(b"")]
+    damages += [edited(short), edited(lambda data: data.__delitem__("force"))]
+    damages += [edited(lambda data: data["force"].__setitem__(1, np.nan))]
+    damages += [edited(lambda data: data["force"].__setitem__(1, 7.0 * data["force"][1]))]
+    with shared_folder() as path:
+        good, bad = path / "good.h5", path / "bad.h5"
+        problem = wheel_on_plane()
+        problem.sweep(creep=[0.0, 2e-3], file=good, progress=False)
+        before = state_of(problem)
+        for k, damage in enumerate(damages):
+            problem.motions[1].omega = -1.0
+            if COMM.rank == 0:
+                bad.write_bytes(good.read_bytes())
+                damage(bad)
+            COMM.barrier()
+            with pytest.raises(RuntimeError, match="bad.h5 cannot be read .*remove it") as error:
+                problem.sweep(creep=[0.0, 2e-3], file=bad, progress=False)
+            assert len(set(COMM.allgather(str(error.value).split(": ", 1)[-1]))) == 1, k
+        problem.motions[1].omega = -1.002
+        np.testing.assert_array_equal(state_of(problem), before)
 
 
 @contextlib.contextmanager
