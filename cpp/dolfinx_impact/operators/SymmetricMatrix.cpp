@@ -7,7 +7,7 @@
 namespace dolfinx_impact::operators
 {
 SymmetricMatrix::SymmetricMatrix(int n)
-    : _n(n), _A(std::size_t(n) * n), _product(std::size_t(n) * n), _eigenvalues(n), _work(1)
+    : _n(n), _entries(std::size_t(n) * n), _product(std::size_t(n) * n), _eigenvalues(n), _work(1)
 {
   const PetscBLASInt rows = n, query = -1;
   PetscBLASInt info = 0;
@@ -20,14 +20,14 @@ Traces SymmetricMatrix::traces()
 {
   const PetscBLASInt n = _n;
   const double one = 1.0, zero = 0.0;
-  BLASgemm_("N", "N", &n, &n, &n, &one, _A.data(), &n, _A.data(), &n, &zero, _product.data(), &n);
+  BLASgemm_("N", "N", &n, &n, &n, &one, _entries.data(), &n, _entries.data(), &n, &zero, _product.data(), &n);
   Traces t{0.0, 0.0, 0.0};
   for (int i = 0; i < _n; ++i)
     t.first += (*this)(i, i);
-  for (std::size_t k = 0; k < _A.size(); ++k)
+  for (std::size_t k = 0; k < _entries.size(); ++k)
   {
-    t.second += _A[k] * _A[k];
-    t.third += _product[k] * _A[k];
+    t.second += _entries[k] * _entries[k];
+    t.third += _product[k] * _entries[k];
   }
   return t;
 }
@@ -36,7 +36,7 @@ std::array<double, 2> SymmetricMatrix::extreme_eigenvalues()
 {
   const PetscBLASInt n = _n, size = PetscBLASInt(_work.size());
   PetscBLASInt info = 0;
-  _product = _A; // LAPACK overwrites it
+  _product = _entries; // LAPACK overwrites it
   LAPACKsyev_("N", "U", &n, _product.data(), &n, _eigenvalues.data(), _work.data(), &size, &info);
   if (info != 0)
     throw std::runtime_error("LAPACK's syev did not find the eigenvalues of a cell's stiffness");

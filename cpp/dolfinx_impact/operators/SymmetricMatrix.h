@@ -27,7 +27,7 @@ public:
   explicit SymmetricMatrix(int n);
 
   /// Entry in row i and column j; both triangles are to be written.
-  double& operator()(int i, int j) { return _A[std::size_t(_n) * i + j]; }
+  double& operator()(int i, int j) { return _entries[std::size_t(_n) * i + j]; }
 
   Traces traces();
 
@@ -37,6 +37,6 @@ public:
 
 private:
   int _n;
-  std::vector<double> _A, _product, _eigenvalues, _work;
+  std::vector<double> _entries, _product, _eigenvalues, _work;
 };
 } // namespace dolfinx_impact::operators

@@ -7,18 +7,17 @@ namespace dolfinx_impact::surface
 /// Axes that turn with a facet: the tangents at its centre and its unit normal there (in the plane the tangent and the
 /// normal, the tangent turned clockwise). A vector with fixed components in these axes turns with the facet whatever
 /// the angle (docs/contact.md, "Smooth surfaces").
+template <int gdim>
 struct FacetFrame
 {
-  int gdim;
-  double axes[3][3] = {}; ///< those beyond gdim are zero
-  double size;            ///< area (length) of the facet per reference area (length) at the centre
+  static_assert(gdim == 2 || gdim == 3);
+  double axes[gdim][3] = {}; ///< components beyond gdim are zero
 
   /// @param[in] num corners of the facet
   /// @param[in] dphi derivatives of their shape functions at the centre, dphi[alpha*num + j]
   /// @param[in] at at(j, c): position of corner j
-  void set(int dimension, int num, const double* dphi, auto&& at)
+  void set(int num, const double* dphi, auto&& at)
   {
-    gdim = dimension;
     for (int a = 0; a < gdim - 1; ++a)
       for (int c = 0; c < gdim; ++c)
       {
@@ -27,7 +26,7 @@ struct FacetFrame
           axes[a][c] += dphi[a * num + j] * at(j, c);
       }
     double* n = axes[gdim - 1];
-    if (gdim == 2)
+    if constexpr (gdim == 2)
     {
       n[0] = axes[0][1];
       n[1] = -axes[0][0];
@@ -37,9 +36,9 @@ struct FacetFrame
     double squared = 0.0;
     for (int c = 0; c < gdim; ++c)
       squared += n[c] * n[c];
-    size = std::sqrt(squared);
+    const double length = std::sqrt(squared);
     for (int c = 0; c < gdim; ++c)
-      n[c] /= size;
+      n[c] /= length;
   }
 
   /// Vector from its components.
@@ -58,15 +57,15 @@ struct FacetFrame
   {
     const double along = inner(vector, axes[0]), first = inner(axes[0], axes[0]);
     out[gdim - 1] = inner(vector, axes[gdim - 1]);
-    if (gdim == 2)
-    {
+    if constexpr (gdim == 2)
       out[0] = along / first;
-      return;
+    else
+    {
+      const double across = inner(vector, axes[1]), second = inner(axes[1], axes[1]), mixed = inner(axes[0], axes[1]);
+      const double determinant = first * second - mixed * mixed;
+      out[0] = (along * second - across * mixed) / determinant;
+      out[1] = (across * first - along * mixed) / determinant;
     }
-    const double across = inner(vector, axes[1]), second = inner(axes[1], axes[1]), mixed = inner(axes[0], axes[1]);
-    const double determinant = first * second - mixed * mixed;
-    out[0] = (along * second - across * mixed) / determinant;
-    out[1] = (across * first - along * mixed) / determinant;
   }
 
 private:
@@ -76,7 +75,7 @@ private:
     out[1] = a[2] * b[0] - a[0] * b[2];
     out[2] = a[0] * b[1] - a[1] * b[0];
   }
-  double inner(const double* a, const double* b) const
+  static double inner(const double* a, const double* b)
   {
     double sum = 0.0;
     for (int c = 0; c < gdim; ++c)

@@ -85,13 +85,10 @@ public:
       const Vector offset = i - _corners < _edges ? _offsets[f * _edges + i - _corners] : 0.5 * sum;
       double phi[FacetElement::max_nodes];
       _element.values(geometry.node(i).data(), phi);
-      for (int c = 0; c < _gdim; ++c)
-      {
-        double x = offset[c];
-        for (int j = 0; j < _corners; ++j)
-          x += phi[j] * corners[j * _gdim + c];
-        X.push_back(x);
-      }
+      Vector x = offset;
+      for (int j = 0; j < _corners; ++j)
+        x = x + phi[j] * position(corners + j * _gdim);
+      X.insert(X.end(), x.v, x.v + _gdim);
     }
   }
 
@@ -112,7 +109,8 @@ private:
     bool known = false;
   };
 
-  Vector X(int corner) const { return _X[corner]; }
+  Vector X(int corner) const { return _positions[corner]; }
+  Vector position(const double* x) const { return {{x[0], x[1], _gdim == 3 ? x[2] : 0.0}}; }
   int at(int corner, int step) const { return corner - corner % _corners + step; }
 
   void gather(const FunctionSpace& V, const Facets& facets, std::span<const double> normals)
@@ -156,14 +154,14 @@ private:
           x[c] = pair[0];
           given[c] = pair[1];
         }
-        _X.push_back(x);
+        _positions.push_back(x);
         _given.push_back(given);
       }
     }
     for (std::size_t f = 0; f < size; ++f)
     {
       // By the diagonals of a quadrilateral: its normal at the centre, whichever its corners.
-      const Vector* x = _X.data() + f * n;
+      const Vector* x = _positions.data() + f * n;
       const Vector a = n == 4 ? x[3] - x[0] : x[1] - x[0], b = n == 4 ? x[2] - x[1] : n == 3 ? x[2] - x[0] : up();
       _normals.push_back(_sign[f] * unit(cross(a, b)));
     }
@@ -420,8 +418,8 @@ private:
   double _least; ///< cosine of the crease
   std::vector<std::int64_t> _id, _nodes;
   std::vector<double> _sign;
-  std::vector<Vector> _X, _given, _corner_normals; ///< by corner
-  std::vector<Vector> _normals;                    ///< by facet
+  std::vector<Vector> _positions, _given, _corner_normals; ///< by corner
+  std::vector<Vector> _normals;                            ///< by facet
   std::vector<int> _together, _fan, _partner;
   std::vector<Fan> _fans;
   std::vector<Vector> _offsets; ///< by facet and edge

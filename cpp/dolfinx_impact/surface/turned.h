@@ -7,9 +7,10 @@
 /// the corners keep their components in the axes that turn with it.
 namespace dolfinx_impact::surface
 {
-/// Frame of facet f when its corners are at these places.
+/// Frame of a facet in space of this dimension when its corners are at these places; for 2 and 3.
 /// @param[in] corners positions of its corners, corners[j*gdim + c] [L]
-FacetFrame frame_of(const Facets& facets, const double* corners);
+template <int gdim>
+FacetFrame<gdim> frame_of(const Facets& facets, const double* corners);
 
 /// Components of the offsets in the reference configuration.
 /// @returns [(facet*geometry.num_nodes() + i)*gdim + k], zero for corners; empty unless the facets are smooth

@@ -27,6 +27,7 @@ from dolfinx.fem import Function
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from ..common.described import Described
 from ..forms.cell_maximum import has_maximum
 from ..forms.materials import weight
 from .inelastic_part import HistoryFunctions, InelasticPart
@@ -131,7 +132,7 @@ class _PartForms:
         return derivative + ufl.derivative(form, x, unknown_derivative(self.update.residual, x, self.theta, p))
 
 
-class InelasticTangent:
+class InelasticTangent(Described):
     """Derivative of the internal forces of a body with inelastic parts, less that of loads that follow it.
 
     Args:

@@ -13,6 +13,7 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from ..common.described import Described
 from .. import _cpp
 from ..common import arguments
 from ..common.cell_numbers import input_cell_numbers
@@ -98,7 +99,7 @@ def _history_of_cells(parts: Sequence[_cpp.operators.PointHistory], entities: In
     raise ValueError("the history that is shared belongs to other cells: use the same subdomains in both forms")
 
 
-class _Operator:
+class _Operator(Described):
     """Kernels of a form with their entities, coefficients and constants on the C++ side."""
 
     test: FunctionSpace | None  # of the test function; a form of rank 0 has none
@@ -346,7 +347,7 @@ class Inputs:
             yield f.x.array[: f.function_space.dofmap.index_map.size_local * f.function_space.dofmap.index_map_bs]
 
 
-class SplitForce:
+class SplitForce(Described):
     """Vector of a linear form in two parts, for the explicit integrator: cells without ghost nodes, and the others.
 
     Args:
@@ -435,7 +436,7 @@ class Energy(_Operator):
         return self.mesh.comm.allreduce(self._cpp_object.value(), MPI.SUM)
 
 
-class Tangent:
+class Tangent(Described):
     """Matrix of a bilinear form in a PETSc matrix that is created once, with the kernels and assembly of DOLFINx.
 
     Args:
@@ -478,7 +479,7 @@ class Tangent:
         return self.matrix
 
 
-class PointValues:
+class PointValues(Described):
     """A UFL expression at given reference points of every owned cell, for example stresses.
 
     Args:

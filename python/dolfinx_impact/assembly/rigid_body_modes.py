@@ -9,6 +9,7 @@ import scipy
 from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
 
+from ..common.described import Described
 from ..common.types import BoolArray, FloatArray, IntArray
 
 AXES = "xyz"
@@ -71,7 +72,7 @@ def bodies(V: FunctionSpace) -> tuple[IntArray, int]:
     return np.searchsorted(used, number), len(used)
 
 
-class RigidBodyModes:
+class RigidBodyModes(Described):
     """Linearised rigid motions of all bodies, as fields over positions. Collective.
 
     Translations have length one; rotations are about the body's centre and scaled by its size.

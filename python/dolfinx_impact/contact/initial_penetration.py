@@ -7,6 +7,7 @@ import numpy as np
 from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
+from ..common.described import Described
 from .. import _cpp
 from ..assembly import rigid_body_modes
 from ..common.types import FloatArray
@@ -22,7 +23,7 @@ ROUND_OFF = 1e-10
 NEARLY = 0.01
 
 
-class InitialPenetration:
+class InitialPenetration(Described):
     """Penetrations of the contact points in the reference configuration of bodies and obstacles. Collective.
 
     Args:

@@ -3,11 +3,12 @@
 
 import numpy as np
 
+from ..common.described import Described
 from ..amplitude import Amplitude
 from ..common.types import FloatArray
 
 
-class FunctionsOfTime:
+class FunctionsOfTime(Described):
     """Amplitudes of loads, prescribed motion and rigid masters as columns of one table.
 
     A scalar amplitude has one column, a vector has three.

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from mpi4py import MPI
 
+from ..common.described import Described
 from ..common import arguments
 from ..common.collective import is_common
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
@@ -94,7 +95,7 @@ def material_fields(problem: ProblemInTime) -> tuple[str, ...]:
     return (*problem.history, STRESS, VON_MISES) if problem.has_history else ()
 
 
-class Recorder:
+class Recorder(Described):
     """Writes frames and histories of a problem in time into a folder; made by the problem's `record`.
 
     Files: fields.bp has the fields (ParaView 5.12 or newer), materials.bp those of materials, averaged at the vertices:

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 import numpy.typing as npt
 
+from ..common.described import Described
 from ..common.types import FloatArray
 from .history import History
 
@@ -30,7 +31,7 @@ def total_energy(values: Energies) -> float:
     return float(sum(values[name] for name in ENERGIES[:-1]) - values[ENERGIES[-1]])
 
 
-class RunHistory:
+class RunHistory(Described):
     """Time, energies and contact forces before each step, and the drift of the total energy.
 
     Args:

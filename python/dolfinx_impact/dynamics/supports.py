@@ -9,6 +9,7 @@ import numpy as np
 from dolfinx.fem import DirichletBC, Function
 from mpi4py import MPI
 
+from ..common.described import Described
 from ..amplitude import PrescribedMotion
 from ..common.types import BoolArray, FloatArray, IntArray
 from .functions_of_time import FunctionsOfTime
@@ -16,7 +17,7 @@ from .functions_of_time import FunctionsOfTime
 START = 1e-12  # part of the largest displacement by which u may differ from a prescribed value at the start
 
 
-class Supports:
+class Supports(Described):
     """Prescribed degrees of freedom of a problem; where several prescribe the same one, the first counts.
 
     Args:

@@ -150,7 +150,8 @@ def write(
 penalty contact, friction {data.friction:g}) and is lifted off.</p>
 <h2>Results</h2>{_table(rows_of(data, summary))}
 <p>Forces and footprint change by some percent when cells get half as large. Plastic strain and residual stress at the
-edges of the rails do not converge: stress at a corner has no limit. Compare them between runs of one mesh only.</p>{several}
+edges of the rails do not converge: stress at a corner has no limit. Compare them between runs of one mesh only.</p>
+{several}
 <h2>Pictures</h2>{"".join(shown)}
 <h2>Parameters</h2>{_table(parameters)}
 <h2>Time</h2>{_table(stages)}

@@ -8,10 +8,11 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ..common.described import Described
 from ..assembly import operators
 
 
-class ElasticBody:
+class ElasticBody(Described):
     """Bodies whose forces follow from the present displacement alone; see Body.
 
     Args:

@@ -9,6 +9,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ..common.described import Described
 from ..assembly.history import MaterialHistory
 from ..assembly.inelastic_part import InelasticParts, set_values
 from ..assembly.inelastic_tangent import InelasticTangent
@@ -17,7 +18,7 @@ from ..common.types import FloatArray
 from ..forms.inelastic import UNKNOWN
 
 
-class InelasticBody:
+class InelasticBody(Described):
     """Bodies of which at least one has internal variables; see Body.
 
     Args:

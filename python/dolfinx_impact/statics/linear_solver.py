@@ -9,6 +9,7 @@ from typing import Any, Iterable, Protocol
 import numpy as np
 from petsc4py import PETSc
 
+from ..common.described import Described
 from .. import _cpp
 from ..common.memory import free_garbage
 from ..common.types import BoolArray, FloatArray
@@ -133,7 +134,7 @@ class Product:
         self.system.mult(x, y)
 
 
-class LinearSolver:
+class LinearSolver(Described):
     """A KSP with options of its own.
 
     Args:

@@ -18,6 +18,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from ..common.described import Described
 from ..assembly import rigid_body_modes
 from .. import _cpp
 from .linearised_active_set import LinearisedActiveSet
@@ -44,7 +45,7 @@ PARTS = (1.0, 0.5, 0.25, 0.125, 0.0625)  # fractions of a Newton step that a lin
 SEARCHES, STEEP = 8, 0.5  # evaluations of a line search; slope at its end relative to that at its start
 
 
-class Newton:
+class Newton(Described):
     """Solves one increment of a problem.
 
     Args:

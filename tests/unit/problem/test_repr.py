@@ -94,3 +94,45 @@ def test_problems_and_report(square):
     assert str(report) == f"Report: converged, 2 increments, {sum(report.iterations)} iterations"
     explicit = di.ExplicitProblem(fem.Function(V), STEEL, velocity=fem.Function(V))
     assert repr(explicit) == f"ExplicitProblem(18 unknowns, {STEEL!r}, 0 loads, 0 contacts, step 0, time 0)"
+
+
+def returned(thing):
+    """The objects of this package that an object's documented attributes are, or lists of them have: those that its
+    docstring names, and its properties."""
+    found, documented = [], (type(thing).__doc__ or "").partition("Attributes:")[2]
+    for name in (name for name in dir(thing) if not name.startswith("_")):
+        if f" {name}: " not in documented and not isinstance(getattr(type(thing), name, None), property):
+            continue
+        try:
+            value = getattr(thing, name)
+        except (AttributeError, ValueError, RuntimeError):  # what there is none of
+            continue
+        for item in value if isinstance(value, (list, tuple)) else [value]:
+            module = type(item).__module__
+            if module.startswith("dolfinx_impact.") and not module.endswith("_cpp") and not callable(item):
+                found.append(item)
+    return found
+
+
+def test_all_that_problems_return(square, facet_tags):
+    """No object that a public attribute leads to prints its address."""
+    floor = di.RigidPlane((0, 0), (0, 1))
+    tags = mesh.meshtags(square, 1, mesh.locate_entities_boundary(square, 1, lambda x: np.isclose(x[1], 0)), 1)
+    V = fem.functionspace(square, ("Lagrange", 1, (2,)))
+    fixed = fem.dirichletbc(np.zeros(2), fem.locate_dofs_geometrical(V, lambda x: x[1] > 0.9), V)
+    pair = di.ContactPair(tags, 1, floor, friction=0.1)
+    law = di.J2Plasticity(200.0, 0.3, 2.0, yield_stress=1.0, hypothesis="plane_strain")
+    load = [di.BodyForce((0, -0.1)), di.Foundation(facet_tags, 3, 1.0)]
+    problems = [di.StaticProblem(fem.Function(V), law, bcs=[fixed], loads=load, contact=[di.Lagrange(pair)])]
+    problems.append(di.StaticProblem(fem.Function(V), STEEL, bcs=[fixed], contact=[di.Penalty(pair)]))
+    reports = [problem.solve() for problem in problems]
+    for method in (di.Penalty, di.Kinematic):
+        problems.append(di.ExplicitProblem(fem.Function(V), law, velocity=fem.Function(V), contact=[method(pair)]))
+    problems.append(di.NewmarkProblem(fem.Function(V), law, velocity=fem.Function(V), contact=[di.Lagrange(pair)]))
+    seen = [thing for one in (*problems, *reports) for thing in (one, *returned(one))]
+    names = {type(thing).__name__ for thing in seen}
+    assert {"LagrangeContact", "PenaltyContact", "NodalResult", "Report"} <= names
+    assert [] == sorted(
+        {type(thing).__module__ + "." + type(thing).__name__ for thing in seen if " object at 0x" in repr(thing)}
+    )
+    assert "force on the slave" in repr(problems[0].contact[0]) and repr(pair) in repr(problems[2].contact[0])

@@ -31,16 +31,17 @@ struct Corners
 
 /// Upper bound on the motion of the offsets of smooth facets per motion of a corner. With the components k of an offset
 /// it is C (|k_1| + |k_2|) + 2.94 Q |k_n| (NormalRotation), Q and C those of the flat facet's centre.
+template <int gdim>
 double largest_offset_motion(const surface::Facets& facets, const std::vector<double>& offsets)
 {
   if (!facets.smooth)
     return 0.0;
-  const int gdim = facets.gdim, n_x = facets.geometry.num_nodes();
+  const int n_x = facets.geometry.num_nodes();
   const double slope = NormalRotation::slope(facets.displacement);
   double largest = 0.0;
   for (std::size_t f = 0; f < facets.size(); ++f)
   {
-    const surface::FacetFrame frame = surface::frame_of(facets, facets.X_of(f));
+    const surface::FacetFrame<gdim> frame = surface::frame_of<gdim>(facets, facets.X_of(f));
     const double rate = NormalRotation::rate(gdim - 1, frame.axes, slope);
     for (int i = 0; i < n_x; ++i)
     {
@@ -91,7 +92,8 @@ void TrackedSurface::reset(surface::Facets facets)
     _diameters[f] = surface::diameter(_facets, f);
   _largest = _diameters.empty() ? 0.0 : *std::max_element(_diameters.begin(), _diameters.end());
   _offsets = surface::offset_components(_facets);
-  _stretch = 1.0 + largest_offset_motion(_facets, _offsets);
+  _stretch =
+      1.0 + (gdim == 2 ? largest_offset_motion<2>(_facets, _offsets) : largest_offset_motion<3>(_facets, _offsets));
   _height.assign(_facets.smooth ? _facets.size() : 0, 0.0);
   _starts.assign(_height.size(), Starts::nearest);
   for (std::size_t f = 0; f < _height.size(); ++f)
@@ -139,6 +141,32 @@ double TrackedSurface::moved(const double* u) const
   return _stretch * std::sqrt(double(gdim)) * largest;
 }
 
+/// As surface::turned_positions, with the values of shape functions that are known here.
+template <int gdim>
+void TrackedSurface::smooth_positions(std::int32_t f, Configuration at, double* x) const
+{
+  const int n_x = _facets.geometry.num_nodes(), n_u = _facets.displacement.num_corners();
+  const std::int32_t* nodes = _facets.nodes_of(f);
+  const double *X = _facets.X_of(f), *offsets = _offsets.data() + std::size_t(f) * n_x * gdim;
+  for (int j = 0; j < n_u; ++j) // the corners are the first of the geometry nodes
+    for (int c = 0; c < gdim; ++c)
+      x[j * gdim + c] = X[j * gdim + c] + at.at(std::size_t(nodes[j]) * gdim + c);
+  surface::FacetFrame<gdim> frame;
+  frame.set(n_u, _centre.data(), [&](int j, int c) { return x[j * gdim + c]; });
+  for (int i = n_u; i < n_x; ++i)
+  {
+    double offset[gdim];
+    frame.vector(offsets + i * gdim, offset);
+    for (int c = 0; c < gdim; ++c)
+    {
+      double sum = offset[c];
+      for (int j = 0; j < n_u; ++j)
+        sum += _phi[i * n_u + j] * x[j * gdim + c];
+      x[i * gdim + c] = sum;
+    }
+  }
+}
+
 void TrackedSurface::positions(std::int32_t f, Configuration at, double* x) const
 {
   const int gdim = _facets.gdim, n_x = _facets.geometry.num_nodes(), n_u = _facets.displacement.num_nodes();
@@ -156,25 +184,7 @@ void TrackedSurface::positions(std::int32_t f, Configuration at, double* x) cons
   }
   if (_facets.smooth)
   {
-    // As surface::turned_positions, with the values of shape functions that are known here.
-    const double* offsets = _offsets.data() + std::size_t(f) * n_x * gdim;
-    for (int j = 0; j < n_u; ++j) // the corners are the first of the geometry nodes
-      for (int c = 0; c < gdim; ++c)
-        x[j * gdim + c] = X[j * gdim + c] + at.at(std::size_t(nodes[j]) * gdim + c);
-    surface::FacetFrame frame;
-    frame.set(gdim, n_u, _centre.data(), [&](int j, int c) { return x[j * gdim + c]; });
-    for (int i = n_u; i < n_x; ++i)
-    {
-      double offset[3];
-      frame.vector(offsets + i * gdim, offset);
-      for (int c = 0; c < gdim; ++c)
-      {
-        double sum = offset[c];
-        for (int j = 0; j < n_u; ++j)
-          sum += _phi[i * n_u + j] * x[j * gdim + c];
-        x[i * gdim + c] = sum;
-      }
-    }
+    gdim == 2 ? smooth_positions<2>(f, at, x) : smooth_positions<3>(f, at, x);
     return;
   }
   for (int i = 0; i < n_x; ++i)

@@ -100,6 +100,8 @@ public:
   void count_projections(std::int64_t num) { _projections += num; }
 
 private:
+  template <int gdim>
+  void smooth_positions(std::int32_t facet, Configuration configuration, double* x) const;
   bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration configuration,
                    std::span<const std::int32_t> near, double* normal) const;
 

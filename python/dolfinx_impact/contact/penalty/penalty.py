@@ -33,8 +33,8 @@ FACTOR = 10.0
 COARSE = 2.0
 # Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
 TOUCH = 1e-12
-# Least cosine between a master's normal and the slave's inward one where the surfaces face each other. Beside the rim the
-# direction to the master lies along the slave, cosine zero; where surfaces touch, their normals differ by a facet's turn.
+# Least cosine between a master's normal and the slave's inward one where the surfaces face each other. Beside the rim
+# the direction to the master lies along the slave, cosine zero; where surfaces touch, normals differ by a facet's turn.
 FACING = 0.5
 ROUND_OFF = 1e-15  # part of the bodies' size below which a penetration is round-off of positions
 STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off

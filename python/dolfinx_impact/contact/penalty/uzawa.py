@@ -7,6 +7,7 @@ import numpy as np
 from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
+from ...common.described import Described
 from ... import _cpp
 from ...common.types import BoolArray, FloatArray
 from ..nodal_sum import NodalSum
@@ -15,7 +16,7 @@ from ..nodal_sum import NodalSum
 COVERED = 0.2
 
 
-class Uzawa:
+class Uzawa(Described):
     """Multipliers at the corners of the slave's facets, interpolated linearly. Simo and Laursen (1992).
 
     Multipliers at every quadrature point would be more conditions than the displacements of the nodes can satisfy.

@@ -10,11 +10,12 @@ from dolfinx import fem
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from ...common.described import Described
 from ...assembly import operators
 from ...common.types import FloatArray
 
 
-class DampingForce:
+class DampingForce(Described):
     """Nodal forces of a form in displacement and velocity.
 
     Args:

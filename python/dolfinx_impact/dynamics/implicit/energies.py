@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from mpi4py import MPI
 
+from ...common.described import Described
 from ...common.types import FloatArray
 from ...contact.penalty.penalty import PenaltyContact
 from ..run_history import ENERGIES
@@ -52,8 +53,8 @@ class Works:
     damping: float = 0.0
 
 
-@dataclass
-class EnergyAccount:
+@dataclass(repr=False)
+class EnergyAccount(Described):
     """Sums up works by the trapezoidal rule.
 
     Attributes:

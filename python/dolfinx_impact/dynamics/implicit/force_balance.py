@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ...common.described import Described
 from ...common.types import BoolArray, FloatArray
 from ...statics.bodies import assemble_residual
 from .energies import Forces
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from ...contact.penalty.penalty import PenaltyContact
 
 
-class ForceBalance:
+class ForceBalance(Described):
     """Evaluates forces at the present displacement.
 
     Args:

@@ -12,6 +12,7 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from ...common.described import Described
 from ...added_mass import AddedMass
 from ...assembly import lumped_mass, operators
 from ...assembly.consistent_mass import ConsistentMass, Densities
@@ -23,7 +24,7 @@ ENOUGH = 1e-9  # relative residual that is accepted where round-off does not let
 MOST = 2000  # iterations of conjugate gradients; meshes whose cells differ by 10^6 in volume need some hundred
 
 
-class Inertia:
+class Inertia(Described):
     """Mass matrix M of bodies.
 
     Args:

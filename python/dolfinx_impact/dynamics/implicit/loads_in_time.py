@@ -8,12 +8,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from ...common.described import Described
 from ...amplitude import Amplitude
 from ...common.types import FloatArray
 from ...loads import Load
 
 
-class LoadsInTime:
+class LoadsInTime(Described):
     """Sets the constants of loads to their values at a time: those that the user gave, times the amplitude.
 
     Args:

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from dolfinx import fem
 
+from ...common.described import Described
 from ...common.types import FloatArray
 from .motion import State
 
 
-class MotionFunctions:
+class MotionFunctions(Described):
     """Sets the functions that users see from arrays over owned degrees of freedom.
 
     Args:

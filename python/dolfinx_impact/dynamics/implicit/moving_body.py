@@ -7,6 +7,7 @@ import numpy as np
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ...common.described import Described
 from ...common.types import FloatArray
 from ...statics.body import Body
 from .damping import DampingForce
@@ -14,7 +15,7 @@ from .inertia import Inertia
 from .motion import State, StepMotion
 
 
-class MovingBody:
+class MovingBody(Described):
     """Equilibrium M a_1 + C v_1 + F(u_1) at the end of a step as a residual in u_1; see statics.body.Body.
 
     Args:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...common.described import Described
 from ...amplitude import Amplitude
 from ...common.types import FloatArray
 from ..functions_of_time import FunctionsOfTime
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from ...contact.penalty.penalty import PenaltyContact
 
 
-class ObstacleMotions:
+class ObstacleMotions(Described):
     """Displacements of rigid masters as functions of time.
 
     Args:

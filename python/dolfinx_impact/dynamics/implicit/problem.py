@@ -60,8 +60,8 @@ if TYPE_CHECKING:
     from ...statics.body import BodyTangent
 
 IMPACT = ("mass_redistribution", "none")
-# Smallest tolerance of local errors: they follow from differences of accelerations, whose round-off in double precision,
-# 2e-16, a stiff mesh multiplies by (omega dt)^2, up to some thousand.
+# Smallest tolerance of local errors: they follow from differences of accelerations, whose round-off in double
+# precision, 2e-16, a stiff mesh multiplies by (omega dt)^2, up to some thousand.
 SMALLEST_ERROR = 1e-12
 SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten cut-backs
 STEPS = (1e-140, 1e140)  # whose squares, times anything that physics has, are numbers [T]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from ...common.described import Described
 
 SAME = 1e-9  # relative difference of steps that count as equal: they share a matrix and its factors
 SAFETY = 0.9  # of the step that the error estimate allows
@@ -12,7 +13,7 @@ REJECTED = 2.0  # times the tolerance: errors beyond it repeat the step
 MANY, FEW = 12, 6  # Newton iterations of a step after which the next one is shorter, and may be longer again
 
 
-class StepControl:
+class StepControl(Described):
     """Chooses the length of the next step.
 
     Args:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from dolfinx.fem import Function
 from petsc4py import PETSc
 
+from ...common.described import Described
 from ...common.types import BoolArray
 from ...contact.mortar.shared_nodes import connect
 from ...materials import MaterialMap, _Material
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from ...contact.penalty.penalty import PenaltyContact
 
 
-class StepEquations:
+class StepEquations(Described):
     """Bodies with inertia, supports and contacts at the end of a step.
 
     Args:

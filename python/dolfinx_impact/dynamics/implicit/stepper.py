@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...common.collective import agree, attempt, is_common
+from ...common.described import Described
 from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
 from ...statics.load_steps import Increment, StepLog
@@ -46,7 +47,7 @@ class Before:
     motion: tuple[FloatArray, FloatArray]
 
 
-class ImplicitStepper:
+class ImplicitStepper(Described):
     """Steps an implicit problem in time.
 
     Args:

@@ -9,6 +9,7 @@ from typing import Any
 import ufl
 from dolfinx import fem
 
+from ...common.described import Described
 from ...assembly import operators
 from ...foundation import Foundation
 from ...forms.inelastic import ELASTIC_ENERGY
@@ -17,7 +18,7 @@ from ...statics.body import Body
 from ...statics.inelastic_body import InelasticBody
 
 
-class StoredEnergy:
+class StoredEnergy(Described):
     """Strain energy of elastic materials, elastic energy of those with internal variables, and that of foundations.
 
     Args:
