@@ -49,12 +49,10 @@ class Fingerprint:
             rates: of the other problem.
         """
         for name in dict.fromkeys([*self.arguments, *arguments]):
-            here, there = self.arguments.get(name), arguments.get(name)
-            if name.startswith(SUMS) and np.shape(here) == np.shape(there):
-                here, there = np.asarray(here, dtype=float), np.asarray(there, dtype=float)
+            here, there = (of.get(name) for of in (self.arguments, arguments))
+            same = isinstance(here, str | int) and isinstance(there, str | int | np.integer) and here == there
+            if isinstance(here, np.ndarray) and isinstance(there, np.ndarray) and here.shape == there.shape:
                 same = bool(np.all(np.abs(here - there) <= SUM * np.abs(here).max(initial=0.0)))
-            else:
-                same = bool(np.all(here == there))
             if not same:
                 return name.removeprefix(SUMS)
         same = self.rates.shape == rates.shape and np.allclose(self.rates, rates, rtol=SAME, atol=0.0)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common.cell_numbers import input_cell_numbers
-from ..common.types import FloatArray
+from ..common.types import FloatArray, IntArray
+from ..contact.nodal_sum import NodalSum
 from ..contact.saved_history import SavedHistory
 from .contact import RollingContact
 
@@ -101,7 +102,7 @@ class SweepState:
             found.append(saved)
         return found
 
-    def _cells(self) -> tuple[FloatArray, FloatArray]:
+    def _cells(self) -> tuple[IntArray, IntArray]:
         """Numbers in the input, and nodes, of this rank's owned cells."""
         V = self._problem.space
         num = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
@@ -109,8 +110,6 @@ class SweepState:
 
     def _with_ghosts(self, rows: FloatArray) -> FloatArray:
         """Values of owned nodes at ghosts as well. Collective."""
-        from ..contact.nodal_sum import NodalSum
-
         size = self._problem.space.dofmap.index_map
         values = np.zeros((size.size_local + size.num_ghosts, rows.shape[1]))
         values[: size.size_local] = rows[: size.size_local]
@@ -118,6 +117,4 @@ class SweepState:
 
     def _sum(self, rows: FloatArray) -> FloatArray:
         """Sums of the values of all ranks at owned nodes and ghosts. Collective."""
-        from ..contact.nodal_sum import NodalSum
-
         return NodalSum(self._problem.space.dofmap.index_map, rows.shape[1])(rows)
