@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, ValidationError, model_validator
 
 from .types import FilePath
 
@@ -63,7 +63,7 @@ def parameter(
         zero: whether zero is allowed below `low`, with a meaning of its own.
         infinite: whether inf is allowed, too.
     """
-    bounds = {"low": low, "high": high, "above": above, "zero": zero, "infinite": infinite}
+    bounds: dict[str, JsonValue] = {"low": low, "high": high, "above": above, "zero": zero, "infinite": infinite}
     return Field(default, description=what, json_schema_extra={"unit": unit, "bounds": bounds})
 
 

@@ -268,6 +268,7 @@ class Case:
             problem = self._stage("start" + what, partial(passage.start, equilibrium))
             del equilibrium  # its matrices are larger than all that the wheel needs to roll
             static = passage.static_footprint
+        assert problem is not None
         pictured = self._pictures and number == data.passes - 1
         frames = FrameSeries(passage.model, saved, run) if pictured else None
         if frames is not None and resumed:
@@ -338,6 +339,7 @@ class Case:
         figures.animation(file("passage.gif"), data, pictures)
         nearest = min(range(len(pictures)), key=lambda k: abs(pictures[k].place - 0.5 * data.gap))
         edge = frames.shears[nearest]
+        assert edge.values is not None  # rank 0 has them
         edge.values[:] *= 1e-6
         figures.field_on_rail(file("shear.png"), data, edge, "shear stress xz [MPa]", (-300.0, 300.0), "RdBu_r")
 
@@ -355,7 +357,7 @@ class Case:
             points = stress["sigma_xx"].points
             assert points is not None
             near = (np.abs(points) < figures.ZONE).all(axis=1) & (points[:, 2] < SURFACE)
-            along, von_mises = (found.values[near, 0] for found in map(stress.get, RESIDUAL_NAMES) if found is not None)
+            along, von_mises = (v[near, 0] for v in (stress[name].values for name in RESIDUAL_NAMES) if v is not None)
             limits = [float(along.max()), float(along.min()), float(von_mises.max())]
         tension, compression, largest = self._comm.bcast(limits)
         return dataclasses.replace(

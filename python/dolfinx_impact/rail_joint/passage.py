@@ -112,11 +112,11 @@ class History:
         """
         ends = np.cumsum(tables["footprint_sizes"])
         rows = np.split(tables["footprints"], ends[:-1]) if len(ends) else []
-        steps, dt, seconds, frames = tables["numbers"].tolist()
+        steps, dt, seconds, frames = (float(number) for number in tables["numbers"])
         return cls(
             tables["time"], tables["place"], tables["force"],
             {name: tables["energy"][:, k] for k, name in enumerate(ENERGIES)}, int(steps), dt, seconds,
-            [Footprint(x, r[:, :3], r[:, 3], r[:, 4]) for x, r in zip(tables["footprint_places"].tolist(), rows)],
+            [Footprint(float(x), r[:, :3], r[:, 3], r[:, 4]) for x, r in zip(tables["footprint_places"], rows)],
             int(frames),
         )  # fmt: skip
 

@@ -159,7 +159,7 @@ class SavedCase:
             name = f"tables_{self._number}.npz"
             self.tables = dict(tables())
             content = io.BytesIO()
-            np.savez(content, allow_pickle=False, **self.tables)  # type: ignore[arg-type]
+            np.savez(content, allow_pickle=False, **self.tables)
             write_whole(self.path / name, content.getvalue())
             files = {file: _digest(self.path / file) for file in (*kinds.values(), name)}
             new: dict[str, Any] = {
