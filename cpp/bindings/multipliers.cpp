@@ -180,7 +180,7 @@ void bind_integrals(nb::module_& m)
           "__init__",
           [](FacingShares* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
              const MultiplierNodes& nodes, Array points, Array weights, Multipliers basis, bool axisymmetric)
-          { new (self) FacingShares(std::move(V), slave, nodes, rule(points, weights), basis, axisymmetric); },
+          { new (self) FacingShares(V, slave, nodes, rule(points, weights), basis, axisymmetric); },
           nb::arg("V"), nb::arg("slave"), nb::arg("nodes"), nb::arg("points"), nb::arg("weights"), nb::arg("basis"),
           nb::arg("axisymmetric") = false)
       .def(

@@ -7,7 +7,7 @@
 
 namespace dolfinx_impact::gap
 {
-FacingShares::FacingShares(std::shared_ptr<const surface::FunctionSpace> V, const surface::Facets& slave,
+FacingShares::FacingShares(const std::shared_ptr<const surface::FunctionSpace>& V, const surface::Facets& slave,
                            MultiplierNodes nodes, const SegmentRule& rule, Multipliers basis, bool axisymmetric)
     : _map(V->dofmap()->index_map), _nodes(std::move(nodes)),
       _integrals(cover(slave, whole_facets(slave, rule, axisymmetric), basis))

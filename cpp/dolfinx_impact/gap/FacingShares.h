@@ -11,8 +11,8 @@ class FacingShares
 public:
   /// @param[in] slave this rank's facets, numbered as V
   /// @param[in] rule on the reference facet
-  FacingShares(std::shared_ptr<const surface::FunctionSpace> V, const surface::Facets& slave, MultiplierNodes nodes,
-               const SegmentRule& rule, Multipliers basis, bool axisymmetric);
+  FacingShares(const std::shared_ptr<const surface::FunctionSpace>& V, const surface::Facets& slave,
+               MultiplierNodes nodes, const SegmentRule& rule, Multipliers basis, bool axisymmetric);
 
   /// Areas by the multiplier nodes [L, L^2]. Collective.
   /// @param[in] slave as given, moved
