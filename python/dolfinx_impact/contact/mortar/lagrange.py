@@ -130,7 +130,8 @@ class LagrangeContact(ContactOutput):
         self.last_change = -1
         self.partners: list[tuple[LagrangeContact, IntArray]] = []
         self.edges: list[tuple[LagrangeContact, IntArray, IntArray]] = []
-        self.redundant, self._crowded = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        self.redundant: BoolArray = np.zeros(n, dtype=bool)
+        self._crowded: BoolArray = np.zeros(n, dtype=bool)
 
     @property
     def _coefficient(self) -> float:

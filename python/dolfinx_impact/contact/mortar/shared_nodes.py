@@ -107,7 +107,8 @@ def _number(contacts: Sequence[LagrangeContact]) -> tuple[list[IntArray], int, I
         Numbers of each contact's nodes; count of numbers; nodes that are joined; nodes with several constraints.
     """
     seen: dict[int, list[tuple[int, int, int]]] = {}  # node -> (contact, row, number)
-    numbers, count = [], 0
+    numbers: list[IntArray] = []
+    count = 0
     joined: set[int] = set()
     apart: set[int] = set()
     size = int(max((int(c.nodes.max(initial=-1)) for c in contacts), default=-1)) + 1
