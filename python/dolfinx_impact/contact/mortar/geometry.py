@@ -69,7 +69,11 @@ class SurfaceGeometry(abc.ABC):
         tolerance: gaps below it are none [L]. start: displacements at the beginning of the increment, all dofs [L].
     """
 
+    around: FloatArray
+    area: FloatArray
+    aside: IntArray
     participates: BoolArray
+    own_locked: BoolArray
     part: BoolArray
     carrier: BoolArray
     weight: FloatArray

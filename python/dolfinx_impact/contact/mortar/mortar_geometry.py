@@ -71,7 +71,7 @@ class MortarGeometry(SurfaceGeometry):
 
     def normal_sums(self) -> FloatArray:
         """Sums of facet normals; see SurfaceGeometry."""
-        return self.integrals.sums_at_nodes()
+        return self.integrals.sums_at_nodes().reshape(-1, self.gdim)
 
     def integrate(self, carriers: BoolArray) -> None:
         """Mortar integrals and locked components; see SurfaceGeometry. Collective."""
