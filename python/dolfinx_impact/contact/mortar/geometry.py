@@ -80,9 +80,6 @@ class SurfaceGeometry(abc.ABC):
     cover: FloatArray
     own_weight: FloatArray
     own_cover: FloatArray
-    own_locked: BoolArray
-    around: FloatArray
-    aside: IntArray
     weighted_gap: FloatArray
     gap: FloatArray
     normal: FloatArray
