@@ -326,7 +326,8 @@ class Frequencies:
             self.u.x.array[:] = given
         total = NodalSum(V.dofmap.index_map, 1)
         sums = np.zeros(total.num_nodes)
-        np.add.at(sums, dofs[near], masses[near].reshape(len(squares), -1, bs).mean(axis=2) * squares[:, None])
+        means = masses[near].reshape(len(squares), dofs.shape[1], bs).mean(axis=2)
+        np.add.at(sums, dofs[near], means * squares[:, None])
         return total(sums).ravel()
 
     def check_signs(self) -> None:

@@ -372,7 +372,7 @@ class Case:
         largest = None
         if passage.yields:
             values = residual.history["plastic_strain"].values
-            largest = gather_rows(self._comm, values.reshape(len(values), -1).max(axis=1, initial=0.0))
+            largest = gather_rows(self._comm, values.max(axis=tuple(range(1, values.ndim)), initial=0.0))
 
         def draw() -> None:
             for found in stress.values():
