@@ -25,13 +25,13 @@ public:
   std::span<const std::int64_t> remote_nodes() const override { return {}; }
   std::span<const int> remote_owners() const override { return {}; }
   std::span<const std::int32_t> needs(operators::Halo&) override { return _nodes; }
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers,
-              std::span<const double> mass) override
+  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override
   {
     REQUIRE(halo.num_nodes() == 1);
     own = numbers[2];
     seen_mass = mass[own];
   }
+  double largest_position() const override { return position; }
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override
   {
     obstacle = displacement;
@@ -46,7 +46,7 @@ public:
 
   int searches = 0, forgotten = 0;
   std::int32_t own = -1;
-  double seen_mass = 0.0, motion_used = 0.0, gap = 0.0;
+  double seen_mass = 0.0, motion_used = 0.0, gap = 0.0, position = 0.0;
   std::vector<double> seen_u, seen_du;
   std::array<double, 3> obstacle{}, obstacle_increment{}, total{};
   enforcement::ContactEnergy energies;
@@ -69,21 +69,6 @@ public:
   double seen_step = 0.0;
 };
 
-/// Lets the node go no further than x = 0.
-class Stop : public OneNode, public enforcement::StepCorrection
-{
-public:
-  void correct(const enforcement::PredictedStep& step, std::span<double> u, std::span<double> f) override
-  {
-    const double force = -u[2 * own] / (step.h * step.inverse_mass[2 * own]);
-    total[0] = force;
-    f[2 * own] += force;
-    u[2 * own] = 0.0;
-    seen_before = step.du_before[2 * own];
-  }
-  double seen_before = 0.0;
-};
-
 NodalFields three_nodes()
 {
   NodalFields fields(std::make_shared<const dolfinx::common::IndexMap>(MPI_COMM_SELF, 3), 2);
@@ -96,7 +81,7 @@ NodalFields three_nodes()
 }
 } // namespace
 
-TEST_CASE("contacts act in one of two ways, in a step that is known")
+TEST_CASE("contacts have to act, in a step that is known")
 {
   ContactForces contacts;
   CHECK(contacts.empty());
@@ -107,9 +92,7 @@ TEST_CASE("contacts act in one of two ways, in a step that is known")
   contacts.add(std::make_shared<Spring>(), {-1, -1, -1});
   CHECK(contacts.has_springs());
   CHECK_FALSE(contacts.has_kinematic());
-  contacts.add(std::make_shared<Stop>(), {-1, -1, -1});
-  CHECK(contacts.has_kinematic());
-  CHECK(contacts.size() == 2);
+  CHECK(contacts.size() == 1);
   CHECK(contacts.search_due());
   CHECK_THROWS_AS(contacts.check_step(), std::invalid_argument);
   for (double dt : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
@@ -266,44 +249,16 @@ TEST_CASE("rigid masters move by amplitudes, and the contact force works on them
   CHECK(sums.load_work == -4.0);
 }
 
-TEST_CASE("kinematic contact corrects displacement, velocity and the sums of an update")
+TEST_CASE("the largest position is that of all obstacles")
 {
-  NodalFields fields = three_nodes();
-  const double dt = 0.5, h = 0.25;
   ContactForces contacts;
-  const auto stop = std::make_shared<Stop>();
-  contacts.add(stop, {-1, -1, -1});
-  contacts.set_step(dt);
-  fields.v[4] = 2.0;
-  fields.r[4] = 3.0;
-  contacts.search(fields, 0.0);
-  contacts.keep(fields);
-  // The update has moved the node from -1 to 1 at a velocity of 4.
-  fields.u[4] = 1.0;
-  fields.v[4] = 4.0;
-  Loads loads(6);
-  loads.add(std::vector<std::int32_t>{4}, std::vector<double>{10.0}, -1);
-  loads.apply(nullptr);
-  Sums sums;
-  contacts.correct(fields, dt, 0.4, h, 1.0, loads, sums);
-  CHECK(fields.u == std::vector<double>(6, 0.0));
-  CHECK(stop->seen_before == Approx(0.4 * 2.0).epsilon(1e-15));
-  const double force = -1.0 / (h * dt * 0.5), v = 4.0 + h * 0.5 * force, m = 2.0;
-  CHECK(fields.v[4] == Approx(v).epsilon(1e-15));
-  CHECK(v == Approx(4.0 - 1.0 / dt).epsilon(1e-15)); // it moves to 0, not to 1, in the step
-  CHECK(sums.momentum == Approx(m * 2.0 * (v - 4.0)).epsilon(1e-15));
-  CHECK(sums.speed == Approx(m * (v * v - 16.0)).epsilon(1e-15));
-  CHECK(sums.after == Approx(3.0 * (v - 4.0)).epsilon(1e-15));
-  CHECK(sums.load_after == Approx(10.0 * (v - 4.0)).epsilon(1e-15));
-  CHECK(contacts.forces(fields).kinematic[4] == Approx(force).epsilon(1e-15));
-  EnergySums energies;
-  stop->energies = {.normal = 2.0, .later_normal = 0.5, .recoverable = 1.0};
-  contacts.add_energies(energies);
-  CHECK(energies.normal == 2.0);
-  CHECK(energies.kinematic == 2.0);
-  CHECK(energies.taken == -2.5);
-  CHECK(energies.recoverable == 1.0);
-  CHECK(energies.work[std::size_t(WorkKind::contact)] == 0.0); // it is not part of the residual
+  const auto first = std::make_shared<Spring>(), second = std::make_shared<Spring>();
+  contacts.add(first, {-1, -1, -1});
+  contacts.add(second, {-1, -1, -1});
+  CHECK(contacts.largest_position() == 0.0);
+  first->position = 3.0;
+  second->position = 2.0;
+  CHECK(contacts.largest_position() == 3.0);
 }
 
 TEST_CASE("the fastest passage of all contacts is told")

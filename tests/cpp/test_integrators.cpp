@@ -123,19 +123,22 @@ TEST_CASE("energy is gained where it rises above its lowest value")
   EnergyGain gain;
   Energies e;
   e.kinetic = 2.0;
-  gain.update(e, 0.0);
+  gain.update(e, 0.0, 0.0);
   CHECK(gain.now == 0.0);
   e.kinetic = 1.0;
   e.friction = 1.0;
-  gain.update(e, 0.0);
+  gain.update(e, 0.0, 0.0);
   CHECK(gain.now == 0.0);
   e.kinetic = 1.5; // from nowhere
-  gain.update(e, 0.0);
+  gain.update(e, 0.0, 0.0);
   CHECK(gain.now == Approx(0.5 / 2.5).epsilon(1e-14));
   e.external = 0.5; // no: a load has done it
-  gain.update(e, 0.0);
+  gain.update(e, 0.0, 0.0);
   CHECK(gain.now == Approx(0.0).margin(1e-14));
   CHECK(gain.most == Approx(0.2).epsilon(1e-14));
+  e.kinetic = 2.5; // one from nowhere, beside what rounding may bring
+  gain.update(e, 0.0, 100.0);
+  CHECK(gain.now == Approx(0.01).epsilon(1e-14));
 }
 
 TEST_CASE("rows of a history")
