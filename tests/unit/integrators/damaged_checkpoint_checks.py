@@ -283,7 +283,7 @@ def check_other_problems():
         (block_on_block, {"damping": di.Rayleigh(up(0.1, 1.0), 1e-5)}, "damping"),
         (block_on_block, {"damping": di.Rayleigh(0.1, up(1e-5, 1.0))}, "damping"),
         (block_on_block, {"bulk_viscosity": (0.06, 1.2)}, "bulk viscosity|num_parts|another"),
-        (block_on_block, {"mass_scaling": 1e-9}, "mass scaling"),
+        (block_on_block, {"mass_scaling": 1e-9}, "mass_scaling"),
         (block_on_block, {"lumping": "row_sum"}, "lumping"),
         (block_on_block, {"bcs": []}, "supports|functions"),
         (block_on_block, {"moving": False}, "supports|functions"),
