@@ -70,7 +70,8 @@ def test_a_sliding_block_stops(method):
     stop = t[np.flatnonzero(v > 0.005 * V0)[-1]] / 0.995  # the last of it is shaking
     assert stop == pytest.approx(V0 / (FRICTION * G), rel=0.01) and stop == pytest.approx(1.698947, rel=0.01)
     assert s[-1] == pytest.approx(4.247367, rel=0.01)
-    assert abs(v[-1]) < 1e-3 * V0
+    # It swings on the springs of sticking nodes, which are softer than the block: at 2 s by some per mill of V0.
+    assert abs(v[-1]) < 2e-3 * V0
     assert abs(problem.energy["drift"]) < 0.01
     # Nearly all of the energy went into friction, the rest into damping.
     assert problem.energy["friction"] == pytest.approx(0.5 * mass(problem, slice(None)) * V0**2, rel=0.01)
