@@ -13,6 +13,7 @@ from restart_checks import COMM, block_on_block, folder, state
 
 import dolfinx_impact as di
 from dolfinx_impact.dynamics import time_stepper
+from dolfinx_impact.common.collective import common
 from dolfinx_impact.common.interrupts import Interrupts
 
 LAST = COMM.rank == COMM.size - 1
@@ -45,7 +46,7 @@ class Reached(Exception):
 
 
 def reach():
-    raise Reached
+    raise common(Reached())  # on all ranks
 
 
 class At:
