@@ -285,7 +285,9 @@ class Passage:
         assert run is not None, "preload and start come first"
         fields = {name: getattr(self, f"_{name}") for name in self.numbers["fields"]}
         arrays = {name: values[:n].reshape(-1, 3) for name, values in fields.items()}
-        cellwise = {name: values.reshape(len(values), math.prod(values.shape[1:])) for name, values in self._history.items()}
+        cellwise = {
+            name: values.reshape(len(values), math.prod(values.shape[1:])) for name, values in self._history.items()
+        }
         checkpoint.write(path, run, arrays, {}, cellwise, {}, {})
 
     def read_carried(self, path: FilePath, numbers: Mapping[str, Any]) -> None:
