@@ -93,9 +93,8 @@ def test_the_numbers_of_the_benchmark():
 
 @pytest.mark.parametrize("method", BOTH)
 def test_two_spheres(method):
-    # A wave crosses the ball 18 times meanwhile: next to nothing stays as vibration. The springs of the penalty are half
-    # as stiff as a layer of cells, which lengthens the impact by 4.7 % with 4 facets in the radius, by 2.7 with 6, by 2.1
-    # with 8.
+    # A wave crosses the ball 18 times meanwhile: next to nothing stays as vibration. Springs of the penalty are half as
+    # stiff as a layer of cells: they lengthen the impact by 4.7 % with 4 facets in the radius, by 2.7 % with 6.
     assert check(Sphere(0.5, rigid=True, fine=6).run(method)) == pytest.approx(1.0, abs=1e-3)
 
 
