@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: MIT
 // ContactForces with contacts that are a few lines each: what it hands to them, and what it makes of their answers.
+#include <algorithm>
+#include <basix/finite-element.h>
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <dolfinx/fem/utils.h>
+#include <dolfinx/mesh/generation.h>
+#include <dolfinx/mesh/utils.h>
 #include <dolfinx_impact/integrators/ContactForces.h>
+#include <dolfinx_impact/surface/Surface.h>
 #include <limits>
 #include <stdexcept>
 
@@ -247,6 +254,82 @@ TEST_CASE("rigid masters move by amplitudes, and the contact force works on them
   EnergySums sums;
   contacts.add_energies(sums);
   CHECK(sums.load_work == -4.0);
+}
+
+TEST_CASE("kinematic contact corrects displacement, velocity and the sums of an update")
+{
+  // A square of one cell above a rigid plane.
+  const auto mesh = std::make_shared<dolfinx::mesh::Mesh<double>>(dolfinx::mesh::create_rectangle<double>(
+      MPI_COMM_SELF, {{{0.0, 0.0}, {1.0, 1.0}}}, {1, 1}, dolfinx::mesh::CellType::quadrilateral));
+  const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
+                                                     basix::element::lagrange_variant::gll_warped,
+                                                     basix::element::dpc_variant::unset, false);
+  const surface::FunctionSpace V = dolfinx::fem::create_functionspace(mesh, element, {2});
+  const std::vector<std::int32_t> bottom =
+      dolfinx::mesh::locate_entities_boundary(*mesh, 1,
+                                              [](auto x)
+                                              {
+                                                std::vector<std::int8_t> on;
+                                                for (std::size_t p = 0; p < x.extent(1); ++p)
+                                                  on.push_back(std::abs(x(1, p)) < 1e-12);
+                                                return on;
+                                              });
+  gap::Rigid plane;
+  plane.kind = gap::Rigid::Kind::plane;
+  plane.gdim = 2;
+  plane.direction = {0.0, 1.0, 0.0};
+  const auto contact = std::make_shared<enforcement::KinematicContact>(V, surface::make_surface(V, bottom), plane,
+                                                                       enforcement::KinematicContactOptions{});
+  NodalFields fields(V.dofmap()->index_map, 2);
+  std::fill(fields.mass.begin(), fields.mass.end(), 2.0);
+  std::fill(fields.inverse.begin(), fields.inverse.end(), 0.5);
+  const double dt = 0.5, h = 0.25, m = 2.0;
+  ContactForces contacts;
+  contacts.add(contact, {-1, -1, -1});
+  CHECK(contacts.has_kinematic());
+  CHECK_FALSE(contacts.has_springs());
+  contacts.set_step(dt);
+  const auto set_y = [&](double u, double v)
+  {
+    for (std::size_t k = 1; k < fields.u.size(); k += 2)
+    {
+      fields.u[k] = u;
+      fields.v[k] = v;
+      fields.r[k] = 3.0;
+    }
+  };
+  set_y(0.5, -2.0);
+  contacts.search(fields, 0.0);
+  contacts.keep(fields);
+  set_y(-0.25, -1.5); // as an update has predicted
+  Loads loads(fields.u.size());
+  const std::int32_t loaded = 2 * contact->candidates().nodes()[0] + 1;
+  loads.add(std::vector<std::int32_t>{loaded}, std::vector<double>{10.0}, -1);
+  loads.apply(nullptr);
+  Sums sums;
+  contacts.correct(fields, dt, 0.4, h, 1.0, loads, sums);
+  const double force = 0.25 * m / (h * dt), v = -1.5 + h / m * force;
+  CHECK(v == Approx((0.0 - 0.5) / dt).epsilon(1e-14)); // the foot moves to the plane in the step
+  const std::vector<double> forces = contacts.forces(fields).kinematic;
+  for (std::int32_t node : contact->candidates().nodes())
+  {
+    CHECK(fields.u[2 * node + 1] == Approx(0.0).margin(1e-15));
+    CHECK(fields.v[2 * node + 1] == Approx(v).epsilon(1e-14));
+    CHECK(forces[2 * node + 1] == Approx(force).epsilon(1e-14));
+  }
+  CHECK(std::count_if(forces.begin(), forces.end(), [](double f) { return f != 0.0; }) == 2);
+  // Two nodes of the foot, whose velocity was -2 before and was predicted as -1.5.
+  CHECK(sums.momentum == Approx(2.0 * m * -2.0 * (v + 1.5)).epsilon(1e-14));
+  CHECK(sums.speed == Approx(2.0 * m * (v * v - 2.25)).epsilon(1e-14));
+  CHECK(sums.after == Approx(2.0 * 3.0 * (v + 1.5)).epsilon(1e-14));
+  CHECK(sums.load_after == Approx(10.0 * (v + 1.5)).epsilon(1e-14));
+  EnergySums energies;
+  contacts.add_energies(energies);
+  // A force works half on the increment before it, -2 times 0.4, and half on that after it, -0.5.
+  CHECK(energies.normal == Approx(2.0 * 0.5 * force * -0.8).epsilon(1e-14));
+  CHECK(energies.kinematic == energies.normal);
+  CHECK(energies.taken == Approx(2.0 * 0.5 * force * (0.8 + 0.5)).epsilon(1e-14));
+  CHECK(energies.work[std::size_t(WorkKind::contact)] == 0.0); // it is not part of the residual
 }
 
 TEST_CASE("the largest position is that of all obstacles")

@@ -66,7 +66,8 @@ def both():
 def ours(both):
     """Our run: springs with no more than their own penetration, as the other side has no offsets of the start."""
     passage = Passage(both.ours, False)
-    start = passage.start(passage.preload())
+    passage.preload()
+    start = passage.start()
     u = fem.Function(both.ours.V, name="u")
     u.x.array[:] = start.u.x.array
     run = di.ExplicitProblem(

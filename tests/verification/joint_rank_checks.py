@@ -18,7 +18,8 @@ def check_the_passage_is_that_of_one_rank():
     found = []
     for comm in (COMM, MPI.COMM_SELF):
         run = Passage(JointModel(JOINT, comm), False)
-        run.start(run.preload())
+        run.preload()
+        run.start()
         history = run.roll()
         found.append((history.force, run.plastic_strain()))
     (here, flowed), (alone, flowed_alone) = found

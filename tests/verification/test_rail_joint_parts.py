@@ -22,7 +22,8 @@ PLAIN = RailJoint().changed(
 def passage(joint, dt="auto"):
     """Numbers and history of a passage, and the Passage."""
     run = Passage(JointModel(joint, COMM), False)
-    run.start(run.preload())
+    run.preload()
+    run.start()
     history = run.roll(dt=dt)
     summary = summarise(joint, history, run.static_force, run.static_footprint, run.plastic_strain(), 0, COMM.size)
     return summary, history, run

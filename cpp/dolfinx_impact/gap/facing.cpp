@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "facing.h"
+#include "../common/vectors.h"
 #include <cmath>
 #include <dolfinx/la/Vector.h>
 #include <functional>
@@ -18,14 +19,6 @@ constexpr double front = 0.70710678118654752, sideways = 0.5;
 /// Facets that meet at more than 30 degrees form a sharp edge, as for smooth surfaces.
 constexpr double crease = 0.86602540378443865;
 
-double dot(int gdim, const double* a, const double* b)
-{
-  double sum = 0.0;
-  for (int c = 0; c < gdim; ++c)
-    sum += a[c] * b[c];
-  return sum;
-}
-
 FacetPoint at_centre(const Facets& facets, std::size_t f)
 {
   return surface::evaluate(facets, f, facets.x_of(f), facets.geometry.centre().data());
@@ -41,7 +34,7 @@ std::vector<double> facing(const Facets& slave, const Facets& master, const Segm
   {
     const std::int32_t s = segments.slave[q], m = segments.master[q];
     if (q == 0 || s != segments.slave[q - 1] || m != segments.master[q - 1])
-      cosine = -dot(slave.gdim, at_centre(slave, s).normal, at_centre(master, m).normal);
+      cosine = -dolfinx_impact::dot(at_centre(slave, s).normal, at_centre(master, m).normal, slave.gdim);
     sums[s] += segments.weight[q] * cosine;
     weights[s] += segments.weight[q];
   }
@@ -80,8 +73,8 @@ std::vector<std::int8_t> counting(const std::shared_ptr<const dolfinx::common::I
     for (int i = 0; i < n; ++i)
     {
       const double* sum = &sums.array()[std::size_t(slave.nodes_of(f)[i]) * gdim];
-      const double length = std::sqrt(dot(gdim, sum, sum));
-      out[f * n + i] = !(length > 0.0 && dot(gdim, sum, p.normal) < crease * length);
+      const double length = std::sqrt(dolfinx_impact::dot(sum, sum, gdim));
+      out[f * n + i] = !(length > 0.0 && dolfinx_impact::dot(sum, p.normal, gdim) < crease * length);
     }
   }
   return out;

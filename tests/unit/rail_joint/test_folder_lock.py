@@ -85,7 +85,6 @@ def test_owners_without_locks_of_the_kernel(case, tmp_path):
                 FolderLock(tmp_path)
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks the kernel of Linux")
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, None])
 def test_children_end_with_their_parent(how, tmp_path):
     """Killed, ended, or by an error: none is left."""
