@@ -66,8 +66,7 @@ def both():
 def ours(both):
     """Our run: springs with no more than their own penetration, as the other side has no offsets of the start."""
     passage = Passage(both.ours, False)
-    passage.preload()
-    start = passage.start()
+    start = passage.start(passage.preload())
     u = fem.Function(both.ours.V, name="u")
     u.x.array[:] = start.u.x.array
     run = di.ExplicitProblem(

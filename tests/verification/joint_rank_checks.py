@@ -18,8 +18,7 @@ def check_the_passage_is_that_of_one_rank():
     found = []
     for comm in (COMM, MPI.COMM_SELF):
         run = Passage(JointModel(JOINT, comm), False)
-        run.preload()
-        run.start()
+        run.start(run.preload())
         history = run.roll()
         found.append((history.force, run.plastic_strain()))
     (here, flowed), (alone, flowed_alone) = found

@@ -22,8 +22,7 @@ PLAIN = RailJoint().changed(
 def passage(joint, dt="auto"):
     """Numbers and history of a passage, and the Passage."""
     run = Passage(JointModel(joint, COMM), False)
-    run.preload()
-    run.start()
+    run.start(run.preload())
     history = run.roll(dt=dt)
     summary = summarise(joint, history, run.static_force, run.static_footprint, run.plastic_strain(), 0, COMM.size)
     return summary, history, run

@@ -19,19 +19,16 @@ JOINT = RailJoint().changed(
 def test_equilibria_of_a_second_passage():
     """They are those that are found without the first one's as a start; the steel keeps what has flowed."""
     passage = Passage(JointModel(JOINT, COMM), progress=False)
-    passage.preload()
-    passage.start().advance(0.2 * JOINT.duration, progress=False)
+    passage.start(passage.preload()).advance(0.2 * JOINT.duration, progress=False)
     flowed = passage.plastic_strain()
     passage.unload()
     unloaded = passage.u.x.array.copy()
-    passage.preload()
-    passage.start()
+    passage.start(passage.preload())
     found, force = passage.u.x.array.copy(), passage.static_force
     passage.u = fem.Function(passage.model.V, name="displacement")
     passage.u.x.array[:] = unloaded
     passage._pressed = passage._sunk = None
-    passage.preload()
-    passage.start()
+    passage.start(passage.preload())
     # Both are solved to 3e-5 of the forces; displacements of a soft contact may differ by thirty times that.
     largest = COMM.allreduce(np.abs(found).max(), MPI.MAX)
     assert COMM.allreduce(np.abs(found - passage.u.x.array).max(), MPI.MAX) < 1e-3 * largest

@@ -220,7 +220,7 @@ class Case:
         saved = self._saved
         try:
             if rolling:
-                passage.resume(saved.file("checkpoint"), float(saved.state["carried"]["penalty"]))
+                passage.resume(saved.file("checkpoint"))
             passage.read_carried(saved.file("carried"), saved.state["carried"])
         except ValueError as error:
             raise RuntimeError(f"{saved.path} cannot be gone on from: {error}") from error
@@ -264,8 +264,9 @@ class Case:
                 samples = Samples(*(saved.tables[name] for name in Samples._fields))
             so_far = self._comm.bcast(so_far)
         else:
-            self._stage("preload" + what, passage.preload)
-            problem = self._stage("start" + what, passage.start)
+            equilibrium = self._stage("preload" + what, passage.preload)
+            problem = self._stage("start" + what, partial(passage.start, equilibrium))
+            del equilibrium  # its matrices are larger than all that the wheel needs to roll
             static = passage.static_footprint
         assert problem is not None
         pictured = self._pictures and number == data.passes - 1

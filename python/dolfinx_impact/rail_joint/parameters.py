@@ -99,7 +99,7 @@ class RailJoint(Parameters):
     cells: int = parameter(0, "1", "cells in the contact's half-axis along the rail, 0: by the preset", 0, 64)
     coarse: float = parameter(0.0, "m", "largest cells, 0: by the preset", 5e-3, 1.0, zero=True)
     penalty: float = parameter(
-        0.0, "Pa/m", "of the contact in the explicit run, 0: as a step 7 % shorter allows", 1e6, 1e18, zero=True
+        0.0, "Pa/m", "of the contact in the explicit run, 0: as stiff as the time step allows", 1e6, 1e18, zero=True
     )
     smooth: bool = parameter(False, "", "whether the contact sees round surfaces instead of facets")
 

@@ -23,9 +23,6 @@ from ..statics.problem import StaticProblem
 from .model import JointModel
 from .way_bar import WayBar
 
-# Springs between wheel and rail are in series with the bodies for the whole passage. They are as stiff as a stable step
-# allows that is this much shorter than without contact: stiffer ones cost steps, softer ones smooth the impact.
-SHORTER = 0.07
 TOLERANCE = 3e-5  # of the preload's residual: the time steps that follow make larger errors
 FRAMES = 25  # pictures of a passage
 ROUND_OFF = 1e-12  # of times
@@ -163,7 +160,7 @@ class Passage:
         self.run: ExplicitProblem | None = None
         self.residual: StaticProblem | None = None
         self._history: dict[str, AnyArray] = {}  # of the materials, from earlier passages
-        self._penalty: float | None = model.data.penalty or None  # None: not found yet [Pa/m]
+        self._penalty: float | None = None  # median of the springs with which the explicit problem begins [Pa/m]
         self._unloaded: FloatArray | None = None  # displacements after the passage before, without a wheel [m]
         self._pressed: FloatArray | None = None  # what the last preload added to the displacements [m]
         self._sunk: FloatArray | None = None  # what springs in the place of its multipliers added to them [m]
@@ -213,35 +210,31 @@ class Passage:
         for name, values in self._history.items():
             problem.history[name].values = values
 
-    @property
-    def penalty(self) -> float:
-        """Penalty of the explicit contact: the parameter, or as stiff as the step allows (SHORTER). The first access is
-        collective [Pa/m]."""
-        if self._penalty is None:
-            u, v = (fem.Function(self.model.V, name=name) for name in ("displacement", "velocity"))
-            trial = ExplicitProblem(u, self.model.material, velocity=v, **self._arguments(1.0))
-            # The squared frequency of the springs is proportional to the penalty, and beside it 1 Pa/m is nothing.
-            most = (2.0 / trial.stable_step()) ** 2 * (1.0 / (1.0 - SHORTER) ** 2 - 1.0)
-            self._penalty = most / trial.contact[0].spring_frequency() ** 2
-        return self._penalty
-
     def explicit_arguments(self) -> dict[str, Any]:
-        """Supports, loads and contact of the explicit problem. The first call is collective."""
-        return self._arguments(self.penalty)
+        """Supports, loads and contact of the explicit problem."""
+        model = self.model
+        data = model.data
+        # The wheel loads the springs for the whole passage: softer ones would smooth the impact.
+        contact = Penalty(model.pair(data.friction), penalty=data.penalty or "stiffest", balanced=False)
+        return {"bcs": model.bcs, "loads": [model.press, model.track], "contact": [contact]}
 
-    def _arguments(self, penalty: float) -> dict[str, Any]:
-        contact = Penalty(self.model.pair(self.model.data.friction), penalty=penalty, balanced=False)
-        return {"bcs": self.model.bcs, "loads": [self.model.press, self.model.track], "contact": [contact]}
+    def start(self, static: StaticProblem) -> ExplicitProblem:
+        """The explicit problem in the state of steady rolling under the static load. Collective.
 
-    def start(self) -> ExplicitProblem:
-        """The explicit problem in the state of steady rolling under the static load, after `preload`. Collective.
+        Args:
+            static: the preload.
 
         Raises:
             RuntimeError: the springs found no equilibrium; on all ranks.
         """
+        if self._penalty is None:
+            trial = ExplicitProblem.from_static(static, **self.explicit_arguments()).contact[0]
+            closed = trial.stiffness > 0.0
+            found = self.model.comm.allgather(trial.stiffness[closed] / trial.weight[closed])
+            self._penalty = float(np.median(np.concatenate(found)))
         # The springs' compliance makes the contact a little longer: without this equilibrium of their own, their
         # transition to it would make the force swing by 3 % in the first 20 mm.
-        springs = self._static(Penalty(self.model.pair(0.0), penalty=self.penalty))
+        springs = self._static(Penalty(self.model.pair(0.0), penalty=self._penalty))
         before: FloatArray = self.u.x.array.copy()
         if self._sunk is not None:
             self.u.x.array[:] += self._sunk
@@ -257,18 +250,16 @@ class Passage:
         zero = fem.Function(self.model.V, name="velocity")
         return ExplicitProblem(u, self.model.material, velocity=zero, **self.explicit_arguments())
 
-    def resume(self, path: FilePath, penalty: float) -> ExplicitProblem:
+    def resume(self, path: FilePath) -> ExplicitProblem:
         """The explicit problem of a checkpoint. Collective.
 
         Args:
             path: file that `run.save` has written in the same passage of the same joint.
-            penalty: of the contact then, from `numbers`: another number of ranks finds it with other round-off [Pa/m].
 
         Raises:
             RuntimeError: the file cannot be read; on all ranks.
             ValueError: it belongs to another joint; on all ranks.
         """
-        self._penalty = penalty
         self.run = self._bare(self.u)
         self.run.restore(path)
         return self.run
@@ -278,7 +269,7 @@ class Passage:
         """What `read_carried` needs beside the file of `write_carried`, for JSON."""
         columns = {name: int(np.prod(values.shape[1:])) for name, values in self._history.items()}
         fields = [name for name in CARRIED if getattr(self, f"_{name}") is not None]
-        return {"penalty": self.penalty, "static_force": self.static_force, "history": columns, "fields": fields}
+        return {"penalty": self._penalty, "static_force": self.static_force, "history": columns, "fields": fields}
 
     def write_carried(self, path: FilePath) -> None:
         """Write what the next passages begin with: starts of their equilibria, history of the steel. Collective.
@@ -310,7 +301,6 @@ class Passage:
             ValueError: it belongs to another joint; on all ranks.
         """
         V = self.model.V
-        self._penalty, self.static_force = float(numbers["penalty"]), float(numbers["static_force"])
         run = self.run or self._bare(fem.Function(V, name="displacement"))
         found = checkpoint.Reader(path, run, dict.fromkeys(numbers["fields"], 3), {}, numbers["history"], {}, ())
         for name, values in found.arrays.items():
@@ -319,6 +309,7 @@ class Passage:
             f.x.scatter_forward()
             setattr(self, f"_{name}", f.x.array.copy())
         self._history = {n: v.reshape(run.history[n].values.shape) for n, v in found.cellwise.items()}
+        self._penalty, self.static_force = numbers["penalty"], float(numbers["static_force"])
         if self.run is None and self._unloaded is not None:
             self.u.x.array[:] = self._unloaded
 

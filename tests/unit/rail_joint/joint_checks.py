@@ -189,8 +189,7 @@ def check_prediction_of_a_long_run():
         case_module.TRIAL = trial
     (text,) = said
     steps, rate = (float(x) for x in re.search(r"1 x (\d+) steps .* ([\d.]+) steps per second", text).groups())
-    passage.preload()
-    run = passage.start()
+    run = passage.start(passage.preload())
     begun, step = time.perf_counter(), run.step
     run.advance(0.1 * SMALL.duration, progress=False)
     measured = (run.step - step) / (time.perf_counter() - begun)

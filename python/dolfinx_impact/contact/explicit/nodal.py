@@ -68,7 +68,8 @@ class NodalResult(ContactOutput):
         pair: the pair of surfaces.
         problem: the problem.
         law: C++ class of the contact, PenaltyContact or KinematicContact.
-        options: its parameters.
+        stiffest: springs without a given penalty are as stiff as the masses bear, whatever the layer's stiffness.
+        options: kept as `parameters`, those of the C++ class.
 
     Attributes:
         nodes: owned slave nodes, (n).
@@ -105,9 +106,14 @@ class NodalResult(ContactOutput):
     _known: dict[str, FloatArray] | None = None  # gaps and normals of the last step, after they have been evaluated
 
     def __init__(
-        self, pair: ContactPair, problem: ExplicitContactProblem, law: type[_cpp.nodal.NodeToSurface], **options: Any
+        self,
+        pair: ContactPair,
+        problem: ExplicitContactProblem,
+        law: type[_cpp.nodal.NodeToSurface],
+        stiffest: bool = False,
+        **options: Any,
     ) -> None:
-        self.pair, self.problem, self.V = pair, problem, problem.space
+        self.pair, self.problem, self.V, self.stiffest = pair, problem, problem.space, stiffest
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         if pair.remove_penetration:
@@ -120,13 +126,13 @@ class NodalResult(ContactOutput):
         if self.obstacle is not None:
             self.obstacle.displacement = pair.rigid_master.displacement.tolist()
             check_side(pair, V, slave, self.obstacle)
-        self._law, self.options = law, options
+        self._law, self.parameters = law, options
         self._surfaces = slave, self.obstacle if pair.rigid else master
         facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
         self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest one in the reference configuration
         self._compliances: tuple[FloatArray, FloatArray] | None = None
         if not self.kinematic and not self.penalty:
-            self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master)
+            self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master, stiffest)
         self._cpp_object = self.make(law, **options)
         self.nodes, self.weight = self._cpp_object.nodes, self._cpp_object.areas
         self._X = self._cpp_object.X.reshape(-1, self.gdim)
@@ -135,6 +141,11 @@ class NodalResult(ContactOutput):
             place, motion = pair.rigid_master.displacement, pair.rigid_master.motion
             moving = Amplitude(motion, f"motion of the rigid master of {pair.name}", size=3)
             self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options by name, for the signature of a checkpoint."""
+        return {**self.parameters, "stiffest": self.stiffest}
 
     @property
     def facet_length(self) -> float:
@@ -176,7 +187,7 @@ class NodalResult(ContactOutput):
     @property
     def penalty(self) -> float:
         """Given penalty; 0 if the stiffness follows from the bodies, and in kinematic contact [F/L^3]."""
-        return self.options.get("penalty", 0.0)
+        return self.parameters.get("penalty", 0.0)
 
     @property
     def kinematic(self) -> bool:
@@ -227,7 +238,7 @@ class NodalResult(ContactOutput):
         sums = [
             most(a[0] / a[1]) + phi * most((b[0] + most(a[0])) / b[1]) for a, b in ((slave, master), (master, slave))
         ]
-        balanced = self.options.get("balanced", False)  # half of the stiffness in each direction
+        balanced = self.parameters.get("balanced", False)  # half of the stiffness in each direction
         return float(np.sqrt(self.penalty * (0.5 * (sums[0] + sums[1]) if balanced else sums[0])))
 
     def _master_areas(self) -> FloatArray:

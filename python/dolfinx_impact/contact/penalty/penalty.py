@@ -26,6 +26,7 @@ from ..saved_history import SavedHistory
 from ..protocol import ExplicitContactProblem, StaticContactProblem
 from .uzawa import Uzawa
 
+RULES = ("auto", "stiffest")  # for penalties that are no numbers
 # The automatic penalty is this many times the nodal stiffness per area of the softer surface. Penetrations are then a
 # tenth of the compression of the outermost cells, and the matrix is about as well conditioned as that of elasticity.
 FACTOR = 10.0
@@ -50,7 +51,8 @@ class Penalty:
     Args:
         pair: the pair of surfaces.
         penalty: pressure per penetration; "auto": ten times the nodal stiffness per area of the softer surface where
-            its facets are smallest, printed when it is computed [F/L^3].
+            its facets are smallest, printed when it is computed; "stiffest": in explicit problems as stiff as the
+            nodal masses bear without a shorter stable step, for loads that stay [F/L^3].
         tangential: tangential traction per slip, with friction; None: equal to `penalty` [F/L^3].
         augmented: whether each increment is repeated with augmented multipliers (Uzawa) until the mean penetration
             around each corner of the slave's facets is below `tolerance`.
@@ -87,8 +89,8 @@ class Penalty:
         with guard(comm_of(pair), "Penalty", pair=pair, quadrature_degree=quadrature_degree, **given):
             check_pair(pair)
             self.quadrature_degree = check_quadrature_degree(quadrature_degree)
-            auto = isinstance(penalty, str) and penalty == "auto"
-            self.penalty = None if auto else number("penalty", penalty, 0.0, " [F/L^3]")
+            rule = penalty if isinstance(penalty, str) and penalty in RULES else None
+            self.penalty = None if rule else number("penalty", penalty, 0.0, " [F/L^3]")
             self.tangential = None if tangential is None else number("tangential penalty", tangential, 0.0, " [F/L^3]")
             self.tolerance = number("tolerance", tolerance, 0.0)
             if self.tolerance < ROUND_OFF:
@@ -98,9 +100,10 @@ class Penalty:
                 )
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
+        self.stiffest = rule == "stiffest"
 
     def __repr__(self) -> str:
-        options = [f"penalty={self.penalty or 'auto'!r}"]
+        options = [f"penalty={self.penalty or ('stiffest' if self.stiffest else 'auto')!r}"]
         if self.tangential is not None:
             options.append(f"tangential={self.tangential}")
         options += [f"{name}=True" for name in ("augmented", "balanced") if getattr(self, name)]
@@ -110,11 +113,14 @@ class Penalty:
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
         law = _cpp.nodal.PenaltyContact
-        return NodalResult(self.pair, problem, law, penalty=self.penalty or 0.0, balanced=self.balanced)
+        penalty = self.penalty or 0.0
+        return NodalResult(self.pair, problem, law, self.stiffest, penalty=penalty, balanced=self.balanced)
 
     def _bind(self, problem: StaticContactProblem) -> "PenaltyContact":
         if self.balanced:
             raise ValueError("balanced penalty contact is for explicit dynamics")
+        if self.stiffest:
+            raise ValueError("'stiffest' is a penalty of explicit dynamics, from its masses: give a number or 'auto'")
         return PenaltyContact(self, problem)
 
 
