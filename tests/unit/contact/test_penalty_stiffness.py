@@ -171,6 +171,31 @@ def two_blocks(factor):
     return contact.stiffness[inner]
 
 
+@pytest.mark.parametrize("fraction", [0.9, 0.45])
+@pytest.mark.parametrize("cell", SHAPES)
+def test_springs_by_the_step(cell, fraction):
+    """penalty="step": half of the nodal mass over the square of the step, whatever the material; a checkpoint of other
+    springs is another problem's."""
+    dim = 2 if cell in ("triangle", "quadrilateral") else 3
+    block = Block(cell, (2,) * dim, (1.0,) * dim, hypothesis="plane_strain" if dim == 2 else None)
+    problem = block.problem(lambda pair: di.Penalty(pair, penalty="step"))
+    dt = fraction * problem.stable_step()
+    assert problem.stable_step() == block.problem().stable_step()
+    problem.advance(dt, dt=dt, progress=False)
+    contact = problem.contact[0]
+    masses = problem.mass.array[::dim][contact.nodes]
+    assert np.all(contact.stiffness == pytest.approx(0.5 * masses / dt**2, rel=1e-12))
+    assert contact.options != block.problem().contact[0].options
+
+
+def test_springs_by_the_step_are_explicit():
+    block = Block("quadrilateral", (2, 2), (1.0, 1.0), hypothesis="plane_strain")
+    pair = di.ContactPair(block.tags, 1, di.RigidPlane((0.0, 0.0), (0.0, 1.0)))
+    assert "penalty='step'" in repr(di.Penalty(pair, penalty="step"))
+    with pytest.raises(ValueError, match="'step' is a penalty of explicit dynamics"):
+        di.StaticProblem(fem.Function(block.V), block.materials(), contact=[di.Penalty(pair, penalty="step")])
+
+
 @pytest.mark.parametrize("factor", [1.0, 1e-4, 1e4])
 def test_springs_of_two_bodies_in_series(factor):
     """Half a layer of each, that of the master divided by two as nodes may weigh on it that way, 1 + A_j/A_i."""

@@ -68,7 +68,7 @@ class NodalResult(ContactOutput):
         pair: the pair of surfaces.
         problem: the problem.
         law: C++ class of the contact, PenaltyContact or KinematicContact.
-        stiffest: springs without a given penalty are as stiff as the masses bear, whatever the layer's stiffness.
+        by_step: springs without a given penalty follow from masses and time step instead of the bodies' stiffness.
         options: kept as `parameters`, those of the C++ class.
 
     Attributes:
@@ -110,10 +110,10 @@ class NodalResult(ContactOutput):
         pair: ContactPair,
         problem: ExplicitContactProblem,
         law: type[_cpp.nodal.NodeToSurface],
-        stiffest: bool = False,
+        by_step: bool = False,
         **options: Any,
     ) -> None:
-        self.pair, self.problem, self.V, self.stiffest = pair, problem, problem.space, stiffest
+        self.pair, self.problem, self.V, self.by_step = pair, problem, problem.space, by_step
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         if pair.remove_penetration:
@@ -131,8 +131,8 @@ class NodalResult(ContactOutput):
         facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
         self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest one in the reference configuration
         self._compliances: tuple[FloatArray, FloatArray] | None = None
-        if not self.kinematic and not self.penalty:
-            self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master, stiffest)
+        if not self.kinematic and not self.penalty and not by_step:
+            self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master)
         self._cpp_object = self.make(law, **options)
         self.nodes, self.weight = self._cpp_object.nodes, self._cpp_object.areas
         self._X = self._cpp_object.X.reshape(-1, self.gdim)
@@ -145,7 +145,7 @@ class NodalResult(ContactOutput):
     @property
     def options(self) -> dict[str, Any]:
         """Options by name, for the signature of a checkpoint."""
-        return {**self.parameters, "stiffest": self.stiffest}
+        return {**self.parameters, "by_step": self.by_step}
 
     @property
     def facet_length(self) -> float:

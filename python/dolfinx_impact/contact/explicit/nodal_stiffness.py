@@ -20,10 +20,7 @@ ROOM = 0.19 / 0.81
 
 
 def nodal_compliances(
-    problem: ExplicitContactProblem,
-    slave: _cpp.surface.Facets,
-    master: _cpp.surface.Facets | None,
-    stiffest: bool = False,
+    problem: ExplicitContactProblem, slave: _cpp.surface.Facets, master: _cpp.surface.Facets | None
 ) -> tuple[FloatArray, FloatArray]:
     """Reciprocals of the stiffness of the nodes of both surfaces. Collective.
 
@@ -31,7 +28,6 @@ def nodal_compliances(
         problem: explicit problem; its bodies count as undeformed.
         slave: this rank's slave facets.
         master: this rank's master facets; None: the master is rigid.
-        stiffest: whether the mass of the nodes alone counts, not the stiffness of the outermost cells.
 
     Returns:
         Compliances of slave and master, each by node that this rank owns; zero at other nodes, and where the bodies
@@ -44,7 +40,7 @@ def nodal_compliances(
     for side in sides:
         surface[side.nodes.ravel()] = 1.0
     most = ROOM * problem.frequency_stiffness(total(surface).ravel() > 0.0)
-    moduli = None if stiffest else _cell_moduli(problem)
+    moduli = _cell_moduli(problem)
     out = [np.zeros(owned), np.zeros(owned)]
     for values, side in zip(out, sides):
         factors = np.ones(side.size) if moduli is None else LAYER * _layer_stiffness(problem.space, side, moduli)

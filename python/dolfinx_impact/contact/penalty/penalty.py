@@ -26,7 +26,7 @@ from ..saved_history import SavedHistory
 from ..protocol import ExplicitContactProblem, StaticContactProblem
 from .uzawa import Uzawa
 
-RULES = ("auto", "stiffest")  # for penalties that are no numbers
+RULES = ("auto", "step")  # for penalties that are no numbers
 # The automatic penalty is this many times the nodal stiffness per area of the softer surface. Penetrations are then a
 # tenth of the compression of the outermost cells, and the matrix is about as well conditioned as that of elasticity.
 FACTOR = 10.0
@@ -51,8 +51,8 @@ class Penalty:
     Args:
         pair: the pair of surfaces.
         penalty: pressure per penetration; "auto": ten times the nodal stiffness per area of the softer surface where
-            its facets are smallest, printed when it is computed; "stiffest": in explicit problems as stiff as the
-            nodal masses bear without a shorter stable step, for loads that stay [F/L^3].
+            its facets are smallest, printed when it is computed; "step": in explicit problems half of the nodal
+            masses over the square of the time step, as stiff as the step bears, for loads that stay [F/L^3].
         tangential: tangential traction per slip, with friction; None: equal to `penalty` [F/L^3].
         augmented: whether each increment is repeated with augmented multipliers (Uzawa) until the mean penetration
             around each corner of the slave's facets is below `tolerance`.
@@ -100,10 +100,10 @@ class Penalty:
                 )
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
-        self.stiffest = rule == "stiffest"
+        self.by_step = rule == "step"
 
     def __repr__(self) -> str:
-        options = [f"penalty={self.penalty or ('stiffest' if self.stiffest else 'auto')!r}"]
+        options = [f"penalty={self.penalty or ('step' if self.by_step else 'auto')!r}"]
         if self.tangential is not None:
             options.append(f"tangential={self.tangential}")
         options += [f"{name}=True" for name in ("augmented", "balanced") if getattr(self, name)]
@@ -114,13 +114,13 @@ class Penalty:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
         law = _cpp.nodal.PenaltyContact
         penalty = self.penalty or 0.0
-        return NodalResult(self.pair, problem, law, self.stiffest, penalty=penalty, balanced=self.balanced)
+        return NodalResult(self.pair, problem, law, self.by_step, penalty=penalty, balanced=self.balanced)
 
     def _bind(self, problem: StaticContactProblem) -> "PenaltyContact":
         if self.balanced:
             raise ValueError("balanced penalty contact is for explicit dynamics")
-        if self.stiffest:
-            raise ValueError("'stiffest' is a penalty of explicit dynamics, from its masses: give a number or 'auto'")
+        if self.by_step:
+            raise ValueError("'step' is a penalty of explicit dynamics: give a number or 'auto'")
         return PenaltyContact(self, problem)
 
 
