@@ -379,9 +379,7 @@ class Case:
                 assert found.values is not None and found.points is not None
                 found.values[:] *= 1e-6
             along = stress["sigma_xx"]
-            assert along.values is not None and along.points is not None
-            near = np.abs(along.points[:, 0]) < figures.ZONE[0]
-            figures.residual(run.file("residual.png"), data, stress, max(1.0, 0.8 * np.abs(along.values[near]).max()))
+            figures.residual(run.file("residual.png"), data, stress)
             if largest is not None:
                 high = max(1e-4, 100.0 * float(largest.max()))
                 label = "largest plastic strain of a cell's points [%]"
