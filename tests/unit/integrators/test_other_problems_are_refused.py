@@ -222,6 +222,12 @@ MORE = {
     "the density of a residual": (
         {"residual": True}, {}, {EXPLICIT: {"density": 2.0}, IMPLICIT: {"density": 2.0}}, "density",
     ),
+    "how masses are lumped": ({}, {}, dict.fromkeys((EXPLICIT, IMPLICIT), {"lumping": "row_sum"}), "lumping"),
+    # Damping with stiffness is refused in the scheme "classical".
+    "the scheme": (
+        {}, {EXPLICIT: {"damping": None}}, {EXPLICIT: {"damping": None, "scheme": "classical"}, IMPLICIT: {"hht": -0.2}},
+        "scheme",
+    ),
     "the shape of an obstacle": (
         {"master": di.RigidSurface}, {"surface": 0.01}, {"surface": 0.02}, "contact.0..pair.master",
     ),
@@ -332,6 +338,19 @@ def test_other_functions_are_refused(row, integrator, checkpoint):
     chosen, first, then, words = MORE[row]
     path = checkpoint(integrator, chosen, first)
     refuse(Made(integrator, chosen, then), path, words)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(
+    "chosen, then, words",
+    (
+        ({}, {di.ContactPair: {"remove_penetration": True}}, "remove_penetration"),
+        ({"residual": True}, {IMPLICIT: {"hypothesis": "axisymmetric"}}, "hypothesis"),
+    ),
+)
+def test_what_explicit_problems_do_not_take(chosen, then, words, checkpoint):
+    """They refuse `remove_penetration`, and a residual that is not that of its hypothesis."""
+    refuse(Made(IMPLICIT, chosen, then), checkpoint(IMPLICIT, chosen, {}), words)
 
 
 @pytest.mark.filterwarnings("ignore")
