@@ -58,5 +58,5 @@ def test_points_that_go_to_and_fro_over_a_kink_come_to_rest():
 
 def test_a_coarse_slave_is_named():
     problem, _ = bodies(True)
-    assert "the slave's facets are 6.9 times as long as the master's" in problem.contact[0].coarse_slave()
-    assert bodies(False)[0].contact[0].coarse_slave() == ""
+    assert "the slave's facets are 6.9 times as long as the master's" in problem.contact[0].mesh_advice()
+    assert bodies(False)[0].contact[0].mesh_advice() == ""

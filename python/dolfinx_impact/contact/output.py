@@ -96,8 +96,8 @@ class ContactOutput:
         """Forget what a checkpoint does not have, candidates of the search and places of matrices: the next step is
         that of a restored run."""
 
-    def coarse_slave(self) -> str:
-        """Describe a slave that is much coarser than its master. Collective.
+    def mesh_advice(self) -> str:
+        """Describe what in the surfaces may keep a solve from converging. Collective.
 
         Returns:
             A sentence, or an empty text.

@@ -265,8 +265,8 @@ class StaticContact(Protocol):
             A sentence, or an empty text.
         """
 
-    def coarse_slave(self) -> str:
-        """Describe a slave that is much coarser than its master. Collective.
+    def mesh_advice(self) -> str:
+        """Describe what in the surfaces may keep a solve from converging. Collective.
 
         Returns:
             A sentence, or an empty text.

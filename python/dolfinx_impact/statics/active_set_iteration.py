@@ -153,6 +153,6 @@ def did_not_converge(
     if small and moved and not pending:
         # Equilibrium and active set have converged, but a condition is violated: smaller increments do not help.
         return result.failed(text, hopeless=True)
-    coarse = [text for text in [c.coarse_slave() for c in contacts] if text]
-    advice = f"{'; '.join(coarse)}. {result.advice}" if coarse else None
+    meshes = [text for text in [c.mesh_advice() for c in contacts] if text]
+    advice = f"{'; '.join(meshes)}. {result.advice}" if meshes else None
     return result.failed(text, advice=advice)

@@ -357,3 +357,33 @@ def check_slave_tags_round_sharp_edges():
         assert np.abs(a.force - b.force).max() < 30.0 * BALANCED, row
         if row[0] == "quadrilateral" and not row[3]:
             assert np.abs(b.force - [0.0, 30.0]).max() < 30.0 * BALANCED, row
+
+
+def nook(cell, degree, wall):
+    """A block pressed on a floor and on a wall beside it, which are one master; its tag has both sides."""
+    dim = 2 if cell in CELLS[2] else 3
+    low, high = (lambda *x: x if dim == 2 else (x[0], 0.0, x[1])), (lambda *x: x if dim == 2 else (x[0], 1.0, x[1]))
+    count = (lambda n, m: (n, m)) if dim == 2 else (lambda n, m: (n, 1, m))
+    boxes = [(low(-1, 0), high(2, 1), count(4, 1)), (low(-1, 1), high(0, 2), count(1, 2))]
+    m = Boxes([*boxes, (low(0, 1), high(1, 2), count(3, 3))], cell, degree)
+    up = dim - 1
+    master = [(0, up, 1.0), (1, 0, 0.0)] if wall else [(0, up, 1.0)]
+    tags = m.tags({3: [(2, up, 1.0), (2, 0, 0.0)], 4: master})
+    bcs = m.hold(0, up, 0.0, *range(dim)) + m.hold(1, 0, -1.0, *range(dim))
+    bcs += m.hold(2, up, 2.0, up, value=-0.01) + m.hold(2, 0, 1.0, 0, value=-0.01)
+    if dim == 3:
+        bcs += m.hold(2, up, 2.0, 1)
+    return di.StaticProblem(m.u, m.law, bcs=bcs, contact=[lagrange(tags, 3, 4)])
+
+
+@pytest.mark.parametrize(
+    "cell, degree", on_these_ranks((("quadrilateral", 1), ("hexahedron", 1), ("triangle", 2), ("tetrahedron", 2)))
+)
+def test_an_edge_with_both_sides_in_contact_is_named_where_a_solve_fails(cell, degree):
+    """One iteration is too few. Where only the foot faces a master, the side does not count, and nothing is said."""
+    with pytest.raises(RuntimeError, match=r"the slave has an edge of (8|9)\d degrees at") as error:
+        nook(cell, degree, True).solve(max_iterations=1, cut_backs=0)
+    assert "leave one side out of its tag, or make a pair of each" in str(error.value)
+    with pytest.raises(RuntimeError) as error:
+        nook(cell, degree, False).solve(max_iterations=1, cut_backs=0)
+    assert "did not converge" in str(error.value) and "edge" not in str(error.value)

@@ -190,6 +190,11 @@ class SurfaceGeometry(abc.ABC):
             traction: (n, gdim) [F/L^2].
         """
 
+    def edge_angles(self) -> FloatArray:
+        """Angle between facets that meet at each node and count for its normal, (n) [degrees]: twice that between them
+        and their mean. Zero where normals are the master's. Collective."""
+        return np.zeros(len(self.nodes))
+
     @abc.abstractmethod
     def passed_through(self, had_master: BoolArray) -> BoolArray:
         """Nodes that have passed through the master in this increment, mask (n). Collective.

@@ -24,6 +24,7 @@ NO_MASTER = -1.0  # stands for an infinite opening in checkpoints; openings are 
 BASES = ("dual", "standard", "linear")
 TURNED = 1e-6  # of the largest bound: friction tractions of a converged state are off by less
 PENETRATES = 1e-6  # of the bodies' size: a gap of a linearised problem, which is solved to a few digits
+SHARP = 60.0  # between the sides of an edge, whose mean normal is then 30 degrees off both [degrees]
 LEAST_ANGLE = 0.1  # between two normals whose edge is a direction of its own [rad]
 # Arrays by node that all contacts of a joined node have alike.
 _STATE = ("active", "sliding", "direction", "multiplier", "friction_traction", "traction_n", "total_slip")
@@ -561,6 +562,21 @@ class LagrangeContact(ContactOutput):
                 mine.append((float(values[at]), what, int(self.geometry.numbers[at]), self.points[at].tolist()))
         value, what, number, x = max(sum(self.comm.allgather(mine), []))
         return f"{self.pair.name}: {what}, number {number} at ({', '.join(f'{c:.4g}' for c in x)}), is {value:.3e}"
+
+    def mesh_advice(self) -> str:
+        """A sentence about a sharp edge of the slave with both sides beside the master, or an empty text. Collective."""
+        angles, near = self.geometry.edge_angles(), self.geometry.gap < self.geometry.facet_sizes()
+        at = np.flatnonzero(near & self.geometry.part & (angles > SHARP))
+        mine = [(float(angles[i]), int(self.geometry.numbers[i]), self.points[i].tolist()) for i in at]
+        sharp = sum(self.comm.allgather(mine), [])
+        if not sharp:
+            return ""
+        angle, number, x = max(sharp)
+        return (
+            f"{self.pair.name}: the slave has an edge of {angle:.0f} degrees at {len(sharp)} of its nodes beside the master "
+            f"(number {number} at ({', '.join(f'{c:.4g}' for c in x)})), where the normal is the mean of both sides: "
+            "leave one side out of its tag, or make a pair of each"
+        )
 
     def prescribed_overlap(self) -> str:
         """A sentence about slave nodes whose displacement along the normal is prescribed and that lie in the master, or

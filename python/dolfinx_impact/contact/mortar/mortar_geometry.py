@@ -73,6 +73,15 @@ class MortarGeometry(SurfaceGeometry):
         """Sums of facet normals; see SurfaceGeometry."""
         return self.integrals.sums_at_nodes().reshape(-1, self.gdim)
 
+    def edge_angles(self) -> FloatArray:
+        """From the sum of unit normals over their number; see SurfaceGeometry. Collective."""
+        counting = np.zeros(self.sum.num_nodes)
+        np.add.at(counting, self.slave.nodes[~np.isin(self.slave.id, self.aside)], 1.0)
+        counting = self.sum(counting).ravel()[self.nodes]
+        lengths = np.linalg.norm(self.normal_sums(), axis=1)
+        cosines = np.clip(lengths / np.where(counting > 0, counting, np.inf), 0.0, 1.0)
+        return np.asarray(np.where(counting > 0, 2 * np.degrees(np.arccos(cosines)), 0.0))
+
     def integrate(self, carriers: BoolArray) -> None:
         """Mortar integrals and locked components; see SurfaceGeometry. Collective."""
         made = self.integrals

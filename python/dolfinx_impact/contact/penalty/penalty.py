@@ -413,7 +413,7 @@ class PenaltyContact(ContactOutput):
         gap = self._points.gap
         return self._points.x - np.where(np.isfinite(gap), gap, 0.0)[:, None] * self._points.normal
 
-    def coarse_slave(self) -> str:
+    def mesh_advice(self) -> str:
         """Describe a slave that is much coarser than its master: its points dent the master. Collective.
 
         Returns:
