@@ -161,6 +161,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
            { self.prescribe(span(dofs), span(values), amplitude); })
       .def("add_contact", &CentralDifference::add_contact, nb::arg("contact"), nb::arg("columns"))
       .def("set_contact_step", &CentralDifference::set_contact_step)
+      .def_prop_ro("contact_step", &CentralDifference::contact_step)
       .def("start", [](CentralDifference& self, Values u, Values v) { self.start(span(u), span(v)); })
       .def(
           "run",

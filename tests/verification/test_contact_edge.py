@@ -110,15 +110,16 @@ def test_longitudinal_creep(cells):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cells", (3, 4, 5))
-def test_lateral_and_spin_creep(cells):
+@pytest.mark.parametrize("cells, limit", ((3, 0.05), (4, 0.05), (5, 0.05), (6, 0.03)))
+def test_lateral_and_spin_creep(cells, limit):
     """The whole model; creepages of both signs, as free rolling need not be free of a lateral force on a mesh.
 
-    Limits 3 %, for spin 5 %: its force goes with the square of the length of each row. Found: docs/rolling.md.
+    Limits 3 %, for spin 5 % with fewer cells than the default of 6: its force goes with the square of the length of
+    each row. Found: docs/rolling.md.
     """
     model = CreepModel(WheelOnRail(cells=cells, **LOCOMOTIVE), whole=True)
     creep, spin = 5e-5, 5e-3
     force = model.curve(lateral=[creep, -creep, 0.0, 0.0], spin=[0.0, 0.0, spin, -spin], progress=False)["force"]
     lateral, spun = ((force[k + 1, 1] - force[k, 1]) / 2 / unit(model) for k in (0, 2))
     assert abs(lateral / creep) == pytest.approx(C22, rel=0.03)
-    assert abs(spun) / (spin * np.sqrt(model.hertz.a * model.hertz.b)) == pytest.approx(C23, rel=0.05)
+    assert abs(spun) / (spin * np.sqrt(model.hertz.a * model.hertz.b)) == pytest.approx(C23, rel=limit)

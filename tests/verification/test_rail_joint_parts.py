@@ -60,18 +60,11 @@ def test_step_penalty_and_cells_do_not_matter(plain):
     contact = run.run.contact[0]
     closed = contact.stiffness > 0.0
     penalty = COMM.allreduce(float((contact.stiffness[closed] / contact.weight[closed]).max(initial=0.0)), MPI.MAX)
-    half, _, _ = passage(PLAIN.changed(cells=4, penalty=penalty), dt=0.5 * history.dt)
+    half, _, _ = passage(PLAIN.changed(cells=4), dt=0.5 * history.dt)
     hard, _, _ = passage(PLAIN.changed(cells=4, penalty=2.0 * penalty))
     for other in (half, hard, plain[0]):
         assert other.dynamic_factor == pytest.approx(coarse.dynamic_factor, rel=0.03)
         assert other.least_force == pytest.approx(coarse.least_force, rel=0.03)
-
-
-def test_a_step_of_its_own_needs_a_penalty_of_its_own(plain):
-    """The springs follow from the step, and the start is an equilibrium of theirs."""
-    _, history, run = plain
-    with pytest.raises(ValueError, match="penalty"):
-        run.roll(dt=0.5 * history.dt)
 
 
 def test_published_trends(plain):

@@ -48,6 +48,7 @@ public:
   /// See ContactForces.
   void add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
   void set_contact_step(double dt) { _contact.set_step(dt); }
+  double contact_step() const { return _contact.step(); }
 
   // --- the run ----------------------------------------------------------------------------------------------------
 

@@ -297,12 +297,13 @@ class ExplicitProblem(Unique):
 
     @property
     def contact_step(self) -> float:
-        """Step from which the stiffness of contact springs was made at the start [T]."""
-        return self._stepper.nominal_step
+        """Step for which contact springs that follow from it are made: 0.9 of the stable one at the start, or a longer
+        one that was taken [T]."""
+        return float(self._stepper.integrator.contact_step)
 
     def restart_forces(self) -> None:
         """Compute the forces of the start once more, after contacts have got a history. Collective."""
-        self._stepper.start(self.u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
+        self._stepper.restart()
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs

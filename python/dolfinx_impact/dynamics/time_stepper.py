@@ -139,6 +139,11 @@ class TimeStepper:
             contact.check_start()
         self.state.update()
 
+    def restart(self) -> None:
+        """Compute the forces of the start once more: contacts have got a history, or other springs. Collective."""
+        u, v = (f.x.array[: self.problem.num_owned] for f in (self.problem.u, self.problem.velocity))
+        self.start(u, v)
+
     def resume(
         self,
         time: float,
@@ -412,7 +417,13 @@ class TimeStepper:
         count = max(1, math.ceil(needed))
         self.nominal_step = nominal
         self.schedule = StepSchedule(self.time, until, self.step, self.step + count, dt == "auto")
-        self.integrator.set_contact_step(nominal)
+        if nominal > self.integrator.contact_step or math.isinf(self.integrator.contact_step):
+            # Springs by the step follow longer steps only, which do not bear them otherwise: under shorter ones a
+            # stiffness that changes would change the forces of what is already pressed. (Where cells have no stiffness
+            # at rest, nothing limits the step at the start.)
+            self.integrator.set_contact_step(nominal)
+            if self.step == 0:
+                self.restart()
 
     def _recheck(self, until: float, dt: float | str, unsafe: bool) -> None:
         """Compute the stable step of the deformed body, and shorten the steps if they exceed it. Collective.

@@ -330,23 +330,20 @@ class Passage:
             show: called with the fields of that moment.
             save: called with the passage so far every `interval` seconds, and at the end.
             interval: wall-clock time between calls of `save` [s].
-            dt: time step, as in ExplicitProblem.advance; with a penalty of the joint alone [s].
+            dt: time step, as in ExplicitProblem.advance [s].
             so_far: what `save` got before the run was resumed; None: it begins.
 
         Returns:
             The whole passage, from its start.
 
         Raises:
-            ValueError: a step, but no penalty of the joint, is given: springs by the step follow it, and the start is
-                in equilibrium with those of the step "auto"; or it is longer than the stable one; on all ranks.
+            ValueError: the step is longer than the stable one; on all ranks.
             RuntimeError: the run went unstable; on all ranks.
         """
         from .stress import NodalStress
 
         run, data, comm = self.run, self.model.data, self.model.comm
         assert run is not None, "preload and start, or resume, come first"
-        if dt != "auto" and not data.penalty:
-            raise ValueError("a time step of your own needs a penalty of your own: RailJoint.changed(penalty=...)")
         places = np.linspace(data.begin, data.end, FRAMES) if frames is None else np.asarray(frames, dtype=float)
         places = np.append(places[places < data.end], data.end)
         stress = NodalStress(self.model, run.u) if show is not None else None

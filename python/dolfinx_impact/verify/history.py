@@ -5,6 +5,7 @@ Every run with contact is repeated from other initial states and with other step
 contact rules of the two sides cannot stay hidden by chance.
 """
 
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias, cast
@@ -621,10 +622,15 @@ def ours(case: Run, steps: int) -> tuple[ExplicitProblem, float, tuple[FloatArra
     )  # fmt: skip
     dt = case.step_fraction * problem.stable_step()
     states: list[tuple[FloatArray, FloatArray]] = []  # the first call of the callback has the initial state
-    problem.advance(
-        steps * dt, dt=dt, progress=False,
-        callback=lambda p: states.append((p.u.x.array.copy(), p.velocity.x.array.copy())),
-    )  # fmt: skip
+    with warnings.catch_warnings():
+        # Both sides have the same springs: that they are soft does not matter here, nor that nodes which return below
+        # the surface beside which they have passed find them under load and gain energy.
+        warnings.filterwarnings("ignore", "under load .* is penetration")
+        warnings.filterwarnings("ignore", "the run gains energy")
+        problem.advance(
+            steps * dt, dt=dt, progress=False,
+            callback=lambda p: states.append((p.u.x.array.copy(), p.velocity.x.array.copy())),
+        )  # fmt: skip
     u_levels, v_levels = (np.array(s) for s in zip(*states))
     return problem, dt, (u_levels, v_levels)
 

@@ -171,20 +171,24 @@ def two_blocks(factor):
     return contact.stiffness[inner]
 
 
-@pytest.mark.parametrize("fraction", [0.9, 0.45])
+@pytest.mark.parametrize("fraction", [1.0, 0.9, 0.45])
 @pytest.mark.parametrize("cell", SHAPES)
 def test_springs_by_the_step(cell, fraction):
-    """penalty="step": half of the nodal mass over the square of the step, whatever the material; a checkpoint of other
-    springs is another problem's."""
+    """penalty="step": half of the nodal mass over the square of the step, 0.9 of the stable one or longer, whatever the
+    material; the forces of the start are those of the steps. A checkpoint of other springs is another problem's."""
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
     block = Block(cell, (2,) * dim, (1.0,) * dim, hypothesis="plane_strain" if dim == 2 else None)
     problem = block.problem(lambda pair: di.Penalty(pair, penalty="step"))
     dt = fraction * problem.stable_step()
     assert problem.stable_step() == block.problem().stable_step()
-    problem.advance(dt, dt=dt, progress=False)
+    problem.advance(2 * dt, dt=dt, progress=False)
     contact = problem.contact[0]
     masses = problem.mass.array[::dim][contact.nodes]
-    assert np.all(contact.stiffness == pytest.approx(0.5 * masses / dt**2, rel=1e-12))
+    longest = max(dt, 0.9 * problem.stable_step())
+    assert np.all(contact.stiffness == pytest.approx(0.5 * masses / longest**2, rel=1e-12))
+    assert problem.contact_step == longest
+    force = np.abs(problem.force_history[0][:, dim - 1])
+    assert 0.4 * force[0] < force[1] <= force[0], "of one stiffness, in the first step of a swing"
     assert contact.options != block.problem().contact[0].options
 
 
