@@ -642,7 +642,12 @@ class PenaltyContact(ContactOutput):
     @property
     def traction(self) -> FloatArray:
         """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
-        return self._cpp.state.traction.reshape(-1, self.gdim)
+        # Evaluated again, friction at its limit is scaled to it once more, which rounds.
+        tangential = self._cpp.state.tangential if self._known_status is None else self.history.traction
+        on = np.flatnonzero(self.status > 0)
+        out = np.zeros((len(self.pressure), self.gdim))
+        out[on] = self.pressure[on, None] * self.normal[on] + tangential.reshape(-1, self.gdim)[on]
+        return out
 
     @property
     def slip(self) -> FloatArray:
