@@ -121,6 +121,11 @@ class CreepModel:
             force = frictionless.contact[0].force
             assert force is not None
             found.append((approach, self.sides * float(force[2])))
+            if not found[-1][1] > 0.0 or (len(found) > 1 and found[-1][1] == found[-2][1]):
+                raise RuntimeError(
+                    f"no approach was found that bears {load:.6g} N: {approach:.6g} m make {found[-1][1]:.6g} N; give "
+                    "more cells, a smaller speed or another load"
+                )
             if len(found) == 1:
                 approach *= (load / found[0][1]) ** (2.0 / 3.0)
             else:

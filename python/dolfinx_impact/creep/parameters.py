@@ -10,6 +10,10 @@ from ..common import rail_steel
 from ..common.parameters import Parameters, parameter
 
 HUGE = 1e15  # of what may be in units without dimension, as in the literature on rolling
+# Least speed of a surface wave over that of shear, at nu = 0: steady states that move faster are unstable.
+SURFACE_WAVE = 0.874
+# Least half-axis over the radius: gaps, some 1e-10 of the radius then, keep six of the digits of double precision.
+SMALLEST = 1e-5
 
 
 class WheelOnRail(Parameters):
@@ -20,7 +24,7 @@ class WheelOnRail(Parameters):
     """
 
     load: float = parameter(100e3, "N", "that presses wheel and rail together", high=HUGE, above=0.0)
-    friction: float = parameter(0.3, "1", "coefficient", high=10.0, above=0.0)
+    friction: float = parameter(0.3, "1", "coefficient", 1e-6, 10.0)
     radius: float = parameter(0.46, "m", "of the wheel", high=HUGE, above=0.0)
     crown_radius: float = parameter(
         0.30, "m", "transverse radius of the rail head, inf is flat", high=HUGE, above=0.0, infinite=True
@@ -47,6 +51,18 @@ class WheelOnRail(Parameters):
             )
         hertz = self.hertz
         size = self.reach * max(hertz.a, hertz.b)
+        smallest = min(hertz.a, hertz.b)
+        if not smallest > SMALLEST * self.radius:
+            raise ValueError(
+                f"load is {self.load:g} N: by Hertz a half-axis of the contact is {smallest:.3g} m, too small beside "
+                f"the radius of {self.radius:g} m; give a larger load, or a smaller E"
+            )
+        wave = SURFACE_WAVE * math.sqrt(self.E / (2.0 * (1.0 + self.nu) * self.density))
+        if not self.speed < wave:
+            raise ValueError(
+                f"speed is {self.speed:g} m/s: give less than {wave:.4g} m/s, about that of waves along the surface "
+                "(E, nu, density)"
+            )
         for name in ("crown_radius", "wheel_crown_radius"):
             if not abs(getattr(self, name)) > size:
                 raise ValueError(

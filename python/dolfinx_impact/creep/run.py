@@ -92,7 +92,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             if comm.rank == 0:
                 print(data.to_toml(), end="")
             return 0
-        run = RunFolder(arguments.output, name="creep", parameters=data.values(), alone=True)
+        run = RunFolder(arguments.output, name="creep", alone=True)
     except (ValueError, RuntimeError) as error:
         if comm.rank == 0:
             print(f"dolfinx-impact creep: {error}", flush=True)
@@ -119,6 +119,7 @@ def _run(run: RunFolder, data: WheelOnRail, arguments: argparse.Namespace) -> in
         f"rolling, from which creep counts, is {model.free_creep:+.2e} off speed/radius"
     )
     curve = model.curve(arguments.creep, arguments.lateral, arguments.spin, run.file("points.h5"))
+    run.write_parameters(data.values())  # only now: the points of another wheel, with its parameters, are refused
     run.print(f"{'creep':>10s} {'lateral':>10s} {'spin [1/m]':>10s} {'Fx [N]':>10s} {'Fy [N]':>10s} {'Fz [N]':>10s} "
               f"{'torque [N m]':>12s} {'T/(f N)':>8s}")  # fmt: skip
     for k in range(len(curve["creep"])):

@@ -146,7 +146,7 @@ class Recorder(Described):
         self.problem, self.every, self.points_every = problem, int(every), int(points_every)
         self._recorders, self._update_functions = recorders, update_functions
         self._nodes = [] if points is None else self._nearest(points)
-        self.folder = RunFolder(path, comm=problem.comm, name=name)
+        self.folder = RunFolder(path, {}, comm=problem.comm, name=name)
         functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
         self._fields = [functions[f] for f in fields if f in functions]
         self._materials: MaterialFrames | None = None

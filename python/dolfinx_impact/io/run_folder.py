@@ -93,7 +93,8 @@ class RunFolder:
 
     Args:
         path: folder, created if it does not exist; None: IMPACT_OUTPUT, or results/<name>.
-        parameters: parameters of the run by name; written to parameters.json with versions and ranks.
+        parameters: parameters of the run by name; written to parameters.json with versions and ranks. None: the file
+            is not written before `write_parameters` is called.
         comm: communicator of the run.
         name: name of the run, for the default folder and parameters.json.
         alone: lock the folder, until `close`, the end of a `with` block or of the process: no other run that does so
@@ -120,7 +121,8 @@ class RunFolder:
         self.path = Path(path or os.environ.get("IMPACT_OUTPUT") or Path("results") / name).absolute()
         self.path = Path(comm.bcast(str(self.path), root=0))
         together(comm, self._make)
-        self.write_parameters(parameters or {})
+        if parameters is not None:
+            self.write_parameters(parameters)
 
     def __repr__(self) -> str:
         return f"RunFolder({str(self.path)!r}, name={self.name!r}, ranks={self.comm.size})"

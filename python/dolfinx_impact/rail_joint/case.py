@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import resource
@@ -33,7 +34,6 @@ from .results import Summary, summarise
 from .saved_case import SavedCase
 from .stress import NodalStress
 
-RESULTS = ("summary.json", "report.html")  # what says that a run is complete
 STATIONS = (0.10, 0.25, 0.40)  # places along the second rail where waves are recorded [m]
 STATION_HEIGHT = -0.02  # in the rail head [m]
 RESIDUAL_NAMES = ("sigma_xx", "von_mises")  # of the stress whose limits are told
@@ -61,6 +61,10 @@ CAPTIONS = {
     "energy.png": "Changes of the energies of what is computed, and what their balance misses.",
 }
 
+TABLES = ("force", "energy", "ends")
+# What a run leaves; the report shows every picture that it finds.
+RESULTS = ("summary.json", "report.html", *CAPTIONS, *(f"{name}.{kind}" for name in TABLES for kind in ("csv", "h5")))
+
 
 class UnusableJoint(ValueError):
     """The mesh or the wheel cannot be made with the parameters."""
@@ -75,7 +79,8 @@ class Case:
         comm: communicator.
         pictures: whether pictures, fields and the report are made.
         progress: show progress bars on rank 0.
-        resume: go on from the folder's checkpoint if there is one; else begin anew.
+        resume: go on from the folder's checkpoint if there is one; a run that is complete is not run again; else begin
+            anew.
         interval: wall-clock time between checkpoints [s].
         frames: pictures of the animation, and moments at which fields are written [1].
 
@@ -103,23 +108,36 @@ class Case:
         self.data, self._comm, self._pictures, self._progress = data, comm, pictures, progress
         self._interval, self._frames = interval, frames
         parameters = {"toml": data.to_toml().splitlines()}
-        folder = self.run = RunFolder(path, comm=comm, name="rail_joint", parameters=parameters, alone=True)
+        folder = self.run = RunFolder(path, comm=comm, name="rail_joint", alone=True)
         try:
-            self._saved = SavedCase(folder, {
+            self._identity = {
                 "parameters": data.identity(), "version": __version__, "frames": frames, "pictures": pictures,
-            })  # fmt: skip
+            }  # fmt: skip
+            self._saved = SavedCase(folder, self._identity)
             self._goes_on = resume and self._saved.read()
-            if not self._goes_on:
+            self._finished = self._find_finished() if resume and not self._goes_on else None
+            if not self._goes_on and self._finished is None:
                 self._saved.clear()
                 for name in RESULTS:  # of an earlier run
                     folder.write(name, partial(folder.file(name).unlink, missing_ok=True))
             state = self._saved.state
             self._seconds: dict[str, float] = dict(state.get("seconds", {}))
             self._passes: list[dict[str, Any]] = list(state.get("passes", []))
+            folder.write_parameters(parameters)
             folder.write("parameters.toml", lambda: write_whole(folder.file("parameters.toml"), data.to_toml()))
         except BaseException:
             folder.close()
             raise
+
+    def _find_finished(self) -> Summary | None:
+        """Numbers of the folder if the same run is complete in it, on all ranks. Collective."""
+        found: Summary | None = None
+        if self._comm.rank == 0:
+            with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
+                record = json.loads(self.run.file("summary.json").read_text(encoding="utf-8"))
+                if record["run"] == self._identity and (not self._pictures or self.run.file("report.html").exists()):
+                    found = Summary.of_dict(record["summary"])
+        return self._comm.bcast(found)
 
     def _stage(self, name: str, work: Callable[[], Any]) -> Any:
         """Run a stage, count its time. Collective."""
@@ -145,6 +163,10 @@ class Case:
     def _solve(self) -> Summary:
         """As solve, in a folder that is locked. Collective."""
         data, run = self.data, self.run
+        if self._finished is not None:
+            run.print("the run is complete: without --resume it begins anew")
+            run.print(report.text_table(report.rows_of(data, self._finished)))
+            return self._finished
         model = self._stage("mesh", self._make_model)
         run.print(
             f"{model.num_cells} cells of {1e3 * data.cell_size:.2f} mm and more on {self._comm.size} rank(s); by Hertz "
@@ -167,8 +189,9 @@ class Case:
                 self._save(passage, number + 1)
         assert summary is not None
         run.write("summary.json", lambda: write_whole(run.file("summary.json"), json.dumps(
-            {"identity": data.identity(), "parameters": data.to_toml(), "summary": summary.as_dict(),
-             "passes": self._passes, "seconds": self._seconds}, indent=1, default=float) + "\n"))  # fmt: skip
+            {"identity": data.identity(), "run": self._identity, "parameters": data.to_toml(),
+             "summary": summary.as_dict(), "passes": self._passes, "seconds": self._seconds},
+            indent=1, default=float) + "\n"))  # fmt: skip
         if self._pictures:
             self._stage("drawing", lambda: self._draw_residual(passage))
             if len(self._passes) > 1 and passage.yields:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -90,7 +91,27 @@ class Summary:
 
     def as_dict(self) -> dict[str, Any]:
         """Numbers by name, for JSON, which has no name for what is not a number: None."""
-        return {name: None if value != value else value for name, value in asdict(self).items()}
+
+        def plain(value: Any) -> Any:
+            return [plain(part) for part in value] if isinstance(value, tuple) else None if value != value else value
+
+        return {name: plain(value) for name, value in asdict(self).items()}
+
+    @classmethod
+    def of_dict(cls, values: Mapping[str, Any]) -> Summary:
+        """The summary whose `as_dict` these are.
+
+        Args:
+            values: numbers by name.
+
+        Raises:
+            TypeError: names are missing, or there are others.
+        """
+
+        def number(value: Any) -> Any:
+            return tuple(map(number, value)) if isinstance(value, list) else math.nan if value is None else value
+
+        return cls(**{name: number(value) for name, value in values.items()})
 
 
 def low_pass(history: History, frequency: float = SLOW) -> FloatArray | None:

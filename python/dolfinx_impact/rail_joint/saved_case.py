@@ -57,7 +57,14 @@ class SavedCase:
     def clear(self) -> None:
         """Remove all that was saved. Collective."""
         self.state, self.tables, self._added = {}, {}, {}
-        self._run.write(FOLDER, lambda: shutil.rmtree(self.path) if self.path.exists() else None)
+
+        def remove() -> None:
+            if self.path.exists():
+                # Without it there is no state: a run that is killed here leaves nothing that looks damaged.
+                (self.path / STATE).unlink(missing_ok=True)
+                shutil.rmtree(self.path)
+
+        self._run.write(FOLDER, remove)
 
     def read(self) -> bool:
         """Read what was saved, and check all of it. Collective.

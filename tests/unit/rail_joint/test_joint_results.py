@@ -12,7 +12,7 @@ import pytest
 from dolfinx_impact.io import plots
 from dolfinx_impact.rail_joint import RailJoint, figures, report, study
 from dolfinx_impact.rail_joint.passage import ENERGIES, Footprint, History
-from dolfinx_impact.rail_joint.results import SLOW, half_axes, low_pass, summarise
+from dolfinx_impact.rail_joint.results import SLOW, Summary, half_axes, low_pass, summarise
 
 JOINT = RailJoint()
 
@@ -57,6 +57,14 @@ def test_numbers_of_a_passage():
     assert s.peak_force == pytest.approx(1.3 * JOINT.load, rel=1e-3)
     assert s.deflection == pytest.approx(1e-4) and s.step == pytest.approx(5e-5)
     assert s.energy_exchanged == pytest.approx(2.0) and s.energy_missed == pytest.approx(0.005)
+
+
+def test_numbers_survive_json():
+    """Also those that are none, which JSON has no name for."""
+    s = summarise(JOINT, history(lambda x: 1.0 + 0.0 * x), JOINT.load, None, 1e-3, 100, 2)
+    assert np.isnan(s.static_half_axes).all() and np.isnan(s.p2)
+    again = Summary.of_dict(json.loads(json.dumps(s.as_dict(), allow_nan=False)))
+    assert repr(again) == repr(s)
 
 
 def test_low_frequencies():

@@ -2,6 +2,7 @@
 """What a case goes on from: whole or refused, whatever happens to its files."""
 
 import json
+import os
 
 import h5py
 import numpy as np
@@ -109,3 +110,26 @@ def test_a_run_that_is_killed_while_it_saves_has_the_state_before(folder):
             case.save({"pass": 3}, tables, {"checkpoint": work})
         again = saved(folder)
         assert again.read() and again.state["pass"] == 2
+
+
+@pytest.mark.parametrize("removed", range(3))
+def test_a_run_that_is_killed_while_it_clears_leaves_nothing_damaged(folder, removed, monkeypatch):
+    """After each file that it removes, whatever their order."""
+
+    class Killed(BaseException):
+        pass
+
+    unlink, count = os.unlink, []
+
+    def killed(*args, **named):
+        if len(count) == removed:
+            raise Killed
+        count.append(args)
+        unlink(*args, **named)
+
+    case = saved(folder)
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "unlink", killed)
+        with pytest.raises(Killed):
+            case.clear()
+    assert saved(folder).read() == (removed == 0)

@@ -104,7 +104,9 @@ def test_cases_at_once(text, nothing_runs, capsys):
         ({"crown_radius": math.inf}, "wheel_crown_radius"), ({"wheel_crown_radius": -0.2}, "wheel_crown_radius"),
         ({"wheel_crown_radius": 0.0}, "wheel_crown_radius"), ({"crown_radius": 0.02}, "crown_radius"),
         ({"radius": 0.03}, "radius"), ({"reach": 40.0}, "reach|radius"), ({"path": 900.0}, "radius"),
-        ({"wheel_crown_radius": -math.inf}, "wheel_crown_radius"),
+        ({"wheel_crown_radius": -math.inf}, "wheel_crown_radius"), ({"speed": 1e9}, "speed"),
+        ({"speed": 3000.0}, "speed"), ({"density": 1e12}, "speed"), ({"E": 10.0, "load": 1e-7}, "speed"),
+        ({"load": 1e-12}, "load"), ({"E": 1e15, "load": 1e-6}, "load"),
     ],
 )  # fmt: skip
 def test_wheels_and_rails_that_do_not_fit(given, name):

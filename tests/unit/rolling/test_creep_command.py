@@ -3,11 +3,14 @@
 
 import argparse
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dolfinx_impact.creep import run
+from dolfinx_impact.creep.model import CreepModel
+from dolfinx_impact.creep.parameters import WheelOnRail
 
 
 def test_sequences():
@@ -36,6 +39,34 @@ def test_numbers_that_cannot_be_used(argument, capsys):
 def test_wheels_that_cannot_be_used(tmp_path, capsys):
     assert run.main(["--crown-radius", "0.01", "--output", str(tmp_path)]) == 2
     assert "crown_radius" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("forces", [[0.0], [-1.0], [50.0, 50.0]])
+def test_an_approach_that_bears_nothing(forces):
+    """Bodies that part, or a force that does not follow the approach: one sentence."""
+    model = object.__new__(CreepModel)
+    model.data = WheelOnRail(load=100.0)
+    model.hertz, model.sides, model._axle = model.data.hertz, 1, [0]
+    model._hub = SimpleNamespace(x=SimpleNamespace(array=np.zeros(3)))
+    contact = SimpleNamespace(force=np.zeros(3))
+
+    def solve():
+        contact.force[2] = forces.pop(0)
+
+    with pytest.raises(RuntimeError, match="no approach was found that bears 100 N"):
+        model._press(SimpleNamespace(solve=solve, contact=[contact]))
+    assert not forces
+
+
+def test_points_of_another_wheel_are_refused_and_stay(tmp_path, capsys):
+    """With the parameters that belong to them."""
+    given = ["--cells", "1", "--reach", "2.5", "--creep", "1e-3", "--output", str(tmp_path)]
+    assert run.main(given) == 0
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    capsys.readouterr()
+    assert run.main([*given, "--load", "90 kN"]) == 2
+    assert "dolfinx-impact creep: " in capsys.readouterr().out
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_files(tmp_path, capsys):
