@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 from mpi4py import MPI
 
+from ..assembly.unfinished_kernel import advice
 from ..common.types import FloatArray
 from ..io.run_folder import RunFolder
 from . import figure
@@ -103,6 +104,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         except ValueError as error:
             run.print(f"dolfinx-impact creep: {error}")
             return 2
+        except TimeoutError as error:
+            run.print(f"dolfinx-impact creep: {advice(error)}")
+            return 1
         except RuntimeError as error:  # no equilibrium, a damaged file of points, a full disk: the text says what to do
             run.print(f"dolfinx-impact creep: {error}")
             return 1

@@ -9,6 +9,7 @@ from typing import Any
 
 from mpi4py import MPI
 
+from ..assembly.unfinished_kernel import advice
 from .case import Case, UnusableJoint
 from .parameters import END_POSTS, PRESETS, RailJoint
 
@@ -59,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = parser().parse_args(argv)
     comm = MPI.COMM_WORLD
 
-    def refuse(error: Exception, status: int) -> int:
+    def refuse(error: Exception | str, status: int) -> int:
         if comm.rank == 0:
             print(f"dolfinx-impact joint: {error}", flush=True)
         return status
@@ -78,6 +79,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         case.solve()
     except UnusableJoint as error:
         return refuse(error, 2)
+    except TimeoutError as error:
+        return refuse(advice(error), 1)
     except RuntimeError as error:  # no equilibrium, an unstable run, a full disk: the text says what to do
         return refuse(error, 1)
     case.run.print(f"results in {case.run.path}")

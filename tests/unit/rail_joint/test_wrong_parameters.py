@@ -130,6 +130,21 @@ def test_the_template_is_a_file_of_parameters(command, parameters, tmp_path, cap
     assert parameters.from_toml(path) == parameters()
 
 
+def test_a_kernel_that_a_killed_run_left_unfinished(tmp_path, monkeypatch, capsys):
+    """FFCx waits for it in vain; one sentence names the file."""
+
+    def get_cached_module(*_):
+        raise TimeoutError("JIT compilation timed out (e.g. remove /a b/lib_1.c) or increase timeout option.")
+
+    monkeypatch.setattr("ffcx.codegeneration.jit.get_cached_module", get_cached_module)
+    small = ["cells=1", "coarse=0.3", "load=400e3", "rail_length=0.2", "bar_length=0.1", "sleepers=0.3"]
+    small += ["begin=-3e-3", "end=3e-3", "gap=3e-3", "wheel_mass=700"]
+    for main, given in ((joint.main, small), (creep.main, ["cells=1", "reach=2.5"])):
+        assert main([*given, "--output", str(tmp_path / main.__module__)]) == 1
+        out, err = capsys.readouterr()
+        assert "remove /a b/lib_1.c" in out.splitlines()[-1] and "Traceback" not in out + err
+
+
 def test_one_steel():
     for name in ("E", "nu", "density"):
         assert getattr(RailJoint(), name) == getattr(WheelOnRail(), name)

@@ -568,7 +568,7 @@ class LagrangeContact(ContactOutput):
         angles, near = self.geometry.edge_angles(), self.geometry.gap < self.geometry.facet_sizes()
         at = np.flatnonzero(near & self.geometry.part & (angles > SHARP))
         mine = [(float(angles[i]), int(self.geometry.numbers[i]), self.points[i].tolist()) for i in at]
-        sharp = sum(self.comm.allgather(mine), [])
+        sharp = [edge for part in self.comm.allgather(mine) for edge in part]
         if not sharp:
             return ""
         angle, number, x = max(sharp)
