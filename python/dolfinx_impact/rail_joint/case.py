@@ -89,7 +89,7 @@ class Case:
         run: the folder.
 
     Raises:
-        ValueError: the folder has a checkpoint of another joint; on all ranks.
+        ValueError: the folder has a checkpoint of another joint or number of ranks; on all ranks.
         RuntimeError: the folder cannot be written, another run writes to it, or its checkpoint is damaged; on all
             ranks.
     """
@@ -113,7 +113,8 @@ class Case:
             self._identity = {
                 "parameters": data.identity(), "version": __version__, "frames": frames, "pictures": pictures,
             }  # fmt: skip
-            self._saved = SavedCase(folder, self._identity)
+            # The wheel's densities are sums over ranks: on other ranks their last digits would be another joint's.
+            self._saved = SavedCase(folder, {**self._identity, "ranks": comm.size})
             self._goes_on = resume and self._saved.read()
             self._finished = self._find_finished() if resume and not self._goes_on else None
             if not self._goes_on and self._finished is None:

@@ -149,6 +149,9 @@ def check_killed_run_goes_on():
     before = contents(killed)
     with pytest.raises(ValueError, match="of another joint or run, whose parameters differ"):
         Case(TINY.changed(speed=20.0), killed, COMM, pictures=False, resume=True, frames=4)
+    if COMM.size > 1 and COMM.rank == 0:
+        with pytest.raises(ValueError, match="whose ranks differ"):
+            Case(TINY, killed, MPI.COMM_SELF, pictures=False, resume=True, frames=4)
     assert contents(killed) == before, "a run that is refused changes no file"
     assert run_case(TINY, killed, "unloading 1", resume=True)[1][:3] == ["mesh", "restart", "rolling 1"]
     assert run_case(TINY, killed, resume=True)[0] is not None
