@@ -4,16 +4,14 @@
 A partitioner gives all cells to one rank, the first or the last, so that any number of ranks shows it.
 """
 
-import contextlib
 import functools
 import itertools
-import tempfile
-from pathlib import Path
 
 import basix.ufl
 import numpy as np
 from dolfinx import fem, graph, mesh
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
@@ -69,16 +67,6 @@ def thrown(owner, kind, contact, law=PLASTIC, **options):
     return kind(u, material, velocity=v, bcs=[moving], loads=loads, contact=[contact(pair)], **options)
 
 
-@contextlib.contextmanager
-def folder():
-    """A folder that all ranks see, and that vanishes when all are done with it."""
-    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
-    yield Path(COMM.bcast(made.name if made else None, root=0))
-    COMM.barrier()
-    if made:
-        made.cleanup()
-
-
 def goes_on(make, path, until, **steps):
     """Run with a recorder, save, go on; another problem that is restored does the same."""
     whole = make()
@@ -101,14 +89,14 @@ def check_explicit_runs():
     contacts = (di.Penalty, functools.partial(di.Penalty, balanced=True), di.Kinematic)
     options = {"bulk_viscosity": (0.06, 1.2), "mass_scaling": 2e-4, "damping": di.Rayleigh(0.1, 1e-6)}
     for contact, owner in zip(contacts, itertools.cycle(OWNERS)):
-        with folder() as path:
+        with shared_folder() as path:
             goes_on(lambda c=contact, o=owner: thrown(o, di.ExplicitProblem, c, **options), path, 0.03)
 
 
 def check_implicit_runs():
     contacts = (di.Lagrange, functools.partial(di.Penalty, penalty=1e5))
     for contact, owner in zip(contacts, OWNERS):
-        with folder() as path:
+        with shared_folder() as path:
             goes_on(lambda c=contact, o=owner: thrown(o, di.NewmarkProblem, c, rho_inf=0.8), path, 5 * DT, dt=DT)
 
 
@@ -124,7 +112,7 @@ def check_static_problems_and_their_output():
         assert COMM.allreduce(np.abs(field.x.array).max(initial=0.0), MPI.MAX) > 1.0
         stress = vertex_average(law.stress(problem.u)[1, 1], problem.space.mesh, "stress")
         assert COMM.allreduce(stress.x.array.min(initial=0.0), MPI.MIN) < -1.0
-        with folder() as path, RunFolder(path, {}) as run:
+        with shared_folder() as path, RunFolder(path, {}) as run:
             run.fields("solution", [problem.u, stress])
 
 
@@ -187,7 +175,7 @@ def wheel(owner, law, friction, approach):
 
 def check_rolling():
     """A curve of creep in a file, a body whose plastic flow turns with it, and a wheel that touches nothing."""
-    with folder() as path:
+    with shared_folder() as path:
         curve = wheel(OWNERS[0], ELASTIC, 0.3, 0.002).sweep(creep=[0.0, 2e-3], file=path / "a.h5", progress=False)
     assert curve["force"][0, 1] > 0.0
     assert wheel(OWNERS[1], PLASTIC, 0.0, 0.002).solve().converged

@@ -3,15 +3,14 @@
 
 import json
 import re
-import tempfile
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact.rail_joint.case as case_module
 from dolfinx_impact.rail_joint import Case, JointModel, Passage, RailJoint
@@ -103,11 +102,6 @@ def run_case(joint, folder, kill_in=None, resume=False, pictures=False):
         COMM.barrier()
 
 
-def shared_folder():
-    """A folder of all ranks."""
-    return Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
-
-
 def compare(whole, found):
     """Every number of the passages and all rows of the tables are those of the uninterrupted run; on several ranks
     MUMPS does not repeat the last digits of the equilibria, nor do forces that settle from them."""
@@ -131,68 +125,69 @@ def compare(whole, found):
 
 def check_killed_run_goes_on():
     """A passage that is killed while the wheel rolls and in the unloading ends as if it had not been."""
-    folder = shared_folder()
-    whole, _ = run_case(TINY, folder / "whole")
-    assert whole.static_force == pytest.approx(TINY.load, rel=1e-5)
-    assert 0.3 < whole.least_force < 1.1 and whole.plastic_strain == 0.0
-    if TINY.sides == 2:
-        across = np.loadtxt(folder / "whole" / "force.csv", delimiter=",", skiprows=1)[:, 3]
-        assert not np.any(across), "by symmetry there is no lateral force"
-    killed = folder / "killed"
-    assert run_case(TINY, killed, "rolling 1")[0] is None
-    assert (killed / "resume" / "state.json").exists() and not (killed / "summary.json").exists()
-    with pytest.raises(ValueError, match="of another joint or run, whose parameters differ"):
-        Case(TINY.changed(speed=20.0), killed, COMM, pictures=False, resume=True, frames=4)
-    assert run_case(TINY, killed, "unloading 1", resume=True)[1][:3] == ["mesh", "restart", "rolling 1"]
-    assert run_case(TINY, killed, resume=True)[0] is not None
-    assert not (killed / "resume").exists(), "nothing is left to resume"
-    compare(folder / "whole", killed)
+    with shared_folder() as folder:
+        whole, _ = run_case(TINY, folder / "whole")
+        assert whole.static_force == pytest.approx(TINY.load, rel=1e-5)
+        assert 0.3 < whole.least_force < 1.1 and whole.plastic_strain == 0.0
+        if TINY.sides == 2:
+            across = np.loadtxt(folder / "whole" / "force.csv", delimiter=",", skiprows=1)[:, 3]
+            assert not np.any(across), "by symmetry there is no lateral force"
+        killed = folder / "killed"
+        assert run_case(TINY, killed, "rolling 1")[0] is None
+        assert (killed / "resume" / "state.json").exists() and not (killed / "summary.json").exists()
+        with pytest.raises(ValueError, match="of another joint or run, whose parameters differ"):
+            Case(TINY.changed(speed=20.0), killed, COMM, pictures=False, resume=True, frames=4)
+        assert run_case(TINY, killed, "unloading 1", resume=True)[1][:3] == ["mesh", "restart", "rolling 1"]
+        assert run_case(TINY, killed, resume=True)[0] is not None
+        assert not (killed / "resume").exists(), "nothing is left to resume"
+        compare(folder / "whole", killed)
 
 
 def check_run_killed_in_every_stage_goes_on():
     """Two passages over steel that yields, with pictures; killed once in each stage, the same run goes on each time."""
-    joint, folder = TINY.changed(passes=2, yield_stress=600e6), shared_folder()
-    whole, _ = run_case(joint, folder / "whole", pictures=True)
-    assert whole.plastic_strain > 1e-5 and whole.residual_von_mises > 1e6
-    for k, stage in enumerate(STAGES):
-        found, stages = run_case(joint, folder / "killed", stage, resume=k > 0, pictures=True)
-        assert found is None and stages[-1] == stage
-    assert run_case(joint, folder / "killed", resume=True, pictures=True)[0] is not None
-    compare(folder / "whole", folder / "killed")
-    for name in ("force.png", "residual.png"):
-        assert (folder / "killed" / name).exists() == (folder / "whole" / name).exists()
-    with pytest.raises(ValueError, match="whose pictures differ"):
-        run_case(joint, folder / "other", "unloading 1")
-        Case(joint, folder / "other", COMM, pictures=True, resume=True, frames=4)
+    joint = TINY.changed(passes=2, yield_stress=600e6)
+    with shared_folder() as folder:
+        whole, _ = run_case(joint, folder / "whole", pictures=True)
+        assert whole.plastic_strain > 1e-5 and whole.residual_von_mises > 1e6
+        for k, stage in enumerate(STAGES):
+            found, stages = run_case(joint, folder / "killed", stage, resume=k > 0, pictures=True)
+            assert found is None and stages[-1] == stage
+        assert run_case(joint, folder / "killed", resume=True, pictures=True)[0] is not None
+        compare(folder / "whole", folder / "killed")
+        for name in ("force.png", "residual.png"):
+            assert (folder / "killed" / name).exists() == (folder / "whole" / name).exists()
+        with pytest.raises(ValueError, match="whose pictures differ"):
+            run_case(joint, folder / "other", "unloading 1")
+            Case(joint, folder / "other", COMM, pictures=True, resume=True, frames=4)
 
 
 def check_a_run_in_a_folder_is_alone():
     """A second case is refused on all ranks while the first one is there."""
-    folder = shared_folder()
-    case = Case(SMALL, folder, COMM, pictures=False)
-    with pytest.raises(RuntimeError, match="another run writes to"):
-        Case(SMALL, folder, COMM, pictures=False)
-    case.run.close()
-    Case(SMALL, folder, COMM, pictures=False).run.close()
+    with shared_folder() as folder:
+        case = Case(SMALL, folder, COMM, pictures=False)
+        with pytest.raises(RuntimeError, match="another run writes to"):
+            Case(SMALL, folder, COMM, pictures=False)
+        case.run.close()
+        Case(SMALL, folder, COMM, pictures=False).run.close()
 
 
 def check_prediction_of_a_long_run():
     """Number of steps and rate are those of the run itself, within what pressed springs change."""
-    folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
-    case, said, trial = Case(SMALL, folder, COMM, pictures=False, progress=False), [], case_module.TRIAL
-    case.run.print = said.append
-    passage = Passage(JointModel(SMALL, COMM), progress=False)
-    case_module.TRIAL = 0.5
-    try:
-        case._predict(passage)
-    finally:
-        case_module.TRIAL = trial
-    (text,) = said
-    steps, rate = (float(x) for x in re.search(r"1 x (\d+) steps .* ([\d.]+) steps per second", text).groups())
-    run = passage.start(passage.preload())
-    begun, step = time.perf_counter(), run.step
-    run.advance(0.1 * SMALL.duration, progress=False)
-    measured = (run.step - step) / (time.perf_counter() - begun)
-    assert steps == pytest.approx(10 * (run.step - step), rel=0.1)
-    assert 0.1 < rate / measured < 10.0, "the machine may be busy with one of the two"
-    assert "GB more for equilibria" in text
+    with shared_folder() as folder:
+        case, said, trial = Case(SMALL, folder, COMM, pictures=False, progress=False), [], case_module.TRIAL
+        case.run.print = said.append
+        passage = Passage(JointModel(SMALL, COMM), progress=False)
+        case_module.TRIAL = 0.5
+        try:
+            case._predict(passage)
+        finally:
+            case_module.TRIAL = trial
+        (text,) = said
+        steps, rate = (float(x) for x in re.search(r"1 x (\d+) steps .* ([\d.]+) steps per second", text).groups())
+        run = passage.start(passage.preload())
+        begun, step = time.perf_counter(), run.step
+        run.advance(0.1 * SMALL.duration, progress=False)
+        measured = (run.step - step) / (time.perf_counter() - begun)
+        assert steps == pytest.approx(10 * (run.step - step), rel=0.1)
+        assert 0.1 < rate / measured < 10.0, "the machine may be busy with one of the two"
+        assert "GB more for equilibria" in text

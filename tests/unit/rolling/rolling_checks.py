@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Rolling problems on any number of ranks: a ring of quadrilaterals about the origin, and blocks that flow straight."""
 
-import contextlib
-import tempfile
-from pathlib import Path
 
 import basix
 import basix.ufl
@@ -12,6 +9,7 @@ import pytest
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact.rolling import stability
@@ -401,16 +399,6 @@ def check_damaged_files_of_sweeps_are_refused():
             assert len(set(COMM.allgather(str(error.value).split(": ", 1)[-1]))) == 1, k
         problem.motions[1].omega = -1.002
         np.testing.assert_array_equal(state_of(problem), before)
-
-
-@contextlib.contextmanager
-def shared_folder():
-    """A folder that all ranks see."""
-    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
-    yield Path(COMM.bcast(made.name if made else None))
-    COMM.barrier()
-    if made:
-        made.cleanup()
 
 
 def check_linear_bodies_have_one_tangent():
