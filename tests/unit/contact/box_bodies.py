@@ -8,6 +8,7 @@ import numpy as np
 import ufl
 from dolfinx import fem, graph, mesh
 from mpi4py import MPI
+from over_ranks import smallest
 
 import dolfinx_impact as di
 
@@ -107,7 +108,7 @@ class Boxes:
 
     def lowest(self, component):
         """Smallest component of the displacement, of all ranks."""
-        return self.mesh.comm.allreduce(float(self.u.x.array.reshape(-1, self.dim)[:, component].min()), MPI.MIN)
+        return smallest(self.u.x.array.reshape(-1, self.dim)[:, component], self.mesh.comm)
 
     def support(self, problem):
         """Sum of the reactions: forces of the supports on the bodies."""

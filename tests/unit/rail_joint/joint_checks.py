@@ -116,7 +116,9 @@ def compare(whole, found):
             if COMM.size == 1:
                 assert ours[name] == theirs[name], name
             else:
-                assert ours[name] == pytest.approx(theirs[name], rel=1e-3, abs=1e-9), name
+                # Without plastic flow residual stresses are what cancels of 2 GPa: 1e-9 of it, the last digits of MUMPS.
+                close = 2.0 if name.startswith("residual") else 1e-9
+                assert ours[name] == pytest.approx(theirs[name], rel=1e-3, abs=close), name
     for table in ("force", "energy", "ends"):
         ours, theirs = (np.loadtxt(f / f"{table}.csv", delimiter=",", skiprows=1) for f in (whole, found))
         assert ours.shape == theirs.shape and len(ours) > 20
