@@ -225,8 +225,8 @@ MORE = {
     "how masses are lumped": ({}, {}, dict.fromkeys((EXPLICIT, IMPLICIT), {"lumping": "row_sum"}), "lumping"),
     # Damping with stiffness is refused in the scheme "classical".
     "the scheme": (
-        {}, {EXPLICIT: {"damping": None}}, {EXPLICIT: {"damping": None, "scheme": "classical"}, IMPLICIT: {"hht": -0.2}},
-        "scheme",
+        {}, {EXPLICIT: {"damping": None}},
+        {EXPLICIT: {"damping": None, "scheme": "classical"}, IMPLICIT: {"hht": -0.2}}, "scheme",
     ),
     "the shape of an obstacle": (
         {"master": di.RigidSurface}, {"surface": 0.01}, {"surface": 0.02}, "contact.0..pair.master",

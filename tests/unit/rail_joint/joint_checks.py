@@ -116,7 +116,7 @@ def compare(whole, found):
             if COMM.size == 1:
                 assert ours[name] == theirs[name], name
             else:
-                # Without plastic flow residual stresses are what cancels of 2 GPa: 1e-9 of it, the last digits of MUMPS.
+                # Without plastic flow residual stresses are what cancels of 2 GPa: 1e-9 of it, last digits of MUMPS.
                 close = 2.0 if name.startswith("residual") else 1e-9
                 assert ours[name] == pytest.approx(theirs[name], rel=1e-3, abs=close), name
     for table in ("force", "energy", "ends"):
