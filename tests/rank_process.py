@@ -18,6 +18,7 @@ import socket
 import sys
 import traceback
 
+from idle_rank import keep_idle_as_asked
 from mpi4py import MPI
 
 
@@ -61,6 +62,7 @@ def perform(request, timeout):
 
 
 def main(address):
+    keep_idle_as_asked()
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connection.connect(address)
     stream = connection.makefile("rw")

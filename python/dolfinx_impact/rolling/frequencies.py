@@ -52,6 +52,9 @@ def solve(
     pep.setProblemType(SLEPc.PEP.ProblemType.GENERAL)
     pep.setType(SLEPc.PEP.Type.TOAR)
     pep.setScale(SLEPc.PEP.Scale.SCALAR)
+    if np.any(np.diff(K.getOwnershipRanges()) == 0):
+        # SLEPc 3.22 scales the vectors of its default type by LAPACK, which refuses a rank that owns no rows.
+        pep.getBV().setType(SLEPc.BV.Type.VECS)
     pep.setDimensions(2 * count + 2 * RIGID_MOTIONS)  # a body that nothing holds has the rigid motions first
     pep.setTolerances(TOLERANCE, 500)
     pep.setTarget(shift)

@@ -8,14 +8,15 @@ import numpy as np
 import ufl
 from dolfinx import fem, graph, mesh
 from mpi4py import MPI
+from over_ranks import smallest
 
 import dolfinx_impact as di
 
 CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 
 
-def _grid(low, high, counts, cell):
-    """Points and cells of one box."""
+def grid(low, high, counts, cell):
+    """Points and cells of one box, from its corners, its numbers of cells and the kind of the cells."""
     dim = len(low)
     axes = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, counts)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dim)
@@ -47,7 +48,7 @@ class Boxes:
     """
 
     def __init__(self, boxes, cell, degree=1, turn=0.0, poisson=0.0, comm=MPI.COMM_WORLD):
-        parts = [_grid(*box, cell) for box in boxes]
+        parts = [grid(*box, cell) for box in boxes]
         first = np.cumsum([0, *(len(p) for p, _ in parts)])
         points = np.vstack([p for p, _ in parts])
         cells = np.vstack([c + start for (_, c), start in zip(parts, first)])
@@ -107,7 +108,7 @@ class Boxes:
 
     def lowest(self, component):
         """Smallest component of the displacement, of all ranks."""
-        return self.mesh.comm.allreduce(float(self.u.x.array.reshape(-1, self.dim)[:, component].min()), MPI.MIN)
+        return smallest(self.u.x.array.reshape(-1, self.dim)[:, component], self.mesh.comm)
 
     def support(self, problem):
         """Sum of the reactions: forces of the supports on the bodies."""

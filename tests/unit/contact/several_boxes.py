@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Boxes of quadrilaterals or hexahedra in one mesh, on any number of ranks, with tags of their sides."""
-
-import itertools
+"""Boxes in one mesh, on any number of ranks, with tags of their sides."""
 
 import basix.ufl
 import numpy as np
 import ufl
+from box_bodies import grid
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
@@ -18,27 +17,26 @@ class Boxes:
     Args:
         boxes: list of (low corner, high corner, cells along the axes, velocity).
         E: Young's modulus; density 1, Poisson's ratio 0.3.
+        cell: kind of the cells; None: quadrilaterals or hexahedra.
+        degree: of the displacements.
+        hypothesis: of the material in the plane.
     """
 
-    def __init__(self, *boxes, E=1e4, comm=MPI.COMM_SELF, partitioner=None):
+    def __init__(
+        self, *boxes, E=1e4, comm=MPI.COMM_SELF, partitioner=None, cell=None, degree=1, hypothesis="plane_strain"
+    ):
         self.boxes, self.dim, self.comm = boxes, len(boxes[0][0]), comm
-        points, cells, first = [], [], 0
-        for low, high, counts, _ in boxes:
-            axes = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, counts)]
-            points.append(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, self.dim))
-            number = np.arange(len(points[-1])).reshape([n + 1 for n in counts]) + first
-            corner = itertools.product((0, 1), repeat=self.dim)  # the last axis fastest, as basix orders the others
-            parts = [number[tuple(slice(k, n + k) for k, n in zip(place, counts))].ravel() for place in corner]
-            cells.append(np.stack(parts, axis=-1))
-            first += len(points[-1])
-        kind = "quadrilateral" if self.dim == 2 else "hexahedron"
+        kind = cell or ("quadrilateral" if self.dim == 2 else "hexahedron")
+        parts = [grid(low, high, counts, kind) for low, high, counts, _ in boxes]
+        first = np.cumsum([0, *(len(p) for p, _ in parts)])
+        points = np.vstack([p for p, _ in parts])
+        cells = np.vstack([c + start for (_, c), start in zip(parts, first)])
         element = basix.ufl.element("Lagrange", kind, 1, shape=(self.dim,))
-        points, cells = np.vstack(points), np.vstack(cells).astype(np.int64)
         mine = slice(None) if comm.rank == 0 else slice(0)
         more = {} if partitioner is None else {"partitioner": partitioner}
         self.mesh = mesh.create_mesh(comm, cells[mine], points[mine], ufl.Mesh(element), **more)
-        self.V = fem.functionspace(self.mesh, ("Lagrange", 1, (self.dim,)))
-        self.law = di.LinearElastic(E, 0.3, 1.0, "plane_strain" if self.dim == 2 else None)
+        self.V = fem.functionspace(self.mesh, ("Lagrange", degree, (self.dim,)))
+        self.law = di.LinearElastic(E, 0.3, 1.0, hypothesis if self.dim == 2 else None)
         self.mesh.topology.create_connectivity(self.dim - 1, self.dim)
         self.facets = mesh.exterior_facet_indices(self.mesh.topology)
 
@@ -57,7 +55,7 @@ class Boxes:
                 values[on & (where[0](middle) if where else True)] = tag
         return mesh.meshtags(self.mesh, self.dim - 1, self.facets, values)
 
-    def problem(self, contact, loads=(), held=()):
+    def problem(self, contact, loads=(), held=(), **options):
         """ExplicitProblem at the velocities of the boxes; those of `held` do not move."""
         velocity, x = fem.Function(self.V), self.V.tabulate_dof_coordinates()
         for box, (*_, speed) in enumerate(self.boxes):
@@ -65,7 +63,7 @@ class Boxes:
         fixed = [np.flatnonzero(self.inside(x, box)).astype(np.int32) for box in held]
         bcs = [fem.dirichletbc(np.zeros(self.dim), nodes, self.V) for nodes in fixed]
         return di.ExplicitProblem(
-            fem.Function(self.V), self.law, velocity=velocity, bcs=bcs, loads=list(loads), contact=contact
+            fem.Function(self.V), self.law, velocity=velocity, bcs=bcs, loads=list(loads), contact=contact, **options
         )
 
 

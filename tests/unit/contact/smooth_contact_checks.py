@@ -54,7 +54,9 @@ class WheelOnRail:
         facets = mesh.exterior_facet_indices(m.topology)
         cell_of = m.topology.connectivity(dim - 1, dim).array[m.topology.connectivity(dim - 1, dim).offsets[facets]]
         is_wheel = m.topology.original_cell_index < len(cells_of[0])
-        x = m.geometry.x[mesh.entities_to_geometry(m, dim - 1, facets)]
+        # DOLFINx divides by the number of facets.
+        nodes = mesh.entities_to_geometry(m, dim - 1, facets) if len(facets) else np.zeros((0, dim), dtype=np.int32)
+        x = m.geometry.x[nodes]
         tread = np.all(np.hypot(x[:, :, 0], x[:, :, dim - 1] - axle) > 1.0 - 1e-9, axis=1) & is_wheel[cell_of]
         top = np.all(np.abs(x[:, :, dim - 1]) < 1e-12, axis=1) & ~is_wheel[cell_of]
         values = np.where(tread, WHEEL, np.where(top, RAIL, 0)).astype(np.int32)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Several kinematic pairs whose surfaces share nodes: they act as one contact, without energy from nothing."""
 
+import itertools
+
 import kinematic_pairs_checks
 import numpy as np
 import pytest
@@ -19,6 +21,53 @@ test_one_rank, test_several_ranks = rank_tests(kinematic_pairs_checks)
 @pytest.mark.parametrize("case", CASES)
 def test_momentum_and_energy(case, dim, friction):
     assert_conserves(problem_of(case, dim, friction))
+
+
+PLANE = list(itertools.product(("quadrilateral", "triangle"), (1, 2), ("plane_strain", "axisymmetric")))
+
+
+@pytest.mark.parametrize("friction", (0.0, 0.4))
+@pytest.mark.parametrize("cell, degree, hypothesis", [row for row in PLANE if row != PLANE[0]])
+@pytest.mark.parametrize("case", CASES)
+def test_cells_of_the_plane(case, cell, degree, hypothesis, friction):
+    problem = problem_of(case, 2, friction, cell=cell, degree=degree, hypothesis=hypothesis)
+    assert problem.axisymmetric == (hypothesis == "axisymmetric")
+    assert_conserves(problem)
+
+
+@pytest.mark.long_rows(where=lambda degree: degree == 2)
+@pytest.mark.parametrize("friction", (0.0, 0.4))
+@pytest.mark.parametrize("cell, degree", (("tetrahedron", 1), ("hexahedron", 2), ("tetrahedron", 2)))
+@pytest.mark.parametrize("case", CASES)
+def test_cells_in_space(case, cell, degree, friction):
+    assert_conserves(problem_of(case, 3, friction, cell=cell, degree=degree))
+
+
+@pytest.mark.covering(2)
+@pytest.mark.parametrize("friction", (0.0, 0.4))
+@pytest.mark.parametrize("divided", ("slave", "master"))
+@pytest.mark.parametrize("cell, degree, hypothesis", PLANE)
+def test_rest_on_pairs_with_common_nodes(cell, degree, hypothesis, divided, friction):
+    """Under a weight that grows slowly: the pairs carry it together, and the energies balance."""
+    # A ring about the axis of revolution, far enough away that hoop stresses do not lift it from one side.
+    boxes = Boxes(
+        ((2.0, 0.0), (3.0, 0.5), (4, 2), (0.0, 0.0)), ((2.25, 0.5001), (2.75, 1.0), (4, 2), (0.0, 0.0)),
+        cell=cell, degree=degree, hypothesis=hypothesis,
+    )  # fmt: skip
+    left, right = (lambda x: x[:, 0] < 2.5), (lambda x: x[:, 0] > 2.5)
+    if divided == "slave":
+        surfaces, pairs = {1: (0, 3), 2: (1, 2, left), 3: (1, 2, right)}, [(2, 1), (3, 1)]
+    else:
+        surfaces, pairs = {1: (0, 3, left), 3: (0, 3, right), 2: (1, 2)}, [(2, 1), (2, 3)]
+    tags = boxes.tags(surfaces)
+    contact = [di.Kinematic(di.ContactPair(tags, *pair, friction=friction)) for pair in pairs]
+    weight = di.BodyForce((0.0, -1.0), amplitude=lambda t: min(1.0, t))
+    problem = boxes.problem(contact, [weight], held=(0,), damping=di.Rayleigh(4.0, 0.0))
+    problem.advance(2.5, progress=False)
+    block = boxes.inside(boxes.V.tabulate_dof_coordinates(), 1)
+    borne = np.array(problem.force_history)[:, -300:, 1].sum(axis=0).mean()
+    assert abs(borne - problem.mass.array.reshape(-1, 2)[block, 1].sum()) < 0.02 * borne
+    assert abs(problem.energy["drift"]) < 1e-3 and problem.energy["kinetic"] < 1e-3 * problem.energy["internal"]
 
 
 @pytest.mark.parametrize("friction", (0.0, 0.4))

@@ -6,6 +6,7 @@ import pytest
 from dolfinx import fem
 from dolfinx.mesh import compute_midpoints
 from mpi4py import MPI
+from over_ranks import largest
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
@@ -52,7 +53,7 @@ def check_equilibrium_goes_on():
     # springs give way by 1e-4 of the blocks' height, evenly, under pressures that are not even.
     assert np.abs(force / weight - 1.0).max() < 5e-3
     impact = PRESSURE / np.sqrt(2e5)  # velocity that the load gives a free surface at once
-    assert COMM.allreduce(np.abs(run.velocity.x.array).max(), MPI.MAX) < 5e-3 * impact
+    assert largest(np.abs(run.velocity.x.array)) < 5e-3 * impact
     after = run.history["plastic_strain"].values
     assert COMM.allreduce(np.abs(after - plastic).max(initial=0.0) / plastic.max(initial=1e-5), MPI.MAX) < 0.02
 

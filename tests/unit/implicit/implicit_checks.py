@@ -3,14 +3,13 @@
 
 import contextlib
 import functools
-import tempfile
-from pathlib import Path
 
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
@@ -69,16 +68,6 @@ def bar(comm=COMM, **options):
         options["bcs"] = [di.PrescribedMotion(held, lambda t: np.sin(t) ** 2)]
         v.x.array[:] = 0.0
     return di.NewmarkProblem(u, law, velocity=v, **options)
-
-
-@contextlib.contextmanager
-def folder():
-    """A folder that all ranks see, and that vanishes when all are done with it."""
-    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
-    yield Path(COMM.bcast(made.name if made else None, root=0))
-    COMM.barrier()
-    if made:
-        made.cleanup()
 
 
 def warned():
@@ -145,7 +134,7 @@ def check_a_body_at_rest_on_a_plane_stays_at_rest():
 
 
 def check_adaptive_runs_continue_with_their_step():
-    with folder() as path:
+    with shared_folder() as path:
         whole, again = block_on_block(), block_on_block()
         whole.advance(4 * DT, DT, tolerance=1e-4, progress=False)
         whole.save(path / "a.h5")
@@ -158,7 +147,7 @@ def check_adaptive_runs_continue_with_their_step():
 
 def check_checkpoints_of_other_problems_are_refused():
     """The problem is not changed by a checkpoint that it refuses."""
-    with folder() as path:
+    with shared_folder() as path:
         written = block_on_block()
         written.advance(3 * DT, DT, progress=False)
         written.save(path / "a.h5")

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from dolfinx import fem
 from implicit_checks import (
-    COMM, DT, LAWS, SOME, assert_same, bar, block_on_block, folder, motion, state,
+    COMM, DT, LAWS, SOME, assert_same, bar, block_on_block, motion, state,
 )  # fmt: skip
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 
@@ -18,7 +19,7 @@ import dolfinx_impact as di
 def check_a_restored_run_is_the_uninterrupted_one():
     """Bit for bit, contact, friction and plastic flow included; `save` changes nothing but the solver's factors, which
     a restored run does not have either."""
-    with folder() as path:
+    with shared_folder() as path:
         for k, variant in enumerate(SOME):
             whole, again = block_on_block(**variant), block_on_block(**variant)
             whole.advance(8 * DT, DT, progress=False)
@@ -40,7 +41,7 @@ def check_steps_end_at_given_times():
     """At `until` and at the times of frames exactly, with equal steps between."""
     import h5py
 
-    with folder() as path:
+    with shared_folder() as path:
         problem, times = bar(), []
         recorder = problem.record(path / "run", times=[0.03, 0.1], points=[[1.0, 0.1]])
         problem.advance(0.15, 0.02, callback=lambda p: times.append(p.time), progress=False)
@@ -56,7 +57,7 @@ def check_steps_end_at_given_times():
 
 def check_a_folder_that_is_removed():
     """The run goes on with one warning; closing the recorder is an error."""
-    with folder() as path:
+    with shared_folder() as path:
         problem, again = bar(), bar()
         recorder = problem.record(path / "run", every=2)
         for k, p in enumerate((problem, again)):

@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Bodies with internal variables, on the ranks of COMM_WORLD; see on_ranks.py."""
 
-import contextlib
 import shutil
-import tempfile
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +10,8 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 from on_ranks import on_rank_0
 from own_laws import LargestOfCell, Limited
+from shared_folder import shared_folder
+from over_ranks import largest
 
 import dolfinx_impact as di
 
@@ -96,16 +95,6 @@ def assert_same(found, expected):
     assert scale > 0.0 and np.abs(found - expected).max() <= SAME * scale, np.abs(found - expected).max() / scale
 
 
-@contextlib.contextmanager
-def folder():
-    """A folder that all ranks see."""
-    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
-    yield Path(COMM.bcast(made.name if made else None, root=0))
-    COMM.barrier()
-    if made:
-        made.cleanup()
-
-
 def raises(error, words, work):
     """The same error on all ranks."""
     with pytest.raises(error, match=words) as caught:
@@ -162,7 +151,7 @@ def state(problem):
 
 def check_a_restart_in_the_middle_of_yielding_is_bit_exact():
     """On the same ranks and mesh: state, plastic strain and energies go on as if nothing had been."""
-    with folder() as path:
+    with shared_folder() as path:
         domain = square()
         whole, kept = thrown(domain=domain), {}
         end = 200 * 0.9 * whole.stable_step()
@@ -183,7 +172,7 @@ def check_a_restart_in_the_middle_of_yielding_is_bit_exact():
 
 
 def check_a_restart_from_one_rank_goes_on_to_round_off():
-    with folder() as path:
+    with shared_folder() as path:
 
         def alone():
             problem = thrown(MPI.COMM_SELF)
@@ -203,7 +192,7 @@ def check_a_restart_from_one_rank_goes_on_to_round_off():
 
 def check_a_law_of_one_s_own_is_evaluated_once_in_a_step():
     """A history that counts: also in a run that was restored, and in one that was saved on the way."""
-    with folder() as path:
+    with shared_folder() as path:
         domain, law = square(n=3), Limited(0.5)
         whole = thrown(domain=domain, material=law)
         dt = 0.9 * whole.stable_step()
@@ -219,7 +208,7 @@ def check_a_law_of_one_s_own_is_evaluated_once_in_a_step():
 
 
 def check_a_checkpoint_of_another_law_or_mesh_is_refused():
-    with folder() as path:
+    with shared_folder() as path:
         problem = thrown(material=steel())
         problem.advance(20 * 0.9 * problem.stable_step(), progress=False)
         problem.save(path / "here.h5")
@@ -285,7 +274,7 @@ def check_statics_name_the_point_that_has_no_solution():
     np.testing.assert_array_equal(u.x.array, here)
     assert np.all(counts(problem) == 1)
     raises(RuntimeError, words + ".*reached", lambda: problem.solve(steps=4, cut_backs=3))
-    assert COMM.allreduce(float(u.x.array.max()), MPI.MAX) > 0.004, "the last converged increment"
+    assert largest(u.x.array) > 0.004, "the last converged increment"
     stretch = all_points(COMM, problem.history["stretch"].values)
     assert stretch.max() < 0.01 and np.all(counts(problem) > 1)
 
@@ -432,7 +421,7 @@ def check_cells_that_lock_are_warned_of():
 
 def check_a_series_of_materials_that_is_removed():
     """The run warns and goes on; closing the recorder is an error."""
-    with folder() as path:
+    with shared_folder() as path:
         problem = thrown(domain=square())
         dt = 0.5 * problem.stable_step()
         recorder = problem.record(path / "run", fields=["displacement", "von_mises"], every=5)
@@ -451,7 +440,7 @@ def check_a_series_of_materials_that_is_removed():
 
 def check_recorders_write_internal_variables():
     """A series of averages at the vertices; the run is the same with and without; unknown names are refused."""
-    with folder() as path:
+    with shared_folder() as path:
         domain = square()
         problem, alone = thrown(domain=domain), thrown(domain=domain)
         end = 100 * 0.9 * problem.stable_step()

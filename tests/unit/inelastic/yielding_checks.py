@@ -9,7 +9,6 @@ from inelastic_checks import (
     all_points,
     assert_same,
     everywhere,
-    folder,
     pulled,
     raises,
     space,
@@ -19,6 +18,7 @@ from inelastic_checks import (
 )
 from mpi4py import MPI
 from on_ranks import on_rank_0
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 
@@ -49,7 +49,7 @@ def bar_mesh():
 def check_a_restart_of_a_bar_that_yields_on_a_wall_is_bit_exact():
     """Saved while the foot is in contact and yields; the restored run goes on with the same state and force."""
     for make in (di.Kinematic, di.Penalty):
-        with folder() as path:
+        with shared_folder() as path:
             domain = bar_mesh()
             whole, kept = taylor_bar(domain, make), {}
 

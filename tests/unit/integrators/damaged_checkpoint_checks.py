@@ -7,7 +7,8 @@ import re
 import numpy as np
 import pytest
 from mpi4py import MPI
-from restart_checks import COMM, block_on_block, folder, mesh_of, state
+from restart_checks import COMM, block_on_block, mesh_of, state
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact.io import checkpoint, seal
@@ -58,7 +59,7 @@ def refused(problem, path, kinds, text="", same=True):
 def check_single_bits():
     """Of any byte: refused with a word on what is damaged."""
     rng = np.random.default_rng(7)
-    with folder() as path:
+    with shared_folder() as path:
         after(block_on_block(), path / "good.h5")
         whole = (path / "good.h5").read_bytes()
         problem = block_on_block()
@@ -81,7 +82,7 @@ def check_single_bits():
 
 
 def check_cut_short_and_grown():
-    with folder() as path:
+    with shared_folder() as path:
         after(block_on_block(), path / "good.h5")
         whole = (path / "good.h5").read_bytes()
         problem = block_on_block()
@@ -95,7 +96,7 @@ def check_cut_short_and_grown():
 
 def check_damaged_on_one_rank():
     """The last rank finds another file: one that is damaged in data that it reads, and one of another time."""
-    with folder() as path:
+    with shared_folder() as path:
         problem = after(block_on_block(), path / "good.h5")
         other = after(block_on_block(), path / "later.h5", 90)
         assert other.step > problem.step
@@ -242,7 +243,7 @@ def check_content_that_cannot_be():
         "nan result": (table("some/results0/values", entry(np.nan, 3)), "results0/values"),
         "support": (table("some/supports/values", entry(0.5, 2)), "supports differ"),
     }
-    with folder() as path:
+    with shared_folder() as path:
         after(block_on_block(), path / "good.h5")
         problem = after(block_on_block(), path / "mine.h5", 30)
         for name, (change, text) in bad.items():
@@ -294,7 +295,7 @@ def check_other_problems():
         (loaded, {"value": (0.0, -9.81), "amplitude": lambda t: 1.0 - np.exp(-t), "per_mass": False}, "loads"),
         (pulled, {}, "loads"),
     )
-    with folder() as path:
+    with shared_folder() as path:
         good = after(block_on_block(), path / "good.h5")
         for make, options, text in cases:
             refused(make(**options), path / "good.h5", ValueError, text)

@@ -7,7 +7,8 @@ import warnings
 import numpy as np
 import pytest
 from mpi4py import MPI
-from restart_checks import COMM, block_on_block, folder
+from restart_checks import COMM, block_on_block
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact.dynamics import recorder as recorder_module
@@ -17,7 +18,7 @@ def check_histories_and_frames():
     """Energies and contact forces of every step, chosen points at their intervals, frames that ParaView opens."""
     import h5py
 
-    with folder() as path:
+    with shared_folder() as path:
         problem, alone = block_on_block(), block_on_block()
         end = 250 * problem.stable_step()
         points = [[0.5, 0.0], [0.7, 0.9]]
@@ -49,7 +50,7 @@ def check_when_histories_are_written():
     """Not before their time is up, all of them with a checkpoint and by close, nothing after that."""
     import h5py
 
-    with folder() as path:
+    with shared_folder() as path:
         problem = block_on_block()
 
         def rows():
@@ -117,7 +118,7 @@ def go_on_without_folder(path, problem, again, time, lost):
 def check_a_folder_that_is_removed():
     """By whoever cleans a scratch disk: one warning, and an error when the recorder is closed."""
     for lost in (".", "fields.bp", "history.h5"):
-        with folder() as path:
+        with shared_folder() as path:
             problem, again = block_on_block(), block_on_block()
             dt = 0.9 * problem.stable_step()
             before, recorder_module.INTERVAL = recorder_module.INTERVAL, 0.0
@@ -128,7 +129,7 @@ def check_a_folder_that_is_removed():
 
 
 def check_bad_input():
-    with folder() as path:
+    with shared_folder() as path:
         problem = block_on_block()
         for options, text in (
             ({"fields": ("stress",)}, "unknown"),

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Checkpoints of explicit runs: written, read and continued. See on_ranks.py."""
 
-import contextlib
 import os
-import tempfile
 import warnings
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import numpy as np
 import pytest
 from dolfinx import fem, mesh
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact.io import checkpoint
@@ -53,16 +52,6 @@ def block_on_block(comm=COMM, kind=di.Penalty, friction=0.3, law=di.LinearElasti
     return di.ExplicitProblem(u, steel, velocity=v, contact=[kind(pair, **options)], **others)
 
 
-@contextlib.contextmanager
-def folder():
-    """A folder that all ranks see, and that vanishes when all are done with it."""
-    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
-    yield Path(COMM.bcast(made.name if made else None, root=0))
-    COMM.barrier()
-    if made:
-        made.cleanup()
-
-
 def state(problem):
     """Motion, and what is told of the contact."""
     parts = [f.x.array for f in (problem.u, problem.velocity, problem.acceleration)]
@@ -85,7 +74,7 @@ VARIANTS = (
 def check_a_restored_run_is_the_uninterrupted_one():
     """Bit for bit on the same ranks, inside a call of advance, contact closed; both write the same checkpoints
     (writing one looks for contact anew)."""
-    with folder() as path:
+    with shared_folder() as path:
         for variant in VARIANTS:
             whole, kept = block_on_block(**variant), {}
             end = 420 * whole.stable_step()
@@ -123,7 +112,7 @@ def saved(path):
 
 def check_errors():
     """Unwritable folders, full disks and files of other problems: the same error on all ranks, the old file stays."""
-    with folder() as path:
+    with shared_folder() as path:
         problem, good, before = saved(path)
         (path / "file").touch()
         COMM.barrier()
@@ -154,7 +143,7 @@ def check_errors():
 
 def check_errors_on_one_rank():
     """A folder that the last rank has not, a file that it cannot read or that is another there: errors on all ranks."""
-    with folder() as path:
+    with shared_folder() as path:
         problem, good, before = saved(path)
         step, last = problem.step, COMM.rank == COMM.size - 1
 
@@ -192,7 +181,7 @@ def check_a_full_disk(monkeypatch=None):
     """What free space there is is looked at before anything is written."""
     import shutil
 
-    with folder() as path:
+    with shared_folder() as path:
         problem = block_on_block()
         problem.save(path / "good.h5")
         usage, shutil.disk_usage = shutil.disk_usage, lambda _: type("Usage", (), {"free": 1000})()

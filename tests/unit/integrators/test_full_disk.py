@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
+MODULES = os.pathsep.join((str(HERE), str(HERE.parents[1])))  # of checks and of all tests
 
 RECORD = """
 import os, resource, signal, sys
 from pathlib import Path
-sys.path.insert(0, sys.argv[3])
+sys.path[:0] = sys.argv[3].split(os.pathsep)
 import h5py
 import numpy as np
 from mpi4py import MPI
@@ -99,7 +100,7 @@ print("went on", flush=True)
 )
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_beyond_a_limit_of_file_sizes(ranks, case, room, mpirun, tmp_path):
-    output = mpirun(ranks, RECORD, tmp_path, case, HERE, *([] if room else ["stay"]), timeout=200)
+    output = mpirun(ranks, RECORD, tmp_path, case, MODULES, *([] if room else ["stay"]), timeout=200)
     assert output.count("went on" if room else "left") == ranks
     assert "terminate" not in output and "Abort" not in output
 
@@ -115,7 +116,7 @@ def test_a_disk_that_is_full(ranks, room, mpirun, tmp_path):
     if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4m", "tmpfs", disk]).returncode:
         pytest.skip("only root may mount a disk")
     try:
-        output = mpirun(ranks, RECORD, disk, "disk", HERE, *([] if room else ["stay"]), timeout=200)
+        output = mpirun(ranks, RECORD, disk, "disk", MODULES, *([] if room else ["stay"]), timeout=200)
         assert output.count("went on" if room else "left") == ranks and "terminate" not in output
     finally:
         subprocess.run(["umount", "-l", disk], check=True)

@@ -2,16 +2,18 @@
 """Recorders that nobody closes, and folders that vanish under them: a process ends with the status that it would have
 had, never by what a destructor of ADIOS2 throws."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 HERE = Path(__file__).parent
+MODULES = os.pathsep.join((str(HERE), str(HERE.parents[1])))  # of checks and of all tests
 
 RECORD = """
-import gc, shutil, sys
+import gc, os, shutil, sys
 from pathlib import Path
-sys.path.insert(0, sys.argv[3])
+sys.path[:0] = sys.argv[3].split(os.pathsep)
 from mpi4py import MPI
 from restart_checks import block_on_block
 comm, folder, end = MPI.COMM_WORLD, Path(sys.argv[1]), sys.argv[2]
@@ -45,7 +47,7 @@ if end == "error":
 @pytest.mark.parametrize("end", ("", "error"))
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_the_status_is_that_of_the_script(ranks, end, mpirun, tmp_path):
-    output = mpirun(ranks, RECORD, tmp_path, end, HERE, timeout=120, status=1 if end else 0)
+    output = mpirun(ranks, RECORD, tmp_path, end, MODULES, timeout=120, status=1 if end else 0)
     assert output.count("reached the end") == ranks
     assert ("an error of the user's own" in output) == bool(end)
     assert "terminate called" not in output and "signal" not in output.replace("terminated by signals sent", "")

@@ -18,6 +18,7 @@ test_one_rank, test_several_ranks = rank_tests(
     restart_checks, ranks=(2, 3), timeout=300, in_make_test={"a_restored_run_is_the_uninterrupted_one": (2,)}
 )
 HERE = Path(__file__).parent
+MODULES = os.pathsep.join((str(HERE), str(HERE.parents[1])))  # of checks and of all tests
 
 
 SCRIPT = """
@@ -53,7 +54,7 @@ def test_a_run_goes_on_on_other_ranks(counts, mpirun, tmp_path):
     def run(mode, ranks):
         """Result by place of a run that writes a checkpoint, or goes on from it."""
         out = tmp_path / f"{mode}{ranks}.npy"
-        mpirun(ranks, SCRIPT, mode, tmp_path / "checkpoint.h5", out, timeout=300, env={"PYTHONPATH": str(HERE)})
+        mpirun(ranks, SCRIPT, mode, tmp_path / "checkpoint.h5", out, timeout=300, env={"PYTHONPATH": MODULES})
         return np.load(out)[:, 2:]
 
     whole = run("write", 2)
@@ -86,7 +87,7 @@ def test_killed_at_any_moment_the_last_checkpoint_opens(number, tmp_path_factory
     folder.mkdir(exist_ok=True)
     path, script = folder / "checkpoint.h5", folder / "script.py"
     script.write_text(KILLED)
-    environment = {**os.environ, "PYTHONPATH": str(HERE)}
+    environment = {**os.environ, "PYTHONPATH": MODULES}
     process = subprocess.Popen(
         [sys.executable, str(script), str(path)], env=environment, stdout=subprocess.PIPE, text=True
     )  # fmt: skip
@@ -106,7 +107,7 @@ def test_killed_at_any_moment_the_last_checkpoint_opens(number, tmp_path_factory
 HALF_WRITTEN = """
 import os, resource, signal, sys
 from pathlib import Path
-sys.path.insert(0, sys.argv[3])
+sys.path[:0] = sys.argv[3].split(os.pathsep)
 from mpi4py import MPI
 from restart_checks import block_on_block, state
 comm, path, case = MPI.COMM_WORLD, Path(sys.argv[1]), sys.argv[2]
@@ -151,5 +152,5 @@ def test_a_write_that_fails_in_the_middle(ranks, case, mpirun, tmp_path):
     there opens, and the process goes on and writes the next one."""
     folder = tmp_path / "run"
     folder.mkdir()
-    output = mpirun(ranks, HALF_WRITTEN, folder, case, HERE)
+    output = mpirun(ranks, HALF_WRITTEN, folder, case, MODULES)
     assert output.count("went on") == ranks

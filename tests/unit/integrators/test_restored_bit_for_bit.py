@@ -6,7 +6,7 @@ import functools
 
 import numpy as np
 import pytest
-from dolfinx import fem
+from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
@@ -43,8 +43,42 @@ def blocks():
     return meshes.make("two_blocks", MPI.COMM_SELF, gap=2e-3, **size)
 
 
-def thrown(kind, contact, law, friction, rigid, **options):
-    """A block thrown obliquely on a block, or on a plane, that moves up and down; problem in time, not run yet."""
+def divided(tag, moved=0):
+    """Tags of the blocks, a surface in two parts: 0.6 of it keeps its tag, the others get 99.
+
+    Args:
+        moved: number of facets by which the second part is larger.
+    """
+    made = blocks()
+    facets, values = made.facet_tags.indices, made.facet_tags.values.copy()
+    of_tag = np.flatnonzero(values == tag)
+    along = mesh.compute_midpoints(made.mesh, 1, facets[of_tag])[:, 0]
+    values[of_tag[np.argsort(along)][int(0.6 * len(of_tag)) - moved :]] = 99
+    return mesh.meshtags(made.mesh, 1, facets, values)
+
+
+def pairs_that_share(how, friction, contact, moved=0, order=1):
+    """Two contacts with common slave nodes: a slave or a master in two tags, a block on two planes at an angle, or each
+    surface the slave of the other one."""
+    slave, master = (blocks().tags[name] for name in ("slave_surface", "master_surface"))
+    tags, pairs = blocks().facet_tags, [(slave, master), (master, slave)]
+    if how == "slave in two":
+        tags, pairs = divided(slave, moved), [(slave, master), (99, master)]
+    elif how == "master in two":
+        tags, pairs = divided(master, moved), [(slave, master), (slave, 99)]
+    elif how == "groove":
+        c, s = np.cos(0.3), np.sin(0.3)  # 34 degrees between them: nodes have a condition for each
+        planes = [di.RigidPlane((at, 0.502), (lean * s, c)) for at, lean in ((0.2, 1), (1.2, -1))]
+        tags, pairs = divided(slave, moved), [(slave, planes[0]), (slave, planes[1])]
+    return [contact(di.ContactPair(tags, *pair, friction=friction)) for pair in pairs[::order]]
+
+
+def thrown(kind, contact, law, friction, rigid, shared=None, **options):
+    """A block thrown obliquely on a block, or on a plane, that moves up and down; problem in time, not run yet.
+
+    Args:
+        shared: arguments of `pairs_that_share`, for contacts with common nodes.
+    """
     made = blocks()
     tags, facets = made.tags, made.facet_tags
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
@@ -59,8 +93,9 @@ def thrown(kind, contact, law, friction, rigid, **options):
         master.motion = lambda t: (0.0, 0.002 * np.sin(20 * t) ** 2, 0.0)
     pair = di.ContactPair(facets, tags["slave_surface"], master, friction=friction)
     loads = [di.BodyForce((0.0, -9.81), amplitude=lambda t: 1.0 - np.exp(-t))]
+    contacts = [contact(pair)] if shared is None else pairs_that_share(friction=friction, contact=contact, **shared)
     return kind(
-        u, LAWS[law](), velocity=v, bcs=[moving], loads=loads, contact=[contact(pair)], damping=di.Rayleigh(0.1, 1e-5),
+        u, LAWS[law](), velocity=v, bcs=[moving], loads=loads, contact=contacts, damping=di.Rayleigh(0.1, 1e-5),
         **options,
     )  # fmt: skip
 
@@ -84,7 +119,7 @@ def compare(make, path, end, when, **steps):
             states[problem.step] = state(problem)
 
     whole.advance(end, callback=keep, progress=False, **steps)
-    assert whole.step > max(when) + 2 and np.any(whole.force_history[0][: max(when)] != 0.0)
+    assert whole.step > max(when) + 2 and np.any(np.array(whole.force_history)[:, : max(when)] != 0.0)
     for step in when:
         again = make()
         again.restore(path / f"{step}.h5")
@@ -94,7 +129,8 @@ def compare(make, path, end, when, **steps):
         rows = whole.step - step
         assert len(again.energy_history) == rows
         np.testing.assert_array_equal(again.energy_history[-rows:], whole.energy_history[-rows:])
-        np.testing.assert_array_equal(again.force_history[0][-rows:], whole.force_history[0][-rows:])
+        for ours, others in zip(again.force_history, whole.force_history):
+            np.testing.assert_array_equal(ours[-rows:], others[-rows:])
 
 
 @pytest.mark.covering(2)
@@ -129,3 +165,50 @@ def test_friction_at_its_limit_is_told_as_it_was(tmp_path):
     """Of points that slide: evaluated once more, the traction is scaled to its bound again, which rounds."""
     make = functools.partial(thrown, di.NewmarkProblem, di.Penalty, "linear", 0.3, False, **SCHEMES["HHT"])
     compare(make, tmp_path, 12 * DT, (4, 7), dt=DT)
+
+
+SHARED = ("slave in two", "master in two", "groove", "both ways")
+TABLES = [
+    *((di.ExplicitProblem, contact, how) for contact in ("kinematic", "penalty") for how in SHARED),
+    # Multipliers refuse two pairs of which each has the other's slave for its master.
+    *((di.NewmarkProblem, contact, how) for contact in ("multipliers", "penalty") for how in SHARED[:3]),
+]
+
+# Springs act at each point or node on its own; a divided master has the equations of a divided slave.
+REPEATED = (("penalty", "slave in two"), ("penalty", "both ways"), ("multipliers", "master in two"))
+
+
+def sharing(kind, contact, how, friction, law="linear", **of_pairs):
+    """Function that makes a problem with common nodes, and its steps."""
+    table = EXPLICIT if kind is di.ExplicitProblem else IMPLICIT
+    make = functools.partial(thrown, kind, table[contact], law, friction, False, {"how": how, **of_pairs})
+    return make, DT if kind is di.NewmarkProblem else 0.5 * make().stable_step()
+
+
+@pytest.mark.long_rows(where=lambda contact, how, friction: not friction or (contact, how) in REPEATED)
+@pytest.mark.parametrize("friction", (0.0, 0.3))
+@pytest.mark.parametrize("kind, contact, how", TABLES)
+def test_pairs_with_common_nodes(kind, contact, how, friction, tmp_path):
+    explicit = kind is di.ExplicitProblem
+    make, dt = sharing(kind, contact, how, friction, law="neo-Hookean" if explicit else "linear")
+    compare(make, tmp_path, (40 if explicit else 12) * dt, (4, 9, 14) if explicit else (4, 7), dt=dt)
+
+
+@pytest.mark.long_rows(where=lambda contact, how: contact == "penalty" or (contact, how) in REPEATED)
+@pytest.mark.parametrize("kind, contact, how", TABLES)
+def test_other_pairs_with_common_nodes_are_refused(kind, contact, how, tmp_path):
+    """The same pairs in another order, and one facet that is in the other one's tag."""
+    make, dt = sharing(kind, contact, how, 0.3)
+    problem = make()
+    problem.advance(4 * dt, dt=dt, progress=False)
+    problem.save(tmp_path / "a.h5")
+    others = {"order": -1} if how == "both ways" else {"order": -1, "moved": 1}
+    for name, value in others.items():
+        other = sharing(kind, contact, how, 0.3, **{name: value})[0]()
+        before = other.u.x.array.copy()
+        with pytest.raises(ValueError, match="of another problem.*contact"):
+            other.restore(tmp_path / "a.h5")
+        np.testing.assert_array_equal(other.u.x.array, before)
+    same = make()
+    same.restore(tmp_path / "a.h5")
+    np.testing.assert_array_equal(state(same), state(problem))

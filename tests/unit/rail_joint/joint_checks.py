@@ -3,15 +3,14 @@
 
 import json
 import re
-import tempfile
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact.rail_joint.case as case_module
 from dolfinx_impact.rail_joint import Case, JointModel, Passage, RailJoint
@@ -104,11 +103,6 @@ def run_case(joint, folder, kill_in=None, resume=False, pictures=False):
         COMM.barrier()
 
 
-def shared_folder():
-    """A folder of all ranks."""
-    return Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
-
-
 def compare(whole, found):
     """Every number of the passages and all rows of the tables are those of the uninterrupted run; on several ranks
     MUMPS does not repeat the last digits of the equilibria, nor do forces that settle from them."""
@@ -136,32 +130,33 @@ def compare(whole, found):
 
 def check_killed_run_goes_on():
     """A passage that is killed while the wheel rolls and in the unloading ends as if it had not been."""
-    folder = shared_folder()
-    whole, _ = run_case(TINY, folder / "whole")
-    assert whole.static_force == pytest.approx(TINY.load, rel=1e-5)
-    assert 0.3 < whole.least_force < 1.1 and whole.plastic_strain == 0.0
-    if TINY.sides == 2:
-        across = np.loadtxt(folder / "whole" / "force.csv", delimiter=",", skiprows=1)[:, 3]
-        assert not np.any(across), "by symmetry there is no lateral force"
-    killed = folder / "killed"
-    assert run_case(TINY, killed, "rolling 1")[0] is None
-    assert (killed / "resume" / "state.json").exists() and not (killed / "summary.json").exists()
-    before = contents(killed)
-    with pytest.raises(ValueError, match="of another joint or run, whose parameters differ"):
-        Case(TINY.changed(speed=20.0), killed, COMM, pictures=False, resume=True, frames=4)
-    if COMM.size > 1 and COMM.rank == 0:
-        with pytest.raises(ValueError, match="whose ranks differ"):
-            Case(TINY, killed, MPI.COMM_SELF, pictures=False, resume=True, frames=4)
-    assert contents(killed) == before, "a run that is refused changes no file"
-    assert run_case(TINY, killed, "unloading 1", resume=True)[1][:3] == ["mesh", "restart", "rolling 1"]
-    assert run_case(TINY, killed, resume=True)[0] is not None
-    assert not (killed / "resume").exists(), "nothing is left to resume"
-    compare(folder / "whole", killed)
-    before = contents(killed)
-    again, stages = run_case(TINY, killed, resume=True)
-    assert stages == [] and contents(killed).items() >= results_of(before).items(), "what is complete is not run again"
-    record = json.loads((killed / "summary.json").read_text())
-    assert again.as_dict() == record["summary"] and again.hertz_half_axes == whole.hertz_half_axes
+    with shared_folder() as folder:
+        whole, _ = run_case(TINY, folder / "whole")
+        assert whole.static_force == pytest.approx(TINY.load, rel=1e-5)
+        assert 0.3 < whole.least_force < 1.1 and whole.plastic_strain == 0.0
+        if TINY.sides == 2:
+            across = np.loadtxt(folder / "whole" / "force.csv", delimiter=",", skiprows=1)[:, 3]
+            assert not np.any(across), "by symmetry there is no lateral force"
+        killed = folder / "killed"
+        assert run_case(TINY, killed, "rolling 1")[0] is None
+        assert (killed / "resume" / "state.json").exists() and not (killed / "summary.json").exists()
+        before = contents(killed)
+        with pytest.raises(ValueError, match="of another joint or run, whose parameters differ"):
+            Case(TINY.changed(speed=20.0), killed, COMM, pictures=False, resume=True, frames=4)
+        if COMM.size > 1 and COMM.rank == 0:
+            with pytest.raises(ValueError, match="whose ranks differ"):
+                Case(TINY, killed, MPI.COMM_SELF, pictures=False, resume=True, frames=4)
+        assert contents(killed) == before, "a run that is refused changes no file"
+        assert run_case(TINY, killed, "unloading 1", resume=True)[1][:3] == ["mesh", "restart", "rolling 1"]
+        assert run_case(TINY, killed, resume=True)[0] is not None
+        assert not (killed / "resume").exists(), "nothing is left to resume"
+        compare(folder / "whole", killed)
+        before = contents(killed)
+        again, stages = run_case(TINY, killed, resume=True)
+        assert stages == [], "what is complete is not run again"
+        assert contents(killed).items() >= results_of(before).items()
+        record = json.loads((killed / "summary.json").read_text())
+        assert again.as_dict() == record["summary"] and again.hertz_half_axes == whole.hertz_half_axes
 
 
 def contents(folder):
@@ -179,60 +174,61 @@ def results_of(found):
 
 def check_a_new_run_removes_the_results_of_an_old_one():
     """Else its report would show their pictures."""
-    folder = shared_folder()
-    names = ("force.png", "passages.png", "plastic.png", "passage.gif", "report.html", "summary.json", "ends.csv")
-    if COMM.rank == 0:
-        for name in (*names, "of_the_user.png"):
-            (folder / name).write_bytes(b"old")
-    COMM.barrier()
-    Case(SMALL, folder, COMM, resume=True).run.close()
-    assert set(contents(folder)) == {"of_the_user.png", "parameters.json", "parameters.toml"}
+    with shared_folder() as folder:
+        names = ("force.png", "passages.png", "plastic.png", "passage.gif", "report.html", "summary.json", "ends.csv")
+        if COMM.rank == 0:
+            for name in (*names, "of_the_user.png"):
+                (folder / name).write_bytes(b"old")
+        COMM.barrier()
+        Case(SMALL, folder, COMM, resume=True).run.close()
+        assert set(contents(folder)) == {"of_the_user.png", "parameters.json", "parameters.toml"}
 
 
 def check_run_killed_in_every_stage_goes_on():
     """Two passages over steel that yields, with pictures; killed once in each stage, the same run goes on each time."""
-    joint, folder = TINY.changed(passes=2, yield_stress=600e6), shared_folder()
-    whole, _ = run_case(joint, folder / "whole", pictures=True)
-    assert whole.plastic_strain > 1e-5 and whole.residual_von_mises > 1e6
-    for k, stage in enumerate(STAGES):
-        found, stages = run_case(joint, folder / "killed", stage, resume=k > 0, pictures=True)
-        assert found is None and stages[-1] == stage
-    assert run_case(joint, folder / "killed", resume=True, pictures=True)[0] is not None
-    compare(folder / "whole", folder / "killed")
-    for name in ("force.png", "residual.png"):
-        assert (folder / "killed" / name).exists() == (folder / "whole" / name).exists()
-    with pytest.raises(ValueError, match="whose pictures differ"):
-        run_case(joint, folder / "other", "unloading 1")
-        Case(joint, folder / "other", COMM, pictures=True, resume=True, frames=4)
+    joint = TINY.changed(passes=2, yield_stress=600e6)
+    with shared_folder() as folder:
+        whole, _ = run_case(joint, folder / "whole", pictures=True)
+        assert whole.plastic_strain > 1e-5 and whole.residual_von_mises > 1e6
+        for k, stage in enumerate(STAGES):
+            found, stages = run_case(joint, folder / "killed", stage, resume=k > 0, pictures=True)
+            assert found is None and stages[-1] == stage
+        assert run_case(joint, folder / "killed", resume=True, pictures=True)[0] is not None
+        compare(folder / "whole", folder / "killed")
+        for name in ("force.png", "residual.png"):
+            assert (folder / "killed" / name).exists() == (folder / "whole" / name).exists()
+        with pytest.raises(ValueError, match="whose pictures differ"):
+            run_case(joint, folder / "other", "unloading 1")
+            Case(joint, folder / "other", COMM, pictures=True, resume=True, frames=4)
 
 
 def check_a_run_in_a_folder_is_alone():
     """A second case is refused on all ranks while the first one is there."""
-    folder = shared_folder()
-    case = Case(SMALL, folder, COMM, pictures=False)
-    with pytest.raises(RuntimeError, match="another run writes to"):
-        Case(SMALL, folder, COMM, pictures=False)
-    case.run.close()
-    Case(SMALL, folder, COMM, pictures=False).run.close()
+    with shared_folder() as folder:
+        case = Case(SMALL, folder, COMM, pictures=False)
+        with pytest.raises(RuntimeError, match="another run writes to"):
+            Case(SMALL, folder, COMM, pictures=False)
+        case.run.close()
+        Case(SMALL, folder, COMM, pictures=False).run.close()
 
 
 def check_prediction_of_a_long_run():
     """Number of steps and rate are those of the run itself, within what pressed springs change."""
-    folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
-    case, said, trial = Case(SMALL, folder, COMM, pictures=False, progress=False), [], case_module.TRIAL
-    case.run.print = said.append
-    passage = Passage(JointModel(SMALL, COMM), progress=False)
-    case_module.TRIAL = 0.5
-    try:
-        case._predict(passage)
-    finally:
-        case_module.TRIAL = trial
-    (text,) = said
-    steps, rate = (float(x) for x in re.search(r"1 x (\d+) steps .* ([\d.]+) steps per second", text).groups())
-    run = passage.start(passage.preload())
-    begun, step = time.perf_counter(), run.step
-    run.advance(0.1 * SMALL.duration, progress=False)
-    measured = (run.step - step) / (time.perf_counter() - begun)
-    assert steps == pytest.approx(10 * (run.step - step), rel=0.1)
-    assert 0.1 < rate / measured < 10.0, "the machine may be busy with one of the two"
-    assert "GB more for equilibria" in text
+    with shared_folder() as folder:
+        case, said, trial = Case(SMALL, folder, COMM, pictures=False, progress=False), [], case_module.TRIAL
+        case.run.print = said.append
+        passage = Passage(JointModel(SMALL, COMM), progress=False)
+        case_module.TRIAL = 0.5
+        try:
+            case._predict(passage)
+        finally:
+            case_module.TRIAL = trial
+        (text,) = said
+        steps, rate = (float(x) for x in re.search(r"1 x (\d+) steps .* ([\d.]+) steps per second", text).groups())
+        run = passage.start(passage.preload())
+        begun, step = time.perf_counter(), run.step
+        run.advance(0.1 * SMALL.duration, progress=False)
+        measured = (run.step - step) / (time.perf_counter() - begun)
+        assert steps == pytest.approx(10 * (run.step - step), rel=0.1)
+        assert 0.1 < rate / measured < 10.0, "the machine may be busy with one of the two"
+        assert "GB more for equilibria" in text

@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Rolling problems on any number of ranks: a ring of quadrilaterals about the origin, and blocks that flow straight."""
 
-import contextlib
-import tempfile
-from pathlib import Path
 
 import basix
 import basix.ufl
@@ -12,6 +9,8 @@ import pytest
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
+from over_ranks import largest, smallest
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact.rolling import stability
@@ -403,14 +402,63 @@ def check_damaged_files_of_sweeps_are_refused():
         np.testing.assert_array_equal(state_of(problem), before)
 
 
-@contextlib.contextmanager
-def shared_folder():
-    """A folder that all ranks see."""
-    made = tempfile.TemporaryDirectory() if COMM.rank == 0 else None
-    yield Path(COMM.bcast(made.name if made else None))
-    COMM.barrier()
-    if made:
-        made.cleanup()
+def rolling_on_planes(surfaces, planes, friction, law=di.LinearElastic, contact=di.Lagrange):
+    """A wheel in the plane that is pressed on frictionless or rough planes and turns.
+
+    Args:
+        surfaces: {tag: condition on the angle of the middle of a facet of the rim, from the lowest point}.
+        planes: list of (slave tag, direction to the plane); friction: of each.
+    """
+    domain = ring()
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    rim = mesh.locate_entities_boundary(domain, 1, lambda x: np.hypot(x[0], x[1]) > OUTER - 1e-3)
+    x = mesh.compute_midpoints(domain, 1, rim)
+    angle, values = np.arctan2(x[:, 0], -x[:, 1]), np.zeros(len(rim), np.int32)
+    for tag, where in surfaces.items():
+        values[where(angle)] = tag
+    tags = mesh.meshtags(domain, 1, rim, values)
+    hub = fem.Function(V)
+    hub.x.array.reshape(-1, 2)[:] = 0.02 * np.sum([direction for _, direction in planes], axis=0) / len(planes)
+    inner = fem.locate_dofs_geometrical(V, lambda x: np.hypot(x[0], x[1]) < INNER + 1e-3)
+    pairs = []
+    for (tag, direction), mu in zip(planes, friction):
+        plane = di.RigidPlane(OUTER * np.array(direction), -np.array(direction))
+        plane.velocity = 0.2 * np.array([direction[1], -direction[0]])  # along with the rim
+        pairs.append(contact(di.ContactPair(tags, tag, plane, friction=mu)))
+    material = law(100.0, 0.3, density=1e-3, hypothesis="plane_strain")
+    motions = {1: di.Spin((0.0, 0.0), (0.0, 0.0, 1.0), -0.1)}
+    bcs = [fem.dirichletbc(hub, inner)]
+    return di.RollingProblem(fem.Function(V), material, tagged(domain), motions, contact=pairs, bcs=bcs)
+
+
+DOWN, ASIDE = (0.0, -1.0), (1.0, 0.0)
+WHOLE, PARTS = {7: lambda a: a < 9.0}, {7: lambda a: a < 0.0, 8: lambda a: a > 0.0}
+
+
+def check_nodes_that_pairs_share():
+    """Without friction a rim in two tags rolls as in one, and one rim on two planes as with a tag for each of them;
+    with friction in any of the pairs shared nodes are refused, whether pairs agree in their normals or not."""
+    apart = {7: lambda a: np.abs(a) < 0.6, 8: lambda a: np.abs(a - np.pi / 2) < 0.6}
+    one_plane, both = [(7, DOWN)], [(7, DOWN), (8, ASIDE)]
+    for law in (di.LinearElastic, di.StVenantKirchhoff):
+        for first, second in (
+            ((WHOLE, one_plane), (PARTS, [(7, DOWN), (8, DOWN)])),
+            ((apart, both), (WHOLE, [(7, DOWN), (7, ASIDE)])),
+        ):
+            runs = [rolling_on_planes(*given, [0.0] * 2, law) for given in (first, second)]
+            assert all(run.solve().converged for run in runs)
+            ours, theirs = (sum(np.array(c.force) for c in run.contact) for run in runs)
+            assert ours[1] > 0.05
+            assert np.abs(ours - theirs).max() < 1e-9 * np.abs(ours).max(), law
+            assert abs(norm(runs[0]) - norm(runs[1])) < 1e-9 * norm(runs[0]), law
+    for surfaces, planes in ((PARTS, [(7, DOWN), (8, DOWN)]), (WHOLE, [(7, DOWN), (7, ASIDE)])):
+        for friction in ((0.3, 0.3), (0.3, 0.0), (0.0, 0.3)):
+            with pytest.raises(ValueError, match="shares nodes with another contact.*rolling with friction solves for"):
+                rolling_on_planes(surfaces, planes, friction)
+    rough = rolling_on_planes(apart, both, (0.3, 0.3))
+    assert rough.solve().converged
+    for c in rough.contact:
+        assert np.linalg.norm(c.force) > 0.05
 
 
 def check_linear_bodies_have_one_tangent():
@@ -501,7 +549,8 @@ def check_an_explicit_run_goes_on_with_the_contact_forces():
     # Normals of the two contacts differ by the angle between facets and plane: none; stored to the accuracy of CLOSE.
     np.testing.assert_allclose(run.contact[0].force, steady, atol=1e-5 * steady[1])
     moved = run.u.x.array - problem.u.x.array
-    assert np.ptp(moved.reshape(-1, 3), axis=0).max() < 1e-15  # the whole wheel, without deformation
+    ends = [(largest(column), smallest(column)) for column in moved.reshape(-1, 3).T]
+    assert np.max(np.subtract(*np.transpose(ends))) < 1e-15  # the whole wheel, without deformation
     run.advance(0.01, progress=False)  # a fifth of the facets' length
     # Facets of a coarse wheel close and open one by one; without the friction the run would begin at zero.
     assert abs(run.contact[0].force[1] / steady[1] - 1.0) < 0.1
