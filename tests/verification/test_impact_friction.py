@@ -145,7 +145,7 @@ def test_oblique_impact_of_a_spinning_sphere(method):
     """In space: as the disc, with 5/2 of the change of velocity in that of the spin, R dw = 5/2 dv_t; no other spin."""
     law = di.NeoHookean(1e13, 0.3, 1000.0)
     ball = Impact(
-        "sphere_on_half_space", law, radius=1.0, a=0.2, h=0.1, gap=1e-7, symmetry="none", whole=True, coarse=0.3,
+        "sphere_on_half_space", law, radius=1.0, a=0.2, h=0.08, gap=1e-7, symmetry="none", whole=True, coarse=0.3,
         width=0.5, height=0.5,
     )  # fmt: skip
     nodes, vn, friction = ball.body(lambda x: x[2] > 5e-8), 1.0, 0.1

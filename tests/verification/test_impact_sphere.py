@@ -5,11 +5,12 @@ Steel, radius 10 mm. By symmetry the impact of two spheres at 1 m/s is that of o
 Errors of what was found (fine: facets in the radius of the largest contact; `python test_impact_sphere.py`):
 
                                        penalty: force  duration   kinematic: force  duration
-    two spheres, 1 m/s       fine 4             +.04 %    -.22 %            +1.71 %   -2.17 %
-                             fine 8            +1.03 %   -1.20 %            +1.35 %   -1.85 %
-    rigid plane, 1 m/s       fine 5             +.86 %    -.88 %            +2.30 %   -2.17 %
-    half-space, 1 m/s        fine 4             -.16 %   -1.85 %             +.37 %   -2.17 %
+    two spheres, 1 m/s       fine 4            -2.89 %   +4.65 %            +1.71 %   -2.17 %
+                             fine 8            -1.46 %   +2.05 %            +1.35 %   -1.85 %
+    rigid plane, 1 m/s       fine 5            -1.72 %   +3.03 %            +2.30 %   -2.18 %
+    half-space, 1 m/s        fine 4            -3.31 %   +2.70 %             +.37 %   -2.17 %
 
+Springs of the penalty are half as stiff as a layer of cells: they want some more facets than kinematic contact.
 Hertz's half-spaces are the limit of small contacts; here a/R is 0.04 to 0.06. The ball is a little stiffer.
 """
 
@@ -93,8 +94,7 @@ def test_the_numbers_of_the_benchmark():
 
 @pytest.mark.parametrize("method", BOTH)
 def test_two_spheres(method):
-    # A wave crosses the ball 18 times meanwhile: next to nothing stays as vibration. Springs of the penalty are half as
-    # stiff as a layer of cells: they lengthen the impact by 4.7 % with 4 facets in the radius, by 2.7 % with 6.
+    # A wave crosses the ball 18 times meanwhile: next to nothing stays as vibration.
     assert check(Sphere(0.5, rigid=True, fine=6).run(method)) == pytest.approx(1.0, abs=1e-3)
 
 
@@ -102,7 +102,8 @@ def test_two_spheres(method):
 @pytest.mark.parametrize("method", BOTH)
 def test_sphere_on_half_space(method):
     """What waves carry off into the block does not come back in time: a few per cent of the speed."""
-    assert 0.95 < check(Sphere(1.0, rigid=False).run(method)) < 1.0
+    fine = 6 if method == "Penalty" else 4
+    assert 0.95 < check(Sphere(1.0, rigid=False, fine=fine).run(method)) < 1.0
 
 
 @pytest.mark.slow
@@ -111,7 +112,7 @@ def test_sphere_as_the_slave(method):
     """A slave four times coarser than its master, whose node on the axis lies over the end of the master's surface:
     stable, energy and peak force as they are the other way round. The default energy limits are in force; nothing is
     gained but for fluctuations. (The time of contact is not the same: masters between slave nodes touch once more.)"""
-    sphere = Sphere(1.0, rigid=False, slave="ball")
+    sphere = Sphere(1.0, rigid=False, fine=8 if method == "Penalty" else 4, slave="ball")
     peak, _, restitution, drift = sphere.run(method)
     assert peak == pytest.approx(1.0, abs=0.03) and 0.95 < restitution < 1.0 and abs(drift) < 0.01
     assert sphere.gained < 1e-3  # nodes that chatter may give a little before they take; unstable contact gave 36
