@@ -89,7 +89,7 @@ def test_with_a_path_cells_are_alike():
     np.testing.assert_allclose(np.diff(along), 0.25, rtol=1e-3)
 
 
-# Kalker's coefficients of the contact of a locomotive's wheel, by CONTACT: steel, 130 kN, half-axes of 7.854 and 5.908 mm.
+# Kalker's coefficients of a locomotive's wheel, by CONTACT: steel, 130 kN, half-axes of 7.854 and 5.908 mm.
 LOCOMOTIVE = {"load": 130e3, "friction": 0.3, "E": 207e9, "density": 7800.0, "speed": 1.0, "reach": 4.0}
 C11, C22, C23 = 4.607, 4.161, 1.869
 

@@ -564,7 +564,7 @@ class LagrangeContact(ContactOutput):
         return f"{self.pair.name}: {what}, number {number} at ({', '.join(f'{c:.4g}' for c in x)}), is {value:.3e}"
 
     def mesh_advice(self) -> str:
-        """A sentence about a sharp edge of the slave with both sides beside the master, or an empty text. Collective."""
+        """A sentence about a sharp edge of the slave with both sides at the master, or an empty text. Collective."""
         angles, near = self.geometry.edge_angles(), self.geometry.gap < self.geometry.facet_sizes()
         at = np.flatnonzero(near & self.geometry.part & (angles > SHARP))
         mine = [(float(angles[i]), int(self.geometry.numbers[i]), self.points[i].tolist()) for i in at]
@@ -572,10 +572,11 @@ class LagrangeContact(ContactOutput):
         if not sharp:
             return ""
         angle, number, x = max(sharp)
+        place = ", ".join(f"{c:.4g}" for c in x)
         return (
-            f"{self.pair.name}: the slave has an edge of {angle:.0f} degrees at {len(sharp)} of its nodes beside the master "
-            f"(number {number} at ({', '.join(f'{c:.4g}' for c in x)})), where the normal is the mean of both sides: "
-            "leave one side out of its tag, or make a pair of each"
+            f"{self.pair.name}: the slave has an edge of {angle:.0f} degrees at {len(sharp)} of its nodes beside the "
+            f"master (number {number} at ({place})), where the normal is the mean of both sides: leave one side out of "
+            "its tag, or make a pair of each"
         )
 
     def prescribed_overlap(self) -> str:
