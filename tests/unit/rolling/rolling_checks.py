@@ -165,6 +165,23 @@ def check_contact_with_a_plane():
     assert forces[1] == pytest.approx(forces[0], rel=0.2)  # penalty lets the ring in
 
 
+def check_frequencies_before_anything_is_solved():
+    """With a contact that is open they are those without it; the deeper the ring is pressed in, the higher."""
+    domain = ring()
+    facets = mesh.locate_entities_boundary(domain, 1, lambda x: np.hypot(x[0], x[1]) > 1.99)
+    tags = mesh.meshtags(domain, 1, np.sort(facets), np.full(len(facets), 7, np.int32))
+
+    def lowest(*heights, **options):
+        pairs = [di.ContactPair(tags, 7, di.RigidPlane((0.0, y), (0.0, 1.0))) for y in heights]
+        problem = spinning(omega=0.01, domain=domain, contact=[di.Penalty(p, **options) for p in pairs])
+        return abs(problem.frequencies(1)[0]), problem.critical_factor()
+
+    free = lowest()
+    for options in ({}, {"penalty": 1.0}):
+        np.testing.assert_allclose(lowest(-2.1, **options), free, rtol=1e-9)
+        assert np.all(np.array(lowest(-1.97, **options)) > np.array(free) * (1 + 1e-6))
+
+
 def check_straight_flow():
     domain = mesh.create_rectangle(COMM, [(0.0, 0.0), (4.0, 1.0)], (16, 4))
     V = fem.functionspace(domain, ("Lagrange", 1, (2,)))

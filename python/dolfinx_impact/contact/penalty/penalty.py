@@ -171,6 +171,8 @@ class PenaltyContact(ContactOutput):
         num = self._points.size
         self._status: IntArray = np.zeros(num, dtype=np.int8)  # of the last iteration
         self._touched = np.zeros(num, dtype=bool)  # points that were closed in the last converged state
+        # Least trial pressure of points that close in an increment's first evaluation; None: no increment has begun.
+        self._touch: float | None = None
         self._keeper = None if self.pair.rigid else FacetKeeper(self.comm, self._points, self._cpp.search)
         if self.pair.rigid:
             check_side(self.pair, V, self.slave, self.obstacle)
@@ -384,6 +386,8 @@ class PenaltyContact(ContactOutput):
         Args:
             u: displacements, owned and ghost dofs [L].
         """
+        if self._touch is None:  # a state is asked for before anything was solved
+            self.begin_step(u, self.pair.rigid_master.displacement if self.pair.rigid else None)
         self._u = np.array(u)
         self._known_status = None
         self._locate(self._u)
