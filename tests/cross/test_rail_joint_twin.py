@@ -14,9 +14,10 @@ from dolfinx_impact.verify.bodies import Body, foundation_rule
 STEPS = 100
 # Round-off of 100 steps over the largest value, which contact carries on; the limit of the level history of `verify`.
 LIMIT = 1e-9
+# Both sides have springs of one penalty, as stiff as those of `penalty="step"` in the middle of this contact.
 JOINT = RailJoint().changed(
     cells=1, coarse=0.1, speed=80.0, begin=-6e-3, end=6e-3, rail_length=0.5, bar_length=0.3, yield_stress=np.inf,
-    support="winkler", wheel_mass=700.0,
+    support="winkler", wheel_mass=700.0, penalty=4e13,
 )  # fmt: skip
 
 
@@ -50,7 +51,8 @@ class Both:
         model, hub = self.model, self.facets("hub")
         pressure = JOINT.load / JOINT.sides / model.flux_load(hub, 1.0).sum()
         fixed = np.unique(np.concatenate([bc.dof_indices()[0] for bc in self.ours.bcs]))
-        contact = impact_reference.NodalPenalty(self.facets("slave_surface"), self.facets("master_surface"), friction)
+        sides = self.facets("slave_surface"), self.facets("master_surface")
+        contact = impact_reference.NodalPenalty(*sides, friction, penalty=JOINT.penalty)
         return model.run_explicit(
             dt, steps, u0=self.body.to_theirs(u), v0=self.body.to_theirs(v), fixed_dofs=self.order[fixed],
             loads=model.traction(hub, np.array([0.0, 0.0, -pressure])), contacts=[contact],
@@ -71,9 +73,9 @@ def ours(both):
     u.x.array[:] = start.u.x.array
     run = di.ExplicitProblem(
         u, both.ours.material, velocity=start.velocity, bcs=both.ours.bcs, loads=[both.ours.press, both.ours.track],
-        contact=[di.Penalty(both.ours.pair(JOINT.friction))],
+        contact=[di.Penalty(both.ours.pair(JOINT.friction), penalty=JOINT.penalty)],
     )  # fmt: skip
-    dt = 0.9 * run.stable_step()  # the automatic step, for which the springs of the start are made
+    dt = 0.9 * run.stable_step()
     states = []
     run.advance(STEPS * dt, dt=dt, progress=False,
                 callback=lambda p: states.append((p.u.x.array.copy(), p.velocity.x.array.copy())))  # fmt: skip
