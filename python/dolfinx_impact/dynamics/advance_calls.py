@@ -16,20 +16,27 @@ class AdvanceCalls:
     def __init__(self) -> None:
         self._running = False
 
-    def check(self, time: float, until: float, callback: Callable[[Any], object] | None) -> float:
+    def check(
+        self,
+        time: float,
+        until: float,
+        callback: Callable[[Any], object] | None,
+        update: Callable[[Any, float], object] | None,
+    ) -> float:
         """Check a call on this rank; for use under a guard.
 
         Args:
             time: present time [T].
             until: time to advance to [T].
             callback: function of the problem, or None.
+            update: function of problem and time, or None.
 
         Returns:
             `until` as a number [T].
 
         Raises:
             RuntimeError: `advance` was called by a callback of `advance`.
-            TypeError: `until` is no number, or `callback` no function.
+            TypeError: `until` is no number, `callback` or `update` no function.
             ValueError: `until` has passed.
         """
         if self._running:
@@ -41,7 +48,32 @@ class AdvanceCalls:
             raise ValueError(f"until is {until:g}, but the time is {time:g} already")
         if callback is not None and not callable(callback):
             raise TypeError(f"callback must be a function of the problem, found {type(callback).__name__}")
+        if update is not None and not callable(update):
+            raise TypeError(f"update must be a function of problem and time, found {type(update).__name__}")
         return until
+
+    @staticmethod
+    def at_present(
+        callback: Callable[[Any], object] | None, update: Callable[[Any, float], object] | None
+    ) -> Callable[[Any], object] | None:
+        """What is called at a time level whose forces come next, in explicit runs.
+
+        Args:
+            callback: function of the problem, or None.
+            update: function of problem and time, or None; it comes first.
+
+        Returns:
+            Function of the problem; None: nothing is called.
+        """
+        if update is None:
+            return callback
+
+        def both(problem: Any) -> None:
+            update(problem, problem.time)
+            if callback is not None:
+                callback(problem)
+
+        return both
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:

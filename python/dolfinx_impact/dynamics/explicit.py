@@ -27,14 +27,14 @@ from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
-from ..forms import materials as laws
 from ..added_mass import AddedMass, added_masses
 from ..foundation import Foundation, dashpot_form, spring_form
 from ..loads import DeadLoad, Load
 from ..common.arguments import number
 from ..materials import MaterialMap, Rayleigh, _Material
 from ..io.mesh_check import check_cells
-from ..assembly.residual import check_radius, split
+from ..assembly.measures import check_measures
+from ..assembly.residual import check_hypothesis, split
 from . import energy_gain, rolling_start, static_start
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
@@ -44,7 +44,7 @@ from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
 from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, damped
-from .start_values import check_velocity, density_expression, velocity_or_rest
+from .start_values import check_velocity, residual_bodies, velocity_or_rest
 from .supports import Supports
 from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
@@ -125,9 +125,8 @@ class ExplicitProblem(Unique):
         hypothesis: str | None = None,
     ) -> None:
         with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "ExplicitProblem") as ranks:
-            if residual is not None and (loads or density is None):
-                what = "write the loads into your own residual" if loads else "a residual of your own needs a density"
-                raise ValueError(what)
+            if residual is not None and density is None:
+                raise ValueError("a residual of your own needs a density")
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
@@ -163,17 +162,9 @@ class ExplicitProblem(Unique):
             internal, tangent, linear = forms.internal, forms.stiffness, forms.linear
             laws_at_points, self._parts = forms.laws, forms.parts
             parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
-            springs = spring_form(loads, du, v, material)
-            tangent = tangent if springs is None else tangent + springs
-            damping_tangent = dashpot_form(loads, du, v, material)
-            if damping_tangent is not None and scheme == "classical":
-                raise ValueError(
-                    "a Foundation has dashpots: scheme 'classical' takes mass-proportional damping only, its matrix "
-                    "must be diagonal"
-                )
+            bodies: Any = material
         else:
-            if hypothesis is not None:
-                laws.check_hypothesis(hypothesis, mesh.geometry.dim)
+            bodies = residual_bodies(mesh, hypothesis, density)
             internal, resisting = split(residual, velocity)
             tangent, linear = expand_derivatives(ufl.derivative(internal, u, du)), False
             if resisting is not None:
@@ -182,7 +173,21 @@ class ExplicitProblem(Unique):
                         "the residual contains the velocity: scheme 'classical' takes mass-proportional damping only"
                     )
                 damping_tangent = expand_derivatives(ufl.derivative(resisting, velocity, du))
-            parts, tags = [(None, density_expression(density, mesh))], None
+            check_hypothesis(internal, u, hypothesis)
+            parts, tags = [(None, bodies.density_constant(mesh))], None
+        springs, dashpots = spring_form(loads, du, v, bodies), dashpot_form(loads, du, v, bodies)
+        if dashpots is not None and scheme == "classical":
+            raise ValueError(
+                "a Foundation has dashpots: scheme 'classical' takes mass-proportional damping only, its matrix must "
+                "be diagonal"
+            )
+        if springs is not None:
+            tangent = tangent + springs
+            check_measures(tangent)
+        if dashpots is not None:
+            damping_tangent = dashpots if damping_tangent is None else damping_tangent + dashpots
+            check_measures(damping_tangent)
+        self._bodies = bodies
         self.axisymmetric = hypothesis == "axisymmetric"
         self._frequencies = Frequencies(
             u, tangent, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
@@ -191,8 +196,6 @@ class ExplicitProblem(Unique):
         tangents = [t for t in (tangent, damping_tangent) if t is not None]
         self._nonlinear = any(c is u or c is velocity for t in tangents for c in t.coefficients())
         if residual is not None:
-            if hypothesis in (None, "axisymmetric"):
-                check_radius(self._frequencies.stiffness, u, self.axisymmetric)
             self._frequencies.check_signs()
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
@@ -379,12 +382,10 @@ class ExplicitProblem(Unique):
     def _add_foundations(self, v: ufl.Argument) -> None:
         """Springs to the ground, whose energy counts as internal, and dashpots. Two terms for all of them: their forms
         share one set of tags, as those of the stable step do."""
-        if self.material is None:
-            return  # in a residual of a user's own
-        springs = spring_form(self.loads, self.u, v, self.material)
+        springs = spring_form(self.loads, self.u, v, self._bodies)
         if springs is not None:
             self._term(springs, _cpp.integrators.WorkKind.foundation)
-        dashpots = dashpot_form(self.loads, self.velocity, v, self.material)
+        dashpots = dashpot_form(self.loads, self.velocity, v, self._bodies)
         if dashpots is not None:
             self._term(dashpots, _cpp.integrators.WorkKind.damping)
 
@@ -399,7 +400,7 @@ class ExplicitProblem(Unique):
         for load in loads:
             if isinstance(load, (Foundation, AddedMass)):
                 continue  # _add_foundations; in the mass
-            form = load.form(self.u, v, self.material)
+            form = load.form(self.u, v, self._bodies)
             amplitude = Amplitude(getattr(load, "amplitude", None), f"amplitude of {type(load).__name__}")
             if self.u in form.coefficients():
                 if getattr(load, "amplitude", None) is not None:
@@ -420,6 +421,7 @@ class ExplicitProblem(Unique):
         progress: bool = True,
         unsafe: bool = False,
         energy_limits: tuple[float, float] | None = energy_gain.LIMITS,
+        update: Callable[[ExplicitProblem, float], object] | None = None,
     ) -> None:
         """Advance to a time. Collective.
 
@@ -438,6 +440,9 @@ class ExplicitProblem(Unique):
             energy_limits: two limits for the energy that the run has gained without the work of loads and supports,
                 relative to the energies so far (docs/explicit/energies.md). Beyond the first the run warns, once;
                 beyond the second it stops. None: no limits [1].
+            update: function that is called as update(problem, time) before the forces of a time are computed, the start
+                included, and before `callback`. What it sets, constants and functions of a residual of your own, values
+                of loads, holds at this time, as in implicit runs.
 
         Raises:
             TypeError: an argument is of the wrong type.
@@ -449,11 +454,11 @@ class ExplicitProblem(Unique):
                 state; works are zero and friction has no history there.
             KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
         """
-        with guard(self.comm, "advance", callback=callback, unsafe=bool(unsafe)) as ranks:
-            until, limits = self._stepper.check_arguments(until, callback), energy_gain.checked(energy_limits)
+        with guard(self.comm, "advance", callback=callback, update=update, unsafe=bool(unsafe)) as ranks:
+            until, limits = self._stepper.check_arguments(until, callback, update), energy_gain.checked(energy_limits)
             ranks.same(until=until, dt=dt, energy_limits=limits)
         if until != self.time:
-            self._stepper.advance(until, dt, callback, progress, unsafe, limits)
+            self._stepper.advance(until, dt, callback, update, progress, unsafe, limits)
 
     @property
     def time(self) -> float:

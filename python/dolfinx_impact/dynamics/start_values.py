@@ -8,6 +8,7 @@ import ufl
 from dolfinx import default_scalar_type, fem
 from dolfinx.mesh import Mesh
 
+from ..assembly.residual_bodies import ResidualBodies
 from ..common import arguments
 
 
@@ -47,20 +48,22 @@ def velocity_or_rest(velocity: fem.Function | None, u: fem.Function) -> fem.Func
     return fem.Function(u.function_space) if velocity is None else velocity
 
 
-def density_expression(density: float | ufl.core.expr.Expr | None, mesh: Mesh) -> ufl.core.expr.Expr:
-    """Density of a residual of a user's own in UFL.
+def residual_bodies(mesh: Mesh, hypothesis: str | None, density: float | ufl.core.expr.Expr | None) -> ResidualBodies:
+    """Bodies of a residual of a user's own, with inertia.
 
     Args:
-        density: number, function or UFL expression [M/L^3].
         mesh: mesh of the displacement.
+        hypothesis: hypothesis of the residual, or None.
+        density: number, function or UFL expression [M/L^3].
 
     Returns:
-        Expression or constant [M/L^3].
+        Bodies with density and hypothesis.
 
     Raises:
-        TypeError: it is neither.
-        ValueError: a number that is not positive.
+        TypeError: the density is none of these.
+        ValueError: it is a number that is not positive; the hypothesis is unknown, or does not fit the mesh.
     """
     if isinstance(density, ufl.core.expr.Expr):
-        return density
-    return fem.Constant(mesh, default_scalar_type(arguments.number("density", density, 0.0, " [M/L^3]")))
+        return ResidualBodies(mesh, hypothesis, density)
+    value = arguments.number("density", density, 0.0, " [M/L^3]")
+    return ResidualBodies(mesh, hypothesis, fem.Constant(mesh, default_scalar_type(value)), value)

@@ -175,22 +175,28 @@ class TimeStepper:
         self.schedule, self._good = schedule, None
         self.state.share.begin_anew()
 
-    def check_arguments(self, until: float, callback: Callable[[ExplicitProblem], object] | None) -> float:
+    def check_arguments(
+        self,
+        until: float,
+        callback: Callable[[ExplicitProblem], object] | None,
+        update: Callable[[ExplicitProblem, float], object] | None,
+    ) -> float:
         """Check arguments of `advance` on this rank.
 
         Args:
             until: time to advance to [T].
             callback: function of the problem, or None.
+            update: function of problem and time, or None.
 
         Returns:
             `until` as a number [T].
 
         Raises:
             RuntimeError: `advance` was called by a callback of `advance`.
-            TypeError: `until` is no number, or `callback` no function.
+            TypeError: `until` is no number, `callback` or `update` no function.
             ValueError: `until` has passed, or the mesh has changed.
         """
-        until = self._calls.check(self.time, until, callback)
+        until = self._calls.check(self.time, until, callback, update)
         if self._fingerprint() != self._mesh_fingerprint:
             raise ValueError("the mesh was changed after the problem was set up: make a new problem")
         return until
@@ -200,6 +206,7 @@ class TimeStepper:
         until: float,
         dt: float | str,
         callback: Callable[[ExplicitProblem], object] | None,
+        update: Callable[[ExplicitProblem, float], object] | None,
         progress: bool,
         unsafe: bool,
         energy_limits: tuple[float, float],
@@ -210,6 +217,7 @@ class TimeStepper:
             until: time to advance to [T].
             dt: largest step [T], or "auto".
             callback: function that is called after each step, or None.
+            update: function that sets values for a time, or None.
             progress: whether a progress bar is shown.
             unsafe: whether a step beyond the stable step is accepted.
             energy_limits: gains of energy at which the run warns and stops [1].
@@ -222,7 +230,7 @@ class TimeStepper:
         """
         self._warn_at, self.integrator.gain_limit = energy_limits
         with self._calls.running(), Interrupts(self.comm) as interrupts:
-            self._advance(until, dt, callback, progress, unsafe, interrupts)
+            self._advance(until, dt, callback, update, progress, unsafe, interrupts)
             interrupts.check()
 
     def refresh(self) -> None:
@@ -237,13 +245,16 @@ class TimeStepper:
         until: float,
         dt: float | str,
         callback: Callable[[ExplicitProblem], object] | None,
+        update: Callable[[ExplicitProblem, float], object] | None,
         progress: bool,
         unsafe: bool,
         interrupts: Interrupts,
     ) -> None:
         self.refresh()
-        if callback and self.step == 0:
-            interrupts.check(self._call(callback))
+        now = self._calls.at_present(None if self.step > 0 else callback, update)
+        if now:
+            interrupts.check(self._call(now))
+        callback = self._calls.at_present(callback, update)
         if self._stale:
             self._find_stable_step()
         self._choose_schedule(until, dt, unsafe)

@@ -12,6 +12,8 @@ from petsc4py import PETSc
 
 from ..assembly import operators
 from ..assembly.inelastic_part import InelasticParts
+from ..assembly.measures import check_measures
+from ..assembly.residual_bodies import ResidualBodies
 from ..added_mass import AddedMass
 from ..foundation import foundations
 from ..inelastic import InelasticMaterial
@@ -22,14 +24,21 @@ from .elastic_body import ElasticBody
 from .inelastic_body import InelasticBody
 
 
-def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | None, loads: Sequence[Load]) -> Body:
+def make_body(
+    u: fem.Function,
+    material: Material | None,
+    residual: ufl.Form | None,
+    loads: Sequence[Load],
+    bodies: ResidualBodies | None = None,
+) -> Body:
     """Compose residual and tangent of the bodies.
 
     Args:
         u: displacement function [L].
         material: material of the bodies; None with a residual.
         residual: UFL residual of a user's own; None with a material.
-        loads: loads, with a material.
+        loads: loads.
+        bodies: what loads ask of the bodies, with a residual; None with a material.
 
     Returns:
         Elastic or inelastic bodies.
@@ -39,23 +48,24 @@ def make_body(u: fem.Function, material: Material | None, residual: ufl.Form | N
     """
     V = u.function_space
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+    external, springs = external_work(u, material or bodies, loads), bool(foundations(loads))
     if residual is not None:
-        _check_measures(residual)
+        residual = residual if external is None else residual - external
+        check_measures(residual)
         # There may be springs in it.
         return ElasticBody(u, residual, ufl.derivative(residual, u, du), has_springs=True)
     assert material is not None  # checked by the problem
-    external, springs = external_work(u, material, loads), bool(foundations(loads))
     follows = external is not None and u in external.coefficients()
     stiffness = ufl.derivative(external, u, du) if follows else None
     inelastic = any(isinstance(m, InelasticMaterial) for _, m in material.parts())
     if not inelastic:
         internal, tangent = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
         whole = internal if external is None else internal - external
-        _check_measures(whole)
+        check_measures(whole)
         return ElasticBody(u, whole, tangent if stiffness is None else tangent - stiffness, springs)
     rest = _sum(operators.internal_force_form(u, v, material), None if external is None else -external)
     if rest is not None:
-        _check_measures(rest)
+        check_measures(rest)
     tangent = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
     return InelasticBody(u, InelasticParts(u, material), rest, tangent, springs)
 
@@ -79,12 +89,12 @@ def assemble_residual(u: fem.Function, body: Body, b: PETSc.Vec) -> PETSc.Vec:
     return b
 
 
-def external_work(u: fem.Function, material: Material | None, loads: Sequence[Load]) -> Any:
+def external_work(u: fem.Function, bodies: Material | ResidualBodies | None, loads: Sequence[Load]) -> Any:
     """Virtual work of the loads.
 
     Args:
         u: displacement function [L].
-        material: material of the bodies; None without loads.
+        bodies: material of the bodies, or those of a residual; None without loads.
         loads: loads.
 
     Returns:
@@ -94,7 +104,7 @@ def external_work(u: fem.Function, material: Material | None, loads: Sequence[Lo
     for load in loads:
         if isinstance(load, AddedMass):
             continue  # inertia
-        form = load.form(u, v, material)
+        form = load.form(u, v, bodies)
         external = form if external is None else external + form
     return external
 
@@ -103,12 +113,3 @@ def _sum(*forms: Any) -> Any:
     """Sum of the forms that are not None or zero; None if there are none."""
     found = [f for f in forms if f is not None and isinstance(f, ufl.Form) and not f.empty()]
     return sum(found[1:], found[0]) if found else None
-
-
-def _check_measures(form: ufl.Form) -> None:
-    """Raise ValueError if the integrals over one kind of entity have different tags."""
-    for measure, data in next(iter(form.subdomain_data().values())).items():
-        if any(d is not data[0] for d in data):
-            raise ValueError(
-                f"the {measure} integrals must share one subdomain_data: " "put the tags of all loads into one MeshTags"
-            )

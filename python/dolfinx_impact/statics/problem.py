@@ -14,6 +14,8 @@ from petsc4py import PETSc
 from ..common import arguments
 from ..assembly import problem_arguments
 from ..assembly.history import MaterialHistory, existing
+from ..assembly.residual import check_hypothesis
+from ..assembly.residual_bodies import ResidualBodies
 from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
@@ -53,7 +55,8 @@ class StaticProblem(Unique):
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
             `solve`.
         prefix: prefix of PETSc options on the command line, which take precedence over `options`.
-        axisymmetric: for a residual of your own with contact: whether x is the radius and the integrals contain 2 pi r.
+        hypothesis: for a residual of your own: "axisymmetric" if x is the radius and its integrals contain 2 pi r,
+            otherwise None or another hypothesis.
 
     Attributes:
         u: displacement [L].
@@ -67,7 +70,8 @@ class StaticProblem(Unique):
 
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
-        ValueError: neither or both of material and residual are given; mesh, space, loads, supports or contacts do not
+        ValueError: neither or both of material and residual are given; a residual on a plane mesh does not belong to
+            its hypothesis; mesh, space, loads, supports or contacts do not
             fit; an argument differs between ranks. On all ranks.
 
     Warns:
@@ -85,14 +89,16 @@ class StaticProblem(Unique):
         contact: Sequence[Lagrange | Penalty] = (),
         options: dict[str, Any] | None = None,
         prefix: str = "impact_static_",
-        axisymmetric: bool = False,
+        hypothesis: str | None = None,
     ) -> None:
         with guard(comm_of(u, residual, bcs, material, loads, contact), "StaticProblem") as ranks:
-            if residual is not None and loads:
-                raise ValueError("write the loads into your own residual: they need the hypothesis of a material")
+            if material is not None and hypothesis is not None:
+                raise ValueError("the hypothesis is that of the material: give it there")
+            axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric)
+            bodies = None if residual is None else ResidualBodies(u.function_space.mesh, hypothesis)
             arguments.options(options)
-            ranks.same(**given, options=options, prefix=prefix)
+            ranks.same(**given, options=options, prefix=prefix, hypothesis=hypothesis)
         self.u, self.material, self.bcs, self.loads = u, material, list(bcs), list(loads)
         V = u.function_space
         self.space = V
@@ -101,8 +107,10 @@ class StaticProblem(Unique):
         if material is not None:
             warn_of_locking(u, material)
             warn_of_softening(u, material)
+        if residual is not None:
+            check_hypothesis(residual, u, hypothesis)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
-        self.body: Body = make_body(u, material, residual, loads)
+        self.body: Body = make_body(u, material, residual, loads, bodies)
         self._b = self.body.vector()
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]

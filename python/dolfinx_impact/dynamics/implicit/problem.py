@@ -15,15 +15,16 @@ from dolfinx import default_scalar_type, fem
 from ...amplitude import PrescribedMotion
 from ...assembly import problem_arguments
 from ...assembly.body_forms import stiffness_damping
+from ...assembly.operators import Inputs
 from ...assembly.history import MaterialHistory, existing
 from ...assembly.locking import warn_of_locking
-from ...assembly.residual import split
+from ...assembly.measures import check_measures
+from ...assembly.residual import check_hypothesis, split
 from ...assembly.softening import warn_of_softening
 from ...common import arguments
 from ...common.collective import comm_of, guard
 from ...common.types import ArrayLike, FilePath, FloatArray
 from ...common.unique import Unique, claim
-from ...forms import materials as laws
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
@@ -32,7 +33,7 @@ from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
 from ...statics.inelastic_body import InelasticBody
 from ..functions_of_time import FunctionsOfTime
-from ..start_values import check_velocity, density_expression, velocity_or_rest
+from ..start_values import check_velocity, residual_bodies, velocity_or_rest
 from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..supports import Supports
@@ -118,6 +119,7 @@ class NewmarkProblem(Unique):
         account: forces and works.
         run_history: energies and contact forces of all steps.
         start_displacement: displacement at the start, over owned degrees of freedom [L].
+        inputs: constants and functions that residual and loads read.
         linear_solver: solver of the linear systems.
 
     Raises:
@@ -153,9 +155,8 @@ class NewmarkProblem(Unique):
         hypothesis: str | None = None,
     ) -> None:
         with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "NewmarkProblem") as ranks:
-            if residual is not None and (loads or density is None):
-                what = "write the loads into your own residual" if loads else "a residual of your own needs a density"
-                raise ValueError(what)
+            if residual is not None and density is None:
+                raise ValueError("a residual of your own needs a density")
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
@@ -188,18 +189,19 @@ class NewmarkProblem(Unique):
             warn_of_softening(u, material)
             hypothesis = material.hypothesis_on(mesh)
             densities, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
+            bodies: Any = material
         else:
-            if hypothesis is not None:
-                laws.check_hypothesis(hypothesis, mesh.geometry.dim)
             moving, resisting = split(residual, velocity)
-            densities, tags = [(None, density_expression(density, mesh))], None
+            bodies = residual_bodies(mesh, hypothesis, density)
+            check_hypothesis(moving, u, hypothesis)
+            densities, tags = [(None, bodies.density_constant(mesh))], None
         self.axisymmetric = hypothesis == "axisymmetric"
         self.velocity = velocity
         if resisting is None:
             self.velocity = fem.Function(V, name="velocity")
             self.velocity.x.array[:] = velocity.x.array
         self.acceleration = fem.Function(V, name="acceleration")
-        self.body = make_body(u, material, moving, self.loads)
+        self.body = make_body(u, material, moving, self.loads, None if residual is None else bodies)
         self.functions = FunctionsOfTime()
         self.loads_in_time = LoadsInTime(self.loads)
         for amplitude in self.loads_in_time.amplitudes:
@@ -212,7 +214,7 @@ class NewmarkProblem(Unique):
         self.inertia.hold(self.fixed[: self.num_owned])
         self.mass = self.inertia.total
         self.moving_body = MovingBody(
-            self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting)
+            self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting, bodies)
         )
         self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
         self.obstacles = ObstacleMotions(self.contact, self.functions)
@@ -225,7 +227,12 @@ class NewmarkProblem(Unique):
         springs = foundations(self.loads)
         self._stored = StoredEnergy(u, material, self.body, springs)
         owned = self.fixed[: self.num_owned]
-        work = external_work(u, material, [load for load in self.loads if load not in springs])
+        work = external_work(u, bodies, [load for load in self.loads if load not in springs])
+        read = [form for form in (residual, work) if form is not None]
+        self.inputs = Inputs(
+            [c for form in read for c in form.constants()], [f for form in read for f in form.coefficients()],
+            (u, self.velocity),
+        )  # fmt: skip
         self._balance = ForceBalance(u, self.moving_body, self.loads_in_time, work, self.contact, owned)
         self.start_displacement: FloatArray = u.x.array[: self.num_owned].copy()
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
@@ -249,14 +256,17 @@ class NewmarkProblem(Unique):
         now = f"step {self.step}, time {self.time:g}"
         return f"NewmarkProblem({size} unknowns, {what}, {parts}, {self.scheme}, {now})"
 
-    def _damping_force(self, resisting: ufl.Form | None) -> DampingForce | None:
-        form, v = resisting, ufl.TestFunction(self.space)
-        if self.material is not None:  # loads and damping by the stiffness go with materials only
-            form = dashpot_form(self.loads, self.velocity, v, self.material)
-            if self.damping.beta > 0.0:
-                beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
-                rayleigh = stiffness_damping(self.u, self.velocity, v, self.material, beta)
-                form = rayleigh if form is None else rayleigh + form
+    def _damping_force(self, resisting: ufl.Form | None, bodies: Any) -> DampingForce | None:
+        v = ufl.TestFunction(self.space)
+        form = dashpot_form(self.loads, self.velocity, v, bodies)
+        if resisting is not None:
+            form = resisting if form is None else resisting + form
+            check_measures(form)
+        if self.damping.beta > 0.0:
+            assert self.material is not None  # checked by the constructor
+            beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
+            rayleigh = stiffness_damping(self.u, self.velocity, v, self.material, beta)
+            form = rayleigh if form is None else rayleigh + form
         return None if form is None else DampingForce(form, self.u, self.velocity)
 
     def _start(self, start: TimeValues) -> State:
@@ -378,6 +388,7 @@ class NewmarkProblem(Unique):
         atol: float = 0.0,
         max_iterations: int = 25,
         verbose: bool = False,
+        update: Callable[[NewmarkProblem, float], object] | None = None,
     ) -> None:
         """Advance to a time. Collective.
 
@@ -392,12 +403,17 @@ class NewmarkProblem(Unique):
                 are chosen; None: they are not [1].
             smallest: smallest step; None: a thousandth of dt [T].
             callback: function that is called as callback(problem) after each step and before the first step of a run
-                (at step 0).
+                (at step 0). The next step is solved for its end: what a callback sets for the present time comes a step
+                late there. Functions of time belong into `update`.
             progress: whether rank 0 shows a progress bar.
             rtol: tolerance of the free residual, relative to the largest force in the step [1].
             atol: tolerance of the free residual [F].
             max_iterations: largest number of Newton iterations per step [1].
             verbose: whether rank 0 prints every iteration.
+            update: function that is called as update(problem, time) before a step to `time` is solved, once more where
+                it is repeated with another length, and for the start. What it sets, constants and functions of a
+                residual of your own, values of loads, holds at this time, as in explicit runs. The state of the problem
+                is still that of the last step.
 
         Raises:
             TypeError: an argument is of the wrong type; on all ranks.
@@ -407,8 +423,8 @@ class NewmarkProblem(Unique):
                 length; on all ranks. The problem is then in its last converged state.
             KeyboardInterrupt: Ctrl-C, on all ranks.
         """
-        with guard(self.comm, "advance", callback=callback) as ranks:
-            until = self.stepper.calls.check(self.time, until, callback)
+        with guard(self.comm, "advance", callback=callback, update=update) as ranks:
+            until = self.stepper.calls.check(self.time, until, callback, update)
             if dt is None:
                 raise TypeError("advance needs dt, the largest step [T]: implicit steps have no stable step to follow")
             dt = arguments.number("dt", dt, 0.0, " [T]")
@@ -437,8 +453,9 @@ class NewmarkProblem(Unique):
             contact.check_parameters()
         if until == self.time:
             return
-        if self.step == 0 and any(column >= 0 for _, _, column in self.supports):
+        if self.step == 0 and (update is not None or any(column >= 0 for _, _, column in self.supports)):
             # Only now is there a step over which prescribed motion can be differentiated.
+            self.stepper.update(update, 0.0)
             start = self.stepper.sample(dt, 0.0)
             self.stepper.state = self._start(start)
             self.account.forces = self._balance.forces(self.stepper.state, start)
@@ -449,7 +466,7 @@ class NewmarkProblem(Unique):
         if known is not None and known.largest == dt and known.tolerance == tolerance:
             control = StepControl(dt, shortest, tolerance, known.length, known.last)
         limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
-        self.stepper.advance(until, control, limits, callback, progress, verbose)
+        self.stepper.advance(until, control, limits, callback, update, progress, verbose)
         self.linear_solver.warn_of_unused()
 
     @property

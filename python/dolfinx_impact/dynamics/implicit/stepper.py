@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -79,6 +80,7 @@ class ImplicitStepper(Described):
         self.largest_displacement = 0.0
         self.calls = AdvanceCalls()
         self._solver: Solver | None = None  # of the present `advance`
+        self._warned = False  # of values that came late
 
     def set_control(self, length: float, largest: float, smallest: float, last: float, tolerance: float | None) -> None:
         """Set the lengths of steps from a checkpoint.
@@ -103,6 +105,7 @@ class ImplicitStepper(Described):
         control: StepControl,
         solver_arguments: dict[str, Any],
         callback: Callable[[NewmarkProblem], object] | None,
+        update: Callable[[NewmarkProblem, float], object] | None,
         progress: bool,
         verbose: bool,
     ) -> None:
@@ -113,6 +116,7 @@ class ImplicitStepper(Described):
             control: lengths of steps.
             solver_arguments: tolerances and limits of Newton's method by the names of statics.snes.Solver.
             callback: function that is called after each step, or None.
+            update: function that sets values for a time, or None.
             progress: whether a progress bar is shown.
             verbose: whether iterations are printed on the terminal.
 
@@ -126,7 +130,7 @@ class ImplicitStepper(Described):
             with Solver(self.problem.equations, interrupts=interrupts, **solver_arguments) as solver:
                 self._solver = solver
                 try:
-                    self._advance(until, control, solver, callback, progress, log, interrupts)
+                    self._advance(until, control, solver, callback, update, progress, log, interrupts)
                 finally:
                     self._solver = None
             interrupts.check()
@@ -137,6 +141,7 @@ class ImplicitStepper(Described):
         control: StepControl,
         solver: Solver,
         callback: Callable[[NewmarkProblem], object] | None,
+        update: Callable[[NewmarkProblem, float], object] | None,
         progress: bool,
         log: StepLog,
         interrupts: Interrupts,
@@ -149,16 +154,25 @@ class ImplicitStepper(Described):
             while self.time < until:
                 goal = min([until, *(r.next_time for r in self.recorders if r.next_time > self.time)])
                 step, end = control.next(self.time, goal)
-                self._take(step, end, control, solver, log)
+                self._take(step, end, control, solver, log, update)
                 for recorder in self.recorders:
                     recorder.after()
                 error = attempt(callback, self.problem)[1] if callback else None
+                self._warn_of_late_values(callback is not None)
                 history = self.problem.run_history
                 assert history.last is not None  # the step has added its row
                 bar.show(self.step, self.time, step, history.drift(history.last))
                 interrupts.check(error)
 
-    def _take(self, step: float, end: float, control: StepControl, solver: Solver, log: StepLog) -> None:
+    def _take(
+        self,
+        step: float,
+        end: float,
+        control: StepControl,
+        solver: Solver,
+        log: StepLog,
+        update: Callable[[NewmarkProblem, float], object] | None,
+    ) -> None:
         """Take one step; the control decides about its repetition. Collective.
 
         Raises:
@@ -171,6 +185,7 @@ class ImplicitStepper(Described):
         u.scatter_forward()
         before = Before(u.array.copy(), [c.save_state() for c in p.contact], p.motion.save())
         error: float | None = None
+        self.update(update, end)
         values = self.sample(step, end)
         try:
             increment, motion = self._attempt(step, values, solver, log)
@@ -194,24 +209,59 @@ class ImplicitStepper(Described):
             log(f"  the local error is {error:.1e}: repeated with a step of {control.length:.3e}")
             self._back(before)
             self._update_gaps(before)
-            return self._again(end, control, solver, log)
+            return self._again(end, control, solver, log, update)
         self._back(before)
         self._update_gaps(before)
         if increment.hopeless:
+            self.update(update, self.time)
             raise RuntimeError(f"{increment.fault} (at the time {end:.6g})")
         if not control.failed(step):
+            self.update(update, self.time)
             raise RuntimeError(
                 f"{increment.fault} in the step to the time {end:.6g}, of length {step:.3e}; the problem is at the "
                 f"time {self.time:.6g}. Take a smaller step, or pass more iterations"
             )
         self.cut_backs += 1
         log(f"  cut back to a step of {control.length:.3e}: {increment.fault}")
-        self._again(end, control, solver, log)
+        self._again(end, control, solver, log, update)
 
-    def _again(self, goal: float, control: StepControl, solver: Solver, log: StepLog) -> None:
+    def _again(
+        self,
+        goal: float,
+        control: StepControl,
+        solver: Solver,
+        log: StepLog,
+        update: Callable[[NewmarkProblem, float], object] | None,
+    ) -> None:
         """Take a shorter step on the way to the end of one that was given up. Collective."""
         step, end = control.next(self.time, goal)
-        self._take(step, end, control, solver, log)
+        self._take(step, end, control, solver, log, update)
+
+    def update(self, update: Callable[[NewmarkProblem, float], object] | None, time: float) -> None:
+        """Let a user set the values of a time; an error on one rank is raised on all. Collective.
+
+        Args:
+            update: function of problem and time, or None.
+            time: time [T].
+        """
+        if update is not None:
+            agree(self.comm, attempt(update, self.problem, time)[1], "update")
+        self.problem.inputs.store()
+
+    def _warn_of_late_values(self, called: bool) -> None:
+        """Warn, once and on rank 0, of values that a callback has set for the present time.
+
+        Args:
+            called: whether there is a callback.
+        """
+        if called and self.comm.rank == 0 and not self._warned and self.problem.inputs.changed():
+            self._warned = True
+            warnings.warn(
+                f"the callback has changed what residual or loads read, at the time {self.time:.6g}: it acts in the "
+                "step that ends later. Values that are functions of time come a step late so; set them in "
+                "advance(..., update=function of problem and time)",
+                stacklevel=5,
+            )
 
     def sample(self, step: float | None, time: float) -> TimeValues:
         """Sample all functions of time; an error on one rank is raised on all. Collective.

@@ -37,7 +37,7 @@ class StoredEnergy(Described):
     ) -> None:
         self._known, self._body = material is not None, body
         form: Any = None if material is None else operators.strain_energy_form(u, material)
-        if foundations:  # an inelastic body alone has no strain energy: its form is zero
+        if foundations and self._known:  # an inelastic body alone has no strain energy: its form is zero
             springs = [f.energy_form(u, material) for f in foundations]
             form = sum(springs, form) if isinstance(form, ufl.Form) else sum(springs[1:], springs[0])
         self._elastic = operators.Energy(form) if isinstance(form, ufl.Form) else None

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Matrices of a bilinear form cell by cell, and what can be told from them."""
+
+import hashlib
+from collections.abc import Collection, Iterator
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from .. import _cpp
+from ..common.types import BoolArray, FloatArray, IntArray
+from . import operators
+from .jit import compile_form
+
+
+def _with_functions(form: ufl.Form) -> set[tuple[str, int]]:
+    """Kinds and tags of integrals that depend on functions; -1 stands for integrals over all entities."""
+    found = set()
+    for integral in form.integrals():
+        if ufl.algorithms.extract_coefficients(integral.integrand()):
+            tags = integral.subdomain_id()
+            for tag in tags if isinstance(tags, tuple) else (tags,):
+                found.add((integral.integral_type(), tag if isinstance(tag, int) else -1))
+    return found
+
+
+class CellMatrices:
+    """Cell matrices of a bilinear form; integrals over a cell's facets belong to the cell.
+
+    Args:
+        u: displacement function.
+        form: UFL form of rank 2 over dx and ds.
+        without: functions whose changes are ignored by `changed`.
+
+    Attributes:
+        has_place: whether the form depends on the coordinates (ufl.SpatialCoordinate).
+    """
+
+    def __init__(self, u: fem.Function, form: ufl.Form, without: Collection[fem.Function | None]) -> None:
+        self.space = u.function_space
+        self._compiled = compile_form(form)
+        data = next(iter(form.subdomain_data().values()))
+        self._tags = {kind: next((t for t in tags if t is not None), None) for kind, tags in data.items()}
+        self.has_place: bool = ufl.algorithms.analysis.has_type(form, ufl.SpatialCoordinate)
+        self._inputs = operators.Inputs(self._compiled.constants, self._compiled.coefficients, without)
+        self._varying = _with_functions(form)
+        # Of integrals without functions, beside others: what the result followed from, without its arrays, and it.
+        self._kept: dict[int, tuple[bytes, FloatArray]] = {}
+
+    def changed(self) -> bool:
+        """Compare constants and coefficients with those of `store_inputs`.
+
+        Returns:
+            Whether any has changed on this rank.
+        """
+        return self._inputs.changed()
+
+    def store_inputs(self) -> None:
+        """Store the present constants and coefficients, which `changed` compares with. Collective."""
+        self._inputs.store()
+
+    def _integrals(self) -> Iterator[tuple[Any, dict[str, fem.Function], IntArray, FloatArray]]:
+        """Kernel (C++), functions by name, entities and constants of each integral. Collective."""
+        for f in self._compiled.coefficients:
+            f.x.scatter_forward()
+        for kernel in self._compiled.kernels:
+            functions = {c["name"]: self._compiled.coefficients[c["position"]] for c in kernel.coefficients}
+            constants, kind = operators._constants(self._compiled, kernel), kernel.integral_type
+            for subdomain in kernel.subdomains:
+                entities = operators.entities_of(self.space.mesh._cpp_object, kind, subdomain, self._tags.get(kind))
+                yield kernel, functions, np.ascontiguousarray(entities), constants
+
+    def spectra(self, masses: FloatArray, only: BoolArray | None = None) -> FloatArray:
+        """Bounds of the eigenvalues of every owned cell's matrix over its mass. Collective.
+
+        Args:
+            masses: lumped masses, (num_cells, local degrees of freedom) [M].
+            only: mask of the cells whose integrals count, without those over facets; None: all, with facets.
+
+        Returns:
+            Lower bound, upper bound and norm of the skew-symmetric part, (num_cells, 3), in the form's unit over [M].
+
+        Raises:
+            ValueError: a matrix has entries that are not finite; on all ranks.
+        """
+        V, failed = self.space, False
+        out = np.zeros((len(masses), 3))
+        for number, (kernel, functions, entities, constants) in enumerate(self._integrals()):
+            if only is not None:
+                if kernel.integral_type != "cell":
+                    continue
+                entities = np.ascontiguousarray(entities[only[entities]])
+            cells = entities if kernel.integral_type == "cell" else np.ascontiguousarray(entities[::2])
+            given = np.ascontiguousarray(masses[cells]).ravel()
+            # Linear materials keep their stiffness: most cells of a model with a few that deform a lot.
+            same = (
+                only is None
+                and bool(self._varying)
+                and not any((kernel.integral_type, tag) in self._varying for tag in (-1, *kernel.subdomains))
+            )
+            digest = hashlib.blake2b(np.concatenate([np.ravel(constants), given])).digest() if same else b""
+            before = self._kept.get(number)
+            if before and before[0] == digest:
+                np.add.at(out, cells, before[1])
+                continue
+            integral = _cpp.operators.Integral(kernel.address, entities, constants)
+            coefficients = {name: f._cpp_object for name, f in functions.items()}
+            try:
+                found = _cpp.operators.cell_spectra(integral, V._cpp_object, coefficients, given).reshape(-1, 3)
+            except RuntimeError:
+                failed = True
+                continue
+            np.add.at(out, cells, found)
+            if same:
+                self._kept[number] = digest, found
+        if V.mesh.comm.allreduce(bool(failed or not np.all(np.isfinite(out))), MPI.LOR):
+            raise ValueError("the stiffness of a cell is not a number: check the material, the mesh and the state")
+        return out
+
+    def resistance(self, direction: FloatArray, count: int) -> FloatArray:
+        """Relative resistance of cells against a translation, zero for cells that are free to translate.
+
+        Args:
+            direction: translation, (gdim) [1].
+            count: number of cells that are looked at, from the first [1].
+
+        Returns:
+            Largest entry of matrix times translation over the largest entry of the matrix, for cells with a matrix that
+            is not zero [1].
+        """
+        mesh, bs, parts = self.space.mesh, self.space.dofmap.bs, []
+        for kernel, functions, entities, constants in self._integrals():
+            if kernel.integral_type != "cell":
+                continue
+            for cell in entities[:count]:
+                w = np.zeros(sum(c["num_dofs"] for c in kernel.coefficients))
+                for c in kernel.coefficients:
+                    f = functions[c["name"]]
+                    dofs = f.function_space.dofmap.cell_dofs(cell)
+                    values = f.x.array.reshape(-1, f.function_space.dofmap.bs)[dofs]
+                    w[c["offset"] : c["offset"] + c["num_dofs"]] = values.ravel()
+                n = kernel.shape[0]
+                A, x = np.zeros((n, n)), np.ascontiguousarray(mesh.geometry.x[mesh.geometry.dofmap[cell]])
+                kernel.tabulate(A.reshape(-1), w, constants, x.reshape(-1))
+                size = np.abs(A).max()
+                if size > 0.0:
+                    parts.append(np.abs(A @ np.tile(direction, n // bs)).max() / size)
+        return np.array(parts)

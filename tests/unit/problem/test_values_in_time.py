@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: MIT
+"""Values that a user sets for a time, and loads beside a residual; the checks are in values_in_time_checks.py."""
+
+import values_in_time_checks
+from on_ranks import rank_tests
+from values_in_time_checks import *  # noqa: F401, F403
+
+test_one_rank, test_several_ranks = rank_tests(values_in_time_checks)
