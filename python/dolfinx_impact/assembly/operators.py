@@ -307,7 +307,7 @@ class InternalForce(_Operator):
             raise ValueError(f"the vector has {array.size} entries on this rank, the test space has {needed}")
 
 
-class Inputs:
+class Inputs(Described):
     """Constants and coefficients that a form reads; finds whether they have changed since they were last stored.
 
     Args:

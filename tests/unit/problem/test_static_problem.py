@@ -22,7 +22,7 @@ def test_material_or_residual():
         di.StaticProblem(u)
     with pytest.raises(ValueError, match="either a material or a residual"):
         di.StaticProblem(u, law, residual=residual)
-    with pytest.raises(ValueError, match="loads into your own residual"):
+    with pytest.raises(ValueError, match="per mass needs a density"):
         di.StaticProblem(u, residual=residual, loads=[di.BodyForce((0, 1))])
     with pytest.raises(ValueError, match="plane_strain, plane_stress or axisymmetric"):
         di.StaticProblem(u, di.LinearElastic(1.0, 0.3))
