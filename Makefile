@@ -137,5 +137,7 @@ tidy-here:
 	@command -v clang-tidy-19 >/dev/null || { echo "tidy: clang-tidy-19 is not installed" >&2; exit 1; }
 	cmake -S cpp -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=ON \
 	  -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null # each file includes what it uses
-	printf '%s\n' $(FILES) | xargs -P2 -n1 clang-tidy-19 -p build/tidy --quiet
+	headers="$$(python3 -c 'import sysconfig; print(sysconfig.get_path("include"))') $$(python3 -m nanobind --include_dir)"; \
+	for folder in $$headers; do extra="$$extra --extra-arg=-isystem$$folder"; done; \
+	printf '%s\n' $(FILES) | xargs -P2 -n1 clang-tidy-19 -p build/tidy --quiet $$extra
 	@echo "tidy: nothing found"

@@ -196,7 +196,10 @@ class ExplicitProblem(Unique):
         tangents = [t for t in (tangent, damping_tangent) if t is not None]
         self._nonlinear = any(c is u or c is velocity for t in tangents for c in t.coefficients())
         if residual is not None:
-            self._frequencies.check_signs()
+            held = np.zeros(len(u.x.array), dtype=bool)
+            for bc in bcs:
+                held[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
+            self._frequencies.check_signs(~held[: self.num_owned])
         self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
         self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
         for added in added_masses(self.loads):

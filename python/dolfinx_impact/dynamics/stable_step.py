@@ -17,6 +17,7 @@ from petsc4py import PETSc
 
 from ..assembly import operators
 from ..assembly.cell_matrices import CellMatrices
+from ..assembly.curvature import NOISE, check_curvature
 from ..common.cell_numbers import input_cell_numbers
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
@@ -193,14 +194,17 @@ class Frequencies:
         np.add.at(sums, dofs[near], means * squares[:, None])
         return total(sums).ravel()
 
-    def check_signs(self) -> None:
+    def check_signs(self, free: BoolArray) -> None:
         """Refuse a stiffness or damping of the wrong sign. Collective.
 
+        Args:
+            free: mask of owned degrees of freedom that are not prescribed.
+
         Raises:
-            ValueError: the stiffness or the damping of a cell is negative; on all ranks.
+            ValueError: the stiffness or the damping of a cell, or the assembled stiffness, is negative; on all ranks.
 
         Warns:
-            UserWarning: the damping is not symmetric.
+            UserWarning: the stiffness is negative a little, or the damping is not symmetric.
         """
         masses = self.masses()
         asked = "is the residual internal minus external forces?"
@@ -220,6 +224,12 @@ class Frequencies:
             if found:
                 number, place = found[0]
                 raise ValueError(f"{what} Found in cell {number} (number in the mesh's input) at {place}")
+            # Of several integrals over a cell the sum of their lowest values is a bound: the whole matrix tells.
+            doubtful = bool(np.any((-low > NOISE * high) & (-low > 1e-9 * size)))
+            if matrices is self.stiffness and self.comm.allreduce(doubtful, MPI.LOR):
+                K = operators.Tangent(self.tangent)
+                check_curvature(K.assemble(), free)
+                K.matrix.destroy()
             if (
                 matrices is self._damping
                 and self.comm.allreduce(float(np.max(skew, initial=0.0)), MPI.MAX) > 1e-6 * size

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from ..common import arguments
 from ..assembly import problem_arguments
+from ..assembly.curvature import check_curvature, is_displacement
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.residual import check_hypothesis
 from ..assembly.residual_bodies import ResidualBodies
@@ -112,6 +113,8 @@ class StaticProblem(Unique):
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads, bodies)
         self._b = self.body.vector()
+        # Whether the signs of a residual of one's own are still to be checked, in the state of the first solve.
+        self._unchecked = residual is not None and is_displacement(V)
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
@@ -213,7 +216,7 @@ class StaticProblem(Unique):
             TypeError: an argument is of the wrong type; on all ranks.
             ValueError: steps or max_iterations is not a positive integer, cut_backs is negative, or a tolerance is not
                 a number from 0 to 1; arguments, loads or supports differ between ranks; multipliers with another SNES
-                than the package's own. On all ranks.
+                than the package's own; a residual of your own with a tangent that is strongly negative. On all ranks.
             RuntimeError: no convergence, a residual that is not finite, or a singular matrix; on all ranks.
             KeyboardInterrupt: Ctrl-C, on all ranks between two iterations.
         """
@@ -229,6 +232,9 @@ class StaticProblem(Unique):
             ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
         for contact in self.contact:
             contact.check_parameters()
+        if self._unchecked:
+            check_curvature(self.tangent.assemble(), ~self.fixed[: self.num_owned])
+            self._unchecked = False
         with Interrupts(self.space.mesh.comm) as interrupts:
             with Solver(self, rtol, atol, max_iterations, interrupts) as solver:
                 report = run_steps(self, solver, steps, most, verbose, bool(progress))

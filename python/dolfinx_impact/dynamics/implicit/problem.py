@@ -14,6 +14,7 @@ from dolfinx import default_scalar_type, fem
 
 from ...amplitude import PrescribedMotion
 from ...assembly import problem_arguments
+from ...assembly.curvature import check_curvature, is_displacement
 from ...assembly.body_forms import stiffness_damping
 from ...assembly.operators import Inputs
 from ...assembly.history import MaterialHistory, existing
@@ -246,6 +247,8 @@ class NewmarkProblem(Unique):
         self.account.forces = self._balance.forces(self.stepper.state, start)
         self.add_row()
         self._warn_of_small_steps()
+        if residual is not None and is_displacement(V):
+            check_curvature(self.tangent.assemble(), ~self.fixed[: self.num_owned])
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 
