@@ -100,9 +100,9 @@ def check_curvature(K: PETSc.Mat, free: BoolArray) -> None:
     if not -low > NOISE * size:
         return
     text = (
-        f"the tangent of the residual is negative in some directions, by {-low / size:.2g} of its largest value (scaled "
-        "by its diagonal): the body would fly apart by itself. Is the residual internal minus external forces, and is "
-        "the sign of each term right (all of them, springs on ds, too)?"
+        f"the tangent of the residual is negative in some directions, by {-low / size:.2g} of its largest value "
+        "(scaled by its diagonal): the body would fly apart by itself. Is the residual internal minus external forces, "
+        "and is the sign of each term right (all of them, springs on ds, too)?"
     )
     if -low > WRONG * size:
         raise common(ValueError(text))
