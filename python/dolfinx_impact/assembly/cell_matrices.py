@@ -34,9 +34,6 @@ class CellMatrices:
         u: displacement function.
         form: UFL form of rank 2 over dx and ds.
         without: functions whose changes are ignored by `changed`.
-
-    Attributes:
-        has_place: whether the form depends on the coordinates (ufl.SpatialCoordinate).
     """
 
     def __init__(self, u: fem.Function, form: ufl.Form, without: Collection[fem.Function | None]) -> None:
@@ -44,7 +41,6 @@ class CellMatrices:
         self._compiled = compile_form(form)
         data = next(iter(form.subdomain_data().values()))
         self._tags = {kind: next((t for t in tags if t is not None), None) for kind, tags in data.items()}
-        self.has_place: bool = ufl.algorithms.analysis.has_type(form, ufl.SpatialCoordinate)
         self._inputs = operators.Inputs(self._compiled.constants, self._compiled.coefficients, without)
         self._varying = _with_functions(form)
         # Of integrals without functions, beside others: what the result followed from, without its arrays, and it.

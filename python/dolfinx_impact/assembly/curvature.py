@@ -12,7 +12,7 @@ from ..common.collective import common
 from ..common.types import BoolArray, FloatArray
 
 STEPS = 40  # of Lanczos' method; the ends of the spectrum come first
-NOISE = 1e-6  # lowest over highest value that rounding and a loose patch of mesh leave of none
+NOISE = 1e-6  # lowest over highest value that counts as zero: rounding leaves far less of rigid motions
 WRONG = 0.1  # beyond this a sign is wrong: prestress and softening bring no more at a start
 
 

@@ -137,6 +137,17 @@ def check_what_a_callback_sets_late_is_told():
         problem.advance(0.04, dt=0.01, callback=callback, progress=False)
 
 
+def check_a_warning_that_is_an_error_is_raised_on_all_ranks():
+    _, weight, problem = weighed("Newmark")
+
+    def callback(p):
+        weight.value = p.time
+
+    with silence(), pytest.raises(UserWarning, match="a step late"):
+        problem.advance(0.04, dt=0.01, callback=callback, progress=False)
+    assert problem.step == 1
+
+
 def check_an_error_in_an_update_of_one_rank_leaves_the_last_step():
     for kind in ("explicit", "Newmark"):
         block, weight, problem = weighed(kind)

@@ -158,7 +158,8 @@ class ImplicitStepper(Described):
                 for recorder in self.recorders:
                     recorder.after()
                 error = attempt(callback, self.problem)[1] if callback else None
-                self._warn_of_late_values(callback is not None)
+                # Where a filter makes an error of the warning, it is that of one rank.
+                error = error or attempt(self._warn_of_late_values, callback is not None)[1]
                 history = self.problem.run_history
                 assert history.last is not None  # the step has added its row
                 bar.show(self.step, self.time, step, history.drift(history.last))
@@ -260,7 +261,7 @@ class ImplicitStepper(Described):
                 f"the callback has changed what residual or loads read, at the time {self.time:.6g}: it acts in the "
                 "step that ends later. Values that are functions of time come a step late so; set them in "
                 "advance(..., update=function of problem and time)",
-                stacklevel=5,
+                stacklevel=6,
             )
 
     def sample(self, step: float | None, time: float) -> TimeValues:
