@@ -14,8 +14,7 @@ def check_measures(form: ufl.Form) -> None:
         ValueError: they have.
     """
     for measure, data in next(iter(form.subdomain_data().values())).items():
-        given = [d for d in data if d is not None]
-        if any(d is not given[0] for d in given):
+        if any(d is not data[0] for d in data):  # DOLFINx takes one set of tags for each kind, or none
             raise ValueError(
                 f"the {measure} integrals must share one subdomain_data: put the tags of all loads into one MeshTags"
             )
