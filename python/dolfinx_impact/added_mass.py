@@ -11,6 +11,7 @@ from dolfinx.fem import FunctionSpace
 from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
+from .assembly.ffcx_form import ffcx_form
 from .assembly import operators
 from .common.arguments import number
 from .common.collective import comm_of, guard
@@ -80,7 +81,7 @@ class AddedMass(_FacetLoad):
         metadata = quadrature.metadata(quadrature.foundation_degree(mesh.topology.cell_name(), p, g, hypothesis))
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.facet_tags, metadata=metadata)(self.tag)
         one = fem.Constant(mesh, np.float64(1.0))
-        area = mesh.comm.allreduce(fem.assemble_scalar(fem.form(one * weight(mesh, hypothesis) * ds)), MPI.SUM)
+        area = mesh.comm.allreduce(fem.assemble_scalar(ffcx_form(one * weight(mesh, hypothesis) * ds)), MPI.SUM)
         return fem.Constant(mesh, np.float64(self.mass / area)), ds
 
 

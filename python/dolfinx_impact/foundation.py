@@ -11,6 +11,7 @@ from dolfinx.fem import Function
 from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
+from .assembly.ffcx_form import ffcx_form
 from .assembly import operators
 from .common.collective import comm_of, guard
 from .common.types import FloatArray
@@ -156,7 +157,7 @@ class Foundation(_FacetLoad):
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.facet_tags, metadata=quadrature.metadata(3))(self.tag)
         parts = [value] if value.ufl_shape == () else [value[i] for i in range(mesh.geometry.dim)]
         negative = sum(ufl.conditional(ufl.ge(part, 0.0), 0.0, 1.0) for part in parts)
-        area = mesh.comm.allreduce(fem.assemble_scalar(fem.form(negative * ds)), MPI.SUM)
+        area = mesh.comm.allreduce(fem.assemble_scalar(ffcx_form(negative * ds)), MPI.SUM)
         if area > 0.0:
             raise ValueError(f"the {name} of a Foundation is negative, or not a number, on a part of tag {self.tag}")
 

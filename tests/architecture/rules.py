@@ -209,6 +209,16 @@ def unsafe_flags(root):
     return complaints
 
 
+def plain_forms(root):
+    """Forms of the package that are not compiled by assembly/ffcx_form.py, which mends what killed processes leave."""
+    complaints = []
+    for path in sources(pathlib.Path(root) / "python", (".py",)):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if re.search(r"\bfem\.form\(", line) and path.name != "ffcx_form.py":
+                complaints.append(f"{path.relative_to(root)}:{number}: {line.strip()}")
+    return complaints
+
+
 def unfinished_headers(root):
     """Words that mark unfinished work, in headers a user includes."""
     words = re.compile(r"\b(TO" + r"DO|FIX" + r"ME|XX" + r"X)\b")

@@ -161,6 +161,12 @@ def test_unsafe_flags_complain(tree, name, flag):
     assert rules.unsafe_flags(tree({name: f"# never {flag}\n"})) == []
 
 
+def test_plain_forms_complain(tree):
+    code = "a = ffcx_form(u * v)\nb = fem.form(u * v)\n"
+    root = tree({"python/dolfinx_impact/a.py": code, "python/dolfinx_impact/assembly/ffcx_form.py": code})
+    assert rules.plain_forms(root) == ["python/dolfinx_impact/a.py:2: b = fem.form(u * v)"]
+
+
 def test_unfinished_headers_complain(tree):
     root = tree({"cpp/dolfinx_impact/gap/update.h": "/// FIX" + "ME: sign\n", "cpp/a.cpp": "// TO" + "DO\n"})
     assert len(rules.unfinished_headers(root)) == 1

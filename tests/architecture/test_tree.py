@@ -55,6 +55,10 @@ def test_no_unsafe_floating_point_flags(checkout):
     assert rules.unsafe_flags(checkout) == []
 
 
+def test_forms_are_compiled_where_leftovers_of_killed_processes_are_mended(checkout):
+    assert rules.plain_forms(checkout) == []
+
+
 def test_no_unfinished_words_in_public_headers(checkout):
     assert rules.unfinished_headers(checkout) == []
 

@@ -12,6 +12,7 @@ from dolfinx import fem, la
 from dolfinx.fem import Function
 from dolfinx.mesh import Mesh
 
+from .ffcx_form import ffcx_form
 from ..common.types import FloatArray
 from ..forms import quadrature
 from .inelastic_part import HistoryFunctions, InelasticParts, quadrature_element, set_values
@@ -104,8 +105,8 @@ class _NodalAverage:
         scalars = fem.functionspace(mesh, ("Lagrange", 1))
         dx = ufl.dx(domain=mesh, metadata=quadrature.metadata(degree))
         v, w = ufl.TestFunction(self.space), ufl.TestFunction(scalars)
-        self._form = fem.form(ufl.inner(source, v) * dx)
-        weights = fem.assemble_vector(fem.form(w * dx))
+        self._form = ffcx_form(ufl.inner(source, v) * dx)
+        weights = fem.assemble_vector(ffcx_form(w * dx))
         weights.scatter_reverse(la.InsertMode.add)
         self._weights = weights.array[: scalars.dofmap.index_map.size_local, None].copy()
 

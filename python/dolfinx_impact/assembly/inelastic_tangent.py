@@ -27,6 +27,7 @@ from dolfinx.fem import Function
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from .ffcx_form import ffcx_form
 from ..common.described import Described
 from ..forms.cell_maximum import has_maximum
 from ..forms.materials import weight
@@ -167,14 +168,14 @@ class InelasticTangent(Described):
             q, p = ufl.TestFunction(Q), ufl.TrialFunction(Q)
             self._define_means(means, v, du, q, p)
             form = form + self._second_derivative(means, v, du)
-        self.form = fem.form(form)
+        self.form = ffcx_form(form)
         self.matrix = petsc.create_matrix(self.form)
 
     def _define_means(self, means: Sequence[_PartForms], v: Any, du: Any, q: Any, p: Any) -> None:
         """Forms of the mean dilatation: test and trial functions q and p are coefficients in each cell."""
 
         def total(term: Any) -> Any:
-            return fem.form(sum(term(part) for part in means))
+            return ffcx_form(sum(term(part) for part in means))
 
         def change(m: _PartForms) -> Any:
             return m.part.kinematics.dilatation_derivative(m.part.u, du)

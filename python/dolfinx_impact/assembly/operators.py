@@ -13,6 +13,7 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from .ffcx_form import ffcx_form
 from ..common.described import Described
 from .. import _cpp
 from ..common import arguments
@@ -461,7 +462,7 @@ class Tangent(Described):
                 arguments.boundary_values("bcs", bc, form.arguments()[0].ufl_function_space())
             ranks.same(form=form, bcs=[arguments.value_of(bc) for bc in bcs])
         self._petsc = petsc
-        self.form = fem.form(form)
+        self.form = ffcx_form(form)
         self.bcs = list(bcs)
         self.matrix = petsc.create_matrix(self.form)
 
@@ -474,7 +475,7 @@ class Tangent(Described):
         same(self.form.mesh.comm, "Tangent.assemble")
         self.matrix.zeroEntries()
         # DOLFINx annotates the overload that makes a new matrix.
-        self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)  # type: ignore[misc]
+        self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)  # type: ignore[misc, arg-type]
         self.matrix.assemble()
         return self.matrix
 

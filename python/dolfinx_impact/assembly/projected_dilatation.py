@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem import Function
 
+from .ffcx_form import ffcx_form
 from ..common.types import FloatArray
 from ..forms.materials import weight
 from .inelastic_part import InelasticPart
@@ -94,5 +95,5 @@ def _ones(q: Any) -> Any:
 
 def _integral(form: Any) -> FloatArray:
     """Entries of a form of rank 1 on this rank."""
-    values: FloatArray = fem.assemble_vector(fem.form(form)).array.copy()
+    values: FloatArray = fem.assemble_vector(ffcx_form(form)).array.copy()
     return values

@@ -18,6 +18,7 @@ from dolfinx import default_scalar_type, fem
 from dolfinx.fem import Function
 from dolfinx.mesh import Mesh
 
+from ..assembly.ffcx_form import ffcx_form
 from .. import materials  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..common.types import FloatArray
 from ..dynamics.explicit import ExplicitProblem
@@ -128,9 +129,9 @@ class UsualWay:
         options = {"cffi_extra_compile_args": bench.STRICT}
         q = ufl.TestFunction(self.theta.function_space)
         test = ufl.grad(ufl.TestFunction(V))
-        self._dilatation = fem.form(ufl.tr(ufl.grad(u)) * q * dx, jit_options=options)
-        self._force = fem.form(ufl.inner(stress, test) * dx, jit_options=options)
-        self._volumes = fem.assemble_vector(fem.form(q * dx)).array.copy()
+        self._dilatation = ffcx_form(ufl.tr(ufl.grad(u)) * q * dx, jit_options=options)
+        self._force = ffcx_form(ufl.inner(stress, test) * dx, jit_options=options)
+        self._volumes = fem.assemble_vector(ffcx_form(q * dx)).array.copy()
         new = [self.alpha + multiplier, *(p[i] + step[a] for i, a in enumerate(AXES))]
         points: FloatArray = np.asarray(basix.make_quadrature(cell, degree)[0])
         self._update = fem.Expression(ufl.as_vector(new), points, jit_options=options)

@@ -24,6 +24,7 @@ import ufl
 from dolfinx import cpp, fem, mesh
 from mpi4py import MPI
 
+from ..assembly.ffcx_form import ffcx_form
 from .. import _cpp, materials
 from ..assembly import operators
 from ..common.types import FloatArray
@@ -131,7 +132,7 @@ class Setup:
         Returns:
             Time per application [s], and the assembled vector, shape (num_dofs) [F].
         """
-        form = fem.form(self.form, jit_options={"cffi_extra_compile_args": flags})._cpp_object
+        form = ffcx_form(self.form, jit_options={"cffi_extra_compile_args": flags})._cpp_object
         constants, coefficients = cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form)
         if self.pack_seconds is None:  # the same for all flags
             self.pack_seconds = best_time(_cpp.bench.Packed(form).pack)[1]

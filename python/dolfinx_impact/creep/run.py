@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from mpi4py import MPI
 
-from ..assembly.unfinished_kernel import advice
+from ..assembly.ffcx_form import advice
 from ..common.types import FloatArray
 from ..io.run_folder import RunFolder
 from . import figure

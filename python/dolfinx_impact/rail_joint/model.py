@@ -12,6 +12,7 @@ from dolfinx import default_scalar_type, fem
 from dolfinx.mesh import MeshTags, compute_midpoints, meshtags
 from mpi4py import MPI
 
+from ..assembly.ffcx_form import ffcx_form
 from .. import meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from ..contact import ContactPair
 from ..io.run_folder import vertex_average
@@ -72,7 +73,7 @@ class JointModel:
         self._set_materials()
         self.bcs = [] if data.whole else [self._held("symmetry_y", 1)]
         hub = ufl.Measure("ds", domain=self.mesh, subdomain_data=self.facet_tags)(self.tags["hub"])
-        area = comm.allreduce(fem.assemble_scalar(fem.form(fem.Constant(self.mesh, np.float64(1.0)) * hub)), MPI.SUM)
+        area = comm.allreduce(fem.assemble_scalar(ffcx_form(fem.Constant(self.mesh, np.float64(1.0)) * hub)), MPI.SUM)
         self.press = Traction(self.facet_tags, self.tags["hub"], (0.0, 0.0, -data.load / data.sides / area))
         self.track = self._track()
 

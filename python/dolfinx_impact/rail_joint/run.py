@@ -9,7 +9,7 @@ from typing import Any
 
 from mpi4py import MPI
 
-from ..assembly.unfinished_kernel import advice
+from ..assembly.ffcx_form import advice
 from .case import Case, UnusableJoint
 from .parameters import END_POSTS, PRESETS, RailJoint
 

@@ -12,6 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh, MeshTags, compute_midpoints, meshtags
 from mpi4py import MPI
 
+from ..assembly.ffcx_form import ffcx_form
 from ..common.types import FloatArray, IntArray
 from .parameters import HUB, RailJoint
 
@@ -76,7 +77,7 @@ class Wheel:
         lever, moments = self._upward(*self._in_plane(self.arm())), {}
         for tag in (RIM_TAG, *HUB_TAGS):
             dx = ufl.Measure("dx", domain=mesh, subdomain_data=self.cell_tags)(tag)
-            parts = [fem.assemble_scalar(fem.form(f * dx)) for f in (fem.Constant(mesh, np.float64(1.0)), lever)]
+            parts = [fem.assemble_scalar(ffcx_form(f * dx)) for f in (fem.Constant(mesh, np.float64(1.0)), lever)]
             moments[tag] = mesh.comm.allreduce(np.array(parts), MPI.SUM)
         wanted = np.array([data.wheel_mass / data.sides, 0.0]) - data.density * moments[RIM_TAG]
         found = np.linalg.solve(np.column_stack([moments[t] for t in HUB_TAGS]), wanted)

@@ -14,6 +14,7 @@ from dolfinx import fem
 from dolfinx.mesh import MeshTags
 from petsc4py import PETSc
 
+from ..assembly.ffcx_form import ffcx_form
 from ..assembly import problem_arguments, rigid_body_modes
 from ..assembly.history import MaterialHistory
 from ..common import arguments
@@ -512,9 +513,9 @@ class RollingProblem(Unique):
         p = self._equilibrium
         self._flow.update()
         v, dv = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)
-        mass = petsc.assemble_matrix(fem.form(self._flow.mass(self.u, dv, v)))
+        mass = petsc.assemble_matrix(ffcx_form(self._flow.mass(self.u, dv, v)))
         mass.assemble()
-        b = petsc.assemble_vector(fem.form(self._flow.momentum(self.u, v)))
+        b = petsc.assemble_vector(ffcx_form(self._flow.momentum(self.u, v)))
         b.ghostUpdate(PETSc.InsertMode.ADD_VALUES, PETSc.ScatterMode.REVERSE)
         found = fem.Function(p.space, name="velocity")
         ksp = PETSc.KSP().create(mass.getComm())
@@ -634,6 +635,6 @@ class RollingProblem(Unique):
 
     def _matrix(self, form: ufl.Form) -> PETSc.Mat:
         """Matrix of a bilinear form, zero at supports."""
-        matrix = petsc.assemble_matrix(fem.form(form), bcs=self._equilibrium.bcs, diagonal=0.0)
+        matrix = petsc.assemble_matrix(ffcx_form(form), bcs=self._equilibrium.bcs, diagonal=0.0)
         matrix.assemble()
         return matrix

@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import MeshTags, exterior_facet_indices
 
+from ..assembly.ffcx_form import ffcx_form
 from ..common.cell_numbers import input_cell_numbers
 from ..common.types import FloatArray
 from .motions import Spin
@@ -48,7 +49,7 @@ def fault(V: fem.FunctionSpace, cell_tags: MeshTags, tag: int, spin: Spin, bcs: 
     c, N, w = ufl.TestFunction(piecewise), ufl.FacetNormal(mesh), spin.velocity(mesh, 1.0)
 
     def on_cells(integrand: ufl.core.expr.Expr) -> FloatArray:
-        values = fem.assemble_vector(fem.form(integrand * c * ufl.ds(domain=mesh, degree=4)))
+        values = fem.assemble_vector(ffcx_form(integrand * c * ufl.ds(domain=mesh, degree=4)))
         return values.array[cells]
 
     free = fem.Function(V)

@@ -8,6 +8,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ..assembly.ffcx_form import ffcx_form
 from ..common.described import Described
 from ..assembly import operators
 
@@ -34,7 +35,7 @@ class ElasticBody(Described):
     has_inertia = False
 
     def __init__(self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form, has_springs: bool = False) -> None:
-        self._residual = fem.form(residual)
+        self._residual = ffcx_form(residual)
         self.tangent = operators.Tangent(tangent)
         self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self.symmetric, self.has_springs = True, has_springs

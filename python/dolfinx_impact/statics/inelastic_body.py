@@ -9,6 +9,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ..assembly.ffcx_form import ffcx_form
 from ..common.described import Described
 from ..assembly.history import MaterialHistory
 from ..assembly.inelastic_part import InelasticParts, set_values
@@ -66,7 +67,7 @@ class InelasticBody(Described):
         self.matrix: PETSc.Mat = self._tangent.matrix
         self.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self._values: FloatArray = self.force.vector().array
-        self._vector_form = fem.form(ufl.inner(u, ufl.TestFunction(self.space)) * ufl.dx)
+        self._vector_form = ffcx_form(ufl.inner(u, ufl.TestFunction(self.space)) * ufl.dx)
 
     @property
     def origin(self) -> None:

@@ -13,6 +13,7 @@ from dolfinx import fem
 from dolfinx.fem import Function
 from dolfinx.mesh import exterior_facet_indices
 
+from ..assembly.ffcx_form import ffcx_form
 from .. import materials
 from ..common.types import FloatArray, IntArray
 from ..forms import loads, quadrature
@@ -160,7 +161,7 @@ def _ours(body: bodies.Body, steel: materials.LinearElastic) -> FloatArray:
     x = ufl.SpatialCoordinate(body.mesh)
     e = u - ufl.as_vector(exact(x, dim, ufl.sin, ufl.cos))
     dx = ufl.Measure("dx", domain=body.mesh, metadata=quadrature.metadata(2 * body.degree + 3))
-    square = [fem.assemble_scalar(fem.form(ufl.inner(a, a) * dx)) for a in (e, ufl.grad(e))]
+    square = [fem.assemble_scalar(ffcx_form(ufl.inner(a, a) * dx)) for a in (e, ufl.grad(e))]
     return np.sqrt(square)
 
 

@@ -13,6 +13,7 @@ import ufl
 from dolfinx import fem
 from impact_reference import RollingSolution
 
+from ..assembly.ffcx_form import ffcx_form
 from ..common.types import FloatArray, IntArray
 from ..rolling import frequencies as eigensolver
 from ..rolling import newton
@@ -129,7 +130,7 @@ def compare_matrices(report: Report, case: RollingCase) -> None:
         "W": (_matrix(ufl.derivative(inertia, body.u, du)), body.matrix_to_ours(W)),
         "G": (_matrix(flow.gyroscopic(body.u, du, v)), body.matrix_to_ours(G)),
         "M": (_matrix(flow.mass(body.u, du, v)), body.matrix_to_ours(body.model.mass())),
-        "load": (fem.assemble_vector(fem.form(inertia)).array, body.to_ours(load)),
+        "load": (fem.assemble_vector(ffcx_form(inertia)).array, body.to_ours(load)),
     }
     for what, (a, b) in pairs.items():
         difference, note = bodies.largest_difference(body, a, b)
@@ -137,7 +138,7 @@ def compare_matrices(report: Report, case: RollingCase) -> None:
 
 
 def _matrix(form: ufl.Form) -> Any:
-    matrix = petsc.assemble_matrix(fem.form(form))
+    matrix = petsc.assemble_matrix(ffcx_form(form))
     matrix.assemble()
     return bodies.petsc_to_scipy(matrix)
 

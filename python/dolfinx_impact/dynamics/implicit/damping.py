@@ -10,6 +10,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from ...assembly.ffcx_form import ffcx_form
 from ...common.described import Described
 from ...assembly import operators
 from ...common.types import FloatArray
@@ -28,7 +29,7 @@ class DampingForce(Described):
         V = u.function_space
         self.space, self.velocity = V, velocity
         self._num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
-        self._form = fem.form(form)
+        self._form = ffcx_form(form)
         self._vector = petsc.create_vector(self._form)
         du = ufl.TrialFunction(V)
         by_velocity = expand_derivatives(ufl.derivative(form, velocity, du))

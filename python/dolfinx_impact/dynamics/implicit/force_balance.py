@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ...assembly.ffcx_form import ffcx_form
 from ...common.described import Described
 from ...common.types import BoolArray, FloatArray
 from ...statics.bodies import assemble_residual
@@ -47,7 +48,7 @@ class ForceBalance(Described):
         fixed: BoolArray,
     ) -> None:
         self._u, self._body, self._loads, self._contacts, self._fixed = u, body, loads, contacts, fixed
-        self._external = None if external is None else fem.form(external)
+        self._external = None if external is None else ffcx_form(external)
 
     def body_residual(self, factors: FloatArray) -> FloatArray:
         """Internal minus external forces. Collective.
