@@ -76,6 +76,7 @@ void each_common(Saved& s, const auto& f)
   f("lowest", s.energies.lowest);
   f("largest", s.energies.largest);
   f("release_share", s.energies.release_share);
+  f("release_limit", s.energies.release_limit);
   f("last_step", s.last_step);
   f("contact_step", s.contact_step);
   for (std::size_t k = 0; k < s.obstacles.size(); ++k)
@@ -212,6 +213,8 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def_prop_ro("gain", [](const CentralDifference& self) { return self.gain().now; })
       .def_prop_ro("most_gained", [](const CentralDifference& self) { return self.gain().most; })
       .def_prop_rw("gain_limit", &CentralDifference::gain_limit, &CentralDifference::set_gain_limit)
+      .def_prop_ro("released", &CentralDifference::released)
+      .def_prop_rw("release_limit", &CentralDifference::release_limit, &CentralDifference::set_release_limit)
       .def("fastest", &CentralDifference::fastest)
       .def("revise", &CentralDifference::revise, "Forces of forms anew: what they read has changed. Collective")
       .def(

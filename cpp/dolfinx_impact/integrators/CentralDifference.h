@@ -116,6 +116,10 @@ public:
   const EnergyGain& gain() const { return _energies.gain(); }
   double gain_limit() const { return _energies.gain_limit(); }
   void set_gain_limit(double limit) { _energies.set_gain_limit(limit); }
+  /// See EnergyBalance.
+  double released() const { return _energies.released(); }
+  double release_limit() const { return _energies.release_limit(); }
+  void set_release_limit(double limit) { _energies.set_release_limit(limit); }
   /// See ContactForces.
   std::pair<int, enforcement::Passage> passage() const { return _contact.passage(); }
   std::int64_t num_searches() const { return _contact.num_searches(); }

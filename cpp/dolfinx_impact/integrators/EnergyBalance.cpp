@@ -24,7 +24,8 @@ void EnergyBalance::reset(double uncertainty)
 {
   for (Work* work : {&_residual_work, &_load_work, &_support_work, &_damped})
     *work = {};
-  _reference = _release_share = _elastic = 0.0;
+  _reference = _release_share = _elastic = _released = 0.0;
+  _release_limit = _given_limit;
   _gain = {};
   _totals = {};
   _uncertainty = uncertainty;
@@ -116,9 +117,13 @@ bool EnergyBalance::end_sum()
   _history = {};
   // The first step tells what there is at the start; springs that start pressed give theirs back.
   if (_steps.before == 0.0)
+  {
+    _release_limit = _given_limit + std::abs(_totals.position);
     _reference = _totals.speed + std::max(0.0, now.internal) + now.contact;
+  }
+  _released = -now.internal;
   // Loads that begin at zero have done no work up to the time level at which they move the body first.
-  const double put_in = std::max(now.external, _totals.half_external) + std::max(0.0, -now.internal);
+  const double put_in = std::max(now.external, _totals.half_external) + std::clamp(_released, 0.0, _release_limit);
   _reference = std::max(_reference, put_in);
   const double round_off = 0.5 * random_steps * _uncertainty / (_steps.after * _steps.after);
   _gain.update(now, -_totals.kinematic, round_off);
@@ -148,7 +153,8 @@ EnergyBalance::Saved EnergyBalance::save() const
           .reference = _reference,
           .lowest = _gain.lowest,
           .largest = _gain.largest,
-          .release_share = _release_share};
+          .release_share = _release_share,
+          .release_limit = _release_limit};
 }
 
 void EnergyBalance::restore(const Saved& saved)
@@ -162,5 +168,6 @@ void EnergyBalance::restore(const Saved& saved)
   _gain.lowest = saved.lowest;
   _gain.largest = saved.largest;
   _release_share = saved.release_share;
+  _release_limit = saved.release_limit;
 }
 } // namespace dolfinx_impact::integrators

@@ -6,6 +6,7 @@
 #include "PrescribedMotion.h"
 #include "energy.h"
 #include "update.h"
+#include <algorithm>
 #include <limits>
 #include <mpi.h>
 #include <span>
@@ -85,6 +86,13 @@ public:
   double gain_limit() const { return _gain_limit; }
   /// @param[in] limit of EnergyGain::now, beyond which a run counts as unstable; infinite: energies stop no run [1]
   void set_gain_limit(double limit) { _gain_limit = limit; }
+  /// What the bodies have given so far: minus their internal energy [F L].
+  double released() const { return _released; }
+  /// Most of it that counts as energy put in: what the bodies stored at the start is not known of residuals of a
+  /// user's own, and a term of the wrong sign gives without end [F L].
+  double release_limit() const { return _release_limit; }
+  /// @param[in] limit without |u . residual/2| of the start, which is added; infinite: all counts
+  void set_release_limit(double limit) { _given_limit = _release_limit = std::min(limit, unlimited); }
 
   /// What a run that goes on needs. The first five add up over ranks, the others are the same on all [F L].
   struct Saved
@@ -92,6 +100,7 @@ public:
     double residual_work = 0.0, load_work = 0.0, support_work = 0.0, damped = 0.0, elastic = 0.0;
     double reference = 0.0, lowest = 0.0, largest = 0.0;
     double release_share = 0.0; ///< [1]
+    double release_limit = 0.0;
   };
   Saved save() const;
   void restore(const Saved& saved);
@@ -116,6 +125,9 @@ private:
   double _uncertainty = 0.0; ///< see reset
   double _reference = 0.0;   ///< energy that was there at the start or put in since
   double _release_share = 0.0;
+  double _released = 0.0;
+  static constexpr double unlimited = std::numeric_limits<double>::max(); // checkpoints have finite numbers
+  double _given_limit = unlimited, _release_limit = unlimited;
   EnergyGain _gain;
   double _gain_limit = std::numeric_limits<double>::infinity();
 };

@@ -4,9 +4,62 @@
 import math
 from collections.abc import Iterable
 
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+
+from ..assembly.curvature import is_displacement
+from ..common.types import FloatArray
+
 # Gain relative to the energies so far at which a run warns and at which it stops. A correct run with contact gains less
 # than 0.01.
 LIMITS = (0.1, 0.5)
+
+
+STRAIN = 0.1  # that bodies may have at the start, of which a residual does not tell what they store
+
+# A run that is stable may have a kinetic energy between time levels beyond all energy put in: cpp EnergyBalance.
+GROWTH = 1000.0
+
+
+def release_limit(V: fem.FunctionSpace, stiffness: FloatArray, sizes: FloatArray) -> float:
+    """Energy that a residual of the user's own may give, beside that of the displacement at the start: what its bodies
+    store when all their cells are strained by about STRAIN. Collective.
+
+    Args:
+        V: displacement space; of others nothing is known.
+        stiffness: of owned degrees of freedom: mass times the square of the highest frequency, or the diagonal of the
+            stiffness matrix [F/L].
+        sizes: sizes of owned cells [L].
+
+    Returns:
+        Half the sum of k (STRAIN h)^2 over nodes; infinite if the space is none of displacements, or bodies have no
+        stiffness [F L].
+    """
+    total, squares, count = V.mesh.comm.allreduce(
+        np.array([float(stiffness.sum()), float(np.sum(sizes**2)), float(len(sizes))]), MPI.SUM
+    )
+    if not is_displacement(V) or not 0.0 < total < math.inf:
+        return math.inf
+    return float(0.5 * total / V.mesh.geometry.dim * STRAIN**2 * squares / count)
+
+
+def released_message(released: float, limit: float, go_on: str) -> str:
+    """Text of an error about energy that a residual has given.
+
+    Args:
+        released: the energy [F L].
+        limit: what bodies may have stored [F L].
+        go_on: how to let the run go on.
+
+    Returns:
+        What was found and what to do.
+    """
+    return (
+        f"the residual has given the body an energy of {released:.3g}, and it moves ever faster; strained by "
+        f"{100 * STRAIN:.0f} % in all cells it would store {limit:.3g}. Does a term of the residual have the wrong "
+        f"sign? Loads that are part of it belong into loads=. {go_on}"
+    )
 
 
 def checked(limits: Iterable[float] | None) -> tuple[float, float]:

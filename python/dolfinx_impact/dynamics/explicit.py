@@ -238,6 +238,9 @@ class ExplicitProblem(Unique):
             self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share
         )  # fmt: skip
         self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, self._nonlinear)
+        if residual is not None:
+            stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / self._stepper.safe_step) ** 2
+            self._cpp_object.release_limit = energy_gain.release_limit(V, stiffness_of_mass, cell_sizes(mesh))
         self._restart = Restart(self, self._stepper)
         self._stepper.start(u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
         _cpp.integrators.release_memory()

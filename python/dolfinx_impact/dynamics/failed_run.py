@@ -52,6 +52,9 @@ class FailedRun:
     Attributes:
         gain: energy gained without external work, relative to the energies so far [1].
         gain_limit: gain at which the integrator stops [1].
+        released: energy that a residual of the user's own has given beyond what bodies may have stored; 0: it has not
+            [F L].
+        release_limit: that limit [F L].
         passed: depth by which a slave node passed through the master in one step, in facets; 0 if none did [1].
         unsolved: which local equations of the materials were not solved, or an empty text.
         place: description of the node that passed, or else of the fastest node.
@@ -63,6 +66,8 @@ class FailedRun:
         self.time, self.step, self.stable_step = time, step, stable_step
         self.gain: float = integrator.gain
         self.gain_limit: float = integrator.gain_limit
+        self.release_limit: float = integrator.release_limit
+        self.released: float = integrator.released if integrator.released > self.release_limit else 0.0
         pair, node, facets = integrator.passage()
         # In a run with steps beyond the stable step, passing nodes are an effect of the instability, not its cause.
         stable = step <= stable_step * (1 + 1e-12)
@@ -78,11 +83,12 @@ class FailedRun:
         self.place: str = comm.bcast(describe_node(problem.space, node) if comm.rank == rank else None, root=rank)
         self.contact: str = comm.bcast(problem.contact[pair].pair.name if pair >= 0 else "", root=rank)
 
-    def message(self, back_at: float) -> str:
+    def message(self, back_at: float, stable_step: float) -> str:
         """Text of the error that the run raises.
 
         Args:
             back_at: time of the state that the problem has returned to [T].
+            stable_step: stable step of that state [T].
 
         Returns:
             What happened, when and where, and what to do.
@@ -99,10 +105,17 @@ class FailedRun:
                 f"{self.unsolved}, at the time {self.time:.6g}; the problem is back at the time {back_at:.6g}. Take a "
                 "smaller step, or check the law"
             )
+        stable = min(stable_step, self.stable_step)
+        if self.released and not self.step > stable * (1 + 1e-12):
+            go_on = "energy_limits=None of advance lets the run go on"
+            return (
+                f"{energy_gain.released_message(self.released, self.release_limit, go_on)}. It was stopped at the time "
+                f"{self.time:.6g}; what moves fastest is in {self.place}; the problem is back at the time {back_at:.6g}"
+            )
         gained = self.gain > self.gain_limit
         why = f"{energy_gain.message(self.gain)} What moves fastest is" if gained else "first"
         advice = "" if gained else " Take a smaller step, or check loads and contact"
         return (
-            f"the run went unstable at the time {self.time:.6g}, step {self.step:.6g} (stable: {self.stable_step:.6g}),"
+            f"the run went unstable at the time {self.time:.6g}, step {self.step:.6g} (stable: {stable:.6g}),"
             f" {why} in {self.place}; the problem is back at the time {back_at:.6g}.{advice}"
         )

@@ -384,7 +384,8 @@ class TimeStepper:
         self.integrator.start(good.displacement, good.velocity)
         self._run(0)
         self.state.update()
-        raise common(RuntimeError(failed.message(self.time)))
+        stable, error = attempt(self.problem.stable_step)  # of a state that is no number there is none
+        raise common(RuntimeError(failed.message(self.time, self.safe_step if stable is None or error else stable)))
 
     def _flush_recorders(self) -> None:
         for recorder in self.recorders:

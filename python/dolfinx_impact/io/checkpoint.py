@@ -28,7 +28,7 @@ from . import seal
 from .hdf5 import Sketch, reserve, write_at
 from .signature import Problem, Signature, signature, supports
 
-FORMAT = 10
+FORMAT = 11
 SAME = 1e-9  # relative tolerance of sums over nodes and of coordinates: round-off is less, another mesh differs by more
 CELLS = ("cells/input", "cells/nodes")
 

@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 import ufl
+from dolfinx import fem
 from values_in_time_checks import CELLS, LAMBDA, MU, Block
 
 import dolfinx_impact as di
@@ -61,3 +62,48 @@ def check_ends_of_a_known_spectrum():
     K.scale(-1.0)
     assert extremes(K, np.ones(n, dtype=bool)) == pytest.approx((-high, -low), abs=1e-9)
     assert extremes(K, np.zeros(n, dtype=bool)) == (0.0, 0.0)
+
+
+def advance(problem, until, **given):
+    """Advance an implicit problem in a fixed number of steps, an explicit one by itself."""
+    if isinstance(problem, di.NewmarkProblem):
+        problem.advance(until, dt=0.02, progress=False)
+    else:
+        problem.advance(until, progress=False, **given)
+
+
+def check_a_body_that_grows_by_itself_stops_the_run():
+    """A spring of a sign that is right at the start, wrong later, and one that is weakly wrong: the run stops where the
+    energy that the residual has given passes what the body may have stored. Energies alone stop nothing with
+    energy_limits=None; a further call goes on in implicit runs."""
+    for cell in CELLS:
+        for make in (di.ExplicitProblem, di.NewmarkProblem):
+            block = Block(cell)
+            ds = ufl.Measure("ds", domain=block.mesh, subdomain_data=block.tags)
+            k = fem.Constant(block.mesh, 1.0)
+            residual = shear(block, 1.0) + k * ufl.inner(block.u, block.w) * ds(2)
+            velocity = fem.Function(block.V)
+            velocity.interpolate(lambda x: 0.1 * np.sin([x[i] + i for i in range(block.dim)]))
+            problem = make(block.u, residual=residual, density=1.0, velocity=velocity)
+            advance(problem, 0.1)
+            k.value = -20.0
+            with pytest.raises(RuntimeError, match="has given the body an energy of .* wrong sign"):
+                advance(problem, 1000.0)
+            reached = problem.time
+            assert reached < 20.0 and np.all(np.isfinite(problem.u.x.array))
+            advance(problem, reached + 0.04, **({} if make is di.NewmarkProblem else {"energy_limits": None}))
+            assert problem.time == reached + 0.04
+
+
+def check_energy_that_was_stored_or_belongs_to_forces_in_the_residual_stops_nothing():
+    """A body that springs back from strains of 50 %, and one that falls by a force that the residual has."""
+    for cell in CELLS:
+        for make in (di.ExplicitProblem, di.NewmarkProblem):
+            block = Block(cell)
+            block.u.interpolate(lambda x: 0.5 * x[: block.dim])
+            advance(make(block.u, residual=shear(block, 1.0), density=1.0), 0.5)
+            block = Block(cell)
+            weight = fem.Constant(block.mesh, np.full(block.dim, 30.0))
+            problem = make(block.u, residual=shear(block, 1.0) - ufl.inner(weight, block.w) * block.dx, density=1.0)
+            advance(problem, 0.5)
+            assert problem.energy["internal"] < 0.0 < 10.0 < problem.energy["kinetic"]

@@ -33,15 +33,18 @@ from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
 from ...statics.inelastic_body import InelasticBody
+from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, residual_bodies, velocity_or_rest
 from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
+from ..stable_step import cell_sizes
 from ..supports import Supports
 from .contact_nodes import ContactNodes
 from .damping import DampingForce
 from .energies import EnergyAccount, energies
 from .force_balance import ForceBalance
+from .growth_guard import GrowthGuard
 from .inertia import Inertia
 from .loads_in_time import LoadsInTime
 from .motion import State, TimeValues
@@ -247,8 +250,9 @@ class NewmarkProblem(Unique):
         self.account.forces = self._balance.forces(self.stepper.state, start)
         self.add_row()
         self._warn_of_small_steps()
+        self._growth: GrowthGuard | None = None
         if residual is not None and is_displacement(V):
-            check_curvature(self.tangent.assemble(), ~self.fixed[: self.num_owned])
+            self._growth = self._check_signs()
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 
@@ -331,6 +335,29 @@ class NewmarkProblem(Unique):
     def tangent(self) -> BodyTangent:
         """Derivative of the bodies' residual without inertia, at the present u [F/L]."""
         return self.body.tangent
+
+    def _check_signs(self) -> GrowthGuard:
+        """Look at the signs of the tangent of a residual of the user's own. Collective.
+
+        Returns:
+            Guard against growth of what this does not see.
+
+        Raises:
+            ValueError: the tangent is strongly negative; on all ranks.
+        """
+        K = self.tangent.assemble()
+        check_curvature(K, ~self.fixed[: self.num_owned])
+        diagonal = K.getDiagonal()
+        limit = release_limit(self.space, diagonal.array_r, cell_sizes(self.space.mesh))
+        diagonal.destroy()
+        assert self.account.forces is not None  # the start has set it
+        work = 0.5 * float(self.account.forces.internal @ self.stepper.state.displacement)
+        return GrowthGuard(limit + abs(self.comm.allreduce(work)), self._energy["kinetic"])
+
+    def check_growth(self) -> None:
+        """Raise RuntimeError, on all ranks, if a residual of the user's own makes the body move ever faster."""
+        if self._growth is not None:
+            self._growth.check(self._energy, self.stepper.time)
 
     def accept_step(self, state: State, values: TimeValues) -> None:
         """Take over the state at the end of a converged step: history, contacts, works, functions. Collective.

@@ -354,6 +354,7 @@ class ImplicitStepper(Described):
         self.state, self.time, self.step = state, values.time, self.step + 1
         self.problem.add_row()
         control.done(step, self.iterations, error)
+        self.problem.check_growth()
 
     def _back(self, before: Before) -> None:
         """Return to the state before a step that is given up. It does not communicate: an exception may have come on
