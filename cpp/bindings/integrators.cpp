@@ -79,6 +79,7 @@ void each_common(Saved& s, const auto& f)
   f("release_limit", s.energies.release_limit);
   f("last_step", s.last_step);
   f("contact_step", s.contact_step);
+  f("unwatched", s.unwatched);
   for (std::size_t k = 0; k < s.obstacles.size(); ++k)
     for (int c = 0; c < 3; ++c)
     {
@@ -163,6 +164,14 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("add_contact", &CentralDifference::add_contact, nb::arg("contact"), nb::arg("columns"))
       .def("set_contact_step", &CentralDifference::set_contact_step)
       .def_prop_ro("contact_step", &CentralDifference::contact_step)
+      .def(
+          "add_watch", [](CentralDifference& self, Indices nodes, int nodes_per_cell)
+          { self.add_watch(span(nodes), nodes_per_cell); }, nb::arg("nodes"), nb::arg("nodes_per_cell"))
+      .def(
+          "set_watch", [](CentralDifference& self, Values u, Values allowed)
+          { self.set_watch(span(u), span(allowed)); }, nb::arg("u"), nb::arg("allowed"))
+      .def("deformations", [](CentralDifference& self, Values u) { return take(self.deformations(span(u))); })
+      .def_prop_ro("deformed", &CentralDifference::deformed)
       .def("start", [](CentralDifference& self, Values u, Values v) { self.start(span(u), span(v)); })
       .def(
           "run",

@@ -4,6 +4,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <dolfinx_impact/integrators/ContactNodes.h>
+#include <dolfinx_impact/integrators/DeformationWatch.h>
 #include <dolfinx_impact/integrators/EnergyBalance.h>
 #include <dolfinx_impact/integrators/History.h>
 #include <dolfinx_impact/integrators/Loads.h>
@@ -24,6 +25,46 @@ std::shared_ptr<const dolfinx::common::IndexMap> three_nodes()
   return std::make_shared<const dolfinx::common::IndexMap>(MPI_COMM_SELF, 3);
 }
 } // namespace
+
+TEST_CASE("a watch tells which cells have deformed since its reference")
+{
+  const std::vector<std::int32_t> nodes{0, 1, 2, 1, 2, 3}; // two triangles
+  DeformationWatch watch(nodes, 3, 2);
+  CHECK_FALSE(watch.is_set());
+  std::vector<double> u(8, 5.0);
+  CHECK_THROWS_AS(watch.passed(u), std::invalid_argument);
+  CHECK_THROWS_AS(watch.set(u, std::vector<double>{1.0}), std::invalid_argument);
+  CHECK_THROWS_AS(watch.set(std::vector<double>(6), std::vector<double>{1.0, 1.0}), std::invalid_argument);
+  CHECK_THROWS_AS(DeformationWatch(nodes, 4, 2), std::invalid_argument);
+  watch.set(u, std::vector<double>{0.5, 0.2});
+  for (double& x : u)
+    x += 7.0; // a translation
+  CHECK(watch.deformations(u) == std::vector<double>{0.0, 0.0});
+  u[2 * 3 + 1] += 0.25;
+  CHECK(watch.deformations(u)[0] == 0.0);
+  CHECK(watch.deformations(u)[1] == Approx(0.25));
+  CHECK(watch.passed(u));
+  watch.set(u, std::vector<double>{0.5, 0.2});
+  u[0] -= 0.4; // a node of the other cell, which may do so
+  CHECK_FALSE(watch.passed(u));
+  u[0] -= 0.2;
+  CHECK(watch.passed(u));
+}
+
+TEST_CASE("a watch looks at cells of any size alike")
+{
+  for (const auto& [width, bs] : {std::pair{3, 2}, {4, 2}, {4, 3}, {8, 3}, {6, 2}, {10, 3}, {2, 1}})
+  {
+    std::vector<std::int32_t> nodes(width);
+    for (int i = 0; i < width; ++i)
+      nodes[i] = i;
+    DeformationWatch watch(nodes, width, bs);
+    std::vector<double> u(std::size_t(width) * bs);
+    watch.set(u, std::vector<double>{0.0});
+    u[std::size_t(width - 1) * bs + bs - 1] = -3.0;
+    CHECK(watch.deformations(u) == std::vector<double>{3.0});
+  }
+}
 
 TEST_CASE("loads are values times amplitudes")
 {

@@ -9,6 +9,13 @@
 
 namespace dolfinx_impact::integrators
 {
+namespace
+{
+/// Steps between looks at deformations: the looks take some percent of a step together, and cells that are struck
+/// deform by a tenth of the speed over that of waves meanwhile.
+constexpr int steps_per_look = 4;
+} // namespace
+
 CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>& V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
@@ -76,6 +83,23 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
   _energies.reset(uncertainty());
   _last_step = 0.0;
   _evaluated = false;
+  _unwatched = 0;
+  _far = _deformed = false;
+}
+
+void CentralDifference::set_watch(std::span<const double> u, std::span<const double> allowed)
+{
+  if (!_watch)
+    throw std::invalid_argument("there is no watch");
+  _watch->set(u.first(_fields.own), allowed);
+  _far = _deformed = false;
+}
+
+std::vector<double> CentralDifference::deformations(std::span<const double> u)
+{
+  if (!_watch)
+    throw std::invalid_argument("there is no watch");
+  return _watch->deformations(u);
 }
 
 /// Mass times the square of what rounding does to a position, of all ranks.
@@ -122,7 +146,8 @@ bool CentralDifference::evaluate()
   _internal.inner->assemble({_fields.r.data(), _fields.own});
   _fields.end_exchange(_last_step);
   const bool stable = _energies.end_sum();
-  _stopped = _stopped || _energies.stop_asked();
+  _deformed = _deformed || _energies.deformed();
+  _stopped = _stopped || _energies.stop_asked() || _energies.deformed();
   if (_energies.search_due())
     _contact.request_search();
   for (ForceTerm& term : _terms)
@@ -163,7 +188,7 @@ void CentralDifference::advance(double dt, const double* amplitudes)
     _contact.correct(f, dt, _last_step, c.push, _energies.release_share(), _loads, sums);
   else
     f.begin_exchange();
-  _energies.add_step(sums, power, {_last_step, dt}, _terms, _contact, _stop);
+  _energies.add_step(sums, power, {_last_step, dt}, _terms, _contact, _stop, _far);
   _last_step = dt;
   _evaluated = false;
 }
@@ -178,6 +203,15 @@ bool CentralDifference::asked_to_stop(const std::function<bool()>& asked)
     return false;
   _asked = now;
   return asked();
+}
+
+/// Ghosts' displacements are those of the present time level.
+bool CentralDifference::look()
+{
+  if (!_watch || !_watch->is_set() || ++_unwatched < steps_per_look)
+    return false;
+  _unwatched = 0;
+  return _watch->passed({_fields.u.data(), _fields.own});
 }
 
 bool CentralDifference::passed() const
@@ -223,6 +257,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
       return int(k);
     }
     _stop = _stop || asked_to_stop(asked);
+    _far = look();
     advance(steps[k], row + columns);
     _energies.begin_sum(_contact, _fields.bs, rows, k);
   }
@@ -327,6 +362,7 @@ CentralDifference::Saved CentralDifference::save()
   saved.obstacle_work = _contact.obstacle_work();
   saved.last_step = _last_step;
   saved.contact_step = _contact.step();
+  saved.unwatched = _unwatched;
   saved.obstacles = _contact.obstacles();
   _contact.forget_searches();
   return saved;
@@ -349,6 +385,7 @@ void CentralDifference::restore(const Saved& saved)
                    saved.obstacle_work, saved.obstacles);
   _energies.restore(saved.energies);
   _last_step = saved.last_step;
+  _unwatched = int(saved.unwatched);
   if (saved.contact_step > 0.0)
     _contact.set_step(saved.contact_step);
   _evaluated = true;

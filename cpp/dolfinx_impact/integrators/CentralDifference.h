@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "ContactForces.h"
+#include "DeformationWatch.h"
 #include "EnergyBalance.h"
 #include "ForceTerm.h"
 #include "History.h"
@@ -11,6 +12,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,6 +51,13 @@ public:
   void add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
   void set_contact_step(double dt) { _contact.set_step(dt); }
   double contact_step() const { return _contact.step(); }
+  /// Look now and then whether owned cells have deformed so far that the stable step may have changed; a run stops
+  /// after the step in which one has.
+  /// @param[in] nodes, nodes_per_cell see DeformationWatch
+  void add_watch(std::span<const std::int32_t> nodes, int nodes_per_cell)
+  {
+    _watch.emplace(nodes, nodes_per_cell, _fields.bs);
+  }
 
   // --- the run ----------------------------------------------------------------------------------------------------
 
@@ -65,7 +74,13 @@ public:
   /// to stop (all ranks alike)
   int run(std::span<const double> steps, std::span<const double> table, int columns, std::span<double> history,
           const std::function<bool()>& asked = {});
-  /// Did the last run end because a rank was asked to stop? The same on all ranks.
+  /// See DeformationWatch.
+  /// @throws std::invalid_argument without a watch
+  void set_watch(std::span<const double> u, std::span<const double> allowed);
+  std::vector<double> deformations(std::span<const double> u);
+  /// Has a cell deformed by more than it is allowed, since the last `set_watch`? The same on all ranks.
+  bool deformed() const { return _deformed; }
+  /// Did the last run end because a rank was asked to stop, or a cell has deformed? The same on all ranks.
   bool stopped() const { return _stopped; }
 
   /// Constants or coefficients of forms have changed: evaluate their forces at the present time level again. Contact
@@ -102,6 +117,7 @@ public:
     EnergyBalance::Saved energies;
     double obstacle_work = 0.0;                 ///< adds up over ranks [F L]
     double last_step = 0.0, contact_step = 0.0; ///< [T]
+    double unwatched = 0.0;                     ///< steps since the last look at deformations [1]
     std::vector<ContactForces::Obstacle> obstacles;
   };
   /// Collective.
@@ -138,6 +154,7 @@ private:
   void complete_residual();
   void advance(double dt, const double* amplitudes);
   bool asked_to_stop(const std::function<bool()>& asked);
+  bool look();
   bool passed() const;
 
   NodalFields _fields;
@@ -155,5 +172,9 @@ private:
   bool _evaluated = false;                      ///< is the residual that of the present time level?
   bool _stop = false, _stopped = false;         ///< this rank is asked to stop; the ranks have agreed on it
   std::chrono::steady_clock::time_point _asked; ///< when `asked` was called last
+  std::optional<DeformationWatch> _watch;
+  int _unwatched = 0;     ///< steps since the last look at deformations
+  bool _far = false;      ///< a cell of this rank has deformed too far
+  bool _deformed = false; ///< the ranks have agreed on it
 };
 } // namespace dolfinx_impact::integrators

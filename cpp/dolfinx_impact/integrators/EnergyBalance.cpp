@@ -70,13 +70,14 @@ EnergySums EnergyBalance::local(const Sums& sums, const Steps& steps, std::span<
 }
 
 void EnergyBalance::add_step(const Sums& sums, const PrescribedMotion::Power& power, const Steps& steps,
-                             std::span<ForceTerm> terms, ContactForces& contact, bool stop)
+                             std::span<ForceTerm> terms, ContactForces& contact, bool stop, bool deformed)
 {
   _support_work.before = 0.5 * steps.before * power.before;
   _support_value = _support_work.value();
   _steps = steps;
   _local = local(sums, steps, terms, contact);
   _local.stops_asked = stop ? 1.0 : 0.0;
+  _local.deformed = deformed ? 1.0 : 0.0;
   const bool classical = _scheme == Scheme::classical && steps.before > 0.0;
   const double speed = classical ? 0.5 * (sums.momentum + sums.speed) : sums.momentum;
   _support_work.commit(0.5 * steps.after * power.after);

@@ -61,17 +61,20 @@ public:
   /// @param[in] steps before and after the time level
   /// @param[in,out] terms, contact: their works go into the sums
   /// @param[in] stop this rank was asked to stop
+  /// @param[in] deformed see DeformationWatch
   void add_step(const Sums& sums, const PrescribedMotion::Power& power, const Steps& steps, std::span<ForceTerm> terms,
-                ContactForces& contact, bool stop);
+                ContactForces& contact, bool stop, bool deformed);
   /// Begin to sum over ranks what the last `add_step` has found. Collective.
   /// @param[in] history where the row `step` will be written to
   void begin_sum(const ContactForces& contact, int bs, const History& history, std::size_t step);
   /// The sums are there. Collective.
   /// @returns is the run stable? True if no sum was begun
   bool end_sum();
-  /// Of the last sums: does a contact need a search, was a rank asked to stop? The same on all ranks.
+  /// Of the last sums: does a contact need a search, was a rank asked to stop, has a cell deformed too far? The same on
+  /// all ranks.
   bool search_due() const { return _totals.searches_due > 0.0; }
   bool stop_asked() const { return _totals.stops_asked > 0.0; }
+  bool deformed() const { return _totals.deformed > 0.0; }
   /// Part of the energy taken from nodes in kinematic contact that they are given back when they leave, so that in all
   /// no more is given back than was taken [1].
   double release_share() const { return _release_share; }

@@ -77,12 +77,13 @@ struct EnergySums
   double recoverable = 0.0;   ///< taken from nodes that are still closed
   double searches_due = 0.0;  ///< contacts that need a search
   double stops_asked = 0.0;   ///< ranks that were asked to stop
+  double deformed = 0.0;      ///< ranks where a cell has deformed so far that its stable step may have changed
   double passages = 0.0;      ///< contacts that a node went through
   double unsolved = 0.0;      ///< points whose local equations were not solved
   double half_kinetic = 0.0;  ///< kinetic energy half a step before the time level
   double half_external = 0.0; ///< work of external forces up to then
 
-  static constexpr std::size_t size = 27;
+  static constexpr std::size_t size = 28;
   std::array<double, size> values() const { return std::bit_cast<std::array<double, size>>(*this); }
   static EnergySums of(const std::array<double, size>& values) { return std::bit_cast<EnergySums>(values); }
 

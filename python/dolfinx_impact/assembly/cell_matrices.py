@@ -54,6 +54,10 @@ class CellMatrices:
         """
         return self._inputs.changed()
 
+    def change(self) -> float:
+        """Largest relative change of constants and coefficients on this rank since `store_inputs` [1]."""
+        return self._inputs.change()
+
     def store_inputs(self) -> None:
         """Store the present constants and coefficients, which `changed` compares with. Collective."""
         self._inputs.store()
@@ -69,12 +73,13 @@ class CellMatrices:
                 entities = operators.entities_of(self.space.mesh._cpp_object, kind, subdomain, self._tags.get(kind))
                 yield kernel, functions, np.ascontiguousarray(entities), constants
 
-    def spectra(self, masses: FloatArray, only: BoolArray | None = None) -> FloatArray:
+    def spectra(self, masses: FloatArray, only: BoolArray | None = None, facets: bool = True) -> FloatArray:
         """Bounds of the eigenvalues of every owned cell's matrix over its mass. Collective.
 
         Args:
             masses: lumped masses, (num_cells, local degrees of freedom) [M].
-            only: mask of the cells whose integrals count, without those over facets; None: all, with facets.
+            only: mask of the cells whose integrals count; None: all.
+            facets: whether integrals over facets count.
 
         Returns:
             Lower bound, upper bound and norm of the skew-symmetric part, (num_cells, 3), in the form's unit over [M].
@@ -85,10 +90,12 @@ class CellMatrices:
         V, failed = self.space, False
         out = np.zeros((len(masses), 3))
         for number, (kernel, functions, entities, constants) in enumerate(self._integrals()):
+            if not facets and kernel.integral_type != "cell":
+                continue
             if only is not None:
-                if kernel.integral_type != "cell":
-                    continue
-                entities = np.ascontiguousarray(entities[only[entities]])
+                width = 1 if kernel.integral_type == "cell" else 2
+                rows = entities.reshape(-1, width)
+                entities = np.ascontiguousarray(rows[only[rows[:, 0]]].ravel())
             cells = entities if kernel.integral_type == "cell" else np.ascontiguousarray(entities[::2])
             given = np.ascontiguousarray(masses[cells]).ravel()
             # Linear materials keep their stiffness: most cells of a model with a few that deform a lot.

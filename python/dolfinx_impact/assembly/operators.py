@@ -341,6 +341,18 @@ class Inputs(Described):
         """
         return any(not np.array_equal(new, old) for new, old in zip(self._values(), self._known))
 
+    def change(self) -> float:
+        """Compare the present values with the stored ones, each by itself.
+
+        Returns:
+            Largest change on this rank, relative to the stored value; 1 where that is zero [1].
+        """
+        largest = 0.0
+        for new, old in zip(self._values(), self._known):
+            size = np.where(old == 0.0, np.maximum(np.abs(new), np.finfo(float).tiny), np.abs(old))
+            largest = max(largest, float(np.max(np.abs(new - old) / size, initial=0.0)))
+        return largest
+
     def _values(self) -> Iterator[AnyArray]:
         """Values of the constants, then owned entries of the functions."""
         yield from (c.value for c in self._constants)

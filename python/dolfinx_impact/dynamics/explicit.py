@@ -43,7 +43,8 @@ from .penetration_share import PenetrationShare
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
-from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, damped
+from .stable_step_watch import StableStepWatch
+from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, cell_steps, damped
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
 from .supports import Supports
 from .time_stepper import TimeStepper
@@ -194,7 +195,8 @@ class ExplicitProblem(Unique):
             velocity,
         )  # fmt: skip
         tangents = [t for t in (tangent, damping_tangent) if t is not None]
-        self._nonlinear = any(c is u or c is velocity for t in tangents for c in t.coefficients())
+        read = [c for t in tangents for c in t.coefficients()]
+        deforms, periodic = any(c is u for c in read), any(c is velocity for c in read)
         if residual is not None:
             held = np.zeros(len(u.x.array), dtype=bool)
             for bc in bcs:
@@ -237,7 +239,10 @@ class ExplicitProblem(Unique):
         self._state = CurrentState(
             self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share
         )  # fmt: skip
-        self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, self._nonlinear)
+        watch = StableStepWatch(self) if deforms else None
+        # Internal variables may change the stiffness by a third within 100 steps.
+        periodic = periodic or (deforms and self._parts is not None)
+        self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, watch, periodic)
         if residual is not None:
             stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / self._stepper.safe_step) ** 2
             self._cpp_object.release_limit = energy_gain.release_limit(V, stiffness_of_mass, cell_sizes(mesh))
@@ -641,10 +646,8 @@ class ExplicitProblem(Unique):
             smallest = float(np.min(self._cell_times(), initial=np.inf))
             omega = 2.0 / self.comm.allreduce(smallest, MPI.MIN)
         elif method == "element":
-            if self._frequencies.damps:
-                springs = math.hypot(*(c.spring_frequency() for c in self.contact))
-                return self._frequencies.step_bound(self._uniform_damping, springs)
-            omega = self._frequencies.bound()
+            smallest = float(np.min(self.steps_by_cell(*self.frequencies_by_cell()), initial=np.inf))
+            return self.comm.allreduce(smallest, MPI.MIN)
         else:
             inverse = 1.0 / self.mass.array[: self.num_owned]
             inverse[self.prescribed[: self.num_owned]] = 0.0
@@ -657,9 +660,36 @@ class ExplicitProblem(Unique):
                 matrix.destroy()
             if self._frequencies.damps:
                 return found
-        if method != "eigenvalue":
+        if method == "length":
             omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
         return damped(omega, self.damping.alpha, self.damping.beta, self.bulk_viscosity[0], self.scheme)
+
+    def frequencies_by_cell(self, only: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Largest eigenvalues of owned cells at the present state; see Frequencies.by_cell. Collective.
+
+        Args:
+            only: mask of the cells that are asked for; None: all.
+
+        Returns:
+            Squares of the highest angular frequencies [1/T^2], eigenvalues of damping over mass [1/T].
+
+        Raises:
+            ValueError: the stiffness of a cell is not finite; on all ranks.
+        """
+        return self._frequencies.by_cell(only)
+
+    def steps_by_cell(self, squares: FloatArray, rates: FloatArray) -> FloatArray:
+        """Stable steps of cells, contact springs included.
+
+        Args:
+            squares: squares of their highest angular frequencies, (n) [1/T^2].
+            rates: largest eigenvalues of damping over mass, (n) [1/T].
+
+        Returns:
+            Steps, infinite where nothing limits them, (n) [T].
+        """
+        uniform = UniformDamping() if self.scheme == "classical" else self._uniform_damping
+        return cell_steps(squares, rates, uniform, math.hypot(*(c.spring_frequency() for c in self.contact)))
 
     @property
     def _uniform_damping(self) -> UniformDamping:

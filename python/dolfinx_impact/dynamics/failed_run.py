@@ -83,6 +83,21 @@ class FailedRun:
         self.place: str = comm.bcast(describe_node(problem.space, node) if comm.rank == rank else None, root=rank)
         self.contact: str = comm.bcast(problem.contact[pair].pair.name if pair >= 0 else "", root=rank)
 
+    def message_of(self, fault: str, back_at: float) -> str:
+        """Text of the error about a fault that is known.
+
+        Args:
+            fault: what is wrong.
+            back_at: time of the state that the problem has returned to [T].
+
+        Returns:
+            What happened, when, and what to do.
+        """
+        return (
+            f"{fault}, at the time {self.time:.6g}; the problem is back at the time {back_at:.6g}. Take a smaller step, "
+            "or check the law"
+        )
+
     def message(self, back_at: float, stable_step: float) -> str:
         """Text of the error that the run raises.
 
@@ -101,10 +116,7 @@ class FailedRun:
                 f"{0.9 * self.step / self.passed:.3g} (now {self.step:.3g}), or coarser facets"
             )
         if self.unsolved:
-            return (
-                f"{self.unsolved}, at the time {self.time:.6g}; the problem is back at the time {back_at:.6g}. Take a "
-                "smaller step, or check the law"
-            )
+            return self.message_of(self.unsolved, back_at)
         stable = min(stable_step, self.stable_step)
         if self.released and not self.step > stable * (1 + 1e-12):
             go_on = "energy_limits=None of advance lets the run go on"

@@ -9,6 +9,7 @@ from mpi4py import MPI
 from .. import _cpp
 from ..assembly.operators import SplitForce
 from ..loads import DeadLoad
+from .input_changes import InputChanges
 from .stable_step import Frequencies
 
 
@@ -24,6 +25,9 @@ class Inputs:
         terms: force terms of the integrator.
         loads: dead loads, in the order of the integrator.
         frequencies: frequencies of the cells, from which the stable step is computed.
+
+    Attributes:
+        changes: changes of what the stable step depends on, beside the motion.
     """
 
     def __init__(
@@ -36,14 +40,11 @@ class Inputs:
     ) -> None:
         self.comm, self.integrator = comm, integrator
         self.terms, self.loads, self.frequencies = terms, loads, frequencies
+        self.changes = InputChanges()
 
-    def update_changed(self) -> bool:
+    def update_changed(self) -> None:
         """Copy the values that have changed; the forces at the present time are then those of the new values.
-        Collective.
-
-        Returns:
-            Whether the stable step must be computed again, the same on all ranks.
-        """
+        Collective."""
         here = [any(term.changed() for term in self.terms), self.frequencies.changed()]
         here += [load.changed() for load in self.loads]
         changed = np.array(here, dtype=np.int32)
@@ -53,11 +54,11 @@ class Inputs:
                 term.update()
             self.integrator.revise()
         if changed[1]:
+            self.changes.add(self.comm.allreduce(self.frequencies.change(), MPI.MAX))
             self.frequencies.store_inputs()
         for i, load in enumerate(self.loads):
             if changed[2 + i]:
                 self.integrator.set_load(i, load.values())
-        return bool(changed[1])
 
     def update_all(self) -> None:
         """Copy all values, changed or not. Collective."""

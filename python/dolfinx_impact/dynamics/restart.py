@@ -36,7 +36,13 @@ NUMBERS = (
     "check_interval",
     "largest",
     "total_start",
+    "deformed",
+    "input_change",
+    "allowed_change",
+    "sensitivity",
 )
+# Of the watch over the stable step, by cell: see StableStepWatch.
+WATCH = ("squares", "rates", "since")
 XI_MARGIN = 0.5  # reference coordinates on facets are in [0, 1]; tracked nodes may lie outside by this much
 
 Want: TypeAlias = Callable[[bool | np.bool_, str], None]  # raises ValueError with a text unless a condition holds
@@ -116,7 +122,7 @@ class Restart(Checkpoints):
             nodal[f"results{k}"] = (contact.nodes, rows)
         s = stepper.schedule
         steps = [s.begin, s.until, s.first, s.last, s.auto] if s else []
-        history = stepper.history
+        history, watch, changes = stepper.history, stepper.watch, stepper.inputs.changes
         table, error = attempt(functions_of_time, stepper.functions, stepper.time, stepper.next_time)
         agree(self.comm, error, "functions of time")
         attributes = {
@@ -125,10 +131,16 @@ class Restart(Checkpoints):
             "nominal_step": stepper.nominal_step, "check_step": stepper.check_step,
             "check_interval": stepper.check_interval, "largest": history.largest,
             "total_start": 0.0 if history.total_start is None else history.total_start,
+            "deformed": int(stepper.deformed), "input_change": changes.total if changes.stale else -1.0,
+            "allowed_change": changes.allowed, "sensitivity": 0.0 if watch is None else watch.sensitivity,
             "schedule": np.array(steps, dtype=float), "functions of time": table,
             **{table: short(", ".join(state[table])) for table in TABLES},
         }  # fmt: skip
-        checkpoint.write(path, self.problem, arrays, nodal, self._material_history(), ranks, attributes)
+        cellwise = self._material_history()
+        if watch is not None:
+            arrays["watch"] = watch.reference[: self.problem.num_owned].reshape(-1, bs)
+            cellwise |= {f"watch {name}": getattr(watch, name)[:, None] for name in WATCH}
+        checkpoint.write(path, self.problem, arrays, nodal, cellwise, ranks, attributes)
 
     def _restore(self, path: FilePath) -> None:
         self._apply(self._read(path))
@@ -140,12 +152,14 @@ class Restart(Checkpoints):
         sides = [(f"contact{k}_{j}", s) for k, c in enumerate(self.problem.contact) for j, s in enumerate(c.sides())]
         results = {f"results{k}": contact.save_results()[0].shape[1] for k, contact in enumerate(self.problem.contact)}
         totals = [f"contact{k}" for k in range(len(self.problem.contact))]
+        columns = {name: values.shape[1] for name, values in self._material_history().items()}
+        watched = self.stepper.watch is not None
         file = checkpoint.Reader(
             path,
             self.problem,
-            arrays={name: bs for name in saved["arrays"]},
+            arrays={name: bs for name in [*saved["arrays"], *(["watch"] if watched else [])]},
             nodal={**{name: sum(_widths(side.history()).values()) for name, side in sides}, **results},
-            cellwise={name: values.shape[1] for name, values in self._material_history().items()},
+            cellwise=columns | (dict.fromkeys([f"watch {name}" for name in WATCH], 1) if watched else {}),
             ranks={**{table: len(saved[table]) for table in TABLES}, **{name: len(ENERGY) + gdim for name, _ in sides}},
             attributes=[*NUMBERS, "schedule", "functions of time", *TABLES, *totals],
         )
@@ -182,6 +196,14 @@ class Restart(Checkpoints):
         checks = a["check_step"], a["check_interval"]
         want(all(0 < c < 2**53 and int(c) == c for c in checks), f"checks of the stable step are {checks}")
         want(0.0 <= a["largest"] < math.inf and abs(a["total_start"]) < math.inf, "energies are no numbers")
+        want(a["deformed"] in (0, 1) and a["allowed_change"] > 0.0, "changes of the stable step")
+        want(a["sensitivity"] > 0.0 or self.stepper.watch is None, f"sensitivity is {a['sensitivity']}")
+        if self.stepper.watch is not None:
+            rows = [stored.file.cellwise[f"watch {name}"] for name in WATCH] + [stored.file.arrays["watch"]]
+            want(
+                all(np.all(np.isfinite(r)) for r in rows), "the watch of the stable step has values that are no numbers"
+            )
+            want(all(np.all(r >= 0.0) for r in rows[:-1]), "the watch of the stable step has negative values")
         schedule = _schedule(a["schedule"], want, time, step)
         tables = {}
         for table in TABLES:
@@ -208,12 +230,20 @@ class Restart(Checkpoints):
         a = stored.file.attributes
         # The present constants, functions and loads are those of the state that was read.
         self.stepper.inputs.update_all()
-        self._set_material_history(stored.file.cellwise)
+        cellwise = dict(stored.file.cellwise)
+        watch = self.stepper.watch
+        watched = [] if watch is None else [cellwise.pop(f"watch {name}")[:, 0].copy() for name in WATCH]
+        self._set_material_history(cellwise)
         for side, history, sums in zip(stored.sides, checked.histories, stored.sums):
             side.set_history(history)
             side.set_energy(*sums[: len(ENERGY)])
             side.set_force(sums[len(ENERGY) :])  # the next row of the history tells of it
         arrays = {name: np.ascontiguousarray(values).ravel() for name, values in stored.file.arrays.items()}
+        changes, change = self.stepper.inputs.changes, float(a["input_change"])
+        changes.stale, changes.total, changes.allowed = change >= 0.0, max(change, 0.0), float(a["allowed_change"])
+        if watch is not None:
+            squares, rates, since = watched
+            watch.resume(squares, rates, since, arrays.pop("watch"), float(a["sensitivity"]))
         self.integrator.restore(arrays, checked.tables["works"], checked.tables["common"])
         step = int(a["step"])
         # `resume` gives the integrator loads and prescribed motion, which acceleration and velocity depend on.
@@ -226,6 +256,7 @@ class Restart(Checkpoints):
             int(a["check_step"]),
             int(a["check_interval"]),
             checked.schedule,
+            bool(a["deformed"]),
         )
         self.stepper.history.resume(float(a["total_start"]) if step else None, float(a["largest"]))
         self.stepper.state.update()

@@ -91,6 +91,24 @@ class UniformDamping:
         return self.alpha + self.beta * square + 2.0 * self.viscosity * np.sqrt(square)
 
 
+def cell_steps(squares: FloatArray, rates: FloatArray, uniform: UniformDamping, springs: float) -> FloatArray:
+    """Stable steps of cells; docs/explicit/stable_step.md.
+
+    Args:
+        squares: squares of their highest angular frequencies, (n) [1/T^2].
+        rates: largest eigenvalues of damping over mass, (n) [1/T].
+        uniform: damping of all cells alike.
+        springs: angular frequency that contact adds [1/T].
+
+    Returns:
+        Steps, infinite where nothing limits them, (n) [T].
+    """
+    squares = squares + springs**2
+    half = 0.5 * (rates + uniform.rate(squares))
+    largest = half + np.sqrt(half**2 + squares)
+    return np.divide(2.0, largest, out=np.full(len(largest), np.inf), where=largest > 0.0)
+
+
 class Frequencies:
     """Highest frequencies of the cells and of the assembled system.
 
@@ -138,6 +156,11 @@ class Frequencies:
         """
         return self.stiffness.changed() or (self._damping is not None and self._damping.changed())
 
+    def change(self) -> float:
+        """Largest relative change of these values on this rank since `store_inputs` [1]."""
+        parts = (self.stiffness, self._damping)
+        return max(matrices.change() for matrices in parts if matrices is not None)
+
     def store_inputs(self) -> None:
         """Store the values that the frequencies depend on, which `changed` compares with. Collective."""
         for matrices in (self.stiffness, self._damping):
@@ -156,16 +179,23 @@ class Frequencies:
             out[cells] += values
         return out if self.factor is None else out * self.factor[:, None]
 
-    def by_cell(self) -> tuple[FloatArray, FloatArray]:
-        """Largest eigenvalues of every owned cell. Collective.
+    def by_cell(self, only: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Largest eigenvalues of owned cells. Collective.
+
+        Args:
+            only: mask of the cells that are asked for; None: all.
 
         Returns:
-            Square of the highest angular frequency, (num_cells) [1/T^2], and largest eigenvalue of damping over mass,
-            (num_cells) [1/T].
+            Square of the highest angular frequency, (cells asked for) [1/T^2], and largest eigenvalue of damping over
+            mass [1/T].
+
+        Raises:
+            ValueError: the stiffness of a cell is not finite; on all ranks.
         """
-        masses = self.masses()
-        rates = np.zeros(len(masses)) if self._damping is None else self._damping.spectra(masses)[:, 1]
-        return np.maximum(self.stiffness.spectra(masses)[:, 1], 0.0), np.maximum(rates, 0.0)
+        masses, rows = self.masses(), slice(None) if only is None else only
+        damping = self._damping
+        rates = np.zeros(len(masses))[rows] if damping is None else damping.spectra(masses, only)[rows, 1]
+        return np.maximum(self.stiffness.spectra(masses, only)[rows, 1], 0.0), np.maximum(rates, 0.0)
 
     def nodal_stiffness(self, nodes: BoolArray) -> FloatArray:
         """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, at
@@ -183,7 +213,7 @@ class Frequencies:
         masses, given = self.masses(), self.u.x.array.copy()
         self.u.x.array[:] = 0.0
         try:
-            squares = np.maximum(self.stiffness.spectra(masses, near)[near, 1], 0.0)
+            squares = np.maximum(self.stiffness.spectra(masses, near, facets=False)[near, 1], 0.0)
         except ValueError:  # on all ranks: a residual that is not a number at rest
             squares = np.zeros(np.count_nonzero(near))
         finally:
@@ -240,35 +270,6 @@ class Frequencies:
                         "half a step late it feeds in energy, which energy['damping'] tells",
                         stacklevel=4,
                     )
-
-    def bound(self) -> float:
-        """Upper bound of the angular frequencies of the body. Collective.
-
-        Returns:
-            Angular frequency [1/T].
-
-        Raises:
-            ValueError: the stiffness of a cell is not finite; on all ranks.
-        """
-        largest = float(np.max(self.by_cell()[0], initial=0.0))
-        return math.sqrt(self.comm.allreduce(largest, MPI.MAX))
-
-    def step_bound(self, uniform: UniformDamping, springs: float) -> float:
-        """Smallest stable step of all cells, with damping that differs between them. Collective.
-
-        Args:
-            uniform: damping of all cells alike.
-            springs: angular frequency that contact adds [1/T].
-
-        Returns:
-            Stable step; infinite where nothing limits it [T].
-        """
-        squares, rates = self.by_cell()
-        squares = squares + springs**2
-        half = 0.5 * (rates + uniform.rate(squares))
-        largest = float(np.max(half + np.sqrt(half**2 + squares), initial=0.0))
-        largest = self.comm.allreduce(largest, MPI.MAX)
-        return 2.0 / largest if largest > 0.0 else math.inf
 
     def highest(self, inverse_mass: FloatArray, extra: PETSc.Mat | None = None) -> float:
         """Highest angular frequency of the assembled system, by SLEPc's Krylov-Schur method. Collective.

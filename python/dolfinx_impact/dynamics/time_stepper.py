@@ -26,6 +26,7 @@ from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
 from .progress import ProgressBar
 from .run_history import RunHistory
+from .stable_step_watch import StableStepWatch
 from .step_schedule import StepSchedule
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 SAFETY = 0.9  # fraction of the stable step that dt="auto" takes; contact stiffness needs the rest
 CHUNK = 1000  # steps that the C++ integrator takes in one call
-RECHECK = 500  # steps after which the stable step of a deforming body is computed again, at most
+RECHECK = 500  # steps after which a stable step that changes is computed again, at most
 FIRST_CHECK = 2  # steps after which it is for the first time
 CHANGE = 0.03  # wanted relative change of the stable step from one check to the next; SAFETY leaves 0.1
 SNAPSHOT = 100  # steps between the states that an unstable run returns to
@@ -70,7 +71,8 @@ class TimeStepper:
         inputs: values that a user may change between steps.
         state: state that callbacks see.
         history: energies and contact forces of the steps.
-        deforms: whether the stable step depends on the displacement or the velocity.
+        watch: stable step of a body whose stiffness depends on the displacement; None: it does not.
+        periodic: whether the stable step changes with the velocity or internal variables.
 
     Attributes:
         time: present time [T].
@@ -103,11 +105,12 @@ class TimeStepper:
         inputs: Inputs,
         state: CurrentState,
         history: RunHistory,
-        deforms: bool,
+        watch: StableStepWatch | None,
+        periodic: bool,
     ) -> None:
         self.problem, self.comm = problem, problem.comm
         self.functions, self.inputs, self.state, self.history = functions, inputs, state, history
-        self.integrator, self.deforms = problem._cpp_object, deforms
+        self.integrator, self.watch, self.periodic = problem._cpp_object, watch, periodic
         self.time, self.step, self.next_time = 0.0, 0, 0.0
         self.schedule: StepSchedule | None = None
         self.recorders: list[Recorder] = []
@@ -115,7 +118,8 @@ class TimeStepper:
         self._good: GoodState | None = None
         self._warn_at, self._warned = math.inf, False
         self._calls = AdvanceCalls()
-        self.safe_step, self._stale = problem.stable_step(), False
+        self._deformed = False  # a cell did, before the checkpoint from which the run goes on
+        self.safe_step = problem.stable_step() if watch is None else watch.find_all()
         self.nominal_step = SAFETY * self.safe_step
         # Plastic flow may change the stable step by a third within 100 steps, elastic deformation does not.
         self.flows = problem.has_history
@@ -154,6 +158,7 @@ class TimeStepper:
         check_step: int,
         check_interval: int,
         schedule: StepSchedule | None,
+        deformed: bool,
     ) -> None:
         """Set the attributes from a checkpoint; the integrator must have been restored before. Collective.
 
@@ -166,14 +171,22 @@ class TimeStepper:
             check_step: step at which the stable step of a deforming body is computed again [1].
             check_interval: number of steps from the last check to that one [1].
             schedule: steps of an `advance` that was interrupted; None: there was none.
+            deformed: whether a cell has deformed so far that the stable step is to be found anew.
         """
         self.time, self.step, self.next_time = time, step, next_time
         table = np.ascontiguousarray(self.functions.table(np.array([time, next_time])))
         self.integrator.run(np.zeros(0), table.ravel(), table.shape[1], np.zeros(0))
-        self.safe_step, self.nominal_step, self._stale = safe_step, nominal_step, False
+        self.safe_step, self.nominal_step, self._deformed = safe_step, nominal_step, deformed
         self.check_step, self.check_interval = check_step, check_interval
         self.schedule, self._good = schedule, None
         self.state.share.begin_anew()
+        if self.watch is not None:
+            self.watch.begin(nominal_step)
+
+    @property
+    def deformed(self) -> bool:
+        """Whether a cell has deformed so far that the stable step is to be found anew; the same on all ranks."""
+        return bool(self._deformed or self.integrator.deformed)
 
     def check_arguments(
         self,
@@ -235,8 +248,7 @@ class TimeStepper:
 
     def refresh(self) -> None:
         """Copy constants, functions and loads that have changed to the integrator. Collective."""
-        if self.inputs.update_changed():
-            self._stale = True
+        self.inputs.update_changed()
 
     # --- the loop --------------------------------------------------------------------------------------------------
 
@@ -255,9 +267,11 @@ class TimeStepper:
         if now:
             interrupts.check(self._call(now))
         callback = self._calls.at_present(callback, update)
-        if self._stale:
+        if self.inputs.changes.stale:
             self._find_stable_step()
         self._choose_schedule(until, dt, unsafe)
+        if self.watch is not None:
+            self.watch.begin(self.nominal_step)
         with ProgressBar(self.comm, self._present_schedule, progress) as bar:
             try:
                 while self.step < self._present_schedule.last:
@@ -290,8 +304,9 @@ class TimeStepper:
 
         An exception is raised on all ranks, after a step. Collective.
         """
-        due = self._stale and self.step > 0 and self.step % RECHECK == 0
-        if due or (self.deforms and self.step >= self.check_step):
+        changes = self.inputs.changes
+        due = changes.due or (changes.stale and self.step > 0 and self.step % RECHECK == 0)
+        if due or (self.periodic and self.step >= self.check_step) or self.deformed:
             self._recheck(until, dt, unsafe)
         first = self.step == 0
         self._run(1 if callback or first else self._chunk(), interrupts)
@@ -323,7 +338,7 @@ class TimeStepper:
         """Number of steps until a recorder, a check of the stable step or the end is due."""
         rest = self._present_schedule.last - self.step
         waits = [recorder.steps_left() for recorder in self.recorders]
-        return min(CHUNK, rest, self.check_step - self.step if self.deforms else rest, *waits)
+        return min(CHUNK, rest, self.check_step - self.step if self.periodic else rest, *waits)
 
     def _run(self, count: int, interrupts: Interrupts | None = None) -> None:
         """Take steps, fewer if a rank is interrupted. Collective.
@@ -364,11 +379,12 @@ class TimeStepper:
                 text = energy_gain.message(self.integrator.most_gained)
                 warnings.warn(f"the run gains energy: by the time {self.time:.6g} {text}", stacklevel=7)
 
-    def _fail(self, time: float) -> NoReturn:
+    def _fail(self, time: float, fault: str = "") -> NoReturn:
         """Return to the last good state and raise RuntimeError, on all ranks.
 
         Args:
             time: time of the step that failed [T].
+            fault: what is wrong with the state then, if that is known.
         """
         failed, good = FailedRun(self.problem, time, self.nominal_step, self.safe_step), self._good
         assert good is not None
@@ -376,6 +392,7 @@ class TimeStepper:
         self._flush_recorders()
         self.step, self.time = good.step, good.time
         self._plan_check(FIRST_CHECK)
+        self.inputs.changes.add(math.inf)  # the stable step was that of another state
         for contact in self.problem.contact:
             contact.reset_history()
         self.problem.restore_history()
@@ -384,6 +401,8 @@ class TimeStepper:
         self.integrator.start(good.displacement, good.velocity)
         self._run(0)
         self.state.update()
+        if fault:
+            raise common(RuntimeError(failed.message_of(fault, self.time)))
         stable, error = attempt(self.problem.stable_step)  # of a state that is no number there is none
         raise common(RuntimeError(failed.message(self.time, self.safe_step if stable is None or error else stable)))
 
@@ -395,7 +414,16 @@ class TimeStepper:
     # --- the length of the steps -----------------------------------------------------------------------------------
 
     def _find_stable_step(self) -> None:
-        self.safe_step, self._stale = self.problem.stable_step(), False
+        """Compute the stable step of the present state. Collective."""
+        before, changes, watch = self.safe_step, self.inputs.changes, self.watch
+        if watch is None:
+            self.safe_step = self.problem.stable_step()
+        elif changes.stale or self.periodic:  # frequencies of all cells may be others
+            self.safe_step = watch.find_all()
+        else:
+            self.safe_step = watch.find_changed()
+        changes.done(before, self.safe_step)
+        self._deformed = False
 
     def _choose_schedule(self, until: float, dt: float | str, unsafe: bool) -> None:
         """Set the schedule of the steps to `until`; keep a schedule of an interrupted `advance` to the same time."""
@@ -440,18 +468,23 @@ class TimeStepper:
     def _recheck(self, until: float, dt: float | str, unsafe: bool) -> None:
         """Compute the stable step of the deformed body, and shorten the steps if they exceed it. Collective.
 
-        The next check is due when the stable step will have changed by about CHANGE, if it goes on as since the last
-        one; the time between two checks is at most doubled.
+        With plastic flow the next check is due when the stable step will have changed by about CHANGE, if it goes on as
+        since the last one; the time between two checks is at most doubled.
         """
         before = self.safe_step
         self.state.update_functions()
-        self._find_stable_step()
+        try:
+            self._find_stable_step()
+        except ValueError as error:  # on all ranks: the deformation is beyond what the law is made for
+            self._fail(self.time, str(error))
         changed = abs(self.safe_step / before - 1.0) if math.isfinite(before) else 0.0
         factor = min(2.0, CHANGE / changed) if changed > 0.0 else 2.0
         self._plan_check(min(max(int(factor * self.check_interval), 1), RECHECK))
         if self.nominal_step > (SAFETY if dt == "auto" else 1.0) * self.safe_step:
             self.schedule = None
             self._choose_schedule(until, dt, unsafe)
+        if self.watch is not None:
+            self.watch.begin(self.nominal_step)
 
     def _plan_check(self, interval: int) -> None:
         """Set the step of the next check of the stable step.

@@ -6,6 +6,7 @@ import functools
 
 import numpy as np
 import pytest
+import stable_step_checks
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
@@ -144,6 +145,23 @@ def test_explicit_runs(contact, law, friction, rigid, tmp_path):
     make = functools.partial(thrown, di.ExplicitProblem, EXPLICIT[contact], law, friction, rigid)
     dt = make().stable_step()
     compare(make, tmp_path, 40 * dt, (4, 9, 14), dt=0.5 * dt)
+
+
+@pytest.mark.parametrize("cell", ("triangle", "quadrilateral"))
+def test_steps_that_follow_the_body(cell, tmp_path):
+    """Of a body that is struck hard: steps are shortened on the way, where the stable step is looked at again, also one
+    step after the checkpoint."""
+
+    def make():
+        block = stable_step_checks.Block(cell, comm=MPI.COMM_SELF)
+        block.velocity.interpolate(lambda x: np.vstack([0.0 * x[1 : block.dim], 0.0 * x[0] - 0.4]))
+        law = di.NeoHookean(1.0, 0.3, 1.0, block.hypothesis)
+        return di.ExplicitProblem(block.u, law, velocity=block.velocity, contact=[di.Penalty(block.pair)])
+
+    looks = stable_step_checks.Looks(problem := make())
+    problem.advance(2.0, progress=False)
+    assert looks.times > 5 and problem.step > 1.05 * 2.0 / (0.9 * make().stable_step())
+    compare(make, tmp_path, 2.0, tuple(range(3, problem.step - 3, 2)))
 
 
 @pytest.mark.covering(1)
