@@ -259,7 +259,7 @@ TEST_CASE("the balance of a mass on a spring")
     r = u;
     REQUIRE(balance.end_sum());
     const Sums sums = update(1, &r, nullptr, &inverse, {1.0, 0.5 * (last + dt), dt}, &u, &v);
-    balance.add_step(sums, {}, {last, dt}, {}, none, false);
+    balance.add_step(sums, {}, {last, dt}, {}, none, false, false);
     balance.begin_sum(none, 1, history, k);
     last = dt;
   }

@@ -120,9 +120,10 @@ class FailedRun:
         stable = min(stable_step, self.stable_step)
         if self.released and not self.step > stable * (1 + 1e-12):
             go_on = "energy_limits=None of advance lets the run go on"
+            text = energy_gain.released_message(self.released, self.release_limit, go_on)
             return (
-                f"{energy_gain.released_message(self.released, self.release_limit, go_on)}. It was stopped at the time "
-                f"{self.time:.6g}; what moves fastest is in {self.place}; the problem is back at the time {back_at:.6g}"
+                f"{text}. It was stopped at the time {self.time:.6g}; what moves fastest is in {self.place}; the problem "
+                f"is back at the time {back_at:.6g}"
             )
         gained = self.gain > self.gain_limit
         why = f"{energy_gain.message(self.gain)} What moves fastest is" if gained else "first"

@@ -12,8 +12,8 @@ from dolfinx_impact.dynamics.input_changes import EFFECT, InputChanges
 
 COMM = MPI.COMM_WORLD
 CELLS = ("triangle", "quadrilateral", "tetrahedron", "hexahedron")
-# A stable step that shrinks by 0.1 between two looks is no longer above dt="auto". Cells that are struck deform a little
-# more before the next look: a few steps this far beyond the limit do not grow into anything.
+# Under dt="auto" the stable step may shrink by 0.1 between two looks. Cells that are struck deform a little more before
+# the next look: a few steps this far beyond the limit do not grow into anything.
 BEYOND = 1.05
 
 
