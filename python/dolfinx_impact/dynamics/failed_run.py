@@ -94,8 +94,8 @@ class FailedRun:
             What happened, when, and what to do.
         """
         return (
-            f"{fault}, at the time {self.time:.6g}; the problem is back at the time {back_at:.6g}. Take a smaller step, "
-            "or check the law"
+            f"{fault}, at the time {self.time:.6g}; the problem is back at the time {back_at:.6g}. Take a smaller "
+            "step, or check the law"
         )
 
     def message(self, back_at: float, stable_step: float) -> str:
@@ -122,8 +122,8 @@ class FailedRun:
             go_on = "energy_limits=None of advance lets the run go on"
             text = energy_gain.released_message(self.released, self.release_limit, go_on)
             return (
-                f"{text}. It was stopped at the time {self.time:.6g}; what moves fastest is in {self.place}; the problem "
-                f"is back at the time {back_at:.6g}"
+                f"{text}. It was stopped at the time {self.time:.6g}; what moves fastest is in {self.place}; the "
+                f"problem is back at the time {back_at:.6g}"
             )
         gained = self.gain > self.gain_limit
         why = f"{energy_gain.message(self.gain)} What moves fastest is" if gained else "first"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 import numpy.typing as npt
 
+from ..assembly.large_rotation import RotationWarning
 from ..common.collective import agree, attempt, common, is_common
 from ..common.interrupts import Interrupts
 from ..common.arguments import number
@@ -117,6 +118,7 @@ class TimeStepper:
         self._mesh_fingerprint = self._fingerprint()
         self._good: GoodState | None = None
         self._warn_at, self._warned = math.inf, False
+        self._rotation_warning = RotationWarning(problem.material)
         self._calls = AdvanceCalls()
         self._deformed = False  # a cell did, before the checkpoint from which the run goes on
         self.safe_step = problem.stable_step() if watch is None else watch.find_all()
@@ -284,6 +286,7 @@ class TimeStepper:
         self.schedule = None
         self.state.update()
         self.state.share.warn()
+        self._rotation_warning.look(self.problem.u, stacklevel=4)
 
     @property
     def _present_schedule(self) -> StepSchedule:

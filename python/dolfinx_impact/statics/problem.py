@@ -17,6 +17,7 @@ from ..assembly.curvature import check_curvature, is_displacement
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.residual import check_hypothesis
 from ..assembly.residual_bodies import ResidualBodies
+from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
@@ -108,6 +109,7 @@ class StaticProblem(Unique):
         if material is not None:
             warn_of_locking(u, material)
             warn_of_softening(u, material)
+        self._rotation_warning = RotationWarning(material)
         if residual is not None:
             check_hypothesis(residual, u, hypothesis)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
@@ -240,6 +242,7 @@ class StaticProblem(Unique):
                 report = run_steps(self, solver, steps, most, verbose, bool(progress))
             interrupts.check()
         self.linear_solver.warn_of_unused()
+        self._rotation_warning.look(self.u, stacklevel=2)
         return report
 
     def _targets(self) -> dict[str, list[Any]]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...assembly.large_rotation import RotationWarning
 from ...common.collective import agree, attempt, is_common
 from ...common.described import Described
 from ...common.interrupts import Interrupts
@@ -79,6 +80,7 @@ class ImplicitStepper(Described):
         self.iterations, self.cut_backs, self.rejected = 0, 0, 0
         self.largest_displacement = 0.0
         self.calls = AdvanceCalls()
+        self._rotation_warning = RotationWarning(problem.material)
         self._solver: Solver | None = None  # of the present `advance`
         self._warned = False  # of values that came late
 
@@ -164,6 +166,7 @@ class ImplicitStepper(Described):
                 assert history.last is not None  # the step has added its row
                 bar.show(self.step, self.time, step, history.drift(history.last))
                 interrupts.check(error)
+        self._rotation_warning.look(self.problem.u, stacklevel=4)
 
     def _take(
         self,

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: MIT
+"""Warning about bodies of small strain that turn: their law takes a rotation for a strain."""
+
+import math
+import warnings
+
+import basix
+import numpy as np
+from dolfinx.fem import Function, FunctionSpace
+from mpi4py import MPI
+
+from ..common.cell_numbers import input_cell_numbers
+from ..common.types import FloatArray, IntArray
+from ..inelastic import InelasticMaterial
+from ..materials import LinearElastic, Material
+
+LARGE = 0.2  # rotation that is warned of [rad]: the small strain of it alone is -0.02
+FLATTEST = 10.0  # longest over shortest length of a cell, for a quick look; flatter ones are looked at too late
+CHUNK = 50_000  # cells at a time: their gradients take little memory
+
+
+def cell_rotations(u: Function, cells: IntArray) -> FloatArray:
+    """Rotations of cells at their middle, that of the skew part of F = I + grad u; exact where F only turns.
+
+    Args:
+        u: displacement function [L].
+        cells: numbers of cells of this rank.
+
+    Returns:
+        Angles from 0 to pi, (num_cells) [rad].
+    """
+    V: FunctionSpace = u.function_space
+    geometry, gdim = V.mesh.geometry, V.mesh.geometry.dim
+    coordinates = V.mesh.ufl_domain().ufl_coordinate_element().basix_element
+    middle = np.asarray(basix.geometry(coordinates.cell_type)).mean(axis=0)[None, :]
+    shape = V.element.basix_element.tabulate(1, middle)[1:, 0, :, 0]
+    shape_of_place = coordinates.tabulate(1, middle)[1:, 0, :, 0]
+    values, out = u.x.array.reshape(-1, gdim), np.empty(len(cells))
+    for first in range(0, len(cells), CHUNK):
+        chunk = cells[first : first + CHUNK]
+        place = np.einsum("cni,kn->cik", geometry.x[geometry.dofmap[chunk], :gdim], shape_of_place)
+        moved = np.einsum("cni,kn->cik", values[V.dofmap.list[chunk]], shape)
+        F = np.eye(gdim) + moved @ np.linalg.inv(place)
+        if gdim == 2:
+            sine, cosine = F[:, 1, 0] - F[:, 0, 1], F[:, 0, 0] + F[:, 1, 1]
+        else:
+            axis = [F[:, j, i] - F[:, i, j] for i, j in ((0, 1), (0, 2), (1, 2))]
+            sine, cosine = np.linalg.norm(axis, axis=0), np.trace(F, axis1=1, axis2=2) - 1.0
+        out[first : first + CHUNK] = np.abs(np.arctan2(sine, cosine))
+    return out
+
+
+def _small_strain(material: object) -> bool:
+    finite = getattr(material, "finite_strain", False)
+    return isinstance(material, LinearElastic) or (isinstance(material, InelasticMaterial) and not finite)
+
+
+class RotationWarning:
+    """Warns once, on rank 0, when cells of small strain have turned far.
+
+    Args:
+        material: material of the bodies; None: a residual of the user's own, of which nothing is known.
+    """
+
+    def __init__(self, material: Material | None) -> None:
+        parts = [] if material is None else list(material.parts())
+        self._parts = [(tag, part) for tag, part in parts if _small_strain(part)]
+        self._tags = None if material is None else material.cell_tags
+        self._warned = False
+        self._shortest: float | None = None  # edge of this rank's cells [L]
+
+    def _may_have_turned(self, u: Function) -> bool:
+        """Whether displacements on this rank differ so much that a cell may have turned far."""
+        mesh = u.function_space.mesh
+        if self._shortest is None:
+            num_owned = mesh.topology.index_map(mesh.topology.dim).size_local
+            sizes = mesh.h(mesh.topology.dim, np.arange(num_owned, dtype=np.int32))
+            self._shortest = float(sizes.min(initial=np.inf)) / FLATTEST
+        values = u.x.array.reshape(-1, mesh.geometry.dim)
+        return len(values) > 0 and float(np.ptp(values, axis=0).max()) > 0.5 * LARGE * self._shortest
+
+    def look(self, u: Function, stacklevel: int) -> None:
+        """Look at a displacement. Collective.
+
+        Args:
+            u: displacement function [L].
+            stacklevel: of the warning, as seen from the caller of this method [1].
+        """
+        mesh = u.function_space.mesh
+        if self._warned or not self._parts or mesh.topology.dim != mesh.geometry.dim:
+            return
+        num_owned = mesh.topology.index_map(mesh.topology.dim).size_local
+        for tag, part in self._parts:
+            cells: IntArray = np.arange(num_owned, dtype=np.int32)
+            if tag is not None and self._tags is not None:
+                cells = self._tags.find(tag)
+                cells = cells[cells < num_owned]
+            angles = cell_rotations(u, cells) if self._may_have_turned(u) else np.zeros(0)
+            angles = np.where(np.isfinite(angles), angles, 0.0)
+            largest = mesh.comm.allreduce(float(np.max(angles, initial=0.0)), MPI.MAX)
+            if largest <= LARGE:
+                continue
+            here = None
+            if len(angles) and angles.max() == largest:
+                here = int(input_cell_numbers(mesh.topology)[cells[int(np.argmax(angles))]])
+            number = next(n for n in mesh.comm.allgather(here) if n is not None)
+            self._warned = True
+            if mesh.comm.rank == 0:
+                warnings.warn(_text(part, largest, number), stacklevel=stacklevel + 1)
+            return
+
+
+def _text(part: object, angle: float, cell: int) -> str:
+    name, false_strain = type(part).__name__, 1.0 - math.cos(angle)
+    other = "NeoHookean or StVenantKirchhoff" if isinstance(part, LinearElastic) else "finite_strain=True"
+    return (
+        f"{name} is a law of small strain, but its cells have turned by up to {angle:.3g} rad (cell {cell}, number "
+        f"in the mesh's input). It takes a rotation alone for a strain of -{100 * false_strain:.2g} %: a body that turns "
+        f"grows, and is strained where nothing strains it. Take {other}, which know rotations of any size"
+    )
