@@ -115,6 +115,6 @@ def _text(part: object, angle: float, cell: int) -> str:
     other = "NeoHookean or StVenantKirchhoff" if isinstance(part, LinearElastic) else "finite_strain=True"
     return (
         f"{name} is a law of small strain, but its cells have turned by up to {angle:.3g} rad (cell {cell}, number "
-        f"in the mesh's input). It takes a rotation alone for a strain of -{100 * false_strain:.2g} %: a body that turns "
-        f"grows, and is strained where nothing strains it. Take {other}, which know rotations of any size"
+        f"in the mesh's input). It takes a rotation alone for a strain of -{100 * false_strain:.2g} %: a body that "
+        f"turns grows, and is strained where nothing strains it. Take {other}, which know rotations of any size"
     )
