@@ -10,6 +10,25 @@ from typing import Any
 from ..common.arguments import number
 
 
+def check_not_written(displacement: bool, velocity: bool) -> None:
+    """Refuse that a user's function has written to the motion, on this rank.
+
+    Args:
+        displacement: whether the displacement is that of the problem still.
+        velocity: whether the velocity is.
+
+    Raises:
+        ValueError: one is not.
+    """
+    names = [name for name, same in (("u", displacement), ("velocity", velocity)) if not same]
+    if names:
+        raise ValueError(
+            f"a callback, or update, has written to {' and '.join(names)}: the motion is that of the integrator, which "
+            "does not read these functions. Prescribe motion with PrescribedMotion, push bodies with loads, or make a "
+            "new problem from the state that is wanted"
+        )
+
+
 class AdvanceCalls:
     """Knows whether a call of `advance` is running."""
 

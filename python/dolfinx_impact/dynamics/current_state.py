@@ -9,6 +9,7 @@ from dolfinx import fem
 from .. import _cpp
 from ..common.types import FloatArray
 from ..contact.protocol import ExplicitContact
+from .advance_calls import check_not_written
 from .penetration_share import PenetrationShare
 from .run_history import ENERGIES, RunHistory, total_energy
 
@@ -60,6 +61,19 @@ class CurrentState:
         for f, values in zip(self.functions, self.motion()):
             f.x.array[: self.num_owned] = values
             f.x.scatter_forward()
+
+    def check_not_written(self) -> None:
+        """Refuse that others have written to displacement or velocity since the last update, on this rank, and take it
+        back.
+
+        Raises:
+            ValueError: they have.
+        """
+        own = [(f.x.array[: self.num_owned], values) for f, values in zip(self.functions[:2], self.motion())]
+        u, v = (np.array_equal(shown, values, equal_nan=True) for shown, values in own)
+        for shown, values in own:
+            shown[:] = values
+        check_not_written(u, v)
 
     def update(self) -> None:
         """Update functions, contact results and energies to the present time. Collective."""

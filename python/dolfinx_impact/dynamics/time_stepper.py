@@ -334,6 +334,7 @@ class TimeStepper:
         """
         self.state.update()
         error: BaseException | None = attempt(callback, self.problem)[1]
+        error = error or attempt(self.state.check_not_written)[1]
         self.refresh()
         return error
 

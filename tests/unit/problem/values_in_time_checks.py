@@ -263,3 +263,31 @@ def check_hoops_belong_to_their_hypothesis():
         assert not ring(problem, h, r, nu, None, flat=True).axisymmetric
         with pytest.raises(ValueError, match="does not resist a widening of its hoops"):
             ring(problem, h, r, nu, "axisymmetric", flat=True)
+
+
+def check_what_is_written_to_the_motion_is_refused():
+    """In a callback or an update, at the start or later, on one rank alone: nothing would come of it. The state is that
+    of the step before, and the run goes on; what is written and put back counts for nothing."""
+    for kind, name, way, first in itertools.product(
+        ("explicit", "Newmark"), ("u", "velocity"), ("callback", "update"), (True, False)
+    ):
+        block = Block()
+        problem = KINDS[kind](block.u, block.law)
+        calls = itertools.count()
+
+        def write(problem, time=None, name=name, first=first, calls=calls):
+            if (next(calls) == 0 or not first) and (first or problem.step == 2) and COMM.rank == COMM.size - 1:
+                getattr(problem, name).x.array[:1] += 1e-3
+
+        with pytest.raises(ValueError, match=f"has written to {name}:"):
+            problem.advance(0.5, dt=0.01, progress=False, **{way: write})
+        assert not np.any(problem.u.x.array[: problem.num_owned])
+
+        def touch(problem, time=None, name=name):
+            values = getattr(problem, name).x.array
+            kept = values.copy()
+            values[:] = 7.0
+            values[:] = kept
+
+        problem.advance(0.6, dt=0.01, progress=False, **{way: touch})
+        assert problem.time == 0.6 and not np.any(problem.u.x.array)

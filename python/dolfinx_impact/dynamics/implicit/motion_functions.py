@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from dolfinx import fem
 
 from ...common.described import Described
@@ -33,6 +34,17 @@ class MotionFunctions(Described):
         for f, values in ((self._velocity, state.velocity), (self._acceleration, state.acceleration)):
             f.x.array[: self._num_owned] = values
             f.x.scatter_forward()
+
+    def shows_velocity(self, state: State) -> bool:
+        """Whether the velocity function has a state's values, on this rank; it has them afterwards.
+
+        Args:
+            state: motion.
+        """
+        shown = self._velocity.x.array[: self._num_owned]
+        same = bool(np.array_equal(shown, state.velocity))
+        shown[:] = state.velocity
+        return same
 
     def save(self) -> tuple[FloatArray, FloatArray]:
         """Values of this rank, ghosts included, for `bring_back`."""

@@ -19,7 +19,7 @@ from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
 from ...statics.load_steps import Increment, StepLog
 from ...statics.snes import Solver
-from ..advance_calls import AdvanceCalls
+from ..advance_calls import AdvanceCalls, check_not_written
 from ..progress import ProgressBar
 from ..step_schedule import StepSchedule
 from .motion import Prescribed, State, StepMotion, TimeValues
@@ -149,7 +149,7 @@ class ImplicitStepper(Described):
         interrupts: Interrupts,
     ) -> None:
         if callback and self.step == 0:
-            interrupts.check(attempt(callback, self.problem)[1])
+            interrupts.check(self._called(callback, self.problem))
         expected = max(1, math.ceil((until - self.time) / control.length))
         schedule = StepSchedule(self.time, until, self.step, self.step + expected)
         with ProgressBar(self.comm, schedule, progress) as bar:
@@ -159,7 +159,7 @@ class ImplicitStepper(Described):
                 self._take(step, end, control, solver, log, update)
                 for recorder in self.recorders:
                     recorder.after()
-                error = attempt(callback, self.problem)[1] if callback else None
+                error = self._called(callback, self.problem) if callback else None
                 # Where a filter makes an error of the warning, it is that of one rank.
                 error = error or attempt(self._warn_of_late_values, callback is not None)[1]
                 history = self.problem.run_history
@@ -241,6 +241,21 @@ class ImplicitStepper(Described):
         step, end = control.next(self.time, goal)
         self._take(step, end, control, solver, log, update)
 
+    def _called(self, function: Callable[..., object], *given: object) -> BaseException | None:
+        """Call a user's function, which must not write to the motion.
+
+        Returns:
+            Exception on this rank, or None.
+        """
+        error = attempt(function, *given)[1]
+        return error or attempt(self._check_not_written)[1]
+
+    def _check_not_written(self) -> None:
+        shown = self.problem.u.x.array[: self.problem.num_owned]
+        u, v = np.array_equal(shown, self.state.displacement), self.problem.motion.shows_velocity(self.state)
+        shown[:] = self.state.displacement
+        check_not_written(u, v)
+
     def update(self, update: Callable[[NewmarkProblem, float], object] | None, time: float) -> None:
         """Let a user set the values of a time; an error on one rank is raised on all. Collective.
 
@@ -249,7 +264,7 @@ class ImplicitStepper(Described):
             time: time [T].
         """
         if update is not None:
-            agree(self.comm, attempt(update, self.problem, time)[1], "update")
+            agree(self.comm, self._called(update, self.problem, time), "update")
         self.problem.inputs.store()
 
     def _warn_of_late_values(self, called: bool) -> None:
