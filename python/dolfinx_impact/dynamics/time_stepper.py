@@ -269,10 +269,12 @@ class TimeStepper:
         if now:
             interrupts.check(self._call(now))
         callback = self._calls.at_present(callback, update)
-        if self.inputs.changes.stale:
+        known = not self.inputs.changes.stale
+        if not known:
             self._find_stable_step()
         self._choose_schedule(until, dt, unsafe)
         if self.watch is not None:
+            self._deformed = known and self.deformed  # a call that was left did not look at what had deformed
             self.watch.begin(self.nominal_step)
         with ProgressBar(self.comm, self._present_schedule, progress) as bar:
             try:
