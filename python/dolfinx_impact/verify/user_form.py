@@ -49,6 +49,20 @@ class Settings(TypedDict):
     theirs: dict[str, TheirRule] | None
 
 
+def operators() -> list[str]:
+    """Names that a user may give for an operator of the hand-written solver."""
+    return sorted(set(ALIASES) | set(registry.NAMES))
+
+
+def is_operator(name: str) -> bool:
+    """Whether the hand-written solver has an operator of this name.
+
+    Args:
+        name: a name that a user may give.
+    """
+    return name in ALIASES or name in registry.NAMES
+
+
 def operator_name(name: str, rank: int) -> str:
     """Form of the catalogue for a name and the rank of the user's form.
 
@@ -62,13 +76,12 @@ def operator_name(name: str, rank: int) -> str:
     Raises:
         ValueError: unknown name, or no form of that rank; the message lists the names.
     """
-    known = sorted(set(ALIASES) | set(registry.NAMES))
     if name in registry.NAMES and name not in ALIASES:
         if rank != _rank(name):
             raise ValueError(f"operator {name!r} has rank {_rank(name)}, the form has rank {rank}")
         return name
     if name not in ALIASES:
-        raise ValueError(f"the hand-written solver has no operator {name!r}; it has {', '.join(known)}")
+        raise ValueError(f"the hand-written solver has no operator {name!r}; it has {', '.join(operators())}")
     found = ALIASES[name][rank]
     if found is None:
         raise ValueError(f"operator {name!r} has no form of rank {rank}")
@@ -80,6 +93,35 @@ def _rank(name: str) -> int:
     if name.endswith(".energy"):
         return 0
     return 2 if name.endswith("tangent") or name in ("rayleigh", "gyroscopic", "ale_inertia") else 1
+
+
+def run_file(path: Path | str) -> dict[str, Any]:
+    """Run a user's file.
+
+    Args:
+        path: the file.
+
+    Returns:
+        Namespace of the file.
+
+    Raises:
+        FileNotFoundError: no such file.
+        ValueError: the file raises; the message has the line.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file {path}")
+    try:
+        return runpy.run_path(str(path))
+    except SyntaxError as e:
+        raise ValueError(f"{path}, line {e.lineno}: {e.msg}: {(e.text or '').strip()}") from e
+    except Exception as e:
+        line, trace = None, e.__traceback__
+        while trace is not None:
+            if trace.tb_frame.f_code.co_filename == str(path):
+                line = trace.tb_lineno
+            trace = trace.tb_next
+        raise ValueError(f"{path}, line {line}: {type(e).__name__}: {e}") from e
 
 
 def load(path: Path | str) -> tuple[dict[str, Any], dict[str, ufl.Form]]:
@@ -95,20 +137,7 @@ def load(path: Path | str) -> tuple[dict[str, Any], dict[str, ufl.Form]]:
         FileNotFoundError: no such file.
         ValueError: the file raises (the message has the line), or defines no form.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file {path}")
-    try:
-        namespace = runpy.run_path(str(path))
-    except SyntaxError as e:
-        raise ValueError(f"{path}, line {e.lineno}: {e.msg}: {(e.text or '').strip()}") from e
-    except Exception as e:
-        line, trace = None, e.__traceback__
-        while trace is not None:
-            if trace.tb_frame.f_code.co_filename == str(path):
-                line = trace.tb_lineno
-            trace = trace.tb_next
-        raise ValueError(f"{path}, line {line}: {type(e).__name__}: {e}") from e
+    namespace = run_file(path)
     forms = {n: o for n, o in namespace.items() if isinstance(o, ufl.Form)}
     if not forms:
         raise ValueError(f"{path} defines no UFL form: assign one to a variable, for example a = inner(...) * dx")

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""Check of the tangent at rest: no negative direction, and none without stiffness but the rigid ones."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ...common.types import FloatArray
+from .findings import Curve, Picture
+from .rigid import _spins, _translations
+from .subject import Subject
+
+ZERO = 1e-9  # singular value over the largest one: rigid motions have 1e-16, strains of a small mesh 1e-5 and more
+REASON = "a count of eigenvalues"
+
+
+def definiteness(subject: Subject) -> None:
+    """Is the tangent at rest positive but for rigid motions?
+
+    Args:
+        subject: the form.
+    """
+    if not subject.own.definite:
+        subject.leave_out("definiteness", "definite=False")
+        return
+    K = subject.scaled(subject.assembled.matrix(subject.rest))
+    size = float(np.linalg.norm(K, 2))
+    rigid = _motions_without_force(subject, K, size)
+    singular = np.linalg.svd(K, compute_uv=False) / size
+    zero = int(np.sum(singular <= ZERO))
+    negative, share, constraints = _signs(subject, K, size)
+    _draw(subject, singular)
+    if negative > 0:
+        subject.add(
+            "definiteness", negative, 0, REASON, "",
+            f"the tangent at rest has {negative} negative directions, down to -{share:.2g} of its largest value: the "
+            "body would fly apart by itself. The sign of the residual, or of one of its terms, is wrong; where this is "
+            "meant (prestress, several equilibria) say definite=False",
+        )  # fmt: skip
+        return
+    beside = f" but for {rigid} motions that should cause no forces" if rigid else ""
+    subject.add(
+        "definiteness", abs(zero - rigid), 0, REASON,
+        f"the tangent at rest is positive{beside}"
+        + (f"; {constraints} constraints make it that of a saddle point" if constraints else ""),
+        f"{zero - rigid} directions too many have no stiffness at rest ({rigid} motions should have none): the "
+        "quadrature rule is too coarse, a term is missing, or a mixed space is unstable",
+    )  # fmt: skip
+
+
+def _signs(subject: Subject, K: FloatArray, size: float) -> tuple[int, float, int]:
+    """Number of negative directions, the size of the worst, and number of constraints (multipliers, pressures).
+
+    The fields of a symmetric saddle point are counted together: it has as many negative directions as constraints.
+    Of a tangent that is not symmetric the block of each field counts, as the units of fields are not comparable.
+    """
+    blocks, constraints = [], 0
+    for f in subject.fields:
+        block = K[np.ix_(f.dofs, f.dofs)]
+        values = np.linalg.eigvalsh(0.5 * (block + block.T)) / size
+        if len(subject.fields) > 1 and values[-1] <= ZERO:
+            constraints += len(f.dofs)
+        else:
+            blocks.append(values)
+    if np.abs(K - K.T).max() <= ZERO * size:
+        values = np.linalg.eigvalsh(0.5 * (K + K.T)) / size
+        return max(int(np.sum(values < -ZERO)) - constraints, 0), float(-values[0]), constraints
+    values = np.concatenate(blocks)
+    return int(np.sum(values < -ZERO)), float(-values.min()), constraints
+
+
+def _motions_without_force(subject: Subject, K: FloatArray, size: float) -> int:
+    """Number of motions that should cause no force and do not: rigid ones, or a constant of fields that are none."""
+    motions = []
+    if subject.displacement is not None:
+        motions += [m for _, m in _translations(subject)] + [m for *_, m in _spins(subject)]
+    for f in subject.fields:
+        if f is not subject.displacement and f is not subject.rotation and f.nodal:
+            for component in range(f.num_components):
+                values = np.zeros((len(f.nodes), f.num_components))
+                values[:, component] = 1.0
+                motions.append(subject.of(f, values))
+    if not motions:
+        return 0
+    vectors = np.array(motions) / subject.scales()
+    vectors /= np.linalg.norm(vectors, axis=1)[:, None]
+    if not vectors.size:
+        return 0
+    basis = np.linalg.qr(vectors.T)[0]
+    inner = (K @ basis).T @ (K @ basis)  # squares of forces
+    return int(np.sum(eigh(inner, eigvals_only=True) <= (ZERO * size) ** 2))
+
+
+def _draw(subject: Subject, values: FloatArray) -> None:
+    count = np.arange(1, len(values) + 1)
+    shown = np.maximum(values, 1e-18)
+    subject.picture(
+        Picture("Singular values of the tangent at rest", "number", "size over the largest [1]",
+                [Curve(count, shown, "all"), Curve(count, np.full(len(count), ZERO), "counts as zero")], points=True)  # fmt: skip
+    )
