@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Cross-verification of the UFL side against the hand-written solver, level by level.
 
-`cross_check` compares forms of the catalogue, `self_check` checks forms that have no counterpart; `run.main` is the command line. Modules are imported on first use, so
-that importing dolfinx_impact does not need the hand-written solver, SLEPc or matplotlib.
+`cross_check` compares forms of the catalogue, `self_check` checks forms that have no counterpart; `run.main` is the
+command line. Modules are imported on first use, so that importing dolfinx_impact does not need the hand-written solver,
+SLEPc or matplotlib.
 """
 
 from __future__ import annotations

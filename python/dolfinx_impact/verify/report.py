@@ -213,4 +213,4 @@ def row_label(r: Row) -> str:
     """
     element = f"{r.cell} P{r.degree}" if r.cell else ""
     geometry = f" on geometry {r.geometry_degree}" if r.cell and r.geometry_degree != r.degree else ""
-    return f"{element}{geometry} {r.hypothesis} {r.name}".strip()
+    return " ".join(text for text in (f"{element}{geometry}", r.hypothesis, r.name) if text)

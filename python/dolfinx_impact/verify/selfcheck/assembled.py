@@ -17,8 +17,8 @@ from ..bodies import petsc_to_scipy
 from .own_form import OwnForm
 from .parts import split_dead_loads
 
-# These kernels run for a moment only: without optimisation they are compiled in half the time.
-QUICK = {"cffi_extra_compile_args": ["-O0"]}
+# These kernels run for a moment only: with little optimisation they are compiled in less time.
+QUICK = {"cffi_extra_compile_args": ["-O1"]}
 
 
 def quick_form(form: ufl.Form) -> fem.Form:

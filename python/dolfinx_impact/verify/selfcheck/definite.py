@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigh
 
 from ...common.types import FloatArray
 from .findings import Curve, Picture
@@ -55,7 +54,8 @@ def _signs(subject: Subject, K: FloatArray, size: float) -> tuple[int, float, in
     The fields of a symmetric saddle point are counted together: it has as many negative directions as constraints.
     Of a tangent that is not symmetric the block of each field counts, as the units of fields are not comparable.
     """
-    blocks, constraints = [], 0
+    blocks: list[FloatArray] = []
+    constraints = 0
     for f in subject.fields:
         block = K[np.ix_(f.dofs, f.dofs)]
         values = np.linalg.eigvalsh(0.5 * (block + block.T)) / size
@@ -64,38 +64,49 @@ def _signs(subject: Subject, K: FloatArray, size: float) -> tuple[int, float, in
         else:
             blocks.append(values)
     if np.abs(K - K.T).max() <= ZERO * size:
-        values = np.linalg.eigvalsh(0.5 * (K + K.T)) / size
-        return max(int(np.sum(values < -ZERO)) - constraints, 0), float(-values[0]), constraints
-    values = np.concatenate(blocks)
-    return int(np.sum(values < -ZERO)), float(-values.min()), constraints
+        every = np.linalg.eigvalsh(0.5 * (K + K.T)) / size
+        return max(int(np.sum(every < -ZERO)) - constraints, 0), float(-every[0]), constraints
+    alone = np.concatenate(blocks)
+    return int(np.sum(alone < -ZERO)), float(-alone.min()), constraints
 
 
 def _motions_without_force(subject: Subject, K: FloatArray, size: float) -> int:
-    """Number of motions that should cause no force and do not: rigid ones, or a constant of fields that are none."""
-    motions = []
-    if subject.displacement is not None:
-        motions += [m for _, m in _translations(subject)] + [m for *_, m in _spins(subject)]
-    for f in subject.fields:
-        if f is not subject.displacement and f is not subject.rotation and f.nodal:
-            for component in range(f.num_components):
-                values = np.zeros((len(f.nodes), f.num_components))
+    """Number of independent motions that should cause no force and do not.
+
+    They are rigid ones, constants of fields that are no displacement, and strains that go with such constants without
+    stress (a body that is heated and free expands).
+    """
+    f, gdim, rigid, straining, constant = subject.displacement, subject.gdim, [], [], []
+    if f is not None:
+        rigid = [m for _, m in _translations(subject)] + [m for *_, m in _spins(subject)]
+        units = [np.outer(np.eye(gdim)[i], np.eye(gdim)[j]) for i in range(gdim) for j in range(gdim)]
+        straining = rigid + [subject.of(f, f.nodes @ unit.T) for unit in units]
+    for g in subject.fields:
+        if g is not f and g is not subject.rotation and g.nodal:
+            for component in range(g.num_components):
+                values = np.zeros((len(g.nodes), g.num_components))
                 values[:, component] = 1.0
-                motions.append(subject.of(f, values))
+                constant.append(subject.of(g, values))
+    count = _nullity(subject, K, size, rigid)
+    if constant:
+        count += _nullity(subject, K, size, straining + constant) - _nullity(subject, K, size, straining)
+    return count
+
+
+def _nullity(subject: Subject, K: FloatArray, size: float, motions: list[FloatArray]) -> int:
+    """Dimension of the part of the span of some motions that causes no forces."""
     if not motions:
         return 0
     vectors = np.array(motions) / subject.scales()
     vectors /= np.linalg.norm(vectors, axis=1)[:, None]
-    if not vectors.size:
-        return 0
-    basis = np.linalg.qr(vectors.T)[0]
-    inner = (K @ basis).T @ (K @ basis)  # squares of forces
-    return int(np.sum(eigh(inner, eigvals_only=True) <= (ZERO * size) ** 2))
+    left, values, _ = np.linalg.svd(vectors.T, full_matrices=False)
+    basis = left[:, values > 1e-10 * values[0]]
+    return int(np.sum(np.linalg.svd(K @ basis, compute_uv=False) <= ZERO * size))
 
 
 def _draw(subject: Subject, values: FloatArray) -> None:
-    count = np.arange(1, len(values) + 1)
+    count = np.arange(1.0, len(values) + 1)
     shown = np.maximum(values, 1e-18)
-    subject.picture(
-        Picture("Singular values of the tangent at rest", "number", "size over the largest [1]",
-                [Curve(count, shown, "all"), Curve(count, np.full(len(count), ZERO), "counts as zero")], points=True)  # fmt: skip
-    )
+    curves = [Curve(count, shown, "all"), Curve(count, np.full(len(count), ZERO), "counts as zero")]
+    title = "Singular values of the tangent at rest"
+    subject.picture(Picture(title, "number", "size over the largest [1]", curves, points=True))

@@ -29,16 +29,18 @@ def symmetry(subject: Subject) -> None:
     at = np.unravel_index(int(np.argmax(skew)), skew.shape)
     found = float(skew[at] / np.abs(K).max())
     if not subject.conservative and not found <= ROUND_OFF:
-        text = f"the tangent differs from its transpose by {found:.1e}: the residual has no energy, and none is expected"
+        text = (
+            f"the tangent differs from its transpose by {found:.1e}: the residual has no energy, and none is expected"
+        )
         subject.leave_out("symmetry", f"{text}; conservative=True would expect one")
         return
     subject.add(
         "symmetry", found, ROUND_OFF, ROUND_OFF_REASON,
         "the tangent is symmetric at a random state: the residual is the derivative of an energy",
         f"the tangent differs from its transpose by {found:.1e} of its largest entry, most between "
-        f"{subject.place(int(at[0]))} and {subject.place(int(at[1]))}: the residual is not the derivative of an energy, "
-        "its work depends on the path. Where this is meant (follower loads, friction, flow that is not associated) say "
-        "conservative=False",
+        f"{subject.place(int(at[0]))} and {subject.place(int(at[1]))}: the residual is not the derivative of an "
+        "energy, its work depends on the path. Where this is meant (follower loads, friction, flow that is not "
+        "associated) say conservative=False",
     )  # fmt: skip
 
 
@@ -106,7 +108,7 @@ def _given_energy(subject: Subject) -> None:
     c = subject.scales()
     a, b = c * forces, c * gradient
     factor = float(a @ b / max(b @ b, 1e-300))
-    rest = float(np.linalg.norm(a - factor * b) / max(np.linalg.norm(b), 1e-300))
+    rest = float(np.linalg.norm(a - factor * b)) / max(float(np.linalg.norm(b)), 1e-300)
     text = f"the residual differs from the derivative of the given energy by {found:.1e} of its largest entry"
     if rest < ROUND_OFF:
         text = f"the residual is {factor:.6g} times the derivative of the given energy"

@@ -34,7 +34,9 @@ class Field:
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of its values."""
-        return tuple(self.space.element.basix_element.value_shape if self.space.dofmap.bs == 1 else (self.space.dofmap.bs,))
+        return tuple(
+            self.space.element.basix_element.value_shape if self.space.dofmap.bs == 1 else (self.space.dofmap.bs,)
+        )
 
     @property
     def num_components(self) -> int:
@@ -136,7 +138,7 @@ def spins(dim: int) -> list[tuple[str, FloatArray]]:
     """
     if dim == 2:
         return [("in the plane", np.array([[0.0, -1.0], [1.0, 0.0]]))]
-    out = []
+    out: list[tuple[str, FloatArray]] = []
     for axis in range(3):
         W = np.zeros((3, 3))
         i, j = (axis + 1) % 3, (axis + 2) % 3

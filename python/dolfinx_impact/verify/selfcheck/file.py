@@ -69,7 +69,7 @@ def source_of(thing: Any, name: str, namespace: Mapping[str, Any] | None = None,
             return Source(partial(_of_material, thing.material))
         own = thing
         given = {k: getattr(own, k) for k in OwnForm.__dataclass_fields__ if k not in _FORMS}
-        return _source(maker_of(own.residual, own.u, {}, own.energy, own.parameters, **given), own.u)  # type: ignore[arg-type]  # the material's case is above
+        return _source(maker_of(own.residual, own.u, {}, own.energy, own.parameters, **given), own.u)
     if isinstance(thing, ufl.Form):
         return _of_form(thing, name, names, options)
     if callable(thing) and not isinstance(thing, type):

@@ -135,8 +135,8 @@ def manufactured(subject: Subject) -> None:
     expected = np.array([f.degree + 1.0, f.degree])
     component = 0
     for g in fields:
-        # The error of a field that couples to others limits theirs: by its values if its gradient occurs (micro-rotation,
-        # temperature), by duality one order later if not (pressure).
+        # The error of a field that couples to others limits theirs: by its values if its gradient occurs (temperature,
+        # micro-rotation), by duality one order later if not (pressure).
         later = 0.0 if has_gradient(form.internal, component) else 1.0
         component += g.num_components
         if g is not f:

@@ -113,7 +113,9 @@ def made(maker: Callable[[Mesh], Any], name: str, mesh: Mesh) -> OwnForm:
         given = maker(mesh)
     except Exception as e:
         where = f"{name}(mesh of {mesh.topology.cell_name()}s)"
-        raise ValueError(f"{where} ends with {type(e).__name__}: {e}; --cells (cells=) names the cells it is for") from e
+        raise ValueError(
+            f"{where} ends with {type(e).__name__}: {e}; --cells (cells=) names the cells it is for"
+        ) from e
     if isinstance(given, tuple) and len(given) == 2:
         given = OwnForm(*given)
     if not isinstance(given, OwnForm):

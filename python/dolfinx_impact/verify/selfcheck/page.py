@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from html import escape
 from pathlib import Path
+from typing import Any
 
 from ...io.hdf5 import write_whole
 from ..html import STYLE
@@ -69,17 +70,17 @@ def _draw(pictures: list[Picture], path: Path) -> Path:
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    from matplotlib.ticker import NullFormatter
+    from matplotlib.ticker import NullLocator
 
     columns = min(len(pictures), 3)
     rows = -(-len(pictures) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(4.6 * columns, 3.6 * rows), squeeze=False, layout="constrained")
     for axis, picture in zip(axes.ravel(), pictures):
         for k, curve in enumerate(picture.curves):
-            style = {"marker": "o", "ms": 3} if len(curve.x) < 50 else {"lw": 1.5}
+            style: dict[str, Any] = {"marker": "o", "ms": 3} if len(curve.x) < 50 else {"lw": 1.5}
             if curve.label in ("tolerance", "counts as zero"):
-                style = {"ls": "--", "color": "0.5"}  # type: ignore[dict-item]  # keywords of matplotlib
-            (line,) = axis.plot(curve.x, curve.y, label=curve.label, **style)  # type: ignore[arg-type]
+                style = {"ls": "--", "color": "0.5"}
+            (line,) = axis.plot(curve.x, curve.y, label=curve.label, **style)
             if curve.slope is not None:
                 theory = 0.6 * curve.y[-1] * (curve.x / curve.x[-1]) ** curve.slope
                 axis.plot(curve.x, theory, ":", color=line.get_color(), label=f"slope {curve.slope:g}")
@@ -89,7 +90,9 @@ def _draw(pictures: list[Picture], path: Path) -> Path:
         if any(c.slope is not None for c in picture.curves):
             x = picture.curves[0].x
             axis.set_xticks(x, [f"{v:g}" if v >= 1 else f"1/{1 / v:g}" for v in x])
-            axis.xaxis.set_minor_formatter(NullFormatter())
+            axis.xaxis.set_minor_locator(NullLocator())
+        elif not picture.points:
+            axis.set_xticks(picture.curves[0].x)
         axis.set_title(picture.title, fontsize=10)
         axis.set_xlabel(picture.xlabel)
         axis.set_ylabel(picture.ylabel)

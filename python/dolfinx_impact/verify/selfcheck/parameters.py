@@ -8,7 +8,8 @@ from dolfinx import fem
 
 from ...common.types import FloatArray
 from ...dynamics.implicit.problem import NewmarkProblem
-from .assembled import AssembledForm
+from .assembled import AssembledForm, quick_form
+from .fields import fields_of
 from .findings import Curve, Picture
 from .own_form import made
 from .patch import boundary_dofs
@@ -17,7 +18,7 @@ from .subject import Subject
 TOLERANCE, REASON = 0.2, "order of differences of three runs, 20 to 80 steps, against 2"
 STEPS = (20, 40, 80)
 RAMP = 0.5  # by which a parameter grows in the run, of its own size [1]
-END = 2.0  # of the run, in periods of the slowest motion over 2 pi [1]
+END = 2.0  # of the run, whose density makes the stiffness over the mass of the order of one [T]
 
 
 def parameters(subject: Subject) -> None:
@@ -37,7 +38,9 @@ def parameters(subject: Subject) -> None:
     for name, constant in subject.own.parameters.items():
         before = np.array(constant.value)
         constant.value = before * (1 + RAMP) + (before == 0.0)
-        change = subject.size(subject.assembled.vector(subject.state) - subject.forces) + _dead(subject, constant, before)
+        change = subject.size(subject.assembled.vector(subject.state) - subject.forces) + _dead(
+            subject, constant, before
+        )
         constant.value = before
         if change <= 1e-12:
             idle.append(name)
@@ -56,8 +59,6 @@ def parameters(subject: Subject) -> None:
 
 def _dead(subject: Subject, constant: fem.Constant, before: FloatArray) -> float:
     """Change of the dead loads by the present value of a constant, relative to their size."""
-    from .assembled import quick_form
-
     form = subject.assembled
     assert isinstance(form, AssembledForm)
     if form.dead is None:
@@ -96,22 +97,20 @@ def _run(subject: Subject) -> None:
 
 
 def _end(subject: Subject, name: str, steps: int) -> FloatArray:
-    """Displacement at the end of a run with a parameter ramped, on the whole or clamped by its boundary."""
+    """Displacement at the end of a run with a parameter ramped; the boundary is held, the inside thrown."""
     own = made(subject.make, subject.name, subject.mesh_of(2))
     V, constant = own.u.function_space, own.parameters[name]
     before = np.array(constant.value)
-    form = AssembledForm(own)
-    own.u.x.array[:] = subject_rest(own.u)
-    K = form.matrix(np.array(own.u.x.array))
-    # Density such that the slowest motions of the block take some time units.
-    stiffness = float(abs(K).max())
+    # A density by which the block swings once or so in the run.
+    density = float(abs(AssembledForm(own).matrix(np.array(own.u.x.array))).max())
+    (field,) = fields_of(V)
+    held = boundary_dofs(field)
+    inner = np.setdiff1d(field.dofs, held)
     velocity = fem.Function(V)
-    field = subject.fields[0].__class__(0, V, np.arange(len(own.u.x.array)), subject.degree, True)
-    inner = np.setdiff1d(field.dofs, boundary_dofs(field))
     velocity.x.array[inner] = 0.1 * own.strain * np.cos(np.arange(len(inner)))
-    clamp = fem.dirichletbc(np.zeros(subject.gdim), np.unique(boundary_dofs(field) // subject.gdim).astype(np.int32), V)
+    clamp = fem.dirichletbc(np.zeros(subject.gdim), np.unique(held // subject.gdim).astype(np.int32), V)
     problem = NewmarkProblem(
-        own.u, residual=own.residual, density=stiffness, velocity=velocity, bcs=[clamp], hypothesis=own.hypothesis
+        own.u, residual=own.residual, density=density, velocity=velocity, bcs=[clamp], hypothesis=own.hypothesis
     )
 
     def ramp(_: NewmarkProblem, time: float) -> None:
@@ -119,8 +118,3 @@ def _end(subject: Subject, name: str, steps: int) -> FloatArray:
 
     problem.advance(END, dt=END / steps, update=ramp, progress=False, rtol=1e-12)
     return np.array(own.u.x.array)
-
-
-def subject_rest(u: fem.Function) -> FloatArray:
-    """Values of rest: those that the user's function gave."""
-    return np.array(u.x.array)

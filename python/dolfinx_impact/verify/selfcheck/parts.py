@@ -6,10 +6,10 @@ from __future__ import annotations
 from typing import Any
 
 import ufl
-from ufl.algorithms import expand_derivatives, extract_coefficients
+from ufl.algorithms import expand_derivatives, expand_indices, extract_coefficients
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.map_integrands import map_integrand_dags
-from ufl.classes import Argument, Grad, Sum, Zero
+from ufl.classes import Argument, FixedIndex, Grad, ListTensor, Sum, Zero
 from ufl.corealg.multifunction import MultiFunction
 from ufl.corealg.traversal import unique_pre_traversal
 
@@ -30,7 +30,8 @@ def split_dead_loads(form: ufl.Form, u: Any) -> tuple[ufl.Form, ufl.Form | None]
     Returns:
         Internal part and dead loads; None without any.
     """
-    inner, dead = [], []
+    inner: list[Any] = []
+    dead: list[Any] = []
     for integral in form.integrals():
         for summand in _summands(integral.integrand()):
             (inner if u in extract_coefficients(summand) else dead).append(integral.reconstruct(summand))
@@ -96,6 +97,13 @@ class _Test(MultiFunction):  # type: ignore[misc]  # UFL has no types
     def argument(self, o: Any) -> Any:
         return self.value if self.order == 0 else ufl.zero(o.ufl_shape)
 
+    def indexed(self, o: Any, operand: Any, index: Any) -> Any:
+        if isinstance(operand, ListTensor) and all(isinstance(i, FixedIndex) for i in index):  # known, and often zero
+            for i in index:
+                operand = operand[int(i)]
+            return operand
+        return self.reuse_if_untouched(o, operand, index)
+
     def grad(self, o: Any, *_: Any) -> Any:
         depth, inner = 0, o
         while isinstance(inner, Grad):
@@ -140,9 +148,9 @@ def has_gradient(form: ufl.Form, component: int) -> bool:
         component: component of the test function, a vector or a scalar.
     """
     cells = [i for i in form.integrals() if i.integral_type() == "cell"]
-    plain = expand_derivatives(apply_algebra_lowering(ufl.Form(cells)))
+    plain = expand_indices(expand_derivatives(apply_algebra_lowering(ufl.Form(cells))))
     argument = form.arguments()[0]
-    shape, gdim = argument.ufl_shape, argument.ufl_domain().geometric_dimension()
+    shape, gdim = argument.ufl_shape, argument.ufl_function_space().ufl_domain().geometric_dimension()
     for axis in range(gdim):
         at = (component, axis) if shape else (axis,)
         test = _Test(1, _unit((*shape, gdim), at))
@@ -175,7 +183,7 @@ def strong_form(form: ufl.Form, u: Any, exact: Any) -> Any:
     if order > 2:
         raise ValueError(f"the form has gradients of the test function of order {order}")
     shape = u.ufl_shape
-    gdim = u.ufl_domain().geometric_dimension()
+    gdim = u.ufl_function_space().ufl_domain().geometric_dimension()
 
     def part(depth: int, at: tuple[int, ...]) -> Any:
         """Sum over the integrals of the factor of one component of the test function's gradient."""
@@ -195,4 +203,3 @@ def strong_form(form: ufl.Form, u: Any, exact: Any) -> Any:
     if len(shape) == 1:
         return ufl.as_vector(values)
     return ufl.as_tensor([values[i * shape[1] : (i + 1) * shape[1]] for i in range(shape[0])])
-

@@ -105,15 +105,16 @@ def rotation(subject: Subject) -> None:
     if subject.axisymmetric:
         subject.leave_out("rotation", "a body of revolution has no rotation in its plane")
         return
+    f: Field = subject.displacement  # type: ignore[assignment]  # checked above
     K, forces = subject.assembled.matrix(subject.rest), subject.assembled.vector(subject.rest)
     c = subject.scales()
     found, worst = 0.0, ""
     for name, W, motion in _spins(subject):
-        straining = subject.of(subject.displacement, subject.displacement.nodes @ abs(W).T)  # type: ignore[union-attr,arg-type]  # checked above
+        straining = subject.of(f, f.nodes @ abs(W).T)
         caused, size = c * (K @ motion), float(np.linalg.norm(c * (K @ straining)))
         # Forces of prestress turn with the body in finite strain, and stay in small strain.
-        left = min(np.linalg.norm(caused), np.linalg.norm(caused - c * turned(subject, forces, W)))
-        change = float(left) / max(size, 1e-300)
+        left = [float(np.linalg.norm(v)) for v in (caused, caused - c * turned(subject, forces, W))]
+        change = min(left) / max(size, 1e-300)
         if not change <= found:
             found, worst = change, name
     subject.add(
@@ -150,8 +151,8 @@ def frame(subject: Subject) -> None:
         "frame indifference", found, ROUND_OFF, ROUND_OFF_REASON, good,
         f"after a rotation {worst} by {ANGLE:g} rad of a deformed body the forces are not the turned ones (by "
         f"{finite:.1e} of the largest), and a small rotation adds forces (by {small:.1e}): the form is neither of "
-        "finite nor of small strain. A nonlinear strain without its quadratic part, a stress that is not turned back, a "
-        "missing transpose?",
+        "finite nor of small strain. A nonlinear strain without its quadratic part, a stress that is not turned back, "
+        "a missing transpose?",
     )  # fmt: skip
 
 
@@ -180,11 +181,11 @@ def momentum(subject: Subject) -> None:
     """
     for check in ("balance of forces", "balance of moments"):
         if _without(subject, check):
-            return
+            continue
         if check == "balance of moments" and subject.axisymmetric:
             subject.leave_out(check, "a body of revolution has no moment in its plane")
-            return
-        _balance(subject, check)
+        else:
+            _balance(subject, check)
 
 
 def _balance(subject: Subject, check: str) -> None:

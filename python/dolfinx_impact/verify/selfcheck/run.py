@@ -102,8 +102,8 @@ def self_check(
     if isinstance(form, (str, Path)):
         found, named = sources(form, name)
     else:
-        name = name or getattr(form, "__name__", "form")
-        found, named = {name: source_of(form, name, **options)}, None
+        own = name if name is not None else str(getattr(form, "__name__", "form"))
+        found, named = {own: source_of(form, own, **options)}, None
     jobs = [(n, s, cell) for n, s in found.items() for cell in _cells(n, s, cells or named)]
     from rich.progress import Progress
 
@@ -136,5 +136,5 @@ def _subject(name: str, source: Source, cell: str, report: SelfCheckReport) -> S
     own = made(source.maker, name, mesh_of(n))
     try:
         return Subject(name, own, partial(made, source.maker, name), report, mesh_of, n)
-    except (ufl.UFLException if hasattr(ufl, "UFLException") else AssertionError) as e:
+    except ufl.UFLException if hasattr(ufl, "UFLException") else AssertionError as e:
         raise ValueError(f"{name} cannot be compiled: {e}") from e

@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 from ufl.algorithms import extract_coefficients
 from ufl.algorithms.analysis import extract_constants
-from ufl.algorithms.map_integrands import map_integrands
+from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
 
 from .own_form import Maker, OwnForm
@@ -109,7 +109,7 @@ def maker_of(
         mover.terminals = terminals
 
         def moved(f: ufl.Form) -> ufl.Form:
-            f = map_integrands(mover, f)
+            f = map_integrand_dags(mover, f)
             return ufl.Form([i.reconstruct(domain=mesh.ufl_domain()) for i in f.integrals()])
 
         own = {name: terminals[c] for name, c in (parameters or {}).items() if c in terminals}
