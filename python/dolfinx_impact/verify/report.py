@@ -25,7 +25,8 @@ class Row:
         tolerance: bound on the difference [1].
         reason: what the tolerance follows from.
         name: quantity and body that are compared.
-        note: where the largest difference is.
+        note: what is wrong, as far as it is known, and where the largest difference is.
+        cause: what is wrong with a form that differs, as far as it is known.
 
     Attributes:
         passed: whether the difference is within the tolerance; a NaN does not pass.
@@ -42,6 +43,7 @@ class Row:
     reason: str
     name: str = ""
     note: str = ""
+    cause: str = ""
     passed: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -138,6 +140,7 @@ class Report:
             all_rows: print every row in the table.
         """
         from rich.console import Console
+        from rich.markup import escape
         from rich.table import Table
 
         console = Console(width=150)
@@ -159,7 +162,8 @@ class Report:
         console.print(table)
         for r in self.failures():
             console.print(
-                f"[red]FAIL[/red] {r.level} {r.form} {row_label(r)}: {r.difference:.3e} > {r.tolerance:.1e}. {r.note}"
+                f"[red]FAIL[/red] {r.level} {r.form} {row_label(r)}: {r.difference:.3e} > {r.tolerance:.1e}. "
+                f"{escape(r.note)}"
             )
         failed = f"{len(self.failures())} failed" if self.rows else "nothing was compared"
         verdict = "all passed" if self.passed else failed
