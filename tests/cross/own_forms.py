@@ -118,7 +118,7 @@ RIGHT = (
 
 # --- wrong ones ------------------------------------------------------------------------------------------------------
 
-DEFECTS = ("sign", "skew", "ground", "not_conservative", "not_objective", "moment", "force")
+DEFECTS = ("sign", "stress_at_rest", "skew", "ground", "not_conservative", "not_objective", "moment", "force")
 
 
 def neo_hooke(**sizes):
@@ -131,6 +131,7 @@ def neo_hooke(**sizes):
         J, C = ufl.det(F), F.T * F
         stress = F - ufl.inv(F).T + ufl.ln(J) * ufl.inv(F).T
         stress *= (1 - c["sign"]) * (1 + c["not_conservative"] * (1 / J - 1))
+        stress += c["stress_at_rest"] * F
         stress += c["skew"] * ufl.skew(ufl.grad(u)) + c["not_objective"] * strain(u)
         stress += c["moment"] * (ufl.tr(C) - 2) * F * ufl.as_tensor([[0, 1], [-1, 0]])
         work = ufl.inner(stress, ufl.grad(v)) + c["ground"] * ufl.inner(u, v) + c["force"] * (ufl.tr(C) - 2) * v[0]

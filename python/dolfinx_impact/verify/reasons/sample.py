@@ -103,8 +103,8 @@ def sample(cell: str, degree: int, geometry_degree: int, X: FloatArray, rule: An
     surface: FloatArray | None = None
     if facet is not None:
         corners = np.asarray(basix.geometry(kind))[basix.topology(kind)[-2][facet]]
-        surface = (corners[1:dim] - corners[0]).T
-        points = corners[0] + points @ surface.T
+        edges: FloatArray = corners[1:dim] - corners[0]
+        points, surface = corners[0] + points @ edges, edges.T
         normal = np.asarray(basix.cell.facet_outward_normals(kind))[facet]
     geometry = basix.ufl.element("Lagrange", cell, geometry_degree).basix_element.tabulate(1, points)[..., 0]
     field = basix.ufl.element("Lagrange", cell, degree).basix_element.tabulate(1, points)[..., 0]

@@ -30,6 +30,7 @@ class OwnForm:
         conservative: whether the residual should be the derivative of an energy; None: if the unknown is a
             displacement alone.
         grounded: whether springs, or terms in the value of u, tie the body to the ground.
+        prestressed: whether internal forces at rest are meant.
         definite: whether the tangent at rest should have no negative direction.
         hypothesis: "axisymmetric" if x[0] is the radius; None or another hypothesis if not.
         displacement: number of the displacement's subspace in a mixed space; None: the first that is a vector.
@@ -45,6 +46,7 @@ class OwnForm:
     parameters: Mapping[str, fem.Constant] = field(default_factory=dict)
     conservative: bool | None = None
     grounded: bool = False
+    prestressed: bool = False
     definite: bool = True
     hypothesis: str | None = None
     displacement: int | None = None

@@ -70,6 +70,27 @@ def rotated(subject: Subject, values: FloatArray, R: FloatArray) -> FloatArray:
     return out
 
 
+def rest(subject: Subject) -> None:
+    """Is the state of rest free of forces?
+
+    Args:
+        subject: the form.
+    """
+    if subject.displacement is None:
+        subject.leave_out("rest", "the unknown is no displacement: its state of rest is what the problem says")
+        return
+    found = subject.size(subject.assembled.vector(subject.rest))
+    if subject.own.prestressed:
+        subject.leave_out("rest", f"prestressed=True; the forces at rest are {found:.1e} of those of a random state")
+        return
+    subject.add(
+        "rest", found, ROUND_OFF, ROUND_OFF_REASON, "the state of rest is free of forces",
+        f"internal forces at rest are {found:.1e} of those of a random state with strains of {subject.own.strain:g}: a "
+        "body without loads would not stay as it is. Is a term of the energy missing (-mu ln J), or an invariant not "
+        "reduced by its value at rest? Where this is meant say prestressed=True",
+    )  # fmt: skip
+
+
 def translation(subject: Subject) -> None:
     """Does a translation at a random state change the forces?
 

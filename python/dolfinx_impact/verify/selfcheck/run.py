@@ -23,7 +23,7 @@ from .own_form import made
 from .parameters import parameters
 from .patch import patch
 from .ranks import ranks
-from .rigid import frame, momentum, rotation, translation
+from .rigid import frame, momentum, rest, rotation, translation
 from .rule import rule
 from .subject import Subject
 
@@ -31,6 +31,7 @@ CHECKS: Mapping[str, Callable[[Subject], None]] = {
     "symmetry": symmetry,
     "energy": energy,
     "taylor": taylor,
+    "rest": rest,
     "translation": translation,
     "rotation": rotation,
     "frame": frame,
