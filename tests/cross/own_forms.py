@@ -110,9 +110,37 @@ def conduction(mesh):
     return ((1 + T**2) * ufl.inner(ufl.grad(T), ufl.grad(q)) - q) * ufl.dx(degree=4), T
 
 
+def interior_penalty(mesh, consistent=True):
+    """Linear elasticity on discontinuous elements, by the symmetric interior penalty method."""
+    V = fem.functionspace(mesh, ("DG", 1, (mesh.geometry.dim,)))
+    u, v, n, h = fem.Function(V, name="u"), ufl.TestFunction(V), ufl.FacetNormal(mesh), ufl.CellDiameter(mesh)
+
+    def jump(u):
+        return ufl.outer(u("+"), n("+")) + ufl.outer(u("-"), n("-"))
+
+    def stress(u):
+        return hooke(strain(u))
+
+    inside = ufl.inner(stress(u), strain(v)) * ufl.dx(degree=2) + 30 / ufl.avg(h) * ufl.inner(jump(u), jump(v)) * ufl.dS
+    if consistent:
+        inside -= (ufl.inner(ufl.avg(stress(u)), jump(v)) + ufl.inner(ufl.avg(stress(v)), jump(u))) * ufl.dS
+    edge = 30 / h * ufl.inner(u, v) - ufl.inner(stress(u) * n, v) - ufl.inner(stress(v) * n, u)
+    return OwnForm(inside + edge * ufl.ds, u, grounded=True)
+
+
+def mixed_conduction(mesh):
+    """Flux on Raviart-Thomas elements and temperature, on triangles and quadrilaterals."""
+    cell = mesh.topology.cell_name()
+    elements = [basix.ufl.element("RT" if cell == "triangle" else "RTCF", cell, 1), basix.ufl.element("DG", cell, 0)]
+    w = fem.Function(fem.functionspace(mesh, basix.ufl.mixed_element(elements)), name="w")
+    (flux, T), (f, q) = ufl.split(w), ufl.TestFunctions(w.function_space)
+    return (ufl.inner(flux, f) + T * ufl.div(f) + q * ufl.div(flux)) * ufl.dx(degree=4), w
+
+
 plastic = di.J2Plasticity(1000.0, 0.3, 1.0, yield_stress=20.0, hardening=50.0, hypothesis="plane_strain")
 RIGHT = (
-    mooney_rivlin, viscoelastic, thermoelastic, cosserat, gradient, taylor_hood, ring, conduction, plastic,
+    mooney_rivlin, viscoelastic, thermoelastic, cosserat, gradient, taylor_hood, ring, conduction, interior_penalty,
+    mixed_conduction, plastic,
 )  # fmt: skip
 
 

@@ -114,7 +114,7 @@ def test_symbolic_forms_of_rank_0_1_and_2(folder, capsys):
 def test_an_operator_is_still_compared(folder, capsys):
     """By --as, or by a name that is an operator's: the hand-written solver says more than a self-check."""
     (folder / "plain.py").write_text(SYMBOLIC + "elasticity = inner(stress(u), grad(v)) * dx(degree=2)")
-    for arguments in (["elasticity"], ["--as", "elasticity"]):
+    for arguments in (["elasticity"], ["--as", "elasticity"], ["elasticity", "--as", "linear_elastic"]):
         assert cli.main(["verify", "plain.py", *arguments]) == 1  # wrong constants, which no self-check can know
         assert "UFL kernels against the hand-written solver" in capsys.readouterr().out
     assert cli.main(["verify", "plain.py", *FEW]) == 0
@@ -130,6 +130,7 @@ def test_an_operator_is_still_compared(folder, capsys):
         (["mine.py", "nothing"], r"nothing(mesh) returns NoneType: return dolfinx_impact.verify.OwnForm"),
         (["mine.py", "rubber", "--cells", "hexagon"], "cell 'hexagon' is unknown: use triangle"),
         (["mine.py", "rubber", "--checks", "all"], "check 'all' is unknown: use symmetry"),
+        (["plain.py", "K", "--as", "mass"], "plain.py defines no UFL form called 'K'; its forms are F"),
         (["broken.py"], "broken.py, line 3: NameError: name 'x' is not defined"),
         (["empty.py"], "there is nothing to check in empty.py: write a function my_form(mesh)"),
     ],
@@ -137,6 +138,7 @@ def test_an_operator_is_still_compared(folder, capsys):
 def test_status_2_and_one_sentence(arguments, message, folder, capsys):
     (folder / "broken.py").write_text(textwrap.dedent("\n# a comment\ny = x\n"))
     (folder / "empty.py").write_text("y = 1\n")
+    (folder / "plain.py").write_text(SYMBOLIC + "F = inner(stress(u), grad(v)) * dx(degree=2)")
     assert cli.main(["verify", *arguments]) == 2
     error = capsys.readouterr().err
     assert message in error and error.count("\n") == 1

@@ -2,6 +2,7 @@
 """Rows of differences, and their console table and JSON file."""
 
 import json
+import math
 from collections.abc import Collection
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -195,15 +196,21 @@ class Report:
         }
 
     def write_json(self, path: Path | str) -> None:
-        """Write {"rows": [...], "passed": ..., "versions": {...}}.
+        """Write {"rows": [...], "passed": ..., "versions": {...}}; numbers that are not finite are null.
 
         Args:
             path: file to write; its folder is made.
         """
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
-        data = {"rows": [asdict(r) for r in self.rows], "passed": self.passed, "versions": self.versions()}
-        write_whole(path, json.dumps(data, indent=1) + "\n")
+        rows = [{k: _finite(v) for k, v in asdict(r).items()} for r in self.rows]
+        data = {"rows": rows, "passed": self.passed, "versions": self.versions()}
+        write_whole(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
+
+
+def _finite(value: Any) -> Any:
+    """The value; None for numbers that JSON does not have."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def row_label(r: Row) -> str:

@@ -247,7 +247,8 @@ def _self_check(args: argparse.Namespace) -> Report:
 def _run(report: Report, args: argparse.Namespace) -> None:
     _check(args.cells, args.degree, args.levels)
     if args.file:
-        user_form.check(report, args.file, args.operator or args.name)
+        only = args.name if args.operator is not None else None
+        user_form.check(report, args.file, args.operator or args.name, only=only)
         return
     for name in args.forms or [None]:
         first = [level for level in args.levels if level == "element"]

@@ -215,7 +215,9 @@ def _rule(integral: Any, cell: str) -> TheirRule:
     return points, weights
 
 
-def check(report: Report, path: Path | str, operator: str | None = None, seed: int = 2026) -> None:
+def check(
+    report: Report, path: Path | str, operator: str | None = None, seed: int = 2026, only: str | None = None
+) -> None:
     """Add the rows of every form of a user's file, of levels "element" and "operator".
 
     Args:
@@ -223,12 +225,17 @@ def check(report: Report, path: Path | str, operator: str | None = None, seed: i
         path: the user's file.
         operator: name of the operator; None takes the file's name.
         seed: seed of the random numbers.
+        only: name of the one form to check; None: all.
 
     Raises:
         FileNotFoundError: no such file.
-        ValueError: the file does not run or defines no form, or the operator does not exist for a form.
+        ValueError: the file does not run or defines no form (of this name), or the operator does not exist for a form.
     """
     namespace, forms = load(path)
+    if only is not None:
+        if only not in forms:
+            raise ValueError(f"{path} defines no UFL form called {only!r}; its forms are {', '.join(forms)}")
+        forms = {only: forms[only]}
     for variable, form in forms.items():
         where = f"{variable} of {Path(path).name}"
         check_form(report, form, operator or Path(path).stem, namespace, variable, where, seed)
