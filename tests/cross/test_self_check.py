@@ -53,6 +53,22 @@ def test_a_right_form_in_space():
     assert report.passed, [(f.cell, f.name, f.note) for f in report.failures()]
 
 
+@pytest.mark.parametrize("law", [di.LinearElastic, di.StVenantKirchhoff, di.NeoHookean])
+@pytest.mark.parametrize(
+    "hypothesis, checks",
+    [
+        ("plane_stress", ["energy", "frame"]),
+        *(pytest.param(h, None, marks=pytest.mark.slow) for h in ("plane_strain", "axisymmetric", None)),
+    ],
+)
+def test_materials_of_the_package(law, hypothesis, checks):
+    report = self_check(law(2.0, 0.3, hypothesis=hypothesis), checks=checks)
+    assert report.passed, [(f.cell, f.name, f.note) for f in report.failures()]
+    assert {f.cell for f in report.findings} == (
+        {"quadrilateral", "triangle"} if hypothesis else {"hexahedron", "tetrahedron"}
+    )
+
+
 def neo_hooke_in_space(mesh):
     u, v = displacement(mesh)
     F = ufl.Identity(3) + ufl.grad(u)

@@ -17,7 +17,9 @@ from dolfinx.mesh import Mesh
 from ufl.algorithms import extract_coefficients
 from ufl.algorithms.analysis import extract_constants
 
+from ...assembly import operators
 from ...inelastic import InelasticMaterial
+from ...materials import _Material
 from ..user_form import run_file
 from .own_form import OwnForm
 from .transplant import maker_of
@@ -34,11 +36,13 @@ class Source:
         maker: function of a mesh.
         cell: cell that the form is bound to; None: that of the mesh which it is given.
         geometry_degree: degree of the geometry that it is bound to [1].
+        cells: cells to check on if none are named; None: those of the checks.
     """
 
     maker: Callable[[Mesh], Any]
     cell: str | None = None
     geometry_degree: int = 1
+    cells: tuple[str, ...] | None = None
 
 
 def source_of(thing: Any, name: str, namespace: Mapping[str, Any] | None = None, **options: Any) -> Source:
@@ -46,7 +50,7 @@ def source_of(thing: Any, name: str, namespace: Mapping[str, Any] | None = None,
 
     Args:
         thing: function of a mesh, OwnForm, residual (UFL form of rank 1), energy (rank 0), bilinear form (rank 2),
-            pair of residual and unknown, or material with internal variables.
+            pair of residual and unknown, or material.
         name: its name, for errors.
         namespace: names of the file that it is from: `u`, constants, `hypothesis`.
         options: arguments of OwnForm, for forms.
@@ -59,14 +63,14 @@ def source_of(thing: Any, name: str, namespace: Mapping[str, Any] | None = None,
         ValueError: its unknown is not known, or it cannot be written on another mesh.
     """
     names = dict(namespace or {})
-    if isinstance(thing, InelasticMaterial):
-        return Source(partial(_of_material, thing))
+    if isinstance(thing, _Material):
+        return _of_material(thing)
     if isinstance(thing, tuple) and len(thing) == 2:
         thing = OwnForm(*thing)
     if isinstance(thing, OwnForm):
         thing.check()
         if thing.material is not None:
-            return Source(partial(_of_material, thing.material))
+            return _of_material(thing.material)
         own = thing
         given = {k: getattr(own, k) for k in OwnForm.__dataclass_fields__ if k not in _FORMS}
         return _source(maker_of(own.residual, own.u, {}, own.energy, own.parameters, **given), own.u)
@@ -94,9 +98,19 @@ def _degree(element: Any) -> int:
     return int(sub.basix_element.degree)
 
 
-def _of_material(material: InelasticMaterial, mesh: Mesh) -> OwnForm:
+def _of_material(material: _Material) -> Source:
+    """A material, on linear elements; one without a hypothesis is checked in space."""
+    space = material.hypothesis in (None, "3d")
+    return Source(partial(_form_of_material, material), cells=("hexahedron", "tetrahedron") if space else None)
+
+
+def _form_of_material(material: _Material, mesh: Mesh) -> OwnForm:
     V = fem.functionspace(mesh, ("Lagrange", 1, (mesh.geometry.dim,)))
-    return OwnForm(None, fem.Function(V, name="displacement"), material=material, hypothesis=material.hypothesis)
+    u, hypothesis = fem.Function(V, name="displacement"), material.hypothesis
+    if isinstance(material, InelasticMaterial):
+        return OwnForm(None, u, material=material, hypothesis=hypothesis)
+    residual = operators.internal_force_form(u, ufl.TestFunction(V), material)
+    return OwnForm(residual, u, operators.strain_energy_form(u, material), hypothesis=hypothesis)
 
 
 def _of_form(form: ufl.Form, name: str, names: Mapping[str, Any], options: Mapping[str, Any]) -> Source:
@@ -175,7 +189,7 @@ def sources(path: Path | str, name: str | None = None) -> tuple[dict[str, Source
 
 
 def _is_checkable(thing: Any, path: str) -> bool:
-    if isinstance(thing, (ufl.Form, OwnForm, InelasticMaterial)):
+    if isinstance(thing, (ufl.Form, OwnForm, _Material)):
         return True
     if not inspect.isfunction(thing) or thing.__code__.co_filename != path:
         return False

@@ -10,7 +10,7 @@ from dolfinx.la import InsertMode
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
-from ...common.collective import guard
+from ...common.collective import agree, attempt
 from ...common.types import FloatArray
 from ..bodies import distort
 from .assembled import AssembledForm, quick_form
@@ -41,8 +41,8 @@ def whole_block(comm: MPI.Comm, cell: str, n: int) -> Mesh:
 
 def _forces(subject: Subject, mesh: Mesh) -> tuple[FloatArray, FloatArray] | None:
     """Places and forces of all nodes, in the order of their places, on rank 0."""
-    with guard(mesh.comm, "self_check"):  # an error of a user's function on one rank ends the check on all
-        own = made(subject.make, subject.name, mesh)
+    own, error = attempt(made, subject.make, subject.name, mesh)
+    agree(mesh.comm, error, "self_check")  # an error of a user's function on one rank ends the check on all
     assert own.residual is not None
     V = own.u.function_space
     for f in fields_of(V):

@@ -76,7 +76,7 @@ def self_check(
 
     Args:
         form: function of a mesh that returns `verify.OwnForm` or residual and unknown; a UFL residual, energy or
-            bilinear form without functions that vary; a material with internal variables; or the path of a file.
+            bilinear form without functions that vary; a material; or the path of a file.
         name: name in a file; None: everything there that can be checked. Of other forms, how findings call it.
         cells: cells to check on; None: quadrilaterals and triangles, those that a file names in `cells`, or those of
             the form's own mesh.
@@ -123,7 +123,7 @@ def self_check(
 
 def _cells(name: str, source: Source, cells: Collection[str] | None) -> list[str]:
     if source.cell is None:
-        return list(cells or CELLS)
+        return list(cells or source.cells or CELLS)
     if cells and source.cell not in cells:
         raise ValueError(f"{name} is written on {source.cell}s: only a function of a mesh can be checked on others")
     return [source.cell]
