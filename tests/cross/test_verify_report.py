@@ -77,6 +77,15 @@ def test_json_has_the_rows_and_the_versions(tmp_path):
     assert data["versions"]["dolfinx"].startswith("0.9") and data["versions"]["dolfinx_impact"]
 
 
+def test_numbers_that_json_does_not_have_are_null(tmp_path):
+    report = Report()
+    report.rows += [row(np.nan), row(np.inf)]
+    report.write_json(tmp_path / "out.json")
+    text = (tmp_path / "out.json").read_text()
+    assert "NaN" not in text and "Infinity" not in text
+    assert [r["difference"] for r in json.loads(text)["rows"]] == [None, None]
+
+
 def test_the_console_lists_every_failing_row(capsys):
     report = Report()
     report.rows += [row(1e-13), row(np.nan), row(2.0)]

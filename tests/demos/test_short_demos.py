@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The six demos to copy from: short, of public names only, and what the pages show is what they print and draw."""
+"""The seven demos to copy from: short, of public names only, and what the pages show is what they print and draw."""
 
 import ast
 import subprocess
@@ -14,7 +14,7 @@ from PIL import Image
 
 from dolfinx_impact import cli
 
-DEMOS = ("bar_on_wall", "block_with_friction", "hertz", "own_form", "own_plasticity", "two_bars")
+DEMOS = ("bar_on_wall", "block_with_friction", "hertz", "own_form", "own_plasticity", "self_check", "two_bars")
 MODULES = {"basix", "dolfinx", "dolfinx_impact", "gmsh", "matplotlib", "mpi4py", "numpy", "ufl"}
 ROUND_OFF = 1e-9  # numbers below are round-off, which another number of ranks changes
 NOTEBOOK = """
@@ -27,7 +27,7 @@ for cell in jupytext.read(sys.argv[1]).cells:
 """
 
 
-def test_there_are_six():
+def test_there_are_seven():
     assert {name for name, (path, _) in cli.demos().items() if not cli.is_application(path)} == set(DEMOS)
 
 
@@ -90,7 +90,9 @@ def test_a_notebook_runs(name, notebooks, checkout, tmp_path):
 
 
 # Two demos on two ranks; of the others those on one rank of which no notebook runs. `make verify` has the other rows.
-IN_MAKE_TEST = {("bar_on_wall", 2), ("two_bars", 2), ("block_with_friction", 1), ("own_plasticity", 1)}
+IN_MAKE_TEST = {
+    ("bar_on_wall", 2), ("two_bars", 2), ("block_with_friction", 1), ("own_plasticity", 1), ("self_check", 1),
+}  # fmt: skip
 
 
 @pytest.mark.mpi

@@ -2,6 +2,7 @@
 """Rows of differences, and their console table and JSON file."""
 
 import json
+import math
 from collections.abc import Collection
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -25,7 +26,8 @@ class Row:
         tolerance: bound on the difference [1].
         reason: what the tolerance follows from.
         name: quantity and body that are compared.
-        note: where the largest difference is.
+        note: what is wrong, as far as it is known, and where the largest difference is.
+        cause: what is wrong with a form that differs, as far as it is known.
 
     Attributes:
         passed: whether the difference is within the tolerance; a NaN does not pass.
@@ -42,6 +44,7 @@ class Row:
     reason: str
     name: str = ""
     note: str = ""
+    cause: str = ""
     passed: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -138,6 +141,7 @@ class Report:
             all_rows: print every row in the table.
         """
         from rich.console import Console
+        from rich.markup import escape
         from rich.table import Table
 
         console = Console(width=150)
@@ -159,7 +163,8 @@ class Report:
         console.print(table)
         for r in self.failures():
             console.print(
-                f"[red]FAIL[/red] {r.level} {r.form} {row_label(r)}: {r.difference:.3e} > {r.tolerance:.1e}. {r.note}"
+                f"[red]FAIL[/red] {r.level} {r.form} {row_label(r)}: {r.difference:.3e} > {r.tolerance:.1e}. "
+                f"{escape(r.note)}"
             )
         failed = f"{len(self.failures())} failed" if self.rows else "nothing was compared"
         verdict = "all passed" if self.passed else failed
@@ -191,15 +196,21 @@ class Report:
         }
 
     def write_json(self, path: Path | str) -> None:
-        """Write {"rows": [...], "passed": ..., "versions": {...}}.
+        """Write {"rows": [...], "passed": ..., "versions": {...}}; numbers that are not finite are null.
 
         Args:
             path: file to write; its folder is made.
         """
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
-        data = {"rows": [asdict(r) for r in self.rows], "passed": self.passed, "versions": self.versions()}
-        write_whole(path, json.dumps(data, indent=1) + "\n")
+        rows = [{k: _finite(v) for k, v in asdict(r).items()} for r in self.rows]
+        data = {"rows": rows, "passed": self.passed, "versions": self.versions()}
+        write_whole(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
+
+
+def _finite(value: Any) -> Any:
+    """The value; None for numbers that JSON does not have."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def row_label(r: Row) -> str:
@@ -213,4 +224,4 @@ def row_label(r: Row) -> str:
     """
     element = f"{r.cell} P{r.degree}" if r.cell else ""
     geometry = f" on geometry {r.geometry_degree}" if r.cell and r.geometry_degree != r.degree else ""
-    return f"{element}{geometry} {r.hypothesis} {r.name}".strip()
+    return " ".join(text for text in (f"{element}{geometry}", r.hypothesis, r.name) if text)

@@ -19,6 +19,7 @@ from . import bodies, catalogue, element, nodes
 from .catalogue import Case
 from .element import Names
 from .nodes import TheirRule
+from .reasons.explain import Explanation
 from .report import Report
 
 # Names that a user may give for an operator -> names by rank of the form.
@@ -49,6 +50,20 @@ class Settings(TypedDict):
     theirs: dict[str, TheirRule] | None
 
 
+def operators() -> list[str]:
+    """Names that a user may give for an operator of the hand-written solver."""
+    return sorted(set(ALIASES) | set(registry.NAMES))
+
+
+def is_operator(name: str) -> bool:
+    """Whether the hand-written solver has an operator of this name.
+
+    Args:
+        name: a name that a user may give.
+    """
+    return name in ALIASES or name in registry.NAMES
+
+
 def operator_name(name: str, rank: int) -> str:
     """Form of the catalogue for a name and the rank of the user's form.
 
@@ -62,13 +77,12 @@ def operator_name(name: str, rank: int) -> str:
     Raises:
         ValueError: unknown name, or no form of that rank; the message lists the names.
     """
-    known = sorted(set(ALIASES) | set(registry.NAMES))
     if name in registry.NAMES and name not in ALIASES:
         if rank != _rank(name):
             raise ValueError(f"operator {name!r} has rank {_rank(name)}, the form has rank {rank}")
         return name
     if name not in ALIASES:
-        raise ValueError(f"the hand-written solver has no operator {name!r}; it has {', '.join(known)}")
+        raise ValueError(f"the hand-written solver has no operator {name!r}; it has {', '.join(operators())}")
     found = ALIASES[name][rank]
     if found is None:
         raise ValueError(f"operator {name!r} has no form of rank {rank}")
@@ -80,6 +94,35 @@ def _rank(name: str) -> int:
     if name.endswith(".energy"):
         return 0
     return 2 if name.endswith("tangent") or name in ("rayleigh", "gyroscopic", "ale_inertia") else 1
+
+
+def run_file(path: Path | str) -> dict[str, Any]:
+    """Run a user's file.
+
+    Args:
+        path: the file.
+
+    Returns:
+        Namespace of the file.
+
+    Raises:
+        FileNotFoundError: no such file.
+        ValueError: the file raises; the message has the line.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file {path}")
+    try:
+        return runpy.run_path(str(path))
+    except SyntaxError as e:
+        raise ValueError(f"{path}, line {e.lineno}: {e.msg}: {(e.text or '').strip()}") from e
+    except Exception as e:
+        line, trace = None, e.__traceback__
+        while trace is not None:
+            if trace.tb_frame.f_code.co_filename == str(path):
+                line = trace.tb_lineno
+            trace = trace.tb_next
+        raise ValueError(f"{path}, line {line}: {type(e).__name__}: {e}") from e
 
 
 def load(path: Path | str) -> tuple[dict[str, Any], dict[str, ufl.Form]]:
@@ -95,20 +138,7 @@ def load(path: Path | str) -> tuple[dict[str, Any], dict[str, ufl.Form]]:
         FileNotFoundError: no such file.
         ValueError: the file raises (the message has the line), or defines no form.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file {path}")
-    try:
-        namespace = runpy.run_path(str(path))
-    except SyntaxError as e:
-        raise ValueError(f"{path}, line {e.lineno}: {e.msg}: {(e.text or '').strip()}") from e
-    except Exception as e:
-        line, trace = None, e.__traceback__
-        while trace is not None:
-            if trace.tb_frame.f_code.co_filename == str(path):
-                line = trace.tb_lineno
-            trace = trace.tb_next
-        raise ValueError(f"{path}, line {line}: {type(e).__name__}: {e}") from e
+    namespace = run_file(path)
     forms = {n: o for n, o in namespace.items() if isinstance(o, ufl.Form)}
     if not forms:
         raise ValueError(f"{path} defines no UFL form: assign one to a variable, for example a = inner(...) * dx")
@@ -185,7 +215,9 @@ def _rule(integral: Any, cell: str) -> TheirRule:
     return points, weights
 
 
-def check(report: Report, path: Path | str, operator: str | None = None, seed: int = 2026) -> None:
+def check(
+    report: Report, path: Path | str, operator: str | None = None, seed: int = 2026, only: str | None = None
+) -> None:
     """Add the rows of every form of a user's file, of levels "element" and "operator".
 
     Args:
@@ -193,12 +225,17 @@ def check(report: Report, path: Path | str, operator: str | None = None, seed: i
         path: the user's file.
         operator: name of the operator; None takes the file's name.
         seed: seed of the random numbers.
+        only: name of the one form to check; None: all.
 
     Raises:
         FileNotFoundError: no such file.
-        ValueError: the file does not run or defines no form, or the operator does not exist for a form.
+        ValueError: the file does not run or defines no form (of this name), or the operator does not exist for a form.
     """
     namespace, forms = load(path)
+    if only is not None:
+        if only not in forms:
+            raise ValueError(f"{path} defines no UFL form called {only!r}; its forms are {', '.join(forms)}")
+        forms = {only: forms[only]}
     for variable, form in forms.items():
         where = f"{variable} of {Path(path).name}"
         check_form(report, form, operator or Path(path).stem, namespace, variable, where, seed)
@@ -234,16 +271,22 @@ def check_form(
     hypothesis = own or ("3d" if dim == 3 else "plane_strain")
     case = _case(form, name, hypothesis)
     names, values = _parameters(namespace, form, np.random.default_rng(seed), name, dim)
+    form = _of_one_kind(report, form, case, where)
+    if form is None:
+        return
     compiled = compile_form(form, names, MPI.COMM_SELF)
     integrals = frontend.form_integrals(form, variable, names)
     theirs = {i.integral_type: _rule(i, case[1]) for i in integrals}
     settings: Settings = {"kernels": compiled, "names": names, "values": values, "theirs": theirs}
     worst, note = element.difference(case, **settings)
-    if worst > element.TOLERANCE and dim == 2 and own is None:
-        for other in HYPOTHESES[1:]:
-            if other != hypothesis and element.difference((*case[:4], other), 10, **settings)[0] < element.TOLERANCE:
-                note += f". It agrees with {other}: write hypothesis = {other!r} into the file"
-    report.add("element", name, *case[1:], worst, element.TOLERANCE, element.REASON, where, note)
+    cause = ""
+    if not worst <= element.TOLERANCE:
+        cause = _other_hypothesis(case, settings, own) if dim == 2 else ""
+        if not cause:
+            other_values = _parameters(namespace, form, np.random.default_rng(seed + 1), name, dim)[1]
+            cause = Explanation(case, compiled, names, (values, other_values), integrals, theirs).text()
+        note = ". ".join(text for text in (f"{cause[:1].upper()}{cause[1:]}", note) if text)
+    report.add("element", name, *case[1:], worst, element.TOLERANCE, element.REASON, where, note, cause)
     if worst <= element.TOLERANCE:
         _check_rule(report, case, settings, variable)
     if rank > 0 and all(k.integral_type == "cell" for k in compiled.kernels) and case[0] in _ASSEMBLED:
@@ -253,6 +296,46 @@ def check_form(
         )
 
 
+def _of_one_kind(report: Report, form: ufl.Form, case: Case, where: str) -> ufl.Form | None:
+    """The integrals over entities that the operator has; a row for those over others.
+
+    Args:
+        report: report to add to.
+        form: form of the user.
+        case: operator with its element.
+        where: name of the form in rows.
+
+    Returns:
+        The form without integrals that the operator does not have; None if nothing is left.
+    """
+    expected = {i.integral_type() for i in registry.build(*case).form.integrals()}
+    others = [i for i in form.integrals() if i.integral_type() not in expected]
+    if not others:
+        return form
+    words = {"cell": "over cells (dx)", "exterior_facet": "over facets of the boundary (ds)"}
+    words["interior_facet"] = "over facets between cells (dS)"
+    found, wanted = (
+        " and ".join(sorted(words.get(t, t) for t in types))
+        for types in ({i.integral_type() for i in others}, expected)
+    )
+    left = [i for i in form.integrals() if i.integral_type() in expected]
+    cause = f"wrong measure: the form has integrals {found}, the operator has integrals {wanted} alone"
+    if left:
+        cause += "; loads are operators of their own (traction, body_force): compare them apart"
+    note = f"{cause[:1].upper()}{cause[1:]}"
+    report.add("element", case[0], *case[1:], np.inf, element.TOLERANCE, element.REASON, where, note, cause)
+    return ufl.Form(left) if left else None
+
+
+def _other_hypothesis(case: Case, settings: Settings, declared: str | None) -> str:
+    """Which other hypothesis the form agrees with, and what to do; an empty text if there is none."""
+    for other in HYPOTHESES[1:]:
+        if other != case[4] and element.difference((*case[:4], other), 10, **settings)[0] < element.TOLERANCE:
+            what = "write" if declared is None else f"the file says {declared!r}; write"
+            return f"It agrees with {other}: {what} hypothesis = {other!r} into the file"
+    return ""
+
+
 def _check_rule(report: Report, case: Case, settings: Settings, variable: str) -> None:
     """Add the row of the form's rule on affine cells, where the other side's default rule is exact."""
     linear = case[0].split(".")[0] not in catalogue.FINITE and case[4] != "axisymmetric"
@@ -260,9 +343,10 @@ def _check_rule(report: Report, case: Case, settings: Settings, variable: str) -
         return  # no rule is exact: both sides can only be compared with the user's rule
     own: Settings = {**settings, "theirs": None}
     difference, where = element.difference(case, 20, distortion=0.0, **own)
-    note = f"with the form's own rule both sides may agree, but it is too coarse for this element. {where}"
+    note = f"with the form's own rule both sides agree, but it is too coarse for this element. {where}"
+    cause = "" if difference <= element.TOLERANCE else "the quadrature rule is too coarse"
     name = f"{variable} on affine cells, quadrature rule"
-    report.add("element", case[0], *case[1:], difference, element.TOLERANCE, element.REASON, name, note)
+    report.add("element", case[0], *case[1:], difference, element.TOLERANCE, element.REASON, name, note, cause)
 
 
 _ASSEMBLED = tuple(n for n in registry.LAW_FORMS if not n.endswith("energy")) + ("mass",)
