@@ -15,22 +15,45 @@ import ufl
 # equations there, or their iterate. A value is computed before the loops over what it does not depend on: a logarithm
 # of an average before the loop over the points, what does not depend on the iterate before the iteration.
 CONSTANT, CELL, AVERAGED, POINT, SOLVED, ITERATE = range(6)
+# Integer powers up to this are products; their error grows with the number of factors, that of a logarithm does not.
+LARGEST_POWER = 16
 
 
 class Node:
-    """A shared scalar expression: kind "symbol", "sum", "product", "call" or "select"."""
+    """A shared scalar expression: kind "symbol", "sum", "product", "call" or "select".
 
-    __slots__ = ("kind", "data", "level", "number")
+    Attributes:
+        unknowns: symbols it depends on that are no geometry: values of coefficients and constants.
+    """
+
+    __slots__ = ("kind", "data", "level", "number", "unknowns")
 
     def __init__(self, kind, data, level, number):
         self.kind, self.data, self.level, self.number = kind, data, level, number
+        if kind == "symbol":
+            self.unknowns = frozenset() if _is_geometry(data) else frozenset((data,))
+        else:
+            self.unknowns = frozenset().union(*(child.unknowns for child in children(self)))
+
+
+def _is_geometry(key):
+    """Is a symbol of the kernel (KernelWriter) a table, a number of the rule, or made of the cell's coordinates?"""
+    return key[0] in ("table", "weight", "facet") or "x" in key
 
 
 class Algebra:
-    """Factory of shared nodes."""
+    """Factory of shared nodes.
 
-    def __init__(self):
+    Args:
+        take_out_reciprocals: whether a reciprocal of the geometry (1 / det J) that all terms of a sum have is taken out
+            of it. Where values are linear in the sum, one product is left of several; otherwise each power of it has a
+            power of the reciprocal.
+    """
+
+    def __init__(self, take_out_reciprocals=True):
         self._nodes = {}
+        self._fractions = {}  # value -> powers of it between -1 and 1
+        self._take_out_reciprocals = take_out_reciprocals
 
     def _intern(self, kind, data, level):
         key = (kind, data)
@@ -75,12 +98,46 @@ class Algebra:
         return (a[0] * b[0], self._product(powers))
 
     def power(self, a, exponent):
+        """a to the power of a number.
+
+        An integer power of the same sign is taken out, what is left is a root where it can be one: so x^(-2/3),
+        x^(-5/3) and x^(-8/3) share a root, and x^1.7 has the same x^0.7 as its derivative. Of the same sign, so that 0
+        has the power it should have, and no factor overflows where the product does not.
+        """
+        number, node = a
+        if node is None and number <= 0.0 and not float(exponent).is_integer():
+            return self.call("power", a, self.number(exponent))
+        if node is None:
+            return self.number(number**exponent)
+        if abs(exponent) > LARGEST_POWER:
+            if exponent % 2.0 == 1.0:
+                return self.multiply(a, self.power(a, exponent - 1.0))
+            return self.call("power", self.call("abs", a) if exponent % 2.0 == 0.0 else a, self.number(exponent))
         if float(exponent).is_integer():
             n = int(exponent)
-            return (a[0] ** n, self._product({m: p * n for m, p in self._powers(a[1]).items()}))
+            return (number**n, self._product({m: p * n for m, p in self._powers(node).items()}))
         if 2 * exponent == int(2 * exponent):  # halves: a square root and an integer power
             return self.power(self.call("sqrt", a), int(2 * exponent))
-        return self.call("power", a, self.number(exponent))
+        if abs(number) != 1.0:
+            sign = float(np.sign(number))
+            return self.multiply(self.number(abs(number) ** exponent), self.power((sign, node), exponent))
+        whole = int(exponent)
+        return self.multiply(self.power(a, whole), self._root(a, exponent - whole, 4 * np.spacing(abs(exponent))))
+
+    def _root(self, a, fraction, rounding):
+        """a to a power between -1 and 1 that is known up to its rounding."""
+        for denominator in (3, 4, 6):
+            numerator = round(denominator * fraction)
+            if abs(fraction - numerator / denominator) > rounding:
+                continue
+            if denominator == 3:
+                return self.call("power", a, self.number(numerator / 3))
+            return self.power(self.call("sqrt", self.power(a, 2 / denominator)), numerator)
+        known = self._fractions.setdefault(a, [])
+        found = next((f for f in known if abs(f - fraction) <= rounding), None)
+        if found is None:
+            known.append(fraction)
+        return self.call("power", a, self.number(fraction if found is None else found))
 
     # -- sums -------------------------------------------------------------------------------------------------------
     def open_sum(self, *values):
@@ -106,7 +163,7 @@ class Algebra:
             ps = [p] + [m.get(base, 0) for m in others]
             if all(q > 0 for q in ps):
                 common[base] = min(ps)
-            elif all(q < 0 for q in ps):
+            elif all(q < 0 for q in ps) and (self._take_out_reciprocals or base.unknowns):
                 common[base] = max(ps)
         if common:
             reduced = {}
@@ -123,7 +180,7 @@ class Algebra:
         # The number most terms share goes outside, with the sign that makes the first term positive.
         magnitude = Counter(abs(c) for _, c in items).most_common(1)[0][0]
         scale = float(np.copysign(magnitude, items[0][1]))
-        data = tuple((c / scale, n) for n, c in items)
+        data = tuple((_near_one(c / scale), n) for n, c in items)
         node = self._intern("sum", data, max(n.level for _, n in data if n is not None))
         return self.multiply((scale, node), (1.0, self._product(common)))
 
@@ -138,9 +195,22 @@ class Algebra:
         return (1.0, self._intern("call", (name, args), level))
 
     def select(self, condition, a, b):
-        """Conditional; condition is a nested tuple (operator, value or condition, ...)."""
+        """Conditional; condition is a nested tuple (operator, value or condition, ...). Beside zero, a number is a
+        factor of all: conditionals of components that differ by it are then the same."""
+        if (0.0, None) in (a, b) and a != b:
+            number = a[0] or b[0]
+            a, b = ((v[0] / number, v[1]) for v in (a, b))
+            return self.multiply(self.number(number), self._select(condition, a, b))
+        return self._select(condition, a, b)
+
+    def _select(self, condition, a, b):
         level = max([condition_level(condition)] + [v[1].level for v in (a, b) if v[1] is not None])
         return (1.0, self._intern("select", (condition, a, b), level))
+
+
+def _near_one(ratio):
+    """A ratio of numbers of the same meaning, which two roundings may have left beside 1."""
+    return float(np.copysign(1.0, ratio)) if abs(abs(ratio) - 1.0) < 4e-16 else ratio
 
 
 _FOLD = {"sqrt": np.sqrt, "abs": abs, "ln": np.log, "exp": np.exp}
@@ -258,15 +328,16 @@ def children(node):
         return [v[1] for v in node.data[1] if v[1] is not None]
     if node.kind == "select":
         condition, a, b = node.data
-        return _condition_nodes(condition) + [v[1] for v in (a, b) if v[1] is not None]
+        return condition_nodes(condition) + [v[1] for v in (a, b) if v[1] is not None]
     return []
 
 
-def _condition_nodes(c):
+def condition_nodes(c):
+    """Nodes that a condition compares."""
     found = []
     for x in c[1:]:
         if isinstance(x[0], str):
-            found += _condition_nodes(x)
+            found += condition_nodes(x)
         elif x[1] is not None:
             found.append(x[1])
     return found
