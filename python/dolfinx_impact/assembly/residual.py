@@ -10,6 +10,7 @@ from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
 from .cell_matrices import CellMatrices
+from .fields import same_spaces
 
 NAME = "the residual"
 SAMPLE = 20  # cells of a rank that are tested for their resistance to rigid translations
@@ -51,9 +52,17 @@ def check_residual(form: Any, u: Function) -> None:
     if any(d is not V.mesh._cpp_object for d in domains + [m._cpp_object for m in functions]):
         raise ValueError(f"{NAME} is on another mesh than the displacement, or on several")
     if not any(c is u for c in form.coefficients()):
+        points = [f for f in form.coefficients() if f.ufl_function_space().ufl_element().has_custom_quadrature]
+        if points:
+            raise ValueError(
+                f"{NAME} does not contain the displacement u, but {points[0].name}, a function at quadrature points: "
+                "without u it has no tangent, and no bound of the step. Write a stress that is computed elsewhere as a "
+                "di.InelasticMaterial (docs: a material of your own), or its elastic part in u and the rest as a "
+                "function that a callback sets"
+            )
         raise ValueError(f"{NAME} does not contain the displacement u: there is nothing to move")
     W = arguments[0].ufl_function_space()
-    if W.element != V.element or not np.array_equal(W.dofmap.list, V.dofmap.list):
+    if not same_spaces(W, V):
         raise ValueError(
             f"the test function of {NAME} is of another space than u: use ufl.TestFunction(u.function_space)"
         )
@@ -104,7 +113,10 @@ def check_hypothesis(form: ufl.Form, u: Function, hypothesis: str | None) -> Non
     solid = u.function_space.num_sub_spaces == mesh.geometry.dim == u.function_space.dofmap.bs
     if mesh.geometry.dim != 2 or not solid or not (axisymmetric or hypothesis is None and has_place):
         return
-    tangent = expand_derivatives(ufl.derivative(form, u, ufl.TrialFunction(u.function_space)))
+    cells = ufl.Form([i for i in form.integrals() if i.integral_type() == "cell"])
+    tangent = expand_derivatives(ufl.derivative(cells, u, ufl.TrialFunction(u.function_space)))
+    if tangent.empty():
+        return
     matrices = CellMatrices(u, tangent, ())
     radial, axial = (matrices.resistance(np.array(e), SAMPLE) for e in ((1.0, 0.0), (0.0, 1.0)))
     # Of a thin ring without Poisson's ratio, hoops resist by the square of its thickness over its radius.

@@ -20,11 +20,14 @@ from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
+from ..forms.compiler.frontend import check_kinds
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
+from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
+from ..assembly.quadrature_degree import warn_of_degree
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..forms.quadrature import with_rules
@@ -68,7 +71,8 @@ class ExplicitProblem(Unique):
             given as `velocity`, that function stands for the velocity half a step before, and the work of the terms
             with it counts as `damping`. Constants and other functions in it are read again after every callback.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression,
-            positive; read once [M/L^3].
+            positive; a list with one of them for each field of a mixed space, or component of a vector; read once
+            [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem
             updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
@@ -114,7 +118,7 @@ class ExplicitProblem(Unique):
         u: fem.Function,
         material: _Material | MaterialMap | None = None,
         residual: ufl.Form | None = None,
-        density: float | ufl.core.expr.Expr | None = None,
+        density: float | ufl.core.expr.Expr | Sequence[float | ufl.core.expr.Expr] | None = None,
         velocity: fem.Function | None = None,
         bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Sequence[Load] = (),
@@ -134,6 +138,11 @@ class ExplicitProblem(Unique):
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
             check_velocity(velocity, u)
+            own: Any = None
+            if residual is not None:
+                own = residual_bodies(u.function_space, hypothesis, density)
+                check_inertia(own.density_constant(u.function_space.mesh), u.function_space, True, lumping)
+                check_kinds("the residual", residual)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
@@ -166,7 +175,7 @@ class ExplicitProblem(Unique):
             parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
             bodies: Any = material
         else:
-            bodies = residual_bodies(mesh, hypothesis, density)
+            bodies = own
             internal, resisting = split(residual, velocity)
             # By the rules of the residual: it is the change of this force that bounds the step.
             tangent, linear = expand_derivatives(ufl.derivative(with_rules(internal), u, du)), False
@@ -177,6 +186,7 @@ class ExplicitProblem(Unique):
                     )
                 damping_tangent = expand_derivatives(ufl.derivative(with_rules(resisting), velocity, du))
             check_hypothesis(internal, u, hypothesis)
+            warn_of_degree(residual, u, hypothesis)
             parts, tags = [(None, bodies.density_constant(mesh))], None
         springs, dashpots = spring_form(loads, du, v, bodies), dashpot_form(loads, du, v, bodies)
         if dashpots is not None and scheme == "classical":
