@@ -7,17 +7,35 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import ufl
-from dolfinx.fem import Constant, FunctionSpace
+from dolfinx.fem import FunctionSpace
 from dolfinx.mesh import MeshTags
 from petsc4py import PETSc
 
 from ..common.types import FloatArray, IntArray
 from ..forms import inertia
 from . import operators
+from .fields import Density, fields_of, is_mixed
 from .jit import compile_form
 from .lumped_mass import mass_measure
 
-Densities = Sequence[tuple[int | None, Constant | ufl.core.expr.Expr]]  # by cell tag; None: all cells [M/L^3]
+Densities = Sequence[tuple[int | None, Density]]  # by cell tag; None: all cells [M/L^3]
+
+
+def diagonal_matrix(V: FunctionSpace, values: FloatArray) -> PETSc.Mat:
+    """Matrix with entries on its diagonal only. Collective.
+
+    Args:
+        V: space of its rows and columns.
+        values: the diagonal, over owned degrees of freedom.
+
+    Returns:
+        A new matrix.
+    """
+    matrix = PETSc.Mat().createAIJ([(len(values), None)] * 2, bsize=V.dofmap.index_map_bs, nnz=1, comm=V.mesh.comm)
+    at = np.arange(len(values) + 1, dtype=np.int32)
+    matrix.setValuesCSR(at, at[:-1] + np.int32(matrix.getOwnershipRange()[0]), values)
+    matrix.assemble()
+    return matrix
 
 
 class ConsistentMass:
@@ -25,7 +43,8 @@ class ConsistentMass:
 
     Args:
         V: displacement space.
-        densities: density by cell tag; the tag None stands for all cells [M/L^3].
+        densities: density by cell tag, of a mixed space those of its fields; the tag None stands for all cells
+            [M/L^3].
         hypothesis: hypothesis of the materials.
         cell_tags: cell tags of the densities; None: one density.
     """
@@ -35,11 +54,18 @@ class ConsistentMass:
     ) -> None:
         self.space, self.cell_tags = V, cell_tags
         v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
-        dx = mass_measure(V, hypothesis, cell_tags)
-        self._forms = [
-            (tag, inertia.mass(trial, v, density, hypothesis, dx if tag is None else dx(tag)))
-            for tag, density in densities
-        ]
+        self._forms: list[tuple[int | None, ufl.Form]] = []
+        for tag, density in densities:
+            if not is_mixed(V):
+                dx = mass_measure(V, hypothesis, cell_tags)
+                form = inertia.mass(trial, v, density, hypothesis, dx if tag is None else dx(tag))
+                self._forms.append((tag, form))
+                continue
+            assert isinstance(density, tuple)  # checked with the arguments
+            for field, d, t, w in zip(fields_of(V), density, ufl.split(trial), ufl.split(v)):
+                if d is not None:
+                    dx = mass_measure(V, hypothesis, cell_tags, field=field)
+                    self._forms.append((tag, inertia.mass(t, w, d, hypothesis, dx if tag is None else dx(tag))))
 
     def assemble(self) -> PETSc.Mat:
         """Assemble the matrix. Collective.
@@ -47,6 +73,9 @@ class ConsistentMass:
         Returns:
             A new matrix [M].
         """
+        if not self._forms:  # no field has inertia
+            V = self.space
+            return diagonal_matrix(V, np.zeros(V.dofmap.index_map.size_local * V.dofmap.index_map_bs))
         return operators.Tangent(sum(form for _, form in self._forms)).assemble()
 
     def of_cells(self, cells: IntArray) -> Iterator[tuple[int, FloatArray]]:

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 import ufl
 from dolfinx import cpp, la
-from dolfinx.fem import Constant, FunctionSpace
+from dolfinx.fem import FunctionSpace, functionspace
 from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
@@ -19,6 +19,7 @@ from ..common.collective import comm_of, guard
 from ..common.types import FloatArray, IntArray
 from ..forms import inertia, quadrature
 from ..materials import Material
+from .fields import Density, Field, fields_of, is_mixed
 from .jit import compile_form
 
 CellMasses: TypeAlias = Sequence[tuple[IntArray, FloatArray]]  # cells of each material, and their masses [M]
@@ -30,11 +31,13 @@ def mass_measure(
     cell_tags: MeshTags | None = None,
     rule: str | None = None,
     degree: int | None = None,
+    field: Field | None = None,
 ) -> ufl.Measure:
-    """Measure of cells with a quadrature rule; without a degree, that of the consistent mass."""
+    """Measure of cells with a quadrature rule; without a degree, that of the consistent mass, of one field if V is
+    mixed."""
     mesh = V.mesh
-    cell = mesh.topology.cell_name()
-    used = degree or quadrature.mass_degree(cell, V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis)
+    cell, p = mesh.topology.cell_name(), V.element.basix_element.degree if field is None else field.degree
+    used = degree or quadrature.mass_degree(cell, p, mesh.geometry.cmap.degree, hypothesis)
     return ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(used, rule), subdomain_data=cell_tags)
 
 
@@ -91,7 +94,7 @@ def _lumping_scheme(V: FunctionSpace, hypothesis: str, scheme: str) -> str:
 
 def cell_masses(
     V: FunctionSpace,
-    parts: Iterable[tuple[int | None, Constant]],
+    parts: Iterable[tuple[int | None, Density]],
     hypothesis: str,
     cell_tags: MeshTags | None = None,
     scheme: str = "auto",
@@ -99,8 +102,9 @@ def cell_masses(
     """Lumped mass cell by cell. Collective.
 
     Args:
-        V: blocked Lagrange space of degree 1 or 2.
-        parts: cell tag and density of each material; the tag None stands for all cells [M/L^3].
+        V: blocked Lagrange space of degree 1 or 2, or a mixed space, whose fields with inertia are of such spaces.
+        parts: cell tag and density of each material; the tag None stands for all cells. Of a mixed space the densities
+            of all fields, whose degrees of freedom have no mass where it is None [M/L^3].
         hypothesis: hypothesis of the material.
         cell_tags: cell tags of the materials; None: one material.
         scheme: scheme of lumping, as for lumped_mass.
@@ -111,6 +115,8 @@ def cell_masses(
     Raises:
         ValueError: an unknown scheme, or a scheme with entries that are not positive; on all ranks.
     """
+    if is_mixed(V):
+        return _masses_of_fields(V, parts, hypothesis, cell_tags, scheme)
     scheme = _lumping_scheme(V, hypothesis, scheme)
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
     dx, degree = mass_measure(V, hypothesis, cell_tags), V.element.basix_element.degree
@@ -137,11 +143,34 @@ def cell_masses(
     return out
 
 
+def _masses_of_fields(
+    V: FunctionSpace,
+    parts: Iterable[tuple[int | None, Density]],
+    hypothesis: str,
+    cell_tags: MeshTags | None,
+    scheme: str,
+) -> list[tuple[IntArray, FloatArray]]:
+    """`cell_masses` of a mixed space: those of its fields side by side, zero for fields without inertia. Collective."""
+    out, num_dofs = [], V.dofmap.dof_layout.num_dofs
+    fields = fields_of(V)
+    spaces = {f.number: functionspace(V.mesh, f.element) for f in fields if f.is_lagrange}
+    for tag, densities in parts:
+        assert isinstance(densities, tuple)  # checked with the arguments
+        for field, density in zip(fields, densities):
+            if density is None or not field.is_lagrange:
+                continue
+            ((cells, masses),) = cell_masses(spaces[field.number], [(tag, density)], hypothesis, cell_tags, scheme)
+            values = np.zeros((len(cells), num_dofs))
+            values[:, field.first : field.first + field.element.dim] = masses
+            out.append((cells, values))
+    return out
+
+
 def assemble_masses(V: FunctionSpace, masses: CellMasses, scheme: str = "auto") -> la.Vector:
     """Assemble the lumped mass from the masses of cells. Collective.
 
     Args:
-        V: blocked Lagrange space of degree 1 or 2.
+        V: blocked Lagrange space of degree 1 or 2, or a mixed space of such fields.
         masses: cells and their masses, as cell_masses returns them [M].
         scheme: name of the scheme, for messages.
 

@@ -63,7 +63,9 @@ def problem(
         raise ValueError("give either a material or a residual of your own")
     in_time = explicit or implicit
     contact = arguments.sequence("contact", contact, "contacts")
-    arguments.displacement(u, solid=residual is None or bool(contact))
+    loads = arguments.sequence("loads", loads, "loads")
+    needed_by = "a material" if residual is None else "contact" if contact else "loads" if loads else ""
+    arguments.displacement(u, needed_by)
     V, mesh = u.function_space, u.function_space.mesh
     tdim = mesh.topology.dim
     if residual is None:
@@ -76,7 +78,7 @@ def problem(
         arguments.radii("axisymmetric" if axisymmetric else None, mesh)
     for bc in arguments.sequence("bcs", bcs, "DirichletBC"):
         arguments.boundary_values("bcs", getattr(bc, "bc", bc) if in_time else bc, V)
-    for load in arguments.sequence("loads", loads, "loads"):
+    for load in loads:
         if not hasattr(load, "form"):
             kinds = "Traction, BodyForce, FollowerPressure, Foundation, AddedMass"
             raise TypeError(f"loads must hold {kinds}, found {type(load).__name__}")

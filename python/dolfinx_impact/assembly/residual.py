@@ -10,6 +10,7 @@ from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
 from .cell_matrices import CellMatrices
+from .fields import same_spaces
 
 NAME = "the residual"
 SAMPLE = 20  # cells of a rank that are tested for their resistance to rigid translations
@@ -53,7 +54,7 @@ def check_residual(form: Any, u: Function) -> None:
     if not any(c is u for c in form.coefficients()):
         raise ValueError(f"{NAME} does not contain the displacement u: there is nothing to move")
     W = arguments[0].ufl_function_space()
-    if W.element != V.element or not np.array_equal(W.dofmap.list, V.dofmap.list):
+    if not same_spaces(W, V):
         raise ValueError(
             f"the test function of {NAME} is of another space than u: use ufl.TestFunction(u.function_space)"
         )

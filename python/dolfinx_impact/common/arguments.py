@@ -178,13 +178,13 @@ def double_precision(name: str, array: Any) -> None:
         raise TypeError(f"{name} has numbers of type {kind}: float64 is needed; {hint}")
 
 
-def displacement(u: Any, solid: bool = True) -> None:
+def displacement(u: Any, needed_by: str = "") -> None:
     """Check a displacement: a vector function of a Lagrange space with one component per direction of space.
 
     Args:
         u: the argument.
-        solid: whether the body has a material or is in contact; False: the problem has a residual of the user's own,
-            whose unknowns need not be displacements.
+        needed_by: what asks for a displacement, "a material", "contact", "loads", for the message; empty: nothing does,
+            the problem has a residual of the user's own, whose unknowns need not be displacements.
 
     Raises:
         TypeError: `u` is not a function of double precision.
@@ -197,10 +197,14 @@ def displacement(u: Any, solid: bool = True) -> None:
     tdim, gdim = mesh.topology.dim, mesh.geometry.dim
     if not np.all(np.isfinite(mesh.geometry.x)):
         raise ValueError("the mesh of u has nodes whose coordinates are not finite numbers: read or make it again")
-    if not solid:
+    if not needed_by:
         return
     if tdim < 2:
-        raise ValueError(f"the mesh of u has dimension {tdim}: bodies are meshed in 2D or 3D")
+        raise ValueError(
+            f"the mesh of u has dimension {tdim}: {needed_by} can be had on bodies that are meshed in 2D or 3D"
+        )
+    if V.ufl_element().is_mixed:
+        raise ValueError(_mixed(needed_by))
     if tdim != gdim:
         raise ValueError(
             f"the mesh of u is a surface: cells of dimension {tdim} in {gdim} dimensions; shells and membranes are not "
@@ -218,6 +222,22 @@ def displacement(u: Any, solid: bool = True) -> None:
             "discontinuous" if element.block_size == gdim and element.family_name == "P" else "not of Lagrange's kind"
         )
         raise ValueError(f"the space of u is {kind} ({element}): a displacement needs a continuous one; use {needed}")
+
+
+def _mixed(needed_by: str) -> str:
+    """A sentence on what a mixed space cannot have."""
+    if needed_by == "loads":
+        return (
+            "u is on a mixed space, on which loads=... do not act: write the load into the residual, with the "
+            "displacement's test function v of ufl.TestFunctions(V), as - ufl.inner(traction, v)*ds"
+        )
+    if needed_by == "contact":
+        return (
+            "u is on a mixed space, on which contact=[...] is not supported: use a space of the displacement alone, "
+            "with the pressure eliminated in each cell, p = bulk*ufl.cell_avg(ufl.div(u)) in explicit runs, or a material "
+            "(J2Plasticity has B-bar and F-bar), or write the contact into the residual as a penalty"
+        )
+    return f"u is on a mixed space: {needed_by} needs a space of the displacement alone; or give a residual of your own"
 
 
 def measures(form: ufl.Form) -> None:

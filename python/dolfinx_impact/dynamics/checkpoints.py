@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from ..assembly.fields import is_mixed
 from ..assembly.history import MaterialHistory
 from ..common import arguments
 from ..common.collective import agree, guard
@@ -56,9 +57,11 @@ class Checkpoints(abc.ABC):
             KeyboardInterrupt: a rank was interrupted; the file is complete.
             RuntimeError: the file cannot be written; on all ranks.
             TypeError: `path` is no name of a file.
+            ValueError: u is on a mixed space; on all ranks.
         """
         with guard(self.comm, "save", path=path):
             arguments.path("path", path)
+            self._check_space("save")
         with Interrupts(self.comm) as interrupts:
             self._save(path)
             for recorder in self._recorders():
@@ -79,9 +82,18 @@ class Checkpoints(abc.ABC):
         """
         with guard(self.comm, "restore", path=path):
             arguments.path("path", path)
+            self._check_space("restore")
         with Interrupts(self.comm) as interrupts:
             self._restore(path)
             interrupts.check()
+
+    def _check_space(self, call: str) -> None:
+        """Refuse spaces whose functions are no values at nodes."""
+        if is_mixed(self._of.space):
+            raise ValueError(
+                f"{call}: checkpoints hold values at nodes, u is on a mixed space: keep the arrays of u, velocity and "
+                "acceleration with a tool of DOLFINx, and begin again with u and velocity"
+            )
 
     @abc.abstractmethod
     def _save(self, path: FilePath) -> None:

@@ -22,6 +22,7 @@ from ..common.memory import free_garbage
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
+from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
@@ -67,7 +68,7 @@ class ExplicitProblem(Unique):
             given as `velocity`, that function stands for the velocity half a step before, and the work of the terms
             with it counts as `damping`. Constants and other functions in it are read again after every callback.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression,
-            positive; read once [M/L^3].
+            positive; of a mixed space a list with one of them for each field; read once [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem
             updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
@@ -113,7 +114,7 @@ class ExplicitProblem(Unique):
         u: fem.Function,
         material: _Material | MaterialMap | None = None,
         residual: ufl.Form | None = None,
-        density: float | ufl.core.expr.Expr | None = None,
+        density: float | ufl.core.expr.Expr | Sequence[float | ufl.core.expr.Expr] | None = None,
         velocity: fem.Function | None = None,
         bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Sequence[Load] = (),
@@ -133,6 +134,10 @@ class ExplicitProblem(Unique):
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
             check_velocity(velocity, u)
+            own: Any = None
+            if residual is not None:
+                own = residual_bodies(u.function_space, hypothesis, density)
+                check_inertia(own.density_constant(u.function_space.mesh), u.function_space, True, lumping)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
@@ -165,7 +170,7 @@ class ExplicitProblem(Unique):
             parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
             bodies: Any = material
         else:
-            bodies = residual_bodies(mesh, hypothesis, density)
+            bodies = own
             internal, resisting = split(residual, velocity)
             tangent, linear = expand_derivatives(ufl.derivative(internal, u, du)), False
             if resisting is not None:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from mpi4py import MPI
 
+from ..assembly.fields import is_mixed
 from ..common.described import Described
 from ..common import arguments
 from ..common.collective import is_common
@@ -64,6 +65,11 @@ def check_arguments(
     """
     if path is not None:
         arguments.path("path", path)
+    if is_mixed(problem.space):
+        raise ValueError(
+            "record: u is on a mixed space, whose fields have meshes of output of their own: write u.sub(0).collapse() "
+            "and the others in a callback, with dolfinx.io.VTXWriter"
+        )
     if isinstance(fields, str):
         raise TypeError(f"fields must be a list of names, found the text {fields!r}: put it into a list")
     known = (*FIELDS, *material_fields(problem))

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import ufl
-from dolfinx import default_scalar_type, fem
-from dolfinx.mesh import Mesh
+from dolfinx import fem
 
 from ..assembly.residual_bodies import ResidualBodies
+from ..assembly.fields import Density, densities, same_spaces
 from ..common import arguments
 
 
@@ -29,7 +32,7 @@ def check_velocity(velocity: fem.Function | None, u: fem.Function) -> None:
     if velocity is u:
         raise ValueError("displacement and velocity are one function: give two")
     V, W = u.function_space, velocity.function_space
-    if W.element != V.element or W.mesh != V.mesh:
+    if not same_spaces(W, V):
         raise ValueError("the velocity is on another space than the displacement")
     if not all(np.all(np.isfinite(f.x.array)) for f in (u, velocity)):
         raise ValueError("displacement or velocity at the start is not a number")
@@ -48,22 +51,24 @@ def velocity_or_rest(velocity: fem.Function | None, u: fem.Function) -> fem.Func
     return fem.Function(u.function_space) if velocity is None else velocity
 
 
-def residual_bodies(mesh: Mesh, hypothesis: str | None, density: float | ufl.core.expr.Expr | None) -> ResidualBodies:
+def residual_bodies(
+    V: fem.FunctionSpace, hypothesis: str | None, density: float | ufl.core.expr.Expr | Sequence[Any] | None
+) -> ResidualBodies:
     """Bodies of a residual of a user's own, with inertia.
 
     Args:
-        mesh: mesh of the displacement.
+        V: space of the displacement.
         hypothesis: hypothesis of the residual, or None.
-        density: number, function or UFL expression [M/L^3].
+        density: number, function or UFL expression; of a mixed space a list with one of them for each field [M/L^3].
 
     Returns:
         Bodies with density and hypothesis.
 
     Raises:
         TypeError: the density is none of these.
-        ValueError: it is a number that is not positive; the hypothesis is unknown, or does not fit the mesh.
+        ValueError: it is a number that is not positive, or a mixed space has not one for each field; the hypothesis is
+            unknown, or does not fit the mesh.
     """
-    if isinstance(density, ufl.core.expr.Expr):
-        return ResidualBodies(mesh, hypothesis, density)
-    value = arguments.number("density", density, 0.0, " [M/L^3]")
-    return ResidualBodies(mesh, hypothesis, fem.Constant(mesh, default_scalar_type(value)), value)
+    found: Density = densities(density, V)
+    value = found.value.item() if isinstance(found, fem.Constant) and not isinstance(density, fem.Constant) else None
+    return ResidualBodies(V.mesh, hypothesis, found, value)

@@ -11,6 +11,8 @@ from petsc4py import PETSc
 
 from ..common.described import Described
 from .. import _cpp
+from ..assembly.curvature import is_displacement
+from ..assembly.fields import is_mixed
 from ..common.memory import free_garbage
 from ..common.types import BoolArray, FloatArray
 
@@ -33,11 +35,11 @@ ITERATIVE: dict[str, Any] = {
     "mg_levels_pc_type": "jacobi",
 }
 # Above these numbers of unknowns factors of 3D and 2D meshes cost more than iterations (measured: 108k unknowns in 3D,
-# factorisation 10 s, conjugate gradients 3 s).
-LARGEST_DIRECT = {2: 400_000, 3: 40_000}
+# factorisation 10 s, conjugate gradients 3 s). Factors of lines are band matrices, at any size.
+LARGEST_DIRECT = {1: 4_000_000, 2: 400_000, 3: 40_000}
 # Up to these numbers of unknowns a system whose iterations do not converge is factorised after all. Factors in space
 # take some 2 GB at 200k unknowns, and grow with the power 4/3.
-LARGEST_LAST_RESORT = {2: 4_000_000, 3: 400_000}
+LARGEST_LAST_RESORT = {1: 4_000_000, 2: 4_000_000, 3: 400_000}
 # Vectors that GMRES keeps before it begins anew. With PETSc's 30 a wheel on a rail of 235,000 unknowns takes 105
 # iterations for three digits instead of 65; they take less memory than the matrix.
 RESTART = 100
@@ -153,13 +155,18 @@ class LinearSolver(Described):
     """
 
     def __init__(self, V: Any, options: dict[str, Any] | None, prefix: str, indefinite: bool = False) -> None:
-        size, gdim = V.dofmap.index_map.size_global * V.dofmap.index_map_bs, V.mesh.geometry.dim
-        self.default = DIRECT if indefinite or size <= LARGEST_DIRECT[gdim] else ITERATIVE
+        size = V.dofmap.index_map.size_global * V.dofmap.index_map_bs
+        # Lines and surfaces have factors as short as meshes of their own dimension.
+        dim = V.mesh.topology.dim
+        mixed = is_mixed(V)  # saddle points, or not known to be none
+        self.default = DIRECT if indefinite or mixed or size <= LARGEST_DIRECT[dim] else ITERATIVE
         database, own = PETSc.Options(), f"{prefix}{next(_SOLVERS)}_"
         given = {k: v for k, v in PETSc.Options(prefix).getAll().items() if not k[0].isdigit()}
         chosen = {**(options or {}), **given}
         named = chosen.get("pc_type", self.default["pc_type"])
-        base = self.default if named == self.default["pc_type"] else DIRECT if named in ("lu", "cholesky") else CG
+        iterative = {**CG, "ksp_type": "gmres"} if mixed else CG
+        factors = named in ("lu", "cholesky")
+        base = self.default if named == self.default["pc_type"] else DIRECT if factors else iterative
         chosen = {**base, **chosen}
         for key, value in chosen.items():
             database[own + key] = value
@@ -179,11 +186,11 @@ class LinearSolver(Described):
                 "the same nodes, stay in a saddle point, which needs a direct solver (pc_type lu); or take the dual "
                 "basis, and leave common nodes out of the tags"
             )
-        self.near_nullspace = None if self.direct else rigid_motions(V)
+        self.near_nullspace = rigid_motions(V) if is_displacement(V) and not self.direct else None
         self._given_rtol = "ksp_rtol" in chosen
         self._prefix = own
         by_size = not {"ksp_type", "pc_type"} & {*(options or {}), *given}
-        self._may_factorise = by_size and not self.direct and size <= LARGEST_LAST_RESORT[gdim]
+        self._may_factorise = by_size and not self.direct and size <= LARGEST_LAST_RESORT[dim]
         self._pins = chosen.get("ksp_type") == "cg"
         # A change of the method forgets its options, so that the user's own length is given again.
         self._restart = int(chosen.get("ksp_gmres_restart", RESTART)) if self._pins else 0

@@ -20,11 +20,13 @@ from petsc4py import PETSc
 
 from ..common.described import Described
 from ..assembly import rigid_body_modes
+from ..assembly.fields import is_mixed
 from .. import _cpp
 from .linearised_active_set import LinearisedActiveSet
 from .saddle_point import SaddlePoint
 from .linear_solver import LinearSystem
 from .equilibrium import open_contacts, out_of_balance
+from .field_residuals import FieldResiduals
 from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
 from .load_steps import Increment, StepLog
 from ..common.types import FloatArray, IntArray
@@ -88,6 +90,9 @@ class Newton(Described):
         # Linear solutions are more accurate than asked for by this factor; with factors, accuracy is cheap.
         self.margin = 1e-3 if problem.linear_solver.direct else 0.3
         self._diameters: FloatArray | None = None
+        mixed = is_mixed(problem.space)
+        self._fields = FieldResiduals(problem.space, problem.fixed) if mixed else None
+        self._factorised: tuple[int, int] = (0, 0)  # matrix and its state that factors are of, with several fields
         self.seconds: dict[str, float] = dict.fromkeys(("bodies", "contact", "linear"), 0.0)
         if self.saddle:
             sizes, gdim = [len(c.nodes) for c in self.multipliers], problem.space.mesh.geometry.dim
@@ -108,6 +113,8 @@ class Newton(Described):
         scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
         unbalanced = np.inf
         self._K: PETSc.Mat | None = None
+        if self._fields is not None:
+            self._fields.begin()
         for iteration in itertools.count():
             with self._clock("bodies"):
                 b = p.assemble_residual()
@@ -144,6 +151,10 @@ class Newton(Described):
             settled = iteration > 0 or not p.contact
             tolerance = max(self.atol, noise, self.rtol * max(scale, inner))
             small = norm <= tolerance
+            if self._fields is not None:
+                if self._K is not None:
+                    self._measure_fields(self._K, residual)
+                small = self._fields.small(residual, self.rtol, self.atol) and small
             if iteration == 0:
                 result.closed = [c.num_active > 0 for c in p.contact]
             if moved and settled and pending == 0 and violation < VIOLATION and small:
@@ -174,6 +185,9 @@ class Newton(Described):
                 if loose:
                     return result.failed(loose, hopeless=True)
             inner = max(inner, self.tangent_force(K))
+            if self._fields is not None:
+                self._measure_fields(K, residual)
+                self._forget_factors(K)
             in_bodies = self._round_off_of_bodies(K)
             noise = in_bodies + self._round_off_of_contact()
             if self.inelastic and iteration > 0 and in_bodies > FAR * scale > 0.0:
@@ -382,6 +396,34 @@ class Newton(Described):
         forces = self._product([K], moved if origin is None else moved - origin)
         forces[self.fixed] = 0.0
         return self.norm(forces)
+
+    def _measure_fields(self, K: PETSc.Mat, residual: FloatArray) -> None:
+        """Measure the equations of all fields at u, with a tangent near it. Collective."""
+        assert self._fields is not None
+        origin = self.problem.body.origin
+        moved = self.problem.u.x.array[: self.num_owned]
+        self._fields.measure(K, moved if origin is None else moved - origin, residual)
+
+    def _forget_factors(self, K: PETSc.Mat) -> None:
+        """Forget factors of another tangent: they would solve the equations of several fields in one norm of all, in
+        which the small ones are lost. Collective."""
+        state = (K.handle, K.stateGet())
+        if state != self._factorised:
+            self.problem.linear_solver.reset()
+            self._factorised = state
+
+    def fields_balance(self, K: PETSc.Mat, residual: FloatArray) -> bool:
+        """Whether the equation of each field of a mixed space holds; true for others. Collective.
+
+        Args:
+            K: tangent.
+            residual: residual over owned degrees of freedom.
+        """
+        if self._fields is None:
+            return True
+        self._fields.begin()
+        self._fields.measure(K, self.problem.u.x.array[: self.num_owned], residual)
+        return self._fields.small(residual, self.rtol, self.atol)
 
     def round_off(self, K: PETSc.Mat) -> float:
         """Norm of the round-off in the residual [F]. Collective.

@@ -269,6 +269,12 @@ class Solver:
             if faults:
                 return result.failed("; ".join(faults), hopeless=True)
             if not again:
+                if not newton.fields_balance(K, p.assemble_residual().array.copy()):
+                    return result.failed(
+                        f"SNES of type {self.snes.getType()} has converged in one norm of all fields, in which the "
+                        "equation of one does not hold yet: take the package's own method (leave out snes_type)",
+                        hopeless=True,
+                    )
                 missing = out_of_balance(p, p.assemble_residual().array.copy(), max(tolerance, float(norms[-1])))
                 if missing:
                     return result.failed(missing.text, hopeless=True)

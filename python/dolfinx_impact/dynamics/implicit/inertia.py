@@ -15,7 +15,8 @@ from petsc4py import PETSc
 from ...common.described import Described
 from ...added_mass import AddedMass
 from ...assembly import lumped_mass, operators
-from ...assembly.consistent_mass import ConsistentMass, Densities
+from ...assembly.consistent_mass import ConsistentMass, Densities, diagonal_matrix
+from ...assembly.fields import field_dofs, fields_of, is_mixed
 from ...common.types import BoolArray, FloatArray
 from .contact_nodes import ContactNodes
 
@@ -29,7 +30,8 @@ class Inertia(Described):
 
     Args:
         V: displacement space.
-        densities: density by cell tag; the tag None stands for all cells [M/L^3].
+        densities: density by cell tag, of a mixed space those of its fields; the tag None stands for all cells
+            [M/L^3].
         hypothesis: hypothesis of the materials.
         cell_tags: cell tags of the densities; None: one density.
         lumping: lumping scheme, as for lumped_mass; None: consistent mass.
@@ -63,8 +65,12 @@ class Inertia(Described):
         self.massless: BoolArray = np.repeat(nodes[: V.dofmap.index_map.size_local], bs)
         # The lumped mass is made in any case: it finds densities that are not positive.
         masses = lumped_mass.cell_masses(V, densities, hypothesis, cell_tags, lumping or "auto")
-        self.total = lumped_mass.assemble_masses(V, masses, lumping or "auto")
         consistent = ConsistentMass(V, densities, hypothesis, cell_tags)
+        if is_mixed(V):
+            self.total = lumped_mass.sum_masses(V, masses)
+            self._check_fields(densities, consistent)
+        else:
+            self.total = lumped_mass.assemble_masses(V, masses, lumping or "auto")
         if lumping is None:
             self.matrix: PETSc.Mat = consistent.assemble()
             if surface is not None:
@@ -73,14 +79,28 @@ class Inertia(Described):
             diagonal = self.total.array[: self._num_owned]
             if surface is not None:
                 diagonal = self._redistributed(masses, surface)
-            self.matrix = PETSc.Mat().createAIJ([(self._num_owned, None)] * 2, bsize=bs, nnz=1, comm=V.mesh.comm)
-            at = np.arange(self._num_owned + 1, dtype=np.int32)
-            first = self.matrix.getOwnershipRange()[0]
-            self.matrix.setValuesCSR(at, at[:-1] + np.int32(first), diagonal)
-            self.matrix.assemble()
+            self.matrix = diagonal_matrix(V, diagonal)
         for mass in added:
             self._add(mass, hypothesis)
         self._x, self._y = self.matrix.createVecs()
+
+    def _check_fields(self, densities: Densities, consistent: ConsistentMass) -> None:
+        """Find the degrees of freedom of a mixed space that have no mass; ValueError if a density is not positive.
+        Collective."""
+        V, ((_, given),) = self.space, densities
+        assert isinstance(given, tuple)  # checked with the arguments
+        diagonal = None
+        for field, density, dofs in zip(fields_of(V), given, field_dofs(V)):
+            if density is None:
+                self.massless[dofs] = True
+                continue
+            if not field.is_lagrange:  # no lumped mass: the entries of the matrix take its place
+                diagonal = consistent.assemble().getDiagonal() if diagonal is None else diagonal
+                self.total.array[dofs] = diagonal.array_r[dofs]
+            smallest = V.mesh.comm.allreduce(float(np.min(self.total.array[dofs], initial=np.inf)), MPI.MIN)
+            if not smallest > 0.0:
+                raise ValueError(f"{field} has a nodal mass of {smallest}: its density must be positive in every cell")
+        self.total.scatter_forward()
 
     def _add(self, mass: AddedMass, hypothesis: str) -> None:
         """Add a mass on a surface. Collective."""

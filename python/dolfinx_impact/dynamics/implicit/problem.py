@@ -17,6 +17,7 @@ from ...assembly import problem_arguments
 from ...assembly.curvature import check_curvature, is_displacement
 from ...assembly.body_forms import stiffness_damping
 from ...assembly.operators import Inputs
+from ...assembly.fields import check_inertia, is_mixed
 from ...assembly.history import MaterialHistory, existing
 from ...assembly.locking import warn_of_locking
 from ...assembly.measures import check_measures
@@ -80,7 +81,9 @@ class NewmarkProblem(Unique):
         material: material or MaterialMap with densities; or give `residual` and `density`.
         residual: UFL residual of your own in u (rank 1): internal minus external forces. If it contains the function
             given as `velocity`, that function stands for the velocity at the end of a step.
-        density: density per undeformed volume for a residual of your own: number, function or UFL expression [M/L^3].
+        density: density per undeformed volume for a residual of your own: number, function or UFL expression; of a
+            mixed space a list with one of them for each field, 0 for a field without inertia, whose velocity is the
+            mean of a step (Euler's implicit rule) [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. Where motion is prescribed, its own velocity
             counts. The function is not changed unless the residual contains it [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
@@ -142,7 +145,7 @@ class NewmarkProblem(Unique):
         u: fem.Function,
         material: _Material | MaterialMap | None = None,
         residual: ufl.Form | None = None,
-        density: float | ufl.core.expr.Expr | None = None,
+        density: float | ufl.core.expr.Expr | Sequence[float | ufl.core.expr.Expr] | None = None,
         velocity: fem.Function | None = None,
         bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Sequence[Load] = (),
@@ -166,6 +169,10 @@ class NewmarkProblem(Unique):
             axisymmetric = hypothesis == "axisymmetric"
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, implicit=True)
             check_velocity(velocity, u)
+            own: Any = None
+            if residual is not None:
+                own = residual_bodies(u.function_space, hypothesis, density)
+                check_inertia(own.density_constant(u.function_space.mesh), u.function_space, False, lumping)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if impact not in IMPACT:
@@ -196,7 +203,7 @@ class NewmarkProblem(Unique):
             bodies: Any = material
         else:
             moving, resisting = split(residual, velocity)
-            bodies = residual_bodies(mesh, hypothesis, density)
+            bodies = own
             check_hypothesis(moving, u, hypothesis)
             densities, tags = [(None, bodies.density_constant(mesh))], None
         self.axisymmetric = hypothesis == "axisymmetric"
@@ -460,6 +467,11 @@ class NewmarkProblem(Unique):
             dt = arguments.number("dt", dt, 0.0, " [T]")
             if tolerance is not None:
                 tolerance = arguments.number("tolerance", tolerance, 0.0)
+                if is_mixed(self.space):
+                    raise ValueError(
+                        "tolerance: the error of a step is relative to the largest displacement, and u has several "
+                        "fields, in units of their own: give dt alone"
+                    )
                 if tolerance < SMALLEST_ERROR:
                     raise ValueError(
                         f"tolerance is {tolerance:g}: local errors below {SMALLEST_ERROR:g} of the displacement are "
