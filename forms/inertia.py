@@ -2,6 +2,7 @@
 """Inertia: consistent mass, its action and the vector of nodal quadrature; the inertia term of seed (3.46),
 corrected."""
 
+import numpy as np
 import ufl
 
 from .materials import weight
@@ -16,5 +17,5 @@ def mass(u, v, density, hypothesis="3d", dx=ufl.dx):
 def row_sum(v, density, hypothesis="3d", dx=ufl.dx):
     """Row sums of the mass matrix, integral of density 1 . v; with a rule at the nodes: the nodal (GLL) lumped mass."""
     mesh = ufl.domain.extract_unique_domain(v)
-    ones = ufl.as_vector([1] * v.ufl_shape[0]) if v.ufl_shape else 1
+    ones = ufl.as_tensor(np.ones(v.ufl_shape).tolist()) if v.ufl_shape else 1
     return density * ufl.inner(ones, v) * weight(mesh, hypothesis) * dx

@@ -11,6 +11,8 @@ from collections import Counter
 import numpy as np
 import ufl
 
+from .words import in_words
+
 # What a value depends on: constants only, the cell, averages over it, the quadrature point, the solution of the local
 # equations there, or their iterate. A value is computed before the loops over what it does not depend on: a logarithm
 # of an average before the loop over the points, what does not depend on the iterate before the iteration.
@@ -227,7 +229,7 @@ class GraphReader:
             v, (ufl.mathfunctions.MathFunction, ufl.classes.Atan2)
         ):
             return algebra.call(_CALL.get(name, name.lower()), *ops)
-        raise ValueError(f"operator {name} of UFL is not supported in kernels")
+        raise ValueError(f"{in_words(v)} is not supported in kernels")
 
 
 _CALL = {"Abs": "abs", "MinValue": "min_value", "MaxValue": "max_value", "Atan2": "atan_2", "Ln": "ln"}

@@ -20,6 +20,8 @@ from ufl.corealg.multifunction import MultiFunction
 
 from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
+from .geometry import check_sizes, with_sizes
+from .words import find, in_words
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
 OPTIONS = {
@@ -307,9 +309,9 @@ def form_integrals(form, name, names, hypothesis="", law=None):
         raise TypeError(f"{name}: expected a UFL form, found {type(form).__name__}")
     if form.empty():
         raise ValueError(f"{name}: the form is zero, there is nothing to compile")
-    kinds = {i.integral_type() for i in form.integrals()} - {"cell", "exterior_facet"}
-    if kinds:
-        raise ValueError(f"{name}: integrals of type {sorted(kinds)} are not supported, only dx and ds")
+    check_kinds(name, form)
+    check_sizes(name, form)
+    form = with_sizes(form)
     laws, history = laws_of(law), history_of(law)
     averaged = any(has_averages(i.integrand()) for i in form.integrals())
     averaged = averaged or any(has_averages(e) for one in laws.values() for e in one.expressions())
@@ -388,6 +390,21 @@ def form_integrals(form, name, names, hypothesis="", law=None):
             )
         )
     return result
+
+
+def check_kinds(name, form):
+    """ValueError where an integral is none over cells or exterior facets."""
+    measures = {"interior_facet": "dS", "vertex": "dP", "custom": "dC", "cutcell": "dX", "interface": "dI"}
+    for integral in form.integrals():
+        kind = integral.integral_type()
+        if kind in ("cell", "exterior_facet"):
+            continue
+        restricted = find(integral.integrand(), (ufl.classes.PositiveRestricted, ufl.classes.NegativeRestricted))
+        of = f" of {in_words(restricted)}" if restricted is not None else ""
+        raise ValueError(
+            f"{name}: the integral{of} over ufl.{measures.get(kind, kind)} is not supported in kernels, which "
+            "integrate over dx and ds: StaticProblem and NewmarkProblem assemble such residuals as DOLFINx does"
+        )
 
 
 def _offsets(objects, size):

@@ -11,11 +11,12 @@ import numpy as np
 import ufl
 
 from . import algebra as alg
-from . import tensor
+from . import geometry, tensor
 from .arguments import ElementTensor
 from .local import LocalPart
 from .schedule import Schedule
 from .sumfactorisation import evaluate_field
+from .words import in_words
 
 INT, REAL, SCALAR = L.DataType.INT, L.DataType.REAL, L.DataType.SCALAR
 A, W, C = L.Symbol("A", SCALAR), L.Symbol("w", SCALAR), L.Symbol("c", REAL)
@@ -124,7 +125,7 @@ class KernelWriter:
     def _terminal(self, mt, tr):
         t = mt.terminal
         if mt.restriction or mt.averaged or mt.global_derivatives:
-            raise ValueError(f"{self.integral.name}: {mt.expr} (restricted, averaged or global) is not supported")
+            raise ValueError(f"{self.integral.name}: {in_words(mt.expr)} is not supported in kernels")
         if isinstance(t, ufl.Constant):
             offset = self.integral.numbering.constants[t]
             return self.algebra.symbol(("constant", int(offset + mt.flat_component)), alg.CONSTANT)
@@ -150,11 +151,45 @@ class KernelWriter:
             return self._facet_table("facet_jacobians", basix.cell.facet_jacobians(self.cell), mt.component)
         if isinstance(t, ufl.geometry.FacetOrientation):
             return self._facet_table("facet_orientations", np.array(basix.cell.facet_orientations(self.cell)), ())
+        if isinstance(t, ufl.geometry.CellOrientation):
+            # Of cells in a space of more dimensions. The weight of a point has the absolute value of the determinant;
+            # the side of a normal is that of the numbering of the vertices, as in FFCx.
+            return self.algebra.number(1.0)
         if isinstance(t, ufl.geometry.ReferenceCellVolume):
             return self.algebra.number(basix.cell.volume(self.cell))
         if isinstance(t, ufl.geometry.ReferenceFacetVolume):
             return self.algebra.number(basix.cell.facet_reference_volumes(self.cell)[0])
-        raise ValueError(f"{self.integral.name}: {type(t).__name__} is not supported in kernels")
+        if isinstance(t, ufl.geometry.CellVertices):
+            vertex, component = map(int, mt.component)
+            return self._node(geometry.vertex_dofs(self.integral.coordinate_element)[vertex], component)
+        if isinstance(t, ufl.geometry.CellEdgeVectors):
+            edge, component = map(int, mt.component)
+            first, second = geometry.cell_edges(self.cell)[edge]
+            return self._difference({first: 1.0, second: -1.0}, component)
+        if isinstance(t, ufl.geometry.FacetEdgeVectors):
+            return self._facet_edge(*map(int, mt.component))
+        raise ValueError(f"{self.integral.name}: {in_words(t)} is not supported in kernels")
+
+    def _node(self, number, component):
+        """Coordinate of a node of the cell."""
+        return self._dof("x", 3 * int(number) + component)
+
+    def _difference(self, factors, component):
+        """Sum of factor times coordinate over vertices."""
+        nodes = geometry.vertex_dofs(self.integral.coordinate_element)
+        terms = [(f, self._node(nodes[vertex], component)[1]) for vertex, f in factors.items()]
+        return self.algebra.add(*terms)
+
+    def _facet_edge(self, edge, component):
+        """Component of the vector of an edge of the facet."""
+        values, algebra = geometry.facet_edge_differences(self.cell), self.algebra
+        nodes = geometry.vertex_dofs(self.integral.coordinate_element)
+        terms = []
+        for vertex in range(values.shape[2]):
+            if np.any(values[:, edge, vertex]):
+                factor = self._facet_table("facet_edges", values, (edge, vertex))
+                terms.append(algebra.multiply(factor, self._node(nodes[vertex], component)))
+        return algebra.add(*terms)
 
     def _facet_table(self, name, values, component):
         self.tables[name] = np.asarray(values, dtype=float)

@@ -115,7 +115,8 @@ void Halo::wait(int direction, int bs)
 void Halo::forward_begin(std::span<const double> values, int bs)
 {
   if (bs < 1 || bs > max_bs)
-    throw std::invalid_argument("a Halo exchanges 1 to 4 values per node, not " + std::to_string(bs));
+    throw std::invalid_argument("a Halo exchanges 1 to " + std::to_string(max_bs) + " values per node, not " +
+                                std::to_string(bs));
   assert(values.size() >= std::size_t(num_nodes()) * bs);
   for (std::size_t i = 0; i < _owned.size(); ++i)
     std::copy_n(values.data() + std::size_t(_owned[i]) * bs, bs, _owned_buffer.data() + i * bs);
@@ -132,7 +133,8 @@ void Halo::forward_end(std::span<double> values, int bs)
 void Halo::reverse_begin(std::span<const double> values, int bs)
 {
   if (bs < 1 || bs > max_bs)
-    throw std::invalid_argument("a Halo exchanges 1 to 4 values per node, not " + std::to_string(bs));
+    throw std::invalid_argument("a Halo exchanges 1 to " + std::to_string(max_bs) + " values per node, not " +
+                                std::to_string(bs));
   assert(values.size() >= std::size_t(num_nodes()) * bs);
   for (std::size_t i = 0; i < _ghosts.size(); ++i)
     std::copy_n(values.data() + std::size_t(_ghosts[i]) * bs, bs, _ghost_buffer.data() + i * bs);

@@ -18,7 +18,7 @@ namespace dolfinx_impact::operators
 class Halo
 {
 public:
-  static constexpr int max_bs = 4;
+  static constexpr int max_bs = 12; ///< as many components as gather.h has code for
 
   /// @param[in] map nodes. Collective.
   explicit Halo(std::shared_ptr<const dolfinx::common::IndexMap> map);

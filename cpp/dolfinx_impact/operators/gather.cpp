@@ -2,8 +2,10 @@
 #include "gather.h"
 #include "gather_x86.h"
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace dolfinx_impact::operators
 {
@@ -93,46 +95,38 @@ scatter_function scatter_x86(int, int)
 }
 #endif
 
+/// Components per node that have code of their own: displacements, tensors, and the fields of a shell or of several
+/// species.
+constexpr int most_components = 12;
+
+[[noreturn]] void refuse(const std::string& what, int bs)
+{
+  throw std::runtime_error(what + " with " + std::to_string(bs) + " components per node are not supported: use 1 to " +
+                           std::to_string(most_components) + ", or a mixed element of several fields");
+}
+
 template <int W>
 gather_function pick_gather(int bs, int stride)
 {
-  const int key = 10 * bs + stride;
-  switch (key)
+  constexpr auto functions = []<int... I>(std::integer_sequence<int, I...>)
   {
-  case 11:
-    return gather_nodes<W, 1, 1>;
-  case 22:
-    return gather_nodes<W, 2, 2>;
-  case 33:
-    return gather_nodes<W, 3, 3>;
-  case 44:
-    return gather_nodes<W, 4, 4>;
-  case 66:
-    return gather_nodes<W, 6, 6>;
-  case 99:
-    return gather_nodes<W, 9, 9>;
-  default:
-    throw std::runtime_error("spaces with " + std::to_string(bs) +
-                             " components per node are not supported: use 1, 2, 3, "
-                             "4, 6 or 9");
-  }
+    return std::array<gather_function, most_components>{gather_nodes<W, I + 1, I + 1>...};
+  }(std::make_integer_sequence<int, most_components>{});
+  if (bs != stride || bs < 1 || bs > most_components)
+    refuse("spaces", bs);
+  return functions[bs - 1];
 }
 
 template <int W>
 scatter_function pick_scatter(int bs)
 {
-  switch (bs)
+  constexpr auto functions = []<int... I>(std::integer_sequence<int, I...>)
   {
-  case 1:
-    return scatter_nodes<W, 1>;
-  case 2:
-    return scatter_nodes<W, 2>;
-  case 3:
-    return scatter_nodes<W, 3>;
-  default:
-    throw std::runtime_error("test spaces with " + std::to_string(bs) +
-                             " components per node are not supported: use 1, 2 or 3");
-  }
+    return std::array<scatter_function, most_components>{scatter_nodes<W, I + 1>...};
+  }(std::make_integer_sequence<int, most_components>{});
+  if (bs < 1 || bs > most_components)
+    refuse("test spaces", bs);
+  return functions[bs - 1];
 }
 } // namespace
 

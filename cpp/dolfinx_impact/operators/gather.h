@@ -17,8 +17,9 @@ typedef void (*scatter_function)(const double* A, const std::int32_t* dofs, int 
 typedef void (*clear_function)(double* A, std::size_t size);
 
 /// @param[in] lanes 1, 4 or 8
-/// @param[in] bs components per node: 1, 2 or 3 have their own code, others a loop
-/// @param[in] stride entries per node in u; bs, or 3 for coordinates
+/// @param[in] bs components per node, 1 to 12
+/// @param[in] stride entries per node in u: bs
+/// @throws std::runtime_error for other numbers of components
 gather_function gather(int lanes, int bs, int stride);
 
 scatter_function scatter(int lanes, int bs);

@@ -14,7 +14,7 @@ from petsc4py import PETSc
 from ..common.types import FloatArray, IntArray
 from ..forms import inertia
 from . import operators
-from .fields import Density, fields_of, is_mixed
+from .fields import Density, fields_of
 from .jit import compile_form
 from .lumped_mass import mass_measure
 
@@ -43,7 +43,7 @@ class ConsistentMass:
 
     Args:
         V: displacement space.
-        densities: density by cell tag, of a mixed space those of its fields; the tag None stands for all cells
+        densities: density by cell tag, or those of fields or components; the tag None stands for all cells
             [M/L^3].
         hypothesis: hypothesis of the materials.
         cell_tags: cell tags of the densities; None: one density.
@@ -56,12 +56,11 @@ class ConsistentMass:
         v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
         self._forms: list[tuple[int | None, ufl.Form]] = []
         for tag, density in densities:
-            if not is_mixed(V):
+            if not isinstance(density, tuple):
                 dx = mass_measure(V, hypothesis, cell_tags)
                 form = inertia.mass(trial, v, density, hypothesis, dx if tag is None else dx(tag))
                 self._forms.append((tag, form))
                 continue
-            assert isinstance(density, tuple)  # checked with the arguments
             for field, d, t, w in zip(fields_of(V), density, ufl.split(trial), ufl.split(v)):
                 if d is not None:
                     dx = mass_measure(V, hypothesis, cell_tags, field=field)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Fields of a mixed space: displacement and pressure, ... Spaces that are not mixed have one field."""
+"""Fields of a mixed space: displacement and pressure, ...; components of a blocked one: displacement and rotation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from dolfinx.mesh import Mesh
 from ..common import arguments
 from ..common.types import IntArray
 
-# Density in UFL; of a mixed space one for each field, None for a field without inertia [M/L^3].
+# Density in UFL; or one for each field of a mixed space, or component of a blocked one, None for one without inertia
+# [M/L^3].
 Density: TypeAlias = "ufl.core.expr.Expr | tuple[ufl.core.expr.Expr | None, ...]"
 
 
@@ -44,17 +45,24 @@ def same_spaces(V: FunctionSpace, W: FunctionSpace) -> bool:
 
 @dataclass(frozen=True)
 class Field:
-    """One field of a mixed space.
+    """One field of a mixed space, or one component of a blocked one.
 
     Attributes:
         number: number of the sub-space.
         element: its element in UFL.
         first: first of its degrees of freedom in a cell.
+        stride: distance of its degrees of freedom in a cell.
     """
 
     number: int
     element: Any
     first: int
+    stride: int = 1
+
+    @property
+    def dofs(self) -> slice:
+        """Its degrees of freedom in a cell."""
+        return slice(self.first, self.first + self.stride * self.element.dim, self.stride)
 
     @property
     def is_lagrange(self) -> bool:
@@ -72,6 +80,8 @@ class Field:
 
     def __str__(self) -> str:
         element = self.element
+        if self.stride > 1:
+            return f"component {self.number}"
         shape = tuple(element.reference_value_shape)
         what = "scalar" if not shape else f"{shape[0]} components" if len(shape) == 1 else f"values of shape {shape}"
         if element.is_mixed:
@@ -81,23 +91,24 @@ class Field:
 
 
 def fields_of(V: FunctionSpace) -> list[Field]:
-    """Fields of a mixed space.
+    """Fields of a mixed space, or components of a blocked one.
 
     Args:
         V: the space.
 
     Returns:
-        One for each sub-space; none of a space that is not mixed.
+        One for each sub-space.
     """
+    element = V.ufl_element()
     if not is_mixed(V):
-        return []
-    elements = V.ufl_element().sub_elements
-    first = np.cumsum([0, *(e.dim for e in elements)])
-    return [Field(i, e, int(first[i])) for i, e in enumerate(elements)]
+        bs = int(element.block_size)
+        return [Field(i, element.sub_elements[0], i, bs) for i in range(bs)] if bs > 1 else []
+    first = np.cumsum([0, *(e.dim for e in element.sub_elements)])
+    return [Field(i, e, int(first[i])) for i, e in enumerate(element.sub_elements)]
 
 
 def field_dofs(V: FunctionSpace) -> list[IntArray]:
-    """Owned degrees of freedom of every field of a mixed space.
+    """Owned degrees of freedom of every field of a mixed space, or component of a blocked one.
 
     Args:
         V: the space.
@@ -105,20 +116,20 @@ def field_dofs(V: FunctionSpace) -> list[IntArray]:
     Returns:
         Numbers of this rank, sorted, for each field.
     """
-    num_owned = V.dofmap.index_map.size_local
-    out = []
-    for field in fields_of(V):
-        dofs = np.unique(V.dofmap.list[:, field.first : field.first + field.element.dim])
-        out.append(dofs[dofs < num_owned])
-    return out
+    bs = V.dofmap.index_map_bs
+    num_owned = V.dofmap.index_map.size_local * bs
+    if not is_mixed(V):
+        return [np.arange(i, num_owned, bs) for i in range(bs)]
+    dofs = [np.unique(V.dofmap.list[:, field.dofs]) for field in fields_of(V)]
+    return [d[d < num_owned] for d in dofs]
 
 
 def densities(given: Any, V: FunctionSpace) -> Density:
     """Densities that a user has given with a residual; for use under a guard.
 
     Args:
-        given: number, function or UFL expression; for a mixed space a list with one of them for each field, 0 for a
-            field without inertia [M/L^3].
+        given: number, function or UFL expression; a list with one of them for each field of a mixed space, which needs
+            it, or for each component of a vector, 0 for a field without inertia [M/L^3].
         V: space of the displacement.
 
     Returns:
@@ -128,17 +139,16 @@ def densities(given: Any, V: FunctionSpace) -> Density:
         TypeError: `given` is none of these.
         ValueError: a number is not positive, or a mixed space has not one density for each field.
     """
-    fields = fields_of(V)
-    if not fields:
-        if isinstance(given, (list, tuple)):
-            raise TypeError(f"density is a list, but u has one field only: give a number, a function or an expression, "
-                            f"found {given!r:.80}")  # fmt: skip
+    is_list, fields = isinstance(given, (list, tuple)), fields_of(V)
+    if not is_list and not is_mixed(V):
         return _density(given, V.mesh)
-    if not isinstance(given, (list, tuple)) or len(given) != len(fields):
-        names = ", ".join(map(str, fields))
+    if is_list and len(V.value_shape) > 1 and not is_mixed(V):
+        raise ValueError("the values of u are tensors: give one density for all components")
+    if not is_list or len(given) != len(fields):
+        names = f"fields, {', '.join(map(str, fields))}" if is_mixed(V) else "components"
         raise ValueError(
-            f"u has {len(fields)} fields, {names}: give a density for each, density=[...], 0 for a field without "
-            f"inertia; found {given!r:.80}"
+            f"u has {len(fields) or 1} {names}: give a density for each, density=[...], 0 for one without inertia; "
+            f"found {given!r:.80}"
         )
     return tuple(None if _is_zero(d) else _density(d, V.mesh) for d in given)
 
@@ -157,7 +167,7 @@ def check_inertia(density: Density, V: FunctionSpace, everywhere: bool, lumping:
     """Refuse fields whose inertia a problem cannot take; for use under a guard.
 
     Args:
-        density: densities of a mixed space, or one density.
+        density: densities of fields or components, or one density.
         V: space of the displacement.
         everywhere: whether every field must have inertia: explicit steps divide by the mass.
         lumping: scheme of lumping; None: the mass is consistent.

@@ -19,7 +19,7 @@ from ..common.collective import comm_of, guard
 from ..common.types import FloatArray, IntArray
 from ..forms import inertia, quadrature
 from ..materials import Material
-from .fields import Density, Field, fields_of, is_mixed
+from .fields import Density, Field, fields_of
 from .jit import compile_form
 
 CellMasses: TypeAlias = Sequence[tuple[IntArray, FloatArray]]  # cells of each material, and their masses [M]
@@ -103,8 +103,8 @@ def cell_masses(
 
     Args:
         V: blocked Lagrange space of degree 1 or 2, or a mixed space, whose fields with inertia are of such spaces.
-        parts: cell tag and density of each material; the tag None stands for all cells. Of a mixed space the densities
-            of all fields, whose degrees of freedom have no mass where it is None [M/L^3].
+        parts: cell tag and density of each material; the tag None stands for all cells. Or the densities of all
+            fields or components, whose degrees of freedom have no mass where it is None [M/L^3].
         hypothesis: hypothesis of the material.
         cell_tags: cell tags of the materials; None: one material.
         scheme: scheme of lumping, as for lumped_mass.
@@ -115,7 +115,8 @@ def cell_masses(
     Raises:
         ValueError: an unknown scheme, or a scheme with entries that are not positive; on all ranks.
     """
-    if is_mixed(V):
+    parts = list(parts)
+    if any(isinstance(density, tuple) for _, density in parts):
         return _masses_of_fields(V, parts, hypothesis, cell_tags, scheme)
     scheme = _lumping_scheme(V, hypothesis, scheme)
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
@@ -150,18 +151,20 @@ def _masses_of_fields(
     cell_tags: MeshTags | None,
     scheme: str,
 ) -> list[tuple[IntArray, FloatArray]]:
-    """`cell_masses` of a mixed space: those of its fields side by side, zero for fields without inertia. Collective."""
-    out, num_dofs = [], V.dofmap.dof_layout.num_dofs
+    """`cell_masses` of fields or components with densities of their own, zero without inertia. Collective."""
+    out, num_dofs = [], V.dofmap.dof_layout.num_dofs * V.dofmap.bs
     fields = fields_of(V)
-    spaces = {f.number: functionspace(V.mesh, f.element) for f in fields if f.is_lagrange}
+    # In the order of the fields, on all ranks: a set would have an order of its own on each.
+    elements = dict.fromkeys(f.element for f in fields if f.is_lagrange)
+    spaces = {element: functionspace(V.mesh, element) for element in elements}
     for tag, densities in parts:
         assert isinstance(densities, tuple)  # checked with the arguments
         for field, density in zip(fields, densities):
             if density is None or not field.is_lagrange:
                 continue
-            ((cells, masses),) = cell_masses(spaces[field.number], [(tag, density)], hypothesis, cell_tags, scheme)
+            ((cells, masses),) = cell_masses(spaces[field.element], [(tag, density)], hypothesis, cell_tags, scheme)
             values = np.zeros((len(cells), num_dofs))
-            values[:, field.first : field.first + field.element.dim] = masses
+            values[:, field.dofs] = masses
             out.append((cells, values))
     return out
 

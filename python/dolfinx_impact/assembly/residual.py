@@ -105,7 +105,10 @@ def check_hypothesis(form: ufl.Form, u: Function, hypothesis: str | None) -> Non
     solid = u.function_space.num_sub_spaces == mesh.geometry.dim == u.function_space.dofmap.bs
     if mesh.geometry.dim != 2 or not solid or not (axisymmetric or hypothesis is None and has_place):
         return
-    tangent = expand_derivatives(ufl.derivative(form, u, ufl.TrialFunction(u.function_space)))
+    cells = ufl.Form([i for i in form.integrals() if i.integral_type() == "cell"])
+    tangent = expand_derivatives(ufl.derivative(cells, u, ufl.TrialFunction(u.function_space)))
+    if tangent.empty():
+        return
     matrices = CellMatrices(u, tangent, ())
     radial, axial = (matrices.resistance(np.array(e), SAMPLE) for e in ((1.0, 0.0), (0.0, 1.0)))
     # Of a thin ring without Poisson's ratio, hoops resist by the square of its thickness over its radius.

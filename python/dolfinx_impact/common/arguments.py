@@ -234,8 +234,8 @@ def _mixed(needed_by: str) -> str:
     if needed_by == "contact":
         return (
             "u is on a mixed space, on which contact=[...] is not supported: use a space of the displacement alone, "
-            "with the pressure eliminated in each cell, p = bulk*ufl.cell_avg(ufl.div(u)) in explicit runs, or a material "
-            "(J2Plasticity has B-bar and F-bar), or write the contact into the residual as a penalty"
+            "with the pressure eliminated in each cell, p = bulk*ufl.cell_avg(ufl.div(u)) in explicit runs, or a "
+            "material (J2Plasticity has B-bar and F-bar), or write the contact into the residual as a penalty"
         )
     return f"u is on a mixed space: {needed_by} needs a space of the displacement alone; or give a residual of your own"
 

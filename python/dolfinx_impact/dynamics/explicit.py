@@ -68,7 +68,8 @@ class ExplicitProblem(Unique):
             given as `velocity`, that function stands for the velocity half a step before, and the work of the terms
             with it counts as `damping`. Constants and other functions in it are read again after every callback.
         density: density per undeformed volume for a residual of your own: number, function or UFL expression,
-            positive; of a mixed space a list with one of them for each field; read once [M/L^3].
+            positive; a list with one of them for each field of a mixed space, or component of a vector; read once
+            [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem
             updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).

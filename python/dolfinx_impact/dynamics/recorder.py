@@ -198,7 +198,7 @@ class Recorder(Described):
                 d = file.create_dataset(f"force_{k}", (0, gdim), maxshape=(None, gdim), dtype=float, **grow)
                 d.attrs["units"], d.attrs["contact"] = "F", contact.pair.name
             if self._nodes:
-                shape = (0, len(self._nodes), gdim)
+                shape = (0, len(self._nodes), self.problem.space.dofmap.index_map_bs)
                 file.create_dataset("points/time", (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = "T"
                 for name in ("displacement", "velocity"):
                     d = file.create_dataset(f"points/{name}", shape, maxshape=(None, *shape[1:]), dtype=float, **grow)
@@ -285,8 +285,7 @@ class Recorder(Described):
     def _sample(self) -> None:
         p, values = self.problem, []
         for rank, node in self._nodes:
-            gdim = p.space.mesh.geometry.dim
-            mine = [f.x.array.reshape(-1, gdim)[node].copy() if p.comm.rank == rank else None
+            mine = [f.x.array.reshape(-1, p.space.dofmap.index_map_bs)[node].copy() if p.comm.rank == rank else None
                     for f in (p.u, p.velocity)]  # fmt: skip
             values.append(p.comm.bcast(mine, root=rank))
         self._samples.append((p.time, np.array(values)))

@@ -59,7 +59,7 @@ def residual_bodies(
     Args:
         V: space of the displacement.
         hypothesis: hypothesis of the residual, or None.
-        density: number, function or UFL expression; of a mixed space a list with one of them for each field [M/L^3].
+        density: number, function or UFL expression, or a list of them [M/L^3].
 
     Returns:
         Bodies with density and hypothesis.

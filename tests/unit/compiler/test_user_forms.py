@@ -13,6 +13,7 @@ from dolfinx_impact.forms.compiler import frontend
 
 CELLS = ("triangle", "hexahedron")
 EXTRA = [(user_forms.functions, "quadrilateral"), (user_forms.facet_geometry, "tetrahedron")]
+EXTRA += [(user_forms.sizes_of_cells, "tetrahedron"), (user_forms.sizes_of_cells, "quadrilateral")]
 EXTRA += [(user_forms.rule_at_the_vertices, "tetrahedron"), (user_forms.coefficients_of_all_kinds, "quadrilateral")]
 CASES = [
     (f, c) for f in user_forms.FORMS for c in CELLS if c == "triangle" or f is not user_forms.second_derivatives
@@ -63,9 +64,9 @@ def _scalar(cell="triangle"):
     return mesh, ufl.Coefficient(V), ufl.TestFunction(V)
 
 
-def _interior():
+def _jump():
     _, f, v = _scalar()
-    return ufl.avg(f) * ufl.avg(v) * ufl.dS
+    return ufl.jump(f) * ufl.jump(v) * ufl.dS
 
 
 def _bessel():
@@ -73,19 +74,63 @@ def _bessel():
     return ufl.bessel_J(1, f) * v * ufl.dx
 
 
-def _circumradius():
-    mesh, f, v = _scalar()
-    return ufl.Circumradius(mesh) * f * v * ufl.dx
+def _facet_area():
+    mesh, f, v = _scalar("hexahedron")
+    return ufl.FacetArea(mesh) * f * v * ufl.ds
+
+
+def _curved_diameter():
+    mesh = user_forms.mesh_of("triangle", 2)
+    return ufl.CellDiameter(mesh) * ufl.TestFunction(user_forms.space(mesh)) * ufl.dx
+
+
+def _facet_average():
+    _, f, v = _scalar()
+    return ufl.facet_avg(f**2) * v * ufl.ds
+
+
+def _volume_on_facets():
+    mesh, f, v = _scalar("quadrilateral")
+    return ufl.CellVolume(mesh) * f * v * ufl.ds
 
 
 @pytest.mark.parametrize(
     "form, words",
-    [(_interior, "interior_facet"), (_bessel, "(?i)bessel"), (_circumradius, "not supported")],
-    ids=["interior facets", "Bessel function", "circumradius"],
+    [
+        (_jump, r"over ufl.dS .*NewmarkProblem"),
+        (_bessel, r"ufl.bessel_J\(1, .*\) is not supported in kernels"),
+        (_facet_area, r"ufl.FacetArea\(mesh\).*hexahedron"),
+        (_curved_diameter, r"ufl.CellDiameter\(mesh\).*degree 2"),
+        (_facet_average, r"ufl.facet_avg\(.*\) is not supported"),
+        (_volume_on_facets, r"ufl.CellVolume\(mesh\).*ds.*CellDiameter"),
+    ],
 )
-def test_unsupported_is_an_error(form, words, tmp_path):
+@pytest.mark.filterwarnings("ignore:Only know how:UserWarning")
+def test_unsupported_is_named_as_it_was_written(form, words, tmp_path):
     with pytest.raises(ValueError, match=words):
         write_ours(frontend.form_integrals(form(), "unsupported", {}), tmp_path / "unsupported")
+
+
+@pytest.mark.parametrize("cell, degree", [("quadrilateral", 1), ("hexahedron", 1), ("triangle", 2)])
+def test_volume_of_cells_that_are_not_affine(cell, degree, tmp_path, rng):
+    """By a rule that is exact for det J: the vector of volume times test function sums up to the squared volume."""
+    mesh = user_forms.mesh_of(cell, degree)
+    v = ufl.TestFunction(user_forms.space(mesh))
+    rule = {"quadrature_degree": 6}
+    forms = [f * ufl.dx(metadata=rule) for f in (v, ufl.CellVolume(mesh) * v)]
+    kernels = []
+    for i, form in enumerate(forms):
+        path, names = write_ours(frontend.form_integrals(form, "volume", {}), tmp_path / str(i))
+        kernels += _cpp.kernels.load(str(path), names)
+    x = np.zeros((mesh.ufl_coordinate_element().dim // mesh.geometric_dimension(), 3))
+    x[:, : mesh.geometric_dimension()] = mesh.ufl_coordinate_element().sub_elements[0].basix_element.points
+    x[:, : mesh.geometric_dimension()] += rng.uniform(-0.1, 0.1, (len(x), mesh.geometric_dimension()))
+    sums = []
+    for kernel in kernels:
+        A = np.zeros(kernel.shape[0])
+        kernel.tabulate(A, np.zeros(0), np.zeros(0), x.ravel())
+        sums.append(A.sum())
+    assert sums[1] == pytest.approx(sums[0] ** 2, rel=1e-13)
 
 
 def test_names_used_twice_are_an_error():

@@ -186,8 +186,25 @@ def taylor_hood(cell):
     return form * ufl.dx(metadata={"quadrature_degree": 3})
 
 
+def sizes_of_cells(cell):
+    """Lengths of edges, diameter, of simplices radius and volume; on facets edges of facets and areas."""
+    mesh = mesh_of(cell)
+    dim = mesh.geometric_dimension()
+    V = space(mesh)
+    f, v = ufl.Coefficient(V), ufl.TestFunction(V)
+    h = ufl.CellDiameter(mesh) + 2 * ufl.MinCellEdgeLength(mesh) * ufl.MaxCellEdgeLength(mesh)
+    on_facets = ufl.CellDiameter(mesh)
+    if dim == 3:
+        on_facets = on_facets / ufl.MinFacetEdgeLength(mesh) + ufl.MaxFacetEdgeLength(mesh)
+    if cell in ("triangle", "tetrahedron"):
+        h = h * ufl.Circumradius(mesh) + ufl.CellVolume(mesh)
+        on_facets = on_facets * ufl.Circumradius(mesh) + ufl.FacetArea(mesh) / ufl.CellVolume(mesh)
+    rule = {"quadrature_degree": 2}
+    return h * f * v * ufl.dx(metadata=rule), on_facets * f * v * ufl.ds(metadata=rule)
+
+
 FORMS = (
     functions, decisions, several_rules, one_point_rules, rule_at_the_vertices, coefficients_of_all_kinds,
     facet_geometry, facet_matrix, energy_of_two_rules, energy_of_one_point, degree_three, rectangular,
-    second_derivatives, tensor_valued, taylor_hood,
+    second_derivatives, tensor_valued, taylor_hood, sizes_of_cells,
 )  # fmt: skip

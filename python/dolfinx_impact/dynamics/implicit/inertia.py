@@ -16,7 +16,7 @@ from ...common.described import Described
 from ...added_mass import AddedMass
 from ...assembly import lumped_mass, operators
 from ...assembly.consistent_mass import ConsistentMass, Densities, diagonal_matrix
-from ...assembly.fields import field_dofs, fields_of, is_mixed
+from ...assembly.fields import field_dofs, fields_of
 from ...common.types import BoolArray, FloatArray
 from .contact_nodes import ContactNodes
 
@@ -30,7 +30,7 @@ class Inertia(Described):
 
     Args:
         V: displacement space.
-        densities: density by cell tag, of a mixed space those of its fields; the tag None stands for all cells
+        densities: density by cell tag, or those of fields or components; the tag None stands for all cells
             [M/L^3].
         hypothesis: hypothesis of the materials.
         cell_tags: cell tags of the densities; None: one density.
@@ -66,7 +66,7 @@ class Inertia(Described):
         # The lumped mass is made in any case: it finds densities that are not positive.
         masses = lumped_mass.cell_masses(V, densities, hypothesis, cell_tags, lumping or "auto")
         consistent = ConsistentMass(V, densities, hypothesis, cell_tags)
-        if is_mixed(V):
+        if any(isinstance(density, tuple) for _, density in densities):
             self.total = lumped_mass.sum_masses(V, masses)
             self._check_fields(densities, consistent)
         else:
@@ -85,7 +85,7 @@ class Inertia(Described):
         self._x, self._y = self.matrix.createVecs()
 
     def _check_fields(self, densities: Densities, consistent: ConsistentMass) -> None:
-        """Find the degrees of freedom of a mixed space that have no mass; ValueError if a density is not positive.
+        """Find the degrees of freedom that have no mass; ValueError if a density is not positive.
         Collective."""
         V, ((_, given),) = self.space, densities
         assert isinstance(given, tuple)  # checked with the arguments

@@ -81,9 +81,9 @@ class NewmarkProblem(Unique):
         material: material or MaterialMap with densities; or give `residual` and `density`.
         residual: UFL residual of your own in u (rank 1): internal minus external forces. If it contains the function
             given as `velocity`, that function stands for the velocity at the end of a step.
-        density: density per undeformed volume for a residual of your own: number, function or UFL expression; of a
-            mixed space a list with one of them for each field, 0 for a field without inertia, whose velocity is the
-            mean of a step (Euler's implicit rule) [M/L^3].
+        density: density per undeformed volume for a residual of your own: number, function or UFL expression; a list
+            with one of them for each field of a mixed space, or component of a vector, 0 for one without inertia, whose
+            velocity is the mean of a step (Euler's implicit rule) [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. Where motion is prescribed, its own velocity
             counts. The function is not changed unless the residual contains it [L/T].
         bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
