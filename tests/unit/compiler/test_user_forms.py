@@ -120,7 +120,7 @@ def test_volume_of_cells_that_are_not_affine(cell, degree, tmp_path, rng):
     forms = [f * ufl.dx(metadata=rule) for f in (v, ufl.CellVolume(mesh) * v)]
     kernels = []
     for i, form in enumerate(forms):
-        path, names = write_ours(frontend.form_integrals(form, "volume", {}), tmp_path / str(i))
+        path, names = write_ours(frontend.form_integrals(form, "volume", {}), tmp_path / f"volume_{cell}_{i}")
         kernels += _cpp.kernels.load(str(path), names)
     x = np.zeros((mesh.ufl_coordinate_element().dim // mesh.geometric_dimension(), 3))
     x[:, : mesh.geometric_dimension()] = mesh.ufl_coordinate_element().sub_elements[0].basix_element.points
