@@ -82,7 +82,8 @@ def pack(
     w = np.zeros(sum(c["num_dofs"] for c in kernel.coefficients))
     for c in kernel.coefficients:
         name = names[compiled.coefficients[c["position"]]]
-        w[c["offset"] : c["offset"] + c["num_dofs"]] = np.ravel(fields[name])
+        # A modulus may be a function that is constant in each cell.
+        w[c["offset"] : c["offset"] + c["num_dofs"]] = np.ravel(fields[name] if name in fields else values[name])
     c = np.zeros(sum(k["size"] for k in kernel.constants))
     for k, constant in zip(kernel.constants, compiled.constants):
         c[k["offset"] : k["offset"] + k["size"]] = np.ravel(values[names[constant]])

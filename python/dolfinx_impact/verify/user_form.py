@@ -37,7 +37,7 @@ CONSTANTS = {
     "E": "E", "young": "E", "nu": "nu", "poisson_ratio": "nu", "density": "density", "rho": "density",
     "lmbda": "lambda", "lam": "lambda", "lambda_": "lambda", "mu": "mu", "alpha": "alpha", "beta": "beta", "k": "k",
     "kappa": "k", "p": "p", "pressure": "p", "q": "q", "f": "f", "b": "f", "t": "t", "T": "t", "spin": "spin",
-    "Omega": "spin", "centre": "centre",
+    "Omega": "spin", "centre": "centre", "springs": "springs", "stiffness": "k", "traction": "t", "body_force": "f",
 }  # fmt: skip
 
 
@@ -171,21 +171,94 @@ def _parameters(
         if own_name not in CONSTANTS:
             raise ValueError(f"the constant {own_name!r} means nothing here: name it one of {', '.join(CONSTANTS)}")
         names[constant] = CONSTANTS[own_name]
+    if name in ("foundation", "foundation_tangent") and "k" in names.values():
+        values["springs"] = np.full(dim, values["k"])  # one stiffness along all coordinates
     coefficients = {id(o): n for n, o in namespace.items() if isinstance(o, ufl.Coefficient)}
+    fields = [c for c in form.coefficients() if not _constant_in_cells(c)]
     for c in form.coefficients():
-        own = coefficients.get(id(c), "u")
-        single = len(form.coefficients()) == 1
-        names[c] = own if own in ("u", "velocity", "acceleration") else "u" if single else own
+        given = getattr(c, "name", "f")
+        own = coefficients.get(id(c), given if given != "f" and len(fields) > 1 else "u")
+        if _constant_in_cells(c):
+            own = coefficients.get(id(c), given if given != "f" else "without a name")
+            if own not in CONSTANTS:
+                raise ValueError(
+                    f"the coefficient {own!r}, constant in each cell, means nothing here: say what it is, from Python "
+                    f"by constants={{'E': function}}, in a file by its variable: one of {', '.join(CONSTANTS)}"
+                )
+            names[c] = CONSTANTS[own]
+            continue
+        names[c] = own if own in ("u", "velocity", "acceleration") else "u" if len(fields) == 1 else own
         if names[c] not in ("u", "velocity", "acceleration"):
             raise ValueError(f"the coefficient {own!r} means nothing here: displacements are called u")
+    _check_numbers(namespace, form, name)
     return names, values
+
+
+def _constant_in_cells(c: ufl.Coefficient) -> bool:
+    """Whether a coefficient has one value in each cell, as a modulus of several materials has."""
+    element = c.ufl_function_space().ufl_element()
+    return bool(element.family_name == "P" and element.embedded_superdegree == 0 and c.ufl_shape == ())
+
+
+def _check_numbers(namespace: Mapping[str, Any], form: ufl.Form, name: str) -> None:
+    """Refuse a form without constants of an operator that has some: random values would not be those of the form."""
+    known = [n for n in namespace if n in CONSTANTS]
+    if name.split(".")[0] in registry.LAW_FORMS or "." in name:
+        wanted = "constants={'E': 207e9, 'nu': 0.3}"
+    elif name == "mass":
+        wanted = "constants={'density': 7800.0}"
+    else:
+        return
+    if not form.constants() and not known and not any(_constant_in_cells(c) for c in form.coefficients()):
+        raise ValueError(
+            f"the form for {name} has numbers in the place of constants: say which, from Python by {wanted}, in a file "
+            "by variables of these names"
+        )
+
+
+def parts_of(form: ufl.Form, operator: str) -> list[tuple[ufl.Form, str]]:
+    """The integrals of a form that belong to each of its operators, by the kind of entity.
+
+    Args:
+        form: form of a user.
+        operator: name of an operator, or of two, one over dx and one over ds, with a plus between them.
+
+    Returns:
+        Integrals and name for each operator.
+
+    Raises:
+        ValueError: an operator has no integrals in the form, or integrals have no operator.
+    """
+    rank, kinds = len(form.arguments()), {"cell": "dx", "exterior_facet": "ds"}
+    found: dict[str, list[Any]] = {}
+    for integral in form.integrals():
+        found.setdefault(integral.integral_type(), []).append(integral)
+    out = []
+    for name in (part.strip() for part in operator.split("+")):
+        counterpart = operator_name(name, rank)
+        kind = "exterior_facet" if counterpart in catalogue.FACET else "cell"
+        if counterpart == "poisson_residual" and operator == name:  # with the flux through facets
+            return [(form, name)]
+        if kind not in found:
+            raise ValueError(
+                f"operator {name!r} is integrated over {kinds[kind]}, the form has no such integrals: name one "
+                f"operator over dx, one over ds, or both with a plus between them, as 'elasticity + normal_foundation'"
+            )
+        out.append((ufl.Form(found.pop(kind)), name))
+    if found:
+        left = ", ".join(kinds.get(kind, kind) for kind in found)
+        raise ValueError(
+            f"the form has integrals over {left}, which operator {operator!r} has not: name an operator for each, "
+            f"operator='elasticity + normal_foundation'; over ds there are {', '.join(catalogue.FACET)}"
+        )
+    return out
 
 
 def _case(form: ufl.Form, name: str, hypothesis: str) -> Case:
     """Name, cell, degree, geometry_degree and hypothesis of a user's form."""
     domain = form.ufl_domain()
     coordinate = domain.ufl_coordinate_element()
-    functions = list(form.arguments()) + list(form.coefficients())
+    functions = list(form.arguments()) + [c for c in form.coefficients() if not _constant_in_cells(c)]
     if not functions:
         raise ValueError(
             f"the form for {name} holds neither u nor a test function: there is nothing to compare it with"
@@ -264,6 +337,12 @@ def check_form(
     Raises:
         ValueError: the operator does not exist for this form, or the form is not one of the catalogue's elements.
     """
+    parts = parts_of(form, operator)
+    if len(parts) > 1:
+        for part, own_name in parts:
+            check_form(report, part, own_name, namespace, variable, where, seed)
+        return
+    ((_, operator),) = parts
     rank = len(form.arguments())
     name = operator_name(operator, rank)
     dim = registry.CELLS.get(form.ufl_domain().ufl_cell().cellname(), 0)
