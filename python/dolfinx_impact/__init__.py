@@ -29,6 +29,7 @@ from .loads import BodyForce, FollowerPressure, Traction
 from .foundation import Foundation
 from .added_mass import AddedMass
 from .assembly.lumped_mass import lumped_mass
+from .assembly.quadrature_degree import quadrature_degree
 from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
@@ -91,6 +92,7 @@ __all__ = [
     "jit",
     "lumped_mass",
     "operators",
+    "quadrature_degree",
     "read_mesh",
     "theory",
     "verify",

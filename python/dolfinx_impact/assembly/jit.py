@@ -14,6 +14,7 @@ import platform
 import shlex
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -39,6 +40,8 @@ INCLUDE = Path(__file__).parent.parent / "include"
 # half a minute to schedule a long kernel for the pipelines of a recent processor, and the kernel is not faster for it.
 TARGET = ["-march=native", "-mtune=generic"]
 FLAGS = ["-std=c++20", "-O3", *TARGET, "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
+
+SILENT = 5.0  # compilations that are likely to take longer are announced [s]
 
 
 @dataclass
@@ -281,7 +284,11 @@ def _library(key: str, integrals: Callable[[], list[frontend.Integral]]) -> tupl
     names = _cached(path, listing)
     if names:
         return path, names
-    text, names = emit.source(integrals(), f"impact_{key}")
+    found = integrals()
+    text, names = emit.source(found, f"impact_{key}")
+    seconds = sum(emit.compile_seconds(i, text) for i in found) / len(found)
+    if seconds > SILENT:
+        print(f"compiling {_in_words(found)}, about {seconds:.0f} seconds", file=sys.stderr, flush=True)
     try:
         work = Path(tempfile.mkdtemp(prefix="build-", dir=folder))
     except OSError as e:
@@ -307,6 +314,16 @@ def _library(key: str, integrals: Callable[[], list[frontend.Integral]]) -> tupl
     finally:
         shutil.rmtree(work, ignore_errors=True)
     return path, names
+
+
+def _in_words(integrals: list[frontend.Integral]) -> str:
+    """What is compiled: kind of form, its functions, its points."""
+    first = integrals[0]
+    what = "an expression" if first.integral_type == "expression" else f"a form of rank {first.rank}"
+    names = list(dict.fromkeys(c.name for i in integrals for c in i.coefficients))
+    of = f" in {', '.join(names)}" if names else ""
+    points = sum(len(rule.points) for i in integrals for rule in i.ir.integrand)
+    return f"{what}{of}: {points} points"
 
 
 def _cache_message(folder: Path, error: OSError) -> str:

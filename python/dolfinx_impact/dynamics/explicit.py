@@ -26,6 +26,7 @@ from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
+from ..assembly.quadrature_degree import warn_of_degree
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..added_mass import AddedMass, added_masses
@@ -181,6 +182,7 @@ class ExplicitProblem(Unique):
                     )
                 damping_tangent = expand_derivatives(ufl.derivative(resisting, velocity, du))
             check_hypothesis(internal, u, hypothesis)
+            warn_of_degree(residual, u, hypothesis)
             parts, tags = [(None, bodies.density_constant(mesh))], None
         springs, dashpots = spring_form(loads, du, v, bodies), dashpot_form(loads, du, v, bodies)
         if dashpots is not None and scheme == "classical":

@@ -19,6 +19,7 @@ from ..assembly.residual import check_hypothesis
 from ..assembly.residual_bodies import ResidualBodies
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
+from ..assembly.quadrature_degree import warn_of_degree
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
@@ -112,6 +113,7 @@ class StaticProblem(Unique):
         self._rotation_warning = RotationWarning(material)
         if residual is not None:
             check_hypothesis(residual, u, hypothesis)
+            warn_of_degree(residual, u, hypothesis)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads, bodies)
         self._b = self.body.vector()

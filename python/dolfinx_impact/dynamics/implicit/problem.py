@@ -22,6 +22,7 @@ from ...assembly.history import MaterialHistory, existing
 from ...assembly.locking import warn_of_locking
 from ...assembly.measures import check_measures
 from ...assembly.residual import check_hypothesis, split
+from ...assembly.quadrature_degree import warn_of_degree
 from ...assembly.softening import warn_of_softening
 from ...common import arguments
 from ...common.collective import comm_of, guard
@@ -205,6 +206,7 @@ class NewmarkProblem(Unique):
             moving, resisting = split(residual, velocity)
             bodies = own
             check_hypothesis(moving, u, hypothesis)
+            warn_of_degree(residual, u, hypothesis)
             densities, tags = [(None, bodies.density_constant(mesh))], None
         self.axisymmetric = hypothesis == "axisymmetric"
         self.velocity = velocity
