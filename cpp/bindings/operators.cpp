@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "dolfinx_impact/operators/CellMatrix.h"
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
+#include "dolfinx_impact/operators/Tangent.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
 #include "module.h"
@@ -163,6 +165,9 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       { return bindings::take(cell_masses_nodal(nodal, row_sum, V, coefficients)); }, nb::arg("nodal"),
       nb::arg("row_sum"), nb::arg("V"), nb::arg("coefficients"), nb::rv_policy::move,
       "Lumped mass of a nodal rule by cell and local degree of freedom");
+  m.attr("direction_name") = direction_name;
+  m.def("create_form", &create_form, nb::arg("spaces"), nb::arg("integrals"), nb::arg("coefficients"),
+        nb::rv_policy::move, "DOLFINx's form of rank 2 with kernels that CellMatrix takes");
   m.def(
       "cell_spectra",
       [](const Integral& matrix, const FunctionSpace& V, const Coefficients& coefficients, Values masses)

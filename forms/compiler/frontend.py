@@ -8,6 +8,7 @@ depends on nothing but the form.
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import ufl
@@ -124,7 +125,7 @@ class Integral:
     name: str
     integral_type: str  # "cell", "exterior_facet", "expression"
     subdomains: tuple
-    ir: object
+    ir: Any  # of FFCx
     rank: int
     shape: tuple  # of the element tensor (for an expression: points, components)
     coefficients: list

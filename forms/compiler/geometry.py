@@ -22,13 +22,23 @@ LENGTHS = (
 )
 
 
-class _Sizes(MultiFunction):
-    """Volumes of cells and areas of facets in terms of determinants."""
+class _FacetAreas(MultiFunction):
+    """Areas of facets in terms of determinants."""
 
     expr = MultiFunction.reuse_if_untouched
 
     def terminal(self, o):
         return o
+
+    def facet_area(self, o):
+        domain = ufl.domain.extract_unique_domain(o)
+        if domain.is_piecewise_linear_simplex_domain() or not has_straight_edges(domain):
+            return o
+        return abs(ufl.classes.FacetJacobianDeterminant(domain)) * ufl.classes.ReferenceFacetVolume(domain)
+
+
+class _Sizes(_FacetAreas):
+    """Volumes of cells, too."""
 
     def cell_volume(self, o):
         domain = ufl.domain.extract_unique_domain(o)
@@ -36,12 +46,6 @@ class _Sizes(MultiFunction):
             return o
         # The mean of 1/|det J| over a cell is the reference volume over the volume, by the form's own rule.
         return ufl.classes.ReferenceCellVolume(domain) / ufl.cell_avg(1 / abs(ufl.JacobianDeterminant(domain)))
-
-    def facet_area(self, o):
-        domain = ufl.domain.extract_unique_domain(o)
-        if domain.is_piecewise_linear_simplex_domain() or not has_straight_edges(domain):
-            return o
-        return abs(ufl.classes.FacetJacobianDeterminant(domain)) * ufl.classes.ReferenceFacetVolume(domain)
 
 
 def check_sizes(name, form):
@@ -90,6 +94,11 @@ def with_sizes(form_or_expression):
     if isinstance(form_or_expression, ufl.Form):
         return map_integrand_dags(_Sizes(), form_or_expression)
     return map_expr_dag(_Sizes(), form_or_expression)
+
+
+def with_facet_areas(form):
+    """A form in which areas of straight facets of cells that are not affine are written by determinants."""
+    return map_integrand_dags(_FacetAreas(), form)
 
 
 def vertex_dofs(coordinate_element):

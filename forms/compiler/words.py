@@ -49,7 +49,12 @@ def in_words(expression):
         order, argument = expression.ufl_operands
         return f"{_FUNCTIONS[name]}({order}, {_short(str(argument))})"
     if name in ("CellAvg", "FacetAvg", "CellMax"):
-        return _FUNCTIONS[name].format(_short(_names(expression.ufl_operands[0])))
+        operand = expression.ufl_operands[0]
+        text = _names(operand)
+        if "i_" in text:  # indices that UFL has introduced: the functions alone say more
+            functions = [getattr(c, "name", "") for c in ufl.algorithms.extract_coefficients(operand)]
+            text = ", ".join(["..."] + [f for f in functions if isinstance(f, str) and f])
+        return _FUNCTIONS[name].format(_short(text))
     return _FUNCTIONS.get(name) or _short(_names(expression))
 
 

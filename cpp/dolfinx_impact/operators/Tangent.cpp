@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "Tangent.h"
-#include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
+#include "CellMatrix.h"
 #include <algorithm>
 #include <dolfinx/fem/assembler.h>
 #include <dolfinx/fem/petsc.h>
@@ -29,10 +29,8 @@ dolfinx::fem::Form<double> create_form(const std::array<std::shared_ptr<const Fu
     const impact_kernel& k = *integral.kernel;
     kernels::check_mesh(k, *V[0]->mesh());
     kernels::check_without_outputs(k);
-    if (k.rank != 2)
-      throw std::invalid_argument(std::string("kernel ") + k.name + " is of rank " + std::to_string(k.rank) +
-                                  ", not 2");
-    for (int a = 0; a < 2; ++a)
+    const auto matrix = std::make_shared<CellMatrix>(k);
+    for (int a = 0; a < k.rank; ++a)
       kernels::check_space(k, k.arguments[a], *V[a], a ? "trial space" : "test space");
     if (int(integral.constants.size()) != k.size_c)
       throw std::invalid_argument(std::string("kernel ") + k.name + " takes " + std::to_string(k.size_c) +
@@ -58,9 +56,9 @@ dolfinx::fem::Form<double> create_form(const std::array<std::shared_ptr<const Fu
       active.push_back(c);
     }
     const bool facets = std::string(k.integral_type) == "exterior_facet";
-    auto kernel = [tabulate = kernels::tabulate(k, 1), constants = integral.constants,
+    auto kernel = [matrix, constants = integral.constants,
                    facets](double* A, const double* w, const double*, const double* x, const int* entity,
-                           const std::uint8_t*) { tabulate(A, w, constants.data(), x, facets ? *entity : 0); };
+                           const std::uint8_t*) { matrix->add(A, w, constants, x, facets ? *entity : 0); };
     data[facets ? IntegralType::exterior_facet : IntegralType::cell].emplace_back(
         id++,
         std::function<void(double*, const double*, const double*, const double*, const int*, const std::uint8_t*)>(

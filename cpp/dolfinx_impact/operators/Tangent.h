@@ -11,7 +11,7 @@ namespace dolfinx_impact::operators
 /// A DOLFINx form of rank 2 made of this project's kernels: matrix assembly, sparsity and boundary conditions are
 /// DOLFINx's. From Python, dolfinx.fem.form does the same with FFCx's own C kernels.
 /// @param[in] V test and trial space
-/// @param[in] integrals kernels of rank 2 on cells or exterior facets; constants are fixed here
+/// @param[in] integrals kernels that CellMatrix takes, on cells or exterior facets; constants are fixed here
 /// @param[in] coefficients by name
 dolfinx::fem::Form<double> create_form(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
                                        const std::vector<Integral>& integrals,

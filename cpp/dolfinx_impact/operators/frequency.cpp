@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "frequency.h"
-#include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
+#include "CellMatrix.h"
 #include "CellValues.h"
 #include "SymmetricMatrix.h"
 #include <algorithm>
@@ -21,12 +21,12 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
   const std::size_t num = matrix.entities.size() / stride;
   kernels::check_mesh(k, *V.mesh());
   kernels::check_space(k, k.arguments[0], V, "space");
-  if (k.rank != 2 || int(matrix.constants.size()) != k.size_c || k.shape[1] != n)
+  CellMatrix kernel(k);
+  if (int(matrix.constants.size()) != k.size_c || kernel.num_columns() != n)
     throw std::invalid_argument(std::string("kernel ") + k.name + " is not a stiffness with its constants");
   if (masses.size() != num * n)
     throw std::invalid_argument("cell_frequencies takes a mass for every degree of freedom of every cell");
   CellValues values(k, V, coefficients);
-  const impact_tabulate tabulate = kernels::tabulate(k, 1);
   std::vector<double> K(std::size_t(n) * n), out;
   out.reserve(3 * num);
   SymmetricMatrix A(n);
@@ -36,8 +36,8 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
     const std::int32_t cell = matrix.entities[stride * e];
     values.gather(cell);
     std::fill(K.begin(), K.end(), 0.0);
-    tabulate(K.data(), values.w(), matrix.constants.data(), values.nodes(),
-             stride == 2 ? matrix.entities[stride * e + 1] : 0);
+    kernel.add(K.data(), values.w(), matrix.constants, values.nodes(),
+               stride == 2 ? matrix.entities[stride * e + 1] : 0);
     const double* m = masses.data() + e * n;
     double skew = 0.0;
     for (int i = 0; i < n; ++i)

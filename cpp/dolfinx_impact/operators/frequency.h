@@ -10,7 +10,7 @@ namespace dolfinx_impact::operators
 {
 /// Extreme eigenvalues of M_e^-1 A_e of every cell or facet, A_e the symmetric part of its matrix, M_e the cell's part
 /// of a lumped mass.
-/// @param[in] matrix kernel of rank 2 over cells or exterior facets, with its entities and constants
+/// @param[in] matrix kernel over cells or exterior facets that CellMatrix takes, with its entities and constants
 /// @param[in] V displacement space
 /// @param[in] coefficients by the kernel's names, ghosts up to date
 /// @param[in] masses lumped, by entity and local degree of freedom of its cell [M]

@@ -13,6 +13,7 @@ from mpi4py import MPI
 from .. import _cpp
 from ..common.types import BoolArray, FloatArray, IntArray
 from . import operators
+from .averaged_form import DIRECTION, compile_columns, split_averages
 from .jit import compile_form
 
 
@@ -38,10 +39,14 @@ class CellMatrices:
 
     def __init__(self, u: fem.Function, form: ufl.Form, without: Collection[fem.Function | None]) -> None:
         self.space = u.function_space
-        self._compiled = compile_form(form)
+        plain, averaged = split_averages(form)
+        self._compiled = [] if plain is None else [compile_form(plain)]
+        if averaged is not None:
+            self._compiled.append(compile_columns(averaged, self.space))
         data = next(iter(form.subdomain_data().values()))
         self._tags = {kind: next((t for t in tags if t is not None), None) for kind, tags in data.items()}
-        self._inputs = operators.Inputs(self._compiled.constants, self._compiled.coefficients, without)
+        constants = [c for compiled in self._compiled for c in compiled.constants]
+        self._inputs = operators.Inputs(constants, [f for c in self._compiled for f in c.coefficients], without)
         self._varying = _with_functions(form)
         # Of integrals without functions, beside others: what the result followed from, without its arrays, and it.
         self._kept: dict[int, tuple[bytes, FloatArray]] = {}
@@ -64,11 +69,11 @@ class CellMatrices:
 
     def _integrals(self) -> Iterator[tuple[Any, dict[str, fem.Function], IntArray, FloatArray]]:
         """Kernel (C++), functions by name, entities and constants of each integral. Collective."""
-        for f in self._compiled.coefficients:
-            f.x.scatter_forward()
-        for kernel in self._compiled.kernels:
-            functions = {c["name"]: self._compiled.coefficients[c["position"]] for c in kernel.coefficients}
-            constants, kind = operators._constants(self._compiled, kernel), kernel.integral_type
+        for compiled, kernel in [(c, k) for c in self._compiled for k in c.kernels]:
+            for f in compiled.coefficients:
+                f.x.scatter_forward()
+            functions = {c["name"]: compiled.coefficients[c["position"]] for c in kernel.coefficients}
+            constants, kind = operators._constants(compiled, kernel), kernel.integral_type
             for subdomain in kernel.subdomains:
                 entities = operators.entities_of(self.space.mesh._cpp_object, kind, subdomain, self._tags.get(kind))
                 yield kernel, functions, np.ascontiguousarray(entities), constants
@@ -147,7 +152,15 @@ class CellMatrices:
                     w[c["offset"] : c["offset"] + c["num_dofs"]] = values.ravel()
                 n = kernel.shape[0]
                 A, x = np.zeros((n, n)), np.ascontiguousarray(mesh.geometry.x[mesh.geometry.dofmap[cell]])
-                kernel.tabulate(A.reshape(-1), w, constants, x.reshape(-1))
+                if kernel.rank == 2:
+                    kernel.tabulate(A.reshape(-1), w, constants, x.reshape(-1))
+                else:
+                    first = next(c["offset"] for c in kernel.coefficients if c["name"] == DIRECTION)
+                    for row, column in zip(A, range(first, first + n)):  # a column of the matrix
+                        w[column] = 1.0
+                        kernel.tabulate(row, w, constants, x.reshape(-1))
+                        w[column] = 0.0
+                    A = A.T
                 size = np.abs(A).max()
                 if size > 0.0:
                     parts.append(np.abs(A @ np.tile(direction, n // bs)).max() / size)

@@ -20,6 +20,10 @@ from typing import Any
 import ufl
 from dolfinx import fem, jit
 
+from ..common.collective import common
+from ..forms.cell_maximum import CellMax
+from ..forms.compiler import geometry, words
+
 with contextlib.suppress(ImportError):  # not on Windows
     import fcntl
 
@@ -59,14 +63,16 @@ def ffcx_form(form: ufl.Form, jit_options: dict[str, Any] | None = None) -> fem.
     Raises:
         TimeoutError: another process compiles the kernel still, or the cache has no locks; on all ranks.
         RuntimeError: the kernel cannot be compiled; on all ranks.
+        ValueError: FFCx does not know an operator of the form; on all ranks.
     """
+    _check(form)
     comm = form.ufl_domain().ufl_cargo().comm
     folder = Path(jit.get_options(jit_options)["cache_dir"])
     for attempt in range(3):
         failed: Exception | None = None
         with _compiling(folder):
             try:
-                return fem.form(form, jit_options=jit_options)
+                return fem.form(geometry.with_facet_areas(form), jit_options=jit_options)
             except (TimeoutError, RuntimeError) as error:  # on several ranks DOLFINx makes it a RuntimeError of all
                 failed = error
         timeout = comm.bcast(str(failed) if "JIT compilation timed out" in str(failed) else None)
@@ -77,6 +83,26 @@ def ffcx_form(form: ufl.Form, jit_options: dict[str, Any] | None = None) -> fem.
         if attempt == 2 or not again:
             break
     raise TimeoutError(timeout) from failed
+
+
+def _check(form: ufl.Form) -> None:
+    """Refuse, in the user's words, operators that FFCx ends with an empty assertion for."""
+    try:
+        geometry.check_sizes("the form", form)
+    except ValueError as error:
+        raise common(error)
+    for integral in form.integrals():
+        unknown: tuple[type, ...] = (ufl.classes.CellAvg, ufl.classes.FacetAvg, CellMax)
+        if not integral.ufl_domain().is_piecewise_linear_simplex_domain():
+            unknown += (ufl.classes.CellVolume,)
+        found = words.find(integral.integrand(), unknown)
+        if found is not None:
+            raise common(
+                ValueError(
+                    f"FFCx, which compiles this form, does not know {words.in_words(found)}: residuals over dx may "
+                    "have averages over cells, with the velocity in explicit problems alone; loads may not"
+                )
+            )
 
 
 def _unfinished(message: str) -> Path | None:

@@ -13,6 +13,7 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from .averaged_form import AveragedForm, split_averages
 from .ffcx_form import ffcx_form
 from ..common.described import Described
 from .. import _cpp
@@ -452,6 +453,8 @@ class Energy(_Operator):
 class Tangent(Described):
     """Matrix of a bilinear form in a PETSc matrix that is created once, with the kernels and assembly of DOLFINx.
 
+    Integrals over cells with averages, ufl.cell_avg, which FFCx does not know, have kernels of our own.
+
     Args:
         form: UFL form of rank 2.
         bcs: Dirichlet conditions; their rows and columns are zero, with one on the diagonal.
@@ -474,9 +477,19 @@ class Tangent(Described):
                 arguments.boundary_values("bcs", bc, form.arguments()[0].ufl_function_space())
             ranks.same(form=form, bcs=[arguments.value_of(bc) for bc in bcs])
         self._petsc = petsc
-        self.form = ffcx_form(form)
         self.bcs = list(bcs)
-        self.matrix = petsc.create_matrix(self.form)
+        plain, averaged = split_averages(form)
+        self._averaged = None if averaged is None else AveragedForm(averaged)
+        self._mesh = form.ufl_domain().ufl_cargo()
+        self.form = None if plain is None else ffcx_form(plain)
+        pattern = self.form
+        if pattern is None or self._averaged is not None:  # places for all cells
+            v, du = form.arguments()
+            pattern = ffcx_form(ufl.inner(du, v) * ufl.dx(degree=0))
+        self.matrix = petsc.create_matrix(pattern)
+        if self._averaged is not None:  # PETSc forgets places that nothing is put in before it is assembled
+            petsc.assemble_matrix(self.matrix, pattern)  # type: ignore[arg-type]
+            self.matrix.assemble()
 
     def assemble(self) -> PETSc.Mat:
         """Assemble the matrix at the present coefficients. Collective.
@@ -484,11 +497,14 @@ class Tangent(Described):
         Returns:
             The matrix of this object; the next call overwrites it.
         """
-        same(self.form.mesh.comm, "Tangent.assemble")
+        same(self._mesh.comm, "Tangent.assemble")
         self.matrix.zeroEntries()
-        # DOLFINx annotates the overload that makes a new matrix.
-        self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)  # type: ignore[misc, arg-type]
+        if self.form is not None:
+            # DOLFINx annotates the overload that makes a new matrix.
+            self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)  # type: ignore[misc, arg-type]
         self.matrix.assemble()
+        if self._averaged is not None:
+            self._averaged.add_to(self.matrix, self.bcs)
         return self.matrix
 
 

@@ -7,6 +7,7 @@ import warnings
 from typing import Any
 
 import basix
+import numpy as np
 import ufl
 from dolfinx.fem import Function, FunctionSpace
 from ufl.algorithms import compute_form_data
@@ -14,7 +15,7 @@ from ufl.algorithms import compute_form_data
 from ..common import arguments
 from ..common.collective import comm_of, guard
 from ..forms import quadrature
-from ..forms.compiler import frontend
+from ..forms.compiler.averages import has_averages
 from .fields import fields_of, is_mixed
 
 TOO_MANY = 3.0  # times as many points as even a mass needs: beyond this a plain dx is no matter of taste
@@ -70,14 +71,14 @@ def warn_of_degree(form: ufl.Form, u: Function, hypothesis: str | None = None) -
     degree = max(_estimates(ufl.Form(plain)), default=0)
     if degree > arguments.LARGEST_DEGREE:
         return  # refused by compilers, with the degree
-    count, enough = (len(basix.make_quadrature(cell, d)[1]) for d in (degree, needed))
+    count, enough, few = (np.shape(basix.make_quadrature(cell, d)[1])[0] for d in (degree, needed, own))
     if count <= TOO_MANY * enough:
         return
-    few = len(basix.make_quadrature(cell, own)[1])
     warnings.warn(
-        f"the residual has a dx without a degree, for which UFL estimates {degree}: {count} points in a cell, where the "
-        f"package's own laws take {few} (degree {own}); set-up and steps take some {count / few:.0f} times as long. Give "
-        "the degree, ufl.dx(degree=di.quadrature_degree(u)), or a higher one if you want the estimate's accuracy",
+        f"the residual has a dx without a degree, for which UFL estimates {degree}: {count} points in a cell, where "
+        f"the package's own laws take {few} (degree {own}); set-up and steps take some {count / few:.0f} times as "
+        "long. Give the degree, ufl.dx(degree=di.quadrature_degree(u)), or a higher one if you want the estimate's "
+        "accuracy",
         stacklevel=4,
     )
 
@@ -90,7 +91,7 @@ def _has_rule(integral: Any) -> bool:
 
 def _estimates(form: ufl.Form) -> list[int]:
     """Degrees that UFL estimates for the integrals of a form, as form compilers ask for them."""
-    if any(frontend.has_averages(i.integrand()) for i in form.integrals()):
+    if any(has_averages(i.integrand()) for i in form.integrals()):
         return []
     data = compute_form_data(
         form,

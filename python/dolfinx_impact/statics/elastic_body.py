@@ -8,6 +8,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from ..assembly.averaged_form import has_averages
 from ..assembly.ffcx_form import ffcx_form
 from ..common.described import Described
 from ..assembly import operators
@@ -35,7 +36,10 @@ class ElasticBody(Described):
     has_inertia = False
 
     def __init__(self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form, has_springs: bool = False) -> None:
-        self._residual = ffcx_form(residual)
+        # FFCx does not know averages over a cell; our kernels do.
+        self._averaged = operators.InternalForce(residual) if has_averages(residual) else None
+        vectors = ufl.inner(u, ufl.TestFunction(u.function_space)) * ufl.dx(degree=0)
+        self._residual = ffcx_form(residual if self._averaged is None else vectors)
         self.tangent = operators.Tangent(tangent)
         self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self.symmetric, self.has_springs = True, has_springs
@@ -59,7 +63,11 @@ class ElasticBody(Described):
         Args:
             b: vector with ghosts.
         """
-        petsc.assemble_vector(b, self._residual)
+        if self._averaged is None:
+            petsc.assemble_vector(b, self._residual)
+            return
+        with b.localForm() as local:
+            self._averaged.assemble(local.array)
 
     def fault(self) -> str:
         """An empty text: the forces can always be computed, though they may not be finite."""

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../kernels/Kernel.h"
+#include <span>
+#include <vector>
+
+namespace dolfinx_impact::operators
+{
+/// Name of the coefficient in whose place a kernel of rank 1 has the trial function.
+inline constexpr const char* direction_name = "direction of the tangent";
+
+/// Matrix of a cell or facet: by a kernel of rank 2; or column by column by a kernel of rank 1 that is linear in the
+/// coefficient `direction_name`, with one of its degrees of freedom set at a time. Averages over a cell are sums over
+/// its points, which a kernel of rank 1 makes once per column.
+class CellMatrix
+{
+public:
+  /// @throws std::invalid_argument for another kernel: not of rank 2, and of rank 1 without that coefficient
+  explicit CellMatrix(const impact_kernel& kernel);
+
+  int num_rows() const { return _num_rows; }
+  int num_columns() const { return _num_columns; }
+  /// Add the matrix to A, row by row.
+  /// @param[in] w coefficients as the kernel packs them; values of the direction do not count
+  /// @param[in] c constants
+  /// @param[in] x coordinates of the cell's nodes
+  /// @param[in] facet number of the facet in the cell
+  void add(double* A, const double* w, std::span<const double> c, const double* x, int facet);
+
+private:
+  impact_tabulate _tabulate;
+  int _num_rows, _num_columns, _size_w, _first = -1; ///< _first: entry of the direction in w; -1: of rank 2
+  std::vector<double> _w, _column;
+};
+} // namespace dolfinx_impact::operators
