@@ -8,7 +8,6 @@ depends on nothing but the form.
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import ufl
@@ -125,7 +124,7 @@ class Integral:
     name: str
     integral_type: str  # "cell", "exterior_facet", "expression"
     subdomains: tuple
-    ir: Any  # of FFCx
+    ir: object
     rank: int
     shape: tuple  # of the element tensor (for an expression: points, components)
     coefficients: list
@@ -143,6 +142,11 @@ class Integral:
     def num_points(self):
         """Points at which outputs are written."""
         return len(next(iter(self.ir.integrand)).points) if self.law else 0
+
+    @property
+    def points_of_rules(self) -> int:
+        """Points of all quadrature rules."""
+        return sum(len(rule.points) for rule in self.ir.integrand)
 
     @property
     def num_unknowns(self):

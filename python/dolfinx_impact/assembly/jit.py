@@ -322,7 +322,7 @@ def _in_words(integrals: list[frontend.Integral]) -> str:
     what = "an expression" if first.integral_type == "expression" else f"a form of rank {first.rank}"
     names = list(dict.fromkeys(c.name for i in integrals for c in i.coefficients))
     of = f" in {', '.join(names)}" if names else ""
-    points = sum(len(rule.points) for i in integrals for rule in i.ir.integrand)
+    points = sum(integral.points_of_rules for integral in integrals)
     return f"{what}{of}: {points} points"
 
 
