@@ -52,6 +52,14 @@ def check_residual(form: Any, u: Function) -> None:
     if any(d is not V.mesh._cpp_object for d in domains + [m._cpp_object for m in functions]):
         raise ValueError(f"{NAME} is on another mesh than the displacement, or on several")
     if not any(c is u for c in form.coefficients()):
+        points = [f for f in form.coefficients() if f.ufl_function_space().ufl_element().has_custom_quadrature]
+        if points:
+            raise ValueError(
+                f"{NAME} does not contain the displacement u, but {points[0].name}, a function at quadrature points: "
+                "without u it has no tangent, and no bound of the step. Write a stress that is computed elsewhere as a "
+                "di.InelasticMaterial (docs: a material of your own), or its elastic part in u and the rest as a "
+                "function that a callback sets"
+            )
         raise ValueError(f"{NAME} does not contain the displacement u: there is nothing to move")
     W = arguments[0].ufl_function_space()
     if not same_spaces(W, V):

@@ -20,6 +20,7 @@ from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
+from ..forms.compiler.frontend import check_kinds
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.fields import check_inertia
@@ -140,6 +141,7 @@ class ExplicitProblem(Unique):
             if residual is not None:
                 own = residual_bodies(u.function_space, hypothesis, density)
                 check_inertia(own.density_constant(u.function_space.mesh), u.function_space, True, lumping)
+                check_kinds("the residual", residual)
             if damping is not None and not isinstance(damping, Rayleigh):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
