@@ -64,7 +64,8 @@ def assert_same(a, b):
 
 def check_static():
     """Linear bodies in one iteration, others by Newton's quadratic convergence: the tangent is exact."""
-    for cell, finite in (("quadrilateral", False), ("quadrilateral", True), ("hexahedron", False), ("triangle", True)):
+    cases = (("quadrilateral", True), ("quadrilateral", False), ("hexahedron", False), ("triangle", True))
+    for cell, finite in cases if COMM.size == 1 else cases[:1]:
         b = Averaged(cell, finite)
         report = di.StaticProblem(b.u, residual=b.residual(), bcs=[b.bc]).solve(rtol=1e-12)
         norms = report.residual_norms[0]
