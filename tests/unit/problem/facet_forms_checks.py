@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Residuals with integrals over interior facets, and with stresses at quadrature points, on the ranks of COMM_WORLD: what
-is assembled, with and without contact, and what is refused; see on_ranks.py."""
+"""Residuals with integrals over interior facets, and with stresses at quadrature points, on the ranks of COMM_WORLD:
+what is assembled, with and without contact, and what is refused; see on_ranks.py."""
 
 import basix.ufl
 import numpy as np

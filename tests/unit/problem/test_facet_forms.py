@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Integrals over interior facets and stresses at points: the checks of facet_forms_checks.py on one rank and on several."""
+"""Integrals over interior facets and stresses at points: the checks of facet_forms_checks.py."""
 
 import facet_forms_checks
 from on_ranks import rank_tests
