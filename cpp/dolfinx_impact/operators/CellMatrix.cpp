@@ -20,8 +20,8 @@ CellMatrix::CellMatrix(const impact_kernel& kernel)
       _num_columns = kernel.coefficients[i].element.num_dofs;
     }
   if (kernel.rank != 1 || _first < 0)
-    throw std::invalid_argument(std::string("kernel ") + kernel.name +
-                                " is neither of rank 2 nor linear in a direction: it has no matrix");
+    throw std::invalid_argument(std::string("kernel ") + kernel.name + " is of rank " + std::to_string(kernel.rank) +
+                                ", not 2, and is linear in no direction: it has no matrix");
   _w.resize(_size_w);
   _column.resize(_num_rows);
 }
