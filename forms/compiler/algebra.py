@@ -15,6 +15,8 @@ import ufl
 # equations there, or their iterate. A value is computed before the loops over what it does not depend on: a logarithm
 # of an average before the loop over the points, what does not depend on the iterate before the iteration.
 CONSTANT, CELL, AVERAGED, POINT, SOLVED, ITERATE = range(6)
+# Integer powers up to this are products; their error grows with the number of factors, that of a logarithm does not.
+LARGEST_POWER = 16
 
 
 class Node:
@@ -75,12 +77,42 @@ class Algebra:
         return (a[0] * b[0], self._product(powers))
 
     def power(self, a, exponent):
+        """a to the power of a number.
+
+        An integer power of the same sign is taken out, what is left is a root where it can be one: so x^(-2/3),
+        x^(-5/3) and x^(-8/3) share a root, and x^1.7 has the same x^0.7 as its derivative. Of the same sign, so that 0
+        has the power it should have, and no factor overflows where the product does not.
+        """
+        number, node = a
+        if node is None and number <= 0.0 and not float(exponent).is_integer():
+            return self.call("power", a, self.number(exponent))
+        if node is None:
+            return self.number(number**exponent)
+        if abs(exponent) > LARGEST_POWER:
+            if exponent % 2.0 == 1.0:
+                return self.multiply(a, self.power(a, exponent - 1.0))
+            return self.call("power", self.call("abs", a) if exponent % 2.0 == 0.0 else a, self.number(exponent))
         if float(exponent).is_integer():
             n = int(exponent)
-            return (a[0] ** n, self._product({m: p * n for m, p in self._powers(a[1]).items()}))
+            return (number**n, self._product({m: p * n for m, p in self._powers(node).items()}))
         if 2 * exponent == int(2 * exponent):  # halves: a square root and an integer power
             return self.power(self.call("sqrt", a), int(2 * exponent))
-        return self.call("power", a, self.number(exponent))
+        if abs(number) != 1.0:
+            sign = float(np.sign(number))
+            return self.multiply(self.number(abs(number) ** exponent), self.power((sign, node), exponent))
+        whole = int(exponent)
+        return self.multiply(self.power(a, whole), self._root(a, exponent - whole, 4 * np.spacing(abs(exponent))))
+
+    def _root(self, a, fraction, rounding):
+        """a to a power between -1 and 1 that is known up to its rounding."""
+        for denominator in (3, 4, 6):
+            numerator = round(denominator * fraction)
+            if abs(fraction - numerator / denominator) > rounding:
+                continue
+            if denominator == 3:
+                return self.call("power", a, self.number(numerator / 3))
+            return self.power(self.call("sqrt", self.power(a, 2 / denominator)), numerator)
+        return self.call("power", a, self.number(fraction))
 
     # -- sums -------------------------------------------------------------------------------------------------------
     def open_sum(self, *values):

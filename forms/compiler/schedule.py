@@ -154,12 +154,25 @@ class Schedule:
             level = base.level
             if p < 0:
                 low = self._make(("reciprocal", low), (low,), level)
-            factors += [(level, -self._frequency[base], base.number, low)] * abs(p)
+            factors += [(level, -self._frequency[base], base.number, f) for f in self._squares(low, level, abs(p))]
         factors.sort()
         head = factors[0][3]
         for level, _, _, low in factors[1:]:
             head = self._make(("multiply", head, low), (head, low), level)
         return head
+
+    def _squares(self, low, level, power):
+        """Factors of an integer power: the value itself up to its third power, beyond that repeated squares."""
+        if power < 4:
+            return [low] * power
+        factors = []
+        while power:
+            if power % 2:
+                factors.append(low)
+            power //= 2
+            if power:
+                low = self._make(("multiply", low, low), (low, low), level)
+        return factors
 
     # -- writing ----------------------------------------------------------------------------------------------------
     def level_of(self, value):

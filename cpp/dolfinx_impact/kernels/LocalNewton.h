@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "simd.h"
+#include "functions.h"
 
 /// Local equations r(x) = 0 at a quadrature point, solved for all cells of a batch at once. There is no branch per
 /// lane: a lane that has converged keeps its values while the others go on, so that its result does not depend on them.
