@@ -128,7 +128,8 @@ sanitize-here:
 	  -DCMAKE_PREFIX_PATH=$(CURDIR)/$(SANITIZE)/install/dolfinx_impact \
 	  -DCMAKE_CXX_FLAGS="-fsanitize=address,undefined -fno-omit-frame-pointer"
 	cmake --build $(SANITIZE)/tests -- -j2
-	@for program in unit_tests tangent_check; do \
+	@for program in unit_tests tangent_check $$(grep -qw avx2 /proc/cpuinfo && echo functions_avx2) \
+	    $$(grep -qw avx512dq /proc/cpuinfo && echo functions_avx512); do \
 	  ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 $(SANITIZE)/tests/$$program || exit 1; done
 	@echo "sanitize: nothing found"
 

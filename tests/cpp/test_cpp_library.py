@@ -125,3 +125,12 @@ def test_library(checks, ranks):
 def test_units(checks):
     """Classes of the library, each alone (Catch2)."""
     assert "All tests passed" in run([checks / "unit_tests"])
+
+
+def test_functions_of_kernels(checks):
+    """Mathematical functions of vectors, compiled as kernels are, with those instructions that the processor has.
+    Without any they are among the units above."""
+    for instructions, width in (("avx2", 4), ("avx512", 8)):
+        program = checks / f"functions_{instructions}"
+        if program.exists() and width <= dolfinx_impact._cpp.kernels.processor_width():
+            assert "All tests passed" in run([program])

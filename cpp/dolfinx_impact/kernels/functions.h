@@ -91,26 +91,34 @@ inline T max(T a, T b)
   return (a > b) | (b != b) ? a : b;
 }
 
-/// c[0] + c[1] x + ... in pairs (Estrin), which do not wait for each other.
-template <int N, typename T>
+/// x to the power of n, a power of two.
+template <int n, Vector T>
+inline T repeated_square(T x)
+{
+  if constexpr (n == 1)
+    return x;
+  else
+    return repeated_square<n / 2>(T(x * x));
+}
+
+/// c[first] + c[first + 1] x + ... of `count` terms in pairs (Estrin), which do not wait for each other.
+template <int first, int count, int N, Vector T>
+inline T partial_polynomial(const double (&c)[N], T x)
+{
+  constexpr int half = count > 8 ? 8 : count > 4 ? 4 : count > 2 ? 2 : 1;
+  static_assert(first + count <= N and count <= 16);
+  if constexpr (count == 1)
+    return splat<T>(c[first]);
+  else if constexpr (count == 2)
+    return c[first] + x * c[first + 1];
+  else
+    return partial_polynomial<first, half>(c, x) +
+           repeated_square<half>(x) * partial_polynomial<first + half, count - half>(c, x);
+}
+template <int N, Vector T>
 inline T polynomial(const double (&c)[N], T x)
 {
-  T sums[(N + 1) / 2];
-#pragma GCC unroll 16
-  for (int i = 0; i < (N + 1) / 2; ++i)
-    sums[i] = 2 * i + 1 < N ? T(c[2 * i] + x * c[2 * i + 1]) : splat<T>(c[2 * i]);
-  T power = x * x;
-#pragma GCC unroll 4
-  for (int n = (N + 1) / 2; n > 1; n = (n + 1) / 2)
-  {
-#pragma GCC unroll 8
-    for (int i = 0; i < n / 2; ++i)
-      sums[i] = sums[2 * i] + power * sums[2 * i + 1];
-    if (n % 2 == 1)
-      sums[n / 2] = sums[n - 1];
-    power = power * power;
-  }
-  return sums[0];
+  return partial_polynomial<0, N>(c, x);
 }
 
 /// Lanes that are not regular get the value of a function of double.
@@ -147,7 +155,7 @@ inline Sum<T> exact_sum(T a, T b)
 }
 
 /// a b exactly, but for underflow.
-template <Vector T>
+template <typename T>
 inline Sum<T> exact_product(T a, T b)
 {
   const T high = a * b;
@@ -159,11 +167,16 @@ inline Sum<T> exact_product(T a, T b)
   if constexpr (sizeof(T) == 32)
     return {high, __builtin_ia32_vfmaddpd256(a, b, -high)};
 #endif
-#if defined(__FP_FAST_FMA) || (defined(__clang__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA)))
-  T low = high;
-  for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
-    low[i] = __builtin_fma(a[i], b[i], -high[i]);
-  return {high, low};
+#if defined(__FP_FAST_FMA) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+  if constexpr (is_double<T>)
+    return {high, __builtin_fma(a, b, -high)};
+  else
+  {
+    T low = high; // all lanes are replaced
+    for (unsigned i = 0; i < sizeof(T) / sizeof(double); ++i)
+      low[i] = __builtin_fma(a[i], b[i], -high[i]);
+    return {high, low};
+  }
 #else
   // Halves of 26 and 27 bits, whose products are exact (Dekker 1971).
   const T a1 = from_bits<T>(bits_of(a) & 0xfffffffff8000000u), b1 = from_bits<T>(bits_of(b) & 0xfffffffff8000000u);
@@ -210,10 +223,10 @@ template <Vector T>
 inline T scaled_exponential(T high, T low, double halvings = 0.0)
 {
   // 1.3e-17: the power series but for its first two terms.
-  static constexpr double series[] = {
-    0.5000000000000001,     0.16666666666666669,    0.041666666666623824,   0.008333333333330039,
-    0.0013888888917367081,  0.00019841269863171557, 2.4801521057868204e-05, 2.7557268276905696e-06,
-    2.7620201591031547e-07, 2.5100472505694996e-08};
+  static constexpr double series[] = {0.5000000000000001,     0.16666666666666669,    0.041666666666623824,
+                                      0.008333333333330039,   0.0013888888917367081,  0.00019841269863171557,
+                                      2.4801521057868204e-05, 2.7557268276905696e-06, 2.7620201591031547e-07,
+                                      2.5100472505694996e-08};
   const T upper = select<T>(high > 711.0, 711.0, high);
   const T x = select<T>(upper < -747.0, -747.0, upper);
   const T n = (x * 1.4426950408889634 + to_integer) - to_integer;
@@ -279,8 +292,14 @@ template <Vector T>
 inline Sum<T> extended_logarithm(T x)
 {
   // 1.0e-20: (artanh(s) / s^3 - 1/s^2 - 1/3) / s^2 of s^2.
-  static constexpr double series[] = {0.2, 0.14285714285714682, 0.11111111110828116, 0.09090909167657202,
-                                      0.07692297485447727, 0.06667402119112777, 0.058531242704588336, 0.05861525514070255};
+  static constexpr double series[] = {0.2,
+                                      0.14285714285714682,
+                                      0.11111111110828116,
+                                      0.09090909167657202,
+                                      0.07692297485447727,
+                                      0.06667402119112777,
+                                      0.058531242704588336,
+                                      0.05861525514070255};
   constexpr double third = 1.0 / 3.0, third_low = 0x1.5555555555555p-56;
   T m, k;
   split_exponent(x, m, k);
@@ -326,10 +345,11 @@ inline T pow(T x, double p)
   return pow(x, splat<T>(p));
 }
 
-/// x^(-1/3) of 1e-290 < x < 1e290, to two units in the last place; without division or branch, the same in all widths.
-template <typename T>
-inline T inverse_cube_root(T x)
+/// x^(k/3) of 1e-290 < x < 1e290, from z = x^(-1/3), without division or branch.
+template <int k, typename T>
+inline T regular_third_power(T x)
 {
+  static_assert(k == 1 or k == 2 or k == -1 or k == -2);
   // A first value, 4 % off, from the bits of x, whose exponent is divided by -3. Vector units have no division of
   // integers: the upper 52 bits are divided as a number, which is an integer when 2^52 is added.
   constexpr double two52 = 4503599627370496.0;
@@ -337,46 +357,40 @@ inline T inverse_cube_root(T x)
   const T upper = from_bits<T>((bits_of(x) >> 12) | two52_bits) - two52;
   const T thirds = 1499660000000000.0 - upper * (1.0 / 3.0);
   T z = from_bits<T>((bits_of(T(thirds + two52)) & 0x000fffffffffffffu) << 12);
-  // z (1 - r)^(-1/3) with r = 1 - x z^3, to the third power of r: 0.1, 1e-5, 1e-17 are the sizes of r.
-  for (int i = 0; i < 2; ++i)
-  {
-    const T r = 1.0 - x * z * (z * z);
-    z += z * r * (1.0 / 3.0 + r * (2.0 / 9.0 + r * (14.0 / 81.0)));
-  }
-  return z;
+  // z (1 - r)^(-1/3) with r = 1 - x z^3, to the third power of r: 0.1, 1e-5, 1e-21 are the sizes of r. The second time,
+  // x z and z^2 keep what is rounded away.
+  const T first = 1.0 - x * z * (z * z);
+  z += z * first * (1.0 / 3.0 + first * (2.0 / 9.0 + first * (14.0 / 81.0)));
+  const Sum<T> square = exact_product(z, z), other = exact_product(x, z), one = exact_product(square.high, other.high);
+  const T r = (1.0 - one.high) - (one.low + (square.high * other.low + square.low * other.high));
+  const T c = r * (1.0 / 3.0 + r * (2.0 / 9.0 + r * (14.0 / 81.0)));
+  if constexpr (k == -1)
+    return z + z * c;
+  if constexpr (k == 2)
+    return other.high + (other.low + other.high * c);
+  if constexpr (k == -2)
+    return square.high + (square.low + square.high * (c * (2.0 + c)));
+  const Sum<T> root = exact_product(x, square.high);
+  return root.high + (root.low + x * square.low + root.high * (c * (2.0 + c)));
 }
 
-/// x^(k/3) of numbers that `inverse_cube_root` takes.
-template <int k, typename T>
-inline T regular_third_power(T x)
-{
-  static_assert(k == 1 or k == 2 or k == -1 or k == -2);
-  const T z = inverse_cube_root(x);
-  return k == -1 ? z : k == -2 ? T(z * z) : k == 1 ? T(x * (z * z)) : T(x * z);
-}
-
-/// x^(k/3).
+/// x^(k/3); also of double, as the C library has no such function but its cube root.
 template <int k, typename T>
 inline T third_power(T x)
 {
   T y = regular_third_power<k>(x);
-  if constexpr (__is_same(T, double))
-    return x > 1e-290 and x < 1e290 ? y : __builtin_pow(x, k / 3.0);
-  else
+  const auto regular = (x > 1e-290) & (x < 1e290);
+  if (any_lane(regular == 0)) [[unlikely]]
   {
-    const auto regular = (x > 1e-290) & (x < 1e290);
-    if (any_lane(~regular)) [[unlikely]]
-    {
-      constexpr double factor = k == 1 ? 0x1p100 : k == -1 ? 0x1p-100 : k == 2 ? 0x1p200 : 0x1p-200;
-      const auto small = x < 1.0;
-      const T scaled = regular_third_power<k>(T(x * select<T>(small, 0x1p300, 0x1p-300)));
-      const T extreme = scaled * select<T>(small, 1.0 / factor, factor);
-      const T of_zero = splat<T>(k > 0 ? 0.0 : infinity), of_infinity = splat<T>(k > 0 ? infinity : 0.0);
-      const T special = select<T>(x == 0.0, of_zero, select<T>(abs(x) == infinity, of_infinity, splat<T>(not_a_number)));
-      y = select<T>(regular, y, select<T>((x > 0.0) & (x < infinity), extreme, special));
-    }
-    return y;
+    constexpr double factor = k == 1 ? 0x1p100 : k == -1 ? 0x1p-100 : k == 2 ? 0x1p200 : 0x1p-200;
+    const auto small = x < 1.0;
+    const T scaled = regular_third_power<k>(T(x * select<T>(small, 0x1p300, 0x1p-300)));
+    const T extreme = scaled * select<T>(small, 1.0 / factor, factor);
+    const T of_infinity = select<T>(abs(x) == infinity, k > 0 ? infinity : 0.0, not_a_number);
+    const T special = select<T>(x == 0.0, k > 0 ? 0.0 : infinity, of_infinity);
+    y = select<T>(regular, y, select<T>((x > 0.0) & (x < infinity), extreme, special));
   }
+  return y;
 }
 
 /// Sine and cosine of x - n pi/2, which is at most pi/4 in size, and n.
@@ -394,9 +408,9 @@ template <Vector T>
 inline Quadrant<T> quadrant(T x)
 {
   // 1.9e-17: sin(x) / x^3 - 1/x^2 of x^2; 7.7e-19: (cos(x) - 1 + x^2/2) / x^4 of x^2
-  static constexpr double sines[] = {-0.16666666666666666,   0.008333333333330936,   -0.00019841269836740527,
+  static constexpr double sines[] = {-0.16666666666666666,   0.008333333333330936,    -0.00019841269836740527,
                                      2.7557316093196066e-06, -2.5051129895962803e-08, 1.5917988944318488e-10};
-  static constexpr double cosines[] = {0.041666666666666664,   -0.0013888888888887389, 2.48015872987544e-05,
+  static constexpr double cosines[] = {0.041666666666666664,    -0.0013888888888887389, 2.48015872987544e-05,
                                        -2.7557317265876615e-07, 2.087614504910828e-09,  -1.1382544623404147e-11};
   const T shifted = x * 0x1.45f306dc9c883p-1 + to_integer, n = shifted - to_integer;
   const Sum<T> first = exact_sum(T(x - n * 0x1.921fb54440000p+0), T(n * -0x1.68c234c4c4000p-39));
@@ -444,10 +458,10 @@ template <Vector T>
 inline T angle_with_axis(T smaller, T larger)
 {
   // 6.4e-18: artan(t) / t^3 - 1/t^2 of t^2
-  static constexpr double series[] = {
-    -0.3333333333333333,  0.19999999999995513,  -0.1428571428466482, 0.11111111015117626,
-    -0.09090904572487347, 0.07692183059894106,  -0.06664509603255293, 0.05858132894427219,
-    -0.05085365922341002, 0.03922923713827552,  -0.019173922285454965};
+  static constexpr double series[] = {-0.3333333333333333,  0.19999999999995513,  -0.1428571428466482,
+                                      0.11111111015117626,  -0.09090904572487347, 0.07692183059894106,
+                                      -0.06664509603255293, 0.05858132894427219,  -0.05085365922341002,
+                                      0.03922923713827552,  -0.019173922285454965};
   const auto turned = smaller > 0.4142135623730951 * larger; // beyond pi/8, the angle is taken from pi/4
   const T t = select<T>(turned, smaller - larger, smaller) / select<T>(turned, smaller + larger, larger);
   const T z = t * t, rest = t * z * polynomial(series, z);
@@ -482,10 +496,10 @@ template <Vector T>
 inline Sum<T> half_arcsine(T size)
 {
   // 5.8e-17: arcsin(x) / x^3 - 1/x^2 of x^2
-  static constexpr double series[] = {
-    0.1666666666666665,   0.07500000000020764,  0.044642857103423646, 0.030381947367098483,
-    0.0223720476317445,   0.01735525995578648,  0.013929652902324969, 0.01187549438264838,
-    0.007802949477301906, 0.016035514349293623, -0.010749050339930202, 0.02816921806104353};
+  static constexpr double series[] = {0.1666666666666665,   0.07500000000020764,   0.044642857103423646,
+                                      0.030381947367098483, 0.0223720476317445,    0.01735525995578648,
+                                      0.013929652902324969, 0.01187549438264838,   0.007802949477301906,
+                                      0.016035514349293623, -0.010749050339930202, 0.02816921806104353};
   const auto large = size > 0.5;
   const T z = select<T>(large, 0.5 * (1.0 - size), size * size);
   const T s = select<T>(large, sqrt(z), size);
@@ -531,7 +545,7 @@ template <Vector T>
 inline T tanh(T x)
 {
   // 2.1e-17: (cosh(x) - 1 - x^2/2) / x^4 of x^2, where |x| < 1
-  static constexpr double cosines[] = {0.041666666666666644,  0.0013888888888905857, 2.480158728179637e-05,
+  static constexpr double cosines[] = {0.041666666666666644,  0.0013888888888905857,  2.480158728179637e-05,
                                        2.755732766402235e-07, 2.0875130774865365e-09, 1.1615012001988827e-11};
   const T size = abs(x), z = size * size;
   const auto small = size < 1.0;
@@ -548,21 +562,22 @@ template <Vector T>
 inline T erf(T x)
 {
   // 1.9e-17: erf(x)/x - 1 of x^2, where |x| < 1
-  static constexpr double small_series[] = {
-    0.1283791670955126,     -0.3761263890318375,    0.11283791670954879,    -0.026866170645076792,
-    0.0052239776248180145,  -0.000854832698083379,  0.0001205533111164271,  -1.4925595266831182e-05,
-    1.6461000484121361e-06, -1.6350312701054618e-07, 1.4659775274046955e-08, -1.1372848856789924e-09,
-    5.957176147746114e-11};
+  static constexpr double small_series[] = {0.1283791670955126,      -0.3761263890318375,     0.11283791670954879,
+                                            -0.026866170645076792,   0.0052239776248180145,   -0.000854832698083379,
+                                            0.0001205533111164271,   -1.4925595266831182e-05, 1.6461000484121361e-06,
+                                            -1.6350312701054618e-07, 1.4659775274046955e-08,  -1.1372848856789924e-09,
+                                            5.957176147746114e-11};
   // 7.2e-17 of erf: exp(x^2) (1 - erf(x)) of (x - 3)/(x + 3), where 1 < x < 6
-  static constexpr double large_series[] = {
-    0.17900115118138907,    -0.32623356004299003,   0.24560380171289325,  -0.1501159365078385,   0.07166583713850745,
-    -0.02439249905225781,   0.004269138643318906,   0.0007077436205791401, -0.0005971019299440755, 4.523670628663236e-05,
-    6.436074396760298e-05,  -1.2383892608514314e-05, -8.668536150153648e-06};
+  static constexpr double large_series[] = {0.17900115118138907,   -0.32623356004299003,  0.24560380171289325,
+                                            -0.1501159365078385,   0.07166583713850745,   -0.02439249905225781,
+                                            0.004269138643318906,  0.0007077436205791401, -0.0005971019299440755,
+                                            4.523670628663236e-05, 6.436074396760298e-05, -1.2383892608514314e-05,
+                                            -8.668536150153648e-06};
   const T size = abs(x), z = size * size;
   const T inside = size + size * polynomial(small_series, z);
   const T bounded = select<T>(size > 6.0, 6.0, size);
   const T outside = 1.0 - scaled_exponential(T(-(bounded * bounded)), splat<T>(0.0)) *
-                            polynomial(large_series, T((bounded - 3.0) / (bounded + 3.0)));
+                              polynomial(large_series, T((bounded - 3.0) / (bounded + 3.0)));
   return times_sign(T(select<T>(size < 1.0, inside, outside)), x);
 }
 } // namespace dolfinx_impact::kernels::math
