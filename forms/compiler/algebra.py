@@ -20,19 +20,39 @@ LARGEST_POWER = 16
 
 
 class Node:
-    """A shared scalar expression: kind "symbol", "sum", "product", "call" or "select"."""
+    """A shared scalar expression: kind "symbol", "sum", "product", "call" or "select".
 
-    __slots__ = ("kind", "data", "level", "number")
+    Attributes:
+        unknowns: symbols it depends on that are no geometry: values of coefficients and constants.
+    """
+
+    __slots__ = ("kind", "data", "level", "number", "unknowns")
 
     def __init__(self, kind, data, level, number):
         self.kind, self.data, self.level, self.number = kind, data, level, number
+        if kind == "symbol":
+            self.unknowns = frozenset() if _is_geometry(data) else frozenset((data,))
+        else:
+            self.unknowns = frozenset().union(*(child.unknowns for child in children(self)))
+
+
+def _is_geometry(key):
+    """Is a symbol of the kernel (KernelWriter) a table, a number of the rule, or made of the cell's coordinates?"""
+    return key[0] in ("table", "weight", "facet") or "x" in key
 
 
 class Algebra:
-    """Factory of shared nodes."""
+    """Factory of shared nodes.
 
-    def __init__(self):
+    Args:
+        take_out_reciprocals: whether a reciprocal of the geometry (1 / det J) that all terms of a sum have is taken out
+            of it. Where values are linear in the sum, one product is left of several; otherwise each power of it has a
+            power of the reciprocal.
+    """
+
+    def __init__(self, take_out_reciprocals=True):
         self._nodes = {}
+        self._take_out_reciprocals = take_out_reciprocals
 
     def _intern(self, kind, data, level):
         key = (kind, data)
@@ -138,7 +158,7 @@ class Algebra:
             ps = [p] + [m.get(base, 0) for m in others]
             if all(q > 0 for q in ps):
                 common[base] = min(ps)
-            elif all(q < 0 for q in ps):
+            elif all(q < 0 for q in ps) and (self._take_out_reciprocals or base.unknowns):
                 common[base] = max(ps)
         if common:
             reduced = {}
@@ -155,7 +175,7 @@ class Algebra:
         # The number most terms share goes outside, with the sign that makes the first term positive.
         magnitude = Counter(abs(c) for _, c in items).most_common(1)[0][0]
         scale = float(np.copysign(magnitude, items[0][1]))
-        data = tuple((c / scale, n) for n, c in items)
+        data = tuple((_near_one(c / scale), n) for n, c in items)
         node = self._intern("sum", data, max(n.level for _, n in data if n is not None))
         return self.multiply((scale, node), (1.0, self._product(common)))
 
@@ -173,6 +193,11 @@ class Algebra:
         """Conditional; condition is a nested tuple (operator, value or condition, ...)."""
         level = max([condition_level(condition)] + [v[1].level for v in (a, b) if v[1] is not None])
         return (1.0, self._intern("select", (condition, a, b), level))
+
+
+def _near_one(ratio):
+    """A ratio of numbers of the same meaning, which two roundings may have left beside 1."""
+    return float(np.copysign(1.0, ratio)) if abs(abs(ratio) - 1.0) < 4e-16 else ratio
 
 
 _FOLD = {"sqrt": np.sqrt, "abs": abs, "ln": np.log, "exp": np.exp}

@@ -111,7 +111,7 @@ def source(integrals, prefix):
     out, names, group = [HEADER.format(more=local)], [], signature(integrals[0].signature)
     for k, integral in enumerate(integrals):
         symbol = f"{prefix}_{k}"
-        tree = KernelWriter(integral).write()
+        tree = _tree(integral)
         body = "".join(f"  {line}\n" if line else "\n" for line in CxxFormatter()(tree).splitlines())
         title = f"{integral.name}: {integral.integral_type} integral, {integral.coordinate_element.cell_type.name}"
         out.append(TEMPLATE.format(title=title, symbol=symbol + "_kernel", body=body))
@@ -122,6 +122,15 @@ def source(integrals, prefix):
         out.append(_descriptor(integral, symbol, flops(tree), group))
         names.append(symbol)
     return "".join(out), names
+
+
+def _tree(integral):
+    """LNodes tree of the kernel: of several orders of its algebra the one of the fewest operations. Linear laws have
+    fewer where common factors are taken out of sums, others where sums are collected."""
+    found = [KernelWriter(integral).write()]
+    if integral.rank < 2 and integral.law is None:
+        found += [KernelWriter(integral, take_out, collected=True).write() for take_out in (True, False)]
+    return min(found, key=flops)
 
 
 def _descriptor(integral, symbol, count, group):

@@ -13,6 +13,7 @@ import ufl
 from . import algebra as alg
 from . import tensor
 from .arguments import ElementTensor
+from .collect import collect
 from .local import LocalPart
 from .schedule import Schedule
 from .sumfactorisation import evaluate_field
@@ -53,18 +54,21 @@ class KernelWriter:
 
     Args:
         integral: frontend.Integral.
+        take_out_reciprocals: see algebra.Algebra.
+        collected: whether sums are multiplied out and collected (collect.py), and products share pairs of factors.
     """
 
-    def __init__(self, integral):
+    def __init__(self, integral, take_out_reciprocals=True, collected=False):
         self.integral, self.ir = integral, integral.ir
         self.cell = integral.coordinate_element.cell_type
         self.tdim = len(basix.topology(self.cell)) - 1
-        self.algebra = alg.Algebra()
+        self.algebra = alg.Algebra(take_out_reciprocals)
+        self.collected = collected
         self.tables = {}  # name -> array, in order of use
         self.shared_names = {}  # (shape, content) of a table -> name
         self.arrays = {}  # name -> values of the cell by point (_shared_row)
         self.rules = []
-        self.schedule = Schedule(self._access, share_pairs=integral.law is not None)
+        self.schedule = Schedule(self._access, share_pairs=collected or integral.law is not None)
         self.rule = None
         self.local = LocalPart(self) if integral.law else None
         self.iterating = False  # does the local unknown stand for the iterate, or for the solution?
@@ -245,6 +249,8 @@ class KernelWriter:
             self.targets.append(self._targets(values))
             if self.local:
                 self.local.read(self.rule, self._weight(self.rule))
+        if self.collected:
+            self._collect()
         wanted = [v for per_rule in self.targets for _, v in per_rule]
         if self.local:
             wanted += self.local.wanted()
@@ -263,6 +269,10 @@ class KernelWriter:
         tables = [L.ArrayDecl(L.Symbol(n, REAL), values=self.tables[n], const=True) for n in used]
         sections = [s for s in body if not isinstance(s, L.Section) or s.statements or s.declarations]
         return L.StatementList(([L.Section("tables: [entity][point][dof]", [], tables)] if tables else []) + sections)
+
+    def _collect(self):
+        values = iter(collect(self.algebra, [v for per_rule in self.targets for _, v in per_rule]))
+        self.targets = [[(what, next(values)) for what, _ in per_rule] for per_rule in self.targets]
 
     def _array_section(self):
         declarations = [L.ArrayDecl(L.Symbol(n, SCALAR), sizes=(len(v),)) for n, v in self.arrays.items()]

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: MIT
+"""Sums of several components, multiplied out and collected anew by the factors that are their own.
+
+Nine components of a stress are sums of the same invariants times each one's own cofactor, entry of F and products of
+these. UFL's derivatives leave them as sums of such sums, one for each invariant. Collected by what is their own,
+
+    P_ij = (a b + c d) cof_ij + (e + f g) F_ij + ...,
+
+the sums in parentheses are the same in all components and are computed once. A factor is the more a component's own the
+fewer sums have it.
+"""
+
+from collections import Counter
+
+from . import algebra as alg
+
+# Products of sums are multiplied out up to so many terms of a sum.
+LARGEST_SUM = 60
+
+
+def collect(algebra, values):
+    """Values with their sums collected.
+
+    Args:
+        algebra: Algebra of the values.
+        values: list of (number, node).
+
+    Returns:
+        list of values of the same algebra.
+    """
+    collector = _Collector(algebra, [node for _, node in values if node is not None])
+    return [value if value[1] is None else collector.scaled(*value) for value in values]
+
+
+class _Collector:
+    """Rewrites the nodes that `roots` are made of, each once."""
+
+    def __init__(self, algebra, roots):
+        self.algebra = algebra
+        self.uses = alg.uses(roots)
+        self.done, self.terms, self.num_sums = {}, {}, Counter()
+        inner = set()
+        order = _children_first(roots)
+        for node in reversed(order):  # outer sums before those that they have taken in
+            if node.kind == "sum" and node not in inner:
+                self.terms[node] = self._multiplied_out(node, inner)
+                self.num_sums.update({base for _, powers in self.terms[node] for base in powers})
+        for node in order:
+            if node not in inner:
+                self.done[node] = self._rewritten(node)
+
+    def scaled(self, number, node):
+        return self.algebra.multiply((number, None), self.done[node])
+
+    # -- terms --------------------------------------------------------------------------------------------------------
+    def _own(self, node):
+        """Is a sum part of one other sum only, and can be multiplied out without cancellation? A difference from a
+        number stays: it may be small."""
+        return node.kind == "sum" and self.uses[node] == 1 and all(n is not None for _, n in node.data)
+
+    def _multiplied_out(self, node, inner):
+        """Terms (number, exponents by factor) of a sum. Sums that are multiplied out are added to `inner`."""
+        terms = []
+        for number, product in node.data:
+            powers = self.algebra.powers((1.0, product))
+            own = [base for base, p in powers.items() if p == 1 and self._own(base)]
+            if product is not None and own and (product is own[0] or self.uses[product] == 1):
+                taken = own[0]
+                rest = Counter({base: p for base, p in powers.items() if base is not taken})
+                found = []
+                for c, factors in self._multiplied_out(taken, inner):
+                    found.append((number * c, _product(rest, factors)))
+                if len(found) + len(terms) <= LARGEST_SUM:
+                    inner.add(taken)
+                    if product is not taken:
+                        inner.add(product)
+                    terms += found
+                    continue
+            terms.append((number, Counter(powers)))
+        return terms
+
+    # -- rewriting ----------------------------------------------------------------------------------------------------
+    def _rewritten(self, node):
+        algebra = self.algebra
+        if node.kind == "sum":
+            return self._collected(self.terms[node])
+        if node.kind == "product":
+            return self._monomial(1.0, dict(node.data))
+        if node.kind == "call":
+            name, arguments = node.data
+            return algebra.call(name, *(self._value(a) for a in arguments))
+        if node.kind == "select":
+            condition, a, b = node.data
+            return algebra.select(self._condition(condition), self._value(a), self._value(b))
+        return (1.0, node)
+
+    def _value(self, value):
+        return value if value[1] is None else self.scaled(*value)
+
+    def _condition(self, c):
+        return (c[0],) + tuple(self._condition(x) if isinstance(x[0], str) else self._value(x) for x in c[1:])
+
+    def _monomial(self, number, powers):
+        value = (number, None)
+        for base, p in powers.items():
+            value = self.algebra.multiply(value, self.algebra.power(self.done[base], p))
+        return value
+
+    def _collected(self, terms):
+        """Sum of terms, collected by each one's factor that the fewest sums have."""
+        if len(terms) < 2:
+            return self.algebra.add(*(self._monomial(*term) for term in terms))
+        count = Counter(base for _, powers in terms for base in powers)
+        own = [
+            min(p, key=lambda b: (len(b.unknowns), self.num_sums[b], -count[b], b.number), default=None)
+            for _, p in terms
+        ]
+        shared = [
+            (len(self.num_sums), 0) if base is None else (len(base.unknowns), self.num_sums[base]) for base in own
+        ]
+        # What most sums have may be the same in all of them: a value of its own.
+        common = [term for term, n in zip(terms, shared) if n == max(shared)]
+        if 1 < len(common) < len(terms):
+            others = [term for term, n in zip(terms, shared) if n < max(shared)]
+            return self.algebra.add(self._collected(common), self._collected(others))
+        groups = {}
+        for (number, powers), base in zip(terms, own):
+            inverse = base is not None and powers[base] < 0
+            groups.setdefault((base, inverse), []).append((number, powers))
+        values = []
+        for (base, inverse), group in groups.items():
+            if len(group) == 1 or base is None:
+                values += [self._monomial(*term) for term in group]
+                continue
+            single = Counter({base: -1 if inverse else 1})
+            rest = [(number, _product(powers, single, -1)) for number, powers in group]
+            factor = self.algebra.power(self.done[base], single[base])
+            values.append(self.algebra.multiply(factor, self._collected(rest)))
+        return self.algebra.add(*values)
+
+
+def _product(a, b, power=1):
+    """Exponents of a b^power."""
+    total = Counter(a)
+    for base, p in b.items():
+        total[base] += power * p
+        if total[base] == 0:
+            del total[base]
+    return total
+
+
+def _children_first(roots):
+    """All nodes that roots are made of, each after those that it is made of."""
+    order, seen, stack = [], set(), [(r, False) for r in roots]
+    while stack:
+        node, ready = stack.pop()
+        if ready:
+            order.append(node)
+        elif node not in seen:
+            seen.add(node)
+            stack.append((node, True))
+            stack.extend((child, False) for child in alg.children(node))
+    return order
