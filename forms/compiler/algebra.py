@@ -315,15 +315,16 @@ def children(node):
         return [v[1] for v in node.data[1] if v[1] is not None]
     if node.kind == "select":
         condition, a, b = node.data
-        return _condition_nodes(condition) + [v[1] for v in (a, b) if v[1] is not None]
+        return condition_nodes(condition) + [v[1] for v in (a, b) if v[1] is not None]
     return []
 
 
-def _condition_nodes(c):
+def condition_nodes(c):
+    """Nodes that a condition compares."""
     found = []
     for x in c[1:]:
         if isinstance(x[0], str):
-            found += _condition_nodes(x)
+            found += condition_nodes(x)
         elif x[1] is not None:
             found.append(x[1])
     return found

@@ -32,13 +32,26 @@ def collect(algebra, values):
     return [value if value[1] is None else collector.scaled(*value) for value in values]
 
 
+class _Guard:
+    """The condition of terms that a conditional adds to a sum, select(condition, terms, 0): a factor of each.
+
+    Args:
+        node: the algebra's node of kind "select".
+        condition: of the node. first: whether the terms are its first value, or its second.
+    """
+
+    def __init__(self, node, condition, first):
+        self.condition, self.first, self.number, self.unknowns = condition, first, node.number, node.unknowns
+
+
 class _Collector:
     """Rewrites the nodes that `roots` are made of, each once."""
 
     def __init__(self, algebra, roots):
         self.algebra = algebra
         self.uses = alg.uses(roots)
-        self.done, self.terms, self.num_sums = {}, {}, Counter()
+        self.unguarded = _unguarded(roots)
+        self.done, self.terms, self.num_sums, self.guards = {}, {}, Counter(), {}
         inner = set()
         order = _children_first(roots)
         for node in reversed(order):  # outer sums before those that they have taken in
@@ -54,30 +67,48 @@ class _Collector:
 
     # -- terms --------------------------------------------------------------------------------------------------------
     def _own(self, node):
-        """Is a sum part of one other sum only, and can be multiplied out without cancellation? A difference from a
-        number stays: it may be small."""
-        return node.kind == "sum" and self.uses[node] == 1 and all(n is not None for _, n in node.data)
+        """Is a node part of one sum only, and can be multiplied out without cancellation? A difference from a number
+        stays: it may be small. Conditionals are multiplied out if one of their values is zero."""
+        if self.uses[node] != 1:
+            return False
+        if node.kind == "select":
+            return any(value == (0.0, None) for value in node.data[1:])
+        return node.kind == "sum" and all(n is not None for _, n in node.data)
 
     def _multiplied_out(self, node, inner):
-        """Terms (number, exponents by factor) of a sum. Sums that are multiplied out are added to `inner`."""
+        """Terms (number, exponents by factor) of a sum. Nodes that are multiplied out are added to `inner`."""
         terms = []
         for number, product in node.data:
             powers = self.algebra.powers((1.0, product))
             own = [base for base, p in powers.items() if p == 1 and self._own(base)]
             if product is not None and own and (product is own[0] or self.uses[product] == 1):
-                taken = own[0]
+                taken, within = own[0], set()
                 rest = Counter({base: p for base, p in powers.items() if base is not taken})
-                found = []
-                for c, factors in self._multiplied_out(taken, inner):
-                    found.append((number * c, _product(rest, factors)))
+                found = [(number * c, _product(rest, f)) for c, f in self._inside(taken, within)]
                 if len(found) + len(terms) <= LARGEST_SUM:
-                    inner.add(taken)
-                    if product is not taken:
-                        inner.add(product)
+                    inner |= {taken, product} | within
                     terms += found
                     continue
             terms.append((number, Counter(powers)))
         return terms
+
+    def _inside(self, node, inner):
+        """Terms of a sum, or of the conditional of a sum."""
+        if node.kind == "sum":
+            return self._multiplied_out(node, inner)
+        condition, a, b = node.data
+        guard = self.guards.setdefault(node, _Guard(node, condition, b == (0.0, None)))
+        number, value = a if guard.first else b
+        if value is None:
+            return [(number, Counter({guard: 1}))]
+        sums = [base for base, p in self.algebra.powers((1.0, value)).items() if p == 1 and self._own(base)]
+        if sums and (value is sums[0] or self.uses[value] == 1):
+            rest = Counter({b: p for b, p in self.algebra.powers((1.0, value)).items() if b is not sums[0]})
+            found = [(number * c, _product(rest, f)) for c, f in self._inside(sums[0], inner)]
+            inner |= {sums[0], value}
+        else:
+            found = [(number, Counter(self.algebra.powers((1.0, value))))]
+        return [(c, _product(powers, Counter({guard: 1}))) for c, powers in found]
 
     # -- rewriting ----------------------------------------------------------------------------------------------------
     def _rewritten(self, node):
@@ -101,20 +132,32 @@ class _Collector:
         return (c[0],) + tuple(self._condition(x) if isinstance(x[0], str) else self._value(x) for x in c[1:])
 
     def _monomial(self, number, powers):
+        """A product; what a condition guards stands inside."""
+        guard = next((base for base in powers if isinstance(base, _Guard)), None)
+        if guard is not None:
+            return self._guarded(guard, self._monomial(number, {b: p for b, p in powers.items() if b is not guard}))
         value = (number, None)
         for base, p in powers.items():
             value = self.algebra.multiply(value, self.algebra.power(self.done[base], p))
         return value
 
+    def _guarded(self, guard, value):
+        zero = (0.0, None)
+        return self.algebra.select(self._condition(guard.condition), *((value, zero) if guard.first else (zero, value)))
+
+    def _own_factor(self, powers, count):
+        """The factor by which a term is collected: it depends on the fewest symbols and is in the fewest sums. Out of a
+        conditional only what is computed without it: no other value needs to be a number where it does not hold."""
+        guarded = any(isinstance(base, _Guard) for base in powers)
+        bases = [b for b in powers if not isinstance(b, _Guard) and (not guarded or b in self.unguarded)]
+        return min(bases, key=lambda b: (len(b.unknowns), self.num_sums[b], -count[b], b.number), default=None)
+
     def _collected(self, terms):
-        """Sum of terms, collected by each one's factor that the fewest sums have."""
+        """Sum of terms, collected by each one's own factor."""
         if len(terms) < 2:
             return self.algebra.add(*(self._monomial(*term) for term in terms))
         count = Counter(base for _, powers in terms for base in powers)
-        own = [
-            min(p, key=lambda b: (len(b.unknowns), self.num_sums[b], -count[b], b.number), default=None)
-            for _, p in terms
-        ]
+        own = [self._own_factor(powers, count) for _, powers in terms]
         shared = [
             (len(self.num_sums), 0) if base is None else (len(base.unknowns), self.num_sums[base]) for base in own
         ]
@@ -125,17 +168,21 @@ class _Collector:
             return self.algebra.add(self._collected(common), self._collected(others))
         groups = {}
         for (number, powers), base in zip(terms, own):
-            inverse = base is not None and powers[base] < 0
-            groups.setdefault((base, inverse), []).append((number, powers))
+            if base is None:  # a number, or all of it belongs to a condition
+                key = (next((b for b in powers if isinstance(b, _Guard)), None), 1)
+            else:
+                key = (base, 1 if powers[base] > 0 else -1)
+            groups.setdefault(key, []).append((number, powers))
         values = []
-        for (base, inverse), group in groups.items():
+        for (base, power), group in groups.items():
             if len(group) == 1 or base is None:
                 values += [self._monomial(*term) for term in group]
                 continue
-            single = Counter({base: -1 if inverse else 1})
-            rest = [(number, _product(powers, single, -1)) for number, powers in group]
-            factor = self.algebra.power(self.done[base], single[base])
-            values.append(self.algebra.multiply(factor, self._collected(rest)))
+            rest = self._collected([(number, _product(powers, {base: power}, -1)) for number, powers in group])
+            if isinstance(base, _Guard):
+                values.append(self._guarded(base, rest))
+            else:
+                values.append(self.algebra.multiply(self.algebra.power(self.done[base], power), rest))
         return self.algebra.add(*values)
 
 
@@ -161,3 +208,18 @@ def _children_first(roots):
             stack.append((node, True))
             stack.extend((child, False) for child in alg.children(node))
     return order
+
+
+def _unguarded(roots):
+    """Nodes that are computed whatever conditions hold."""
+    seen, stack = set(), list(roots)
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if node.kind == "select":
+            stack.extend(alg.condition_nodes(node.data[0]))
+        else:
+            stack.extend(alg.children(node))
+    return seen

@@ -20,6 +20,7 @@ from ufl.corealg.multifunction import MultiFunction
 
 from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
+from .stress_form import by_test_gradient
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
 OPTIONS = {
@@ -326,6 +327,8 @@ def form_integrals(form, name, names, hypothesis="", law=None):
         form = _form_without_averages(name, form, laws, averages)
         for one, parts in parts_of.items():
             parts_of[one] = {p: [averages[one].replaced(e) for e in group] for p, group in parts.items()}
+    if not laws and not averaged:
+        form = by_test_gradient(form)
     analysis = analyze_ufl_objects([form], np.dtype("float64"))
     ir = compute_ir(analysis, {}, "impact", dict(OPTIONS), False)
     data = analysis.form_data[0]

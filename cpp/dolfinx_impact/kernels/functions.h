@@ -287,56 +287,90 @@ inline T log(T x)
   return y;
 }
 
-/// log(x) of a positive number that is not subnormal, to some 68 bits.
+// 1.0e-20: (artanh(s) / s^3 - 1/s^2 - 1/3) / s^2 of s^2, where s = (m - 1)/(m + 1)
+inline constexpr double artanh_series[] = {0.2,
+                                           0.14285714285714682,
+                                           0.11111111110828116,
+                                           0.09090909167657202,
+                                           0.07692297485447727,
+                                           0.06667402119112777,
+                                           0.058531242704588336,
+                                           0.05861525514070255};
+
+/// k ln(2) and 2 s, with s to twice the digits of a number, of a positive number that is not subnormal.
+template <Vector T>
+struct LogarithmicParts
+{
+  T k;
+  Sum<T> s;
+  explicit LogarithmicParts(T x)
+  {
+    T m;
+    split_exponent(x, m, k);
+    const T f = m - 1.0;
+    const Sum<T> g = ordered_sum(splat<T>(1.0), m);
+    const T inverse = 1.0 / g.high;
+    s.high = f * inverse;
+    const Sum<T> back = exact_product(s.high, g.high);
+    s.low = (((f - back.high) - back.low) - s.high * g.low) * inverse;
+  }
+};
+
+/// log(x) of a positive number that is not subnormal, to some 58 bits.
+template <Vector T>
+inline Sum<T> longer_logarithm(T x)
+{
+  const LogarithmicParts<T> parts(x);
+  const T s = parts.s.high, z = s * s;
+  const T rest = s * z * (1.0 / 3.0 + z * polynomial(artanh_series, z));
+  const Sum<T> first = exact_sum(T(parts.k * ln2_high), T(2.0 * s)); // the first product is exact
+  return ordered_sum(first.high, first.low + (parts.k * ln2_low + 2.0 * (parts.s.low + rest)));
+}
+
+/// log(x) of a positive number that is not subnormal, to some 66 bits.
 template <Vector T>
 inline Sum<T> extended_logarithm(T x)
 {
-  // 1.0e-20: (artanh(s) / s^3 - 1/s^2 - 1/3) / s^2 of s^2.
-  static constexpr double series[] = {0.2,
-                                      0.14285714285714682,
-                                      0.11111111110828116,
-                                      0.09090909167657202,
-                                      0.07692297485447727,
-                                      0.06667402119112777,
-                                      0.058531242704588336,
-                                      0.05861525514070255};
   constexpr double third = 1.0 / 3.0, third_low = 0x1.5555555555555p-56;
-  T m, k;
-  split_exponent(x, m, k);
-  // s = (m - 1)/(m + 1), with what the division leaves.
-  const T f = m - 1.0;
-  const Sum<T> g = ordered_sum(splat<T>(1.0), m);
-  const T inverse = 1.0 / g.high, s = f * inverse;
-  const Sum<T> back = exact_product(s, g.high);
-  const T s_low = (((f - back.high) - back.low) - s * g.low) * inverse;
+  const LogarithmicParts<T> parts(x);
+  const T s = parts.s.high, s_low = parts.s.low;
   // s^3/3 and what follows: (z + z_low) (1/3 + z q) s.
   const Sum<T> square = exact_product(s, s);
   const T z = square.high, z_low = square.low + 2.0 * s * s_low;
-  const Sum<T> factor = ordered_sum(splat<T>(third), z * polynomial(series, z) + third_low);
+  const Sum<T> factor = ordered_sum(splat<T>(third), z * polynomial(artanh_series, z) + third_low);
   const Sum<T> cubic = exact_product(z, factor.high);
   const T cubic_low = cubic.low + (z * factor.low + z_low * factor.high);
   const Sum<T> rest = exact_product(s, cubic.high);
   const T rest_low = rest.low + (s * cubic_low + s_low * cubic.high);
-  // k ln(2) + 2 s + 2 rest. The product k ln2_high is exact.
-  const Sum<T> first = exact_sum(T(k * ln2_high), T(2.0 * s));
+  const Sum<T> first = exact_sum(T(parts.k * ln2_high), T(2.0 * s));
   const Sum<T> second = exact_sum(first.high, T(2.0 * rest.high));
-  return ordered_sum(second.high, second.low + (first.low + (k * ln2_low + 2.0 * (s_low + rest_low))));
+  return ordered_sum(second.high, second.low + (first.low + (parts.k * ln2_low + 2.0 * (s_low + rest_low))));
 }
 
-/// Powers of one x share its logarithm: the compiler sees that it is the same.
+/// x^p of all numbers. A function of its own, as it is rarely called.
 template <Vector T>
-inline T pow(T x, T p)
+[[gnu::noinline, gnu::cold]] T any_power(T x, T p)
 {
   const Sum<T> l = extended_logarithm(x), product = exact_product(p, l.high);
   T y = scaled_exponential(product.high, product.low + p * l.low);
   // Beyond this exponent an infinite or a huge p meets numbers that are none.
   const auto regular = (x >= least_normal) & (x < infinity) & (abs(product.high) < 1e4);
+  const auto zero = (bits_of(x) == 0) & ((p > 0.0) | (p < 0.0)); // a body that is not strained has many of them
+  y = select<T>(zero, select<T>(p > 0.0, 0.0, infinity), y);
+  replace_lanes(y, regular | zero, [&](unsigned i) { return __builtin_pow(x[i], p[i]); });
+  return y;
+}
+
+/// Powers of one x share its logarithm: the compiler sees that it is the same. Where the exponential's argument is
+/// small, the logarithm needs less digits.
+template <Vector T>
+inline T pow(T x, T p)
+{
+  const Sum<T> l = longer_logarithm(x), product = exact_product(p, l.high);
+  T y = scaled_exponential(product.high, product.low + p * l.low);
+  const auto regular = (x >= least_normal) & (x < infinity) & (abs(product.high) < 4.0);
   if (any_lane(~regular)) [[unlikely]]
-  {
-    const auto zero = (bits_of(x) == 0) & ((p > 0.0) | (p < 0.0)); // a body that is not strained has many of them
-    y = select<T>(zero, select<T>(p > 0.0, 0.0, infinity), y);
-    replace_lanes(y, regular | zero, [&](unsigned i) { return __builtin_pow(x[i], p[i]); });
-  }
+    y = select<T>(regular, y, any_power(x, p));
   return y;
 }
 template <Vector T>
