@@ -217,31 +217,52 @@ inline T power_of_two(T integer)
   return from_bits<T>((bits_of(integer) << 52) + 0x3ff0000000000000u);
 }
 
-/// exp(high + low) / 2^halvings, where low is far below high; overflow and underflow as they should.
-/// exp(x) = 2^n exp(r) with |r| <= ln(2)/2.
+/// exp(high + low) = 2^n p, where low is far below high; n is an integer that is added to `to_integer`.
+template <Vector T>
+struct Exponential
+{
+  T p, integer;
+  Exponential(T high, T low) : integer(high * 1.4426950408889634 + to_integer)
+  {
+    // 1.3e-17: exp(r) but for its first two terms, over r^2, where |r| < ln(2)/2
+    static constexpr double series[] = {0.5000000000000001,     0.16666666666666669,    0.041666666666623824,
+                                        0.008333333333330039,   0.0013888888917367081,  0.00019841269863171557,
+                                        2.4801521057868204e-05, 2.7557268276905696e-06, 2.7620201591031547e-07,
+                                        2.5100472505694996e-08};
+    const T n = integer - to_integer;
+    const T r = (high - n * ln2_high) + (low - n * ln2_low);
+    p = 1.0 + (r + r * r * polynomial(series, r));
+  }
+};
+
+/// exp(high + low) / 2^halvings of all numbers; overflow and underflow as they should.
 template <Vector T>
 inline T scaled_exponential(T high, T low, double halvings = 0.0)
 {
-  // 1.3e-17: the power series but for its first two terms.
-  static constexpr double series[] = {0.5000000000000001,     0.16666666666666669,    0.041666666666623824,
-                                      0.008333333333330039,   0.0013888888917367081,  0.00019841269863171557,
-                                      2.4801521057868204e-05, 2.7557268276905696e-06, 2.7620201591031547e-07,
-                                      2.5100472505694996e-08};
   const T upper = select<T>(high > 711.0, 711.0, high);
-  const T x = select<T>(upper < -747.0, -747.0, upper);
-  const T n = (x * 1.4426950408889634 + to_integer) - to_integer;
-  const T r = (x - n * ln2_high) + (low - n * ln2_low);
-  const T p = 1.0 + (r + r * r * polynomial(series, r));
+  const Exponential<T> e(select<T>(upper < -747.0, -747.0, upper), low);
   // 2^n in two factors: one of them may be beyond the range of normal numbers when their product with p is not.
-  const T total = (n - halvings) + to_integer, first = (n - halvings) * 0.5 + to_integer;
+  const T n = (e.integer - to_integer) - halvings, total = n + to_integer, first = n * 0.5 + to_integer;
   const T second = from_bits<T>(bits_of(total) - bits_of(first));
-  return p * power_of_two(first) * power_of_two(second);
+  return e.p * power_of_two(first) * power_of_two(second);
+}
+
+/// exp(x) of all numbers. A function of its own, as it is rarely called.
+template <Vector T>
+[[gnu::noinline, gnu::cold]] T any_exponential(T x)
+{
+  return scaled_exponential(x, splat<T>(0.0));
 }
 
 template <Vector T>
 inline T exp(T x)
 {
-  return scaled_exponential(x, splat<T>(0.0));
+  const Exponential<T> e(x, splat<T>(0.0));
+  T y = e.p * power_of_two(e.integer);
+  const auto regular = abs(x) < 708.0;
+  if (any_lane(~regular)) [[unlikely]]
+    y = select<T>(regular, y, any_exponential(x));
+  return y;
 }
 
 /// m and k of a positive number m 2^k that is not subnormal; m is between sqrt(1/2) and sqrt(2).
@@ -367,7 +388,8 @@ template <Vector T>
 inline T pow(T x, T p)
 {
   const Sum<T> l = longer_logarithm(x), product = exact_product(p, l.high);
-  T y = scaled_exponential(product.high, product.low + p * l.low);
+  const Exponential<T> e(product.high, product.low + p * l.low);
+  T y = e.p * power_of_two(e.integer);
   const auto regular = (x >= least_normal) & (x < infinity) & (abs(product.high) < 4.0);
   if (any_lane(~regular)) [[unlikely]]
     y = select<T>(regular, y, any_power(x, p));
