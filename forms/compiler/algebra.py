@@ -52,6 +52,7 @@ class Algebra:
 
     def __init__(self, take_out_reciprocals=True):
         self._nodes = {}
+        self._fractions = {}  # value -> powers of it between -1 and 1
         self._take_out_reciprocals = take_out_reciprocals
 
     def _intern(self, kind, data, level):
@@ -132,7 +133,11 @@ class Algebra:
             if denominator == 3:
                 return self.call("power", a, self.number(numerator / 3))
             return self.power(self.call("sqrt", self.power(a, 2 / denominator)), numerator)
-        return self.call("power", a, self.number(fraction))
+        known = self._fractions.setdefault(a, [])
+        found = next((f for f in known if abs(f - fraction) <= rounding), None)
+        if found is None:
+            known.append(fraction)
+        return self.call("power", a, self.number(fraction if found is None else found))
 
     # -- sums -------------------------------------------------------------------------------------------------------
     def open_sum(self, *values):

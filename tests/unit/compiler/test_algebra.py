@@ -2,6 +2,7 @@
 """Pointwise algebra: canonical sums, common factors, shared reciprocals; and the schedule that writes them."""
 
 import ffcx.codegeneration.lnodes as L
+import numpy as np
 import pytest
 
 from dolfinx_impact.forms.compiler import algebra as alg
@@ -54,6 +55,17 @@ def test_common_reciprocal_is_taken_out(algebra):
     assert value == algebra.multiply(algebra.add(a, b), inverse)
 
 
+def test_reciprocals_of_the_geometry_may_stay():
+    """They are then factors of the terms, which have them in common with other sums."""
+    algebra = alg.Algebra(take_out_reciprocals=False)
+    a, b = (algebra.symbol(("field", 0, "w0", k, (0,)), alg.POINT) for k in range(2))
+    det, value = algebra.symbol(("field", 0, "x", 0, (1,)), alg.POINT), algebra.symbol(("constant", 0), alg.CONSTANT)
+    for factor, taken in ((det, False), (value, True)):
+        inverse = algebra.power(factor, -1)
+        total = algebra.add(algebra.multiply(a, inverse), algebra.multiply(b, inverse))
+        assert (total == algebra.multiply(algebra.add(a, b), inverse)) == taken
+
+
 def test_common_number_and_sign_are_taken_out(algebra):
     a, b = symbols(algebra, "ab")
     difference = algebra.add(a, minus(b))
@@ -72,6 +84,31 @@ def test_factor_and_reciprocal_cancel(algebra):
 def test_half_powers_share_one_root(algebra, exponent):
     (a,) = symbols(algebra, "a")
     assert algebra.power(a, exponent) == algebra.power(algebra.call("sqrt", a), int(2 * exponent))
+
+
+@pytest.mark.parametrize("exponent", [-2 / 3, 1 / 3, -0.3, 0.7, 0.25, -1 / 6])
+def test_powers_share_a_root_with_their_derivatives(algebra, exponent):
+    """An exponent less one, as UFL's derivative leaves it: the same root times an integer power."""
+    (a,) = symbols(algebra, "a")
+    value = algebra.power(a, exponent)
+    less = np.sign(exponent)  # away from zero
+    assert algebra.power(a, exponent + less) == algebra.multiply(algebra.power(a, less), value)
+    assert algebra.power(a, exponent + less + less) == algebra.multiply(algebra.power(a, 2 * less), value)
+
+
+def test_roots_of_a_scaled_value(algebra):
+    (a,) = symbols(algebra, "a")
+    assert algebra.power((8.0, a[1]), -2 / 3) == (pytest.approx(0.25), algebra.power(a, -2 / 3)[1])
+    negative = algebra.power((-8.0, a[1]), 1 / 3)  # not a number, as it should be: no sign is taken out
+    assert negative == (pytest.approx(2.0), algebra.power((-1.0, a[1]), 1 / 3)[1])
+    assert negative[1] != algebra.power(a, 1 / 3)[1]
+
+
+def test_large_integer_powers_are_those_of_the_size(algebra):
+    (a,) = symbols(algebra, "a")
+    size = algebra.call("abs", a)
+    assert algebra.power(a, 40) == algebra.call("power", size, algebra.number(40.0))
+    assert algebra.power(a, 41) == algebra.multiply(a, algebra.power(a, 40))
 
 
 def test_power_of_a_scaled_value(algebra):
@@ -109,6 +146,17 @@ def test_reciprocal_is_computed_once(algebra):
     values = [algebra.multiply(a, inverse), algebra.multiply(b, inverse), algebra.multiply(b, algebra.power(j, -2))]
     lines, texts = written(values)
     assert sum(line.count("1.0 / j") for line in lines) + sum(t.count("/ j") for t in texts) == 1
+
+
+def test_integer_powers_are_repeated_squares(algebra, rng):
+    (a,) = symbols(algebra, "a")
+    for exponent, multiplications in ((2, 1), (3, 2), (4, 2), (5, 3), (8, 3), (15, 6), (16, 4)):
+        lines, (text,) = written([algebra.power(a, exponent)])
+        assert sum(line.count("*") for line in lines) + text.count("*") == multiplications
+        scope = {"a": rng.uniform(0.5, 1.5)}
+        for line in lines:
+            exec(line.replace("const T ", "").rstrip(";\n"), scope)
+        assert eval(text, scope) == pytest.approx(scope["a"] ** exponent, rel=1e-14)  # some twenty roundings
 
 
 def test_values_used_at_a_deeper_level_are_hoisted(algebra):

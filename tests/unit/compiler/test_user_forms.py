@@ -18,8 +18,8 @@ CASES = [
     (f, c) for f in user_forms.FORMS for c in CELLS if c == "triangle" or f is not user_forms.second_derivatives
 ] + EXTRA
 
-# Fields are of order one and nothing cancels by more than one digit; the vector logarithm, exponential and power of the
-# C library are up to four units in the last place off, and weighted with 24 terms that is the largest difference seen.
+# Fields are of order one and nothing cancels by more than one digit; functions of vectors are up to two units in the
+# last place off, and weighted with 24 terms that is the largest difference seen.
 TOLERANCE = 2e-13
 pytestmark = pytest.mark.filterwarnings("ignore:Applying str:UserWarning")  # UFL, about the points of custom rules
 

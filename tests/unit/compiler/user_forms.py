@@ -186,8 +186,37 @@ def taylor_hood(cell):
     return form * ufl.dx(metadata={"quadrature_degree": 3})
 
 
+def powers(cell):
+    """Powers that share roots, powers of scaled and of negative values, and large ones."""
+    mesh = mesh_of(cell)
+    V = space(mesh)
+    f, g, v = ufl.Coefficient(V), ufl.Coefficient(V), ufl.TestFunction(V)
+    exponents = [1 / 3, -1 / 3, -2 / 3, -5 / 3, 7 / 3, 0.25, -0.75, 1 / 6, -5 / 6, 1.7, -0.3, -1.3, 5, -4, 7, 20, 21, 18.5]
+    terms = [f**p for p in exponents] + [(2 * f) ** (-2 / 3), (f * g) ** 0.4, (-f) ** 3, (g - 3) ** 18, (f - 4) ** 19]
+    return sum((k + 1) * t for k, t in enumerate(terms)) * v * ufl.dx(metadata={"quadrature_degree": 3})
+
+
+def derivative_of_energies(cell):
+    """Derivative of energies of invariants, with fibres that bear tension only, beside a load in the same integral."""
+    mesh = mesh_of(cell)
+    dim = mesh.geometric_dimension()
+    V = space(mesh, shape=(dim,))
+    u, v, c = ufl.Coefficient(V), ufl.TestFunction(V), ufl.Constant(mesh)
+    dx = ufl.dx(metadata={"quadrature_degree": 2})
+    F = 9 * ufl.Identity(dim) + ufl.grad(u)
+    C, J = F.T * F, ufl.det(F)
+    first, second = J ** (-2 / 3) * ufl.tr(C), J ** (-4 / 3) * (ufl.tr(C) ** 2 - ufl.tr(C * C)) / 2
+    energy = c * first + 0.3 * second + ufl.ln(J) ** 2 + 0.1 * ufl.exp(first / 9) + J**c
+    for k in range(dim):
+        stretch = F[k, 0] ** 2 / 81 - 1
+        # Where a fibre is compressed, the logarithm is of a negative number.
+        energy += ufl.conditional(ufl.gt(stretch, 0), ufl.ln(stretch), 0) * stretch**3
+        energy += ufl.conditional(ufl.le(stretch, 0), 0, ufl.exp(stretch) - 1)
+    return ufl.derivative(energy * dx, u, v) - ufl.dot(u, v) * dx
+
+
 FORMS = (
     functions, decisions, several_rules, one_point_rules, rule_at_the_vertices, coefficients_of_all_kinds,
     facet_geometry, facet_matrix, energy_of_two_rules, energy_of_one_point, degree_three, rectangular,
-    second_derivatives, tensor_valued, taylor_hood,
+    second_derivatives, tensor_valued, taylor_hood, powers, derivative_of_energies,
 )  # fmt: skip
