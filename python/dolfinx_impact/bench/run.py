@@ -303,6 +303,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
         A text and a function that returns rows, for each measurement.
     """
     from . import explicit as bench_explicit  # these modules import this one
+    from . import laws as bench_laws
     from . import plastic as bench_plastic
     from . import rolling as bench_rolling
 
@@ -313,6 +314,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
         for law, cases in laws
         for case in cases
     ]
+    out += bench_laws.jobs()
     out += [(f"force on 2 ranks, {c[0]} P{c[1]}", partial(rank_rows, 2, (c,))) for c in RANK_CELLS]
     out += bench_explicit.jobs(large, ranks) + bench_plastic.jobs(large)
     cases = bench_contact.CASES + (bench_contact.LARGE if large else ())
