@@ -195,7 +195,15 @@ class Algebra:
         return (1.0, self._intern("call", (name, args), level))
 
     def select(self, condition, a, b):
-        """Conditional; condition is a nested tuple (operator, value or condition, ...)."""
+        """Conditional; condition is a nested tuple (operator, value or condition, ...). Beside zero, a number is a
+        factor of all: conditionals of components that differ by it are then the same."""
+        if (0.0, None) in (a, b) and a != b:
+            number = a[0] or b[0]
+            a, b = ((v[0] / number, v[1]) for v in (a, b))
+            return self.multiply(self.number(number), self._select(condition, a, b))
+        return self._select(condition, a, b)
+
+    def _select(self, condition, a, b):
         level = max([condition_level(condition)] + [v[1].level for v in (a, b) if v[1] is not None])
         return (1.0, self._intern("select", (condition, a, b), level))
 

@@ -32,18 +32,6 @@ def collect(algebra, values):
     return [value if value[1] is None else collector.scaled(*value) for value in values]
 
 
-class _Guard:
-    """The condition of terms that a conditional adds to a sum, select(condition, terms, 0): a factor of each.
-
-    Args:
-        node: the algebra's node of kind "select".
-        condition: of the node. first: whether the terms are its first value, or its second.
-    """
-
-    def __init__(self, node, condition, first):
-        self.condition, self.first, self.number, self.unknowns = condition, first, node.number, node.unknowns
-
-
 class _Collector:
     """Rewrites the nodes that `roots` are made of, each once."""
 
@@ -51,7 +39,7 @@ class _Collector:
         self.algebra = algebra
         self.uses = alg.uses(roots)
         self.unguarded = _unguarded(roots)
-        self.done, self.terms, self.num_sums, self.guards = {}, {}, Counter(), {}
+        self.done, self.terms, self.num_sums = {}, {}, Counter()
         inner = set()
         order = _children_first(roots)
         for node in reversed(order):  # outer sums before those that they have taken in
@@ -62,8 +50,14 @@ class _Collector:
             if node not in inner:
                 self.done[node] = self._rewritten(node)
 
+    def _new(self, node):
+        """Value that a node has become; conditionals of terms are not among the roots' nodes."""
+        if node not in self.done:
+            self.done[node] = self._rewritten(node)
+        return self.done[node]
+
     def scaled(self, number, node):
-        return self.algebra.multiply((number, None), self.done[node])
+        return self.algebra.multiply((number, None), self._new(node))
 
     # -- terms --------------------------------------------------------------------------------------------------------
     def _own(self, node):
@@ -97,18 +91,28 @@ class _Collector:
         if node.kind == "sum":
             return self._multiplied_out(node, inner)
         condition, a, b = node.data
-        guard = self.guards.setdefault(node, _Guard(node, condition, b == (0.0, None)))
-        number, value = a if guard.first else b
-        if value is None:
-            return [(number, Counter({guard: 1}))]
-        sums = [base for base, p in self.algebra.powers((1.0, value)).items() if p == 1 and self._own(base)]
+        number, value = b if a == (0.0, None) else a
+        powers = self.algebra.powers((1.0, value))
+        sums = [base for base, p in powers.items() if p == 1 and self._own(base)]
         if sums and (value is sums[0] or self.uses[value] == 1):
-            rest = Counter({b: p for b, p in self.algebra.powers((1.0, value)).items() if b is not sums[0]})
+            rest = Counter({base: p for base, p in powers.items() if base is not sums[0]})
             found = [(number * c, _product(rest, f)) for c, f in self._inside(sums[0], inner)]
             inner |= {sums[0], value}
         else:
-            found = [(number, Counter(self.algebra.powers((1.0, value))))]
-        return [(c, _product(powers, Counter({guard: 1}))) for c, powers in found]
+            found = [(number, Counter(powers))]
+        return [self._conditional(condition, a == (0.0, None), *term) for term in found]
+
+    def _conditional(self, condition, otherwise, number, powers):
+        """A term under a condition. Factors that are computed whatever holds go out of it; others may be no numbers
+        where it does not hold, and so may quotients."""
+        out = Counter({base: p for base, p in powers.items() if p > 0 and base in self.unguarded})
+        value = (1.0, None)
+        for base, p in powers.items():
+            if base not in out:
+                value = self.algebra.multiply(value, self.algebra.power((1.0, base), p))
+        zero = (0.0, None)
+        scale, guarded = self.algebra.select(condition, *((zero, value) if otherwise else (value, zero)))
+        return number * scale, _product(out, {guarded: 1})
 
     # -- rewriting ----------------------------------------------------------------------------------------------------
     def _rewritten(self, node):
@@ -132,25 +136,14 @@ class _Collector:
         return (c[0],) + tuple(self._condition(x) if isinstance(x[0], str) else self._value(x) for x in c[1:])
 
     def _monomial(self, number, powers):
-        """A product; what a condition guards stands inside."""
-        guard = next((base for base in powers if isinstance(base, _Guard)), None)
-        if guard is not None:
-            return self._guarded(guard, self._monomial(number, {b: p for b, p in powers.items() if b is not guard}))
         value = (number, None)
         for base, p in powers.items():
-            value = self.algebra.multiply(value, self.algebra.power(self.done[base], p))
+            value = self.algebra.multiply(value, self.algebra.power(self._new(base), p))
         return value
 
-    def _guarded(self, guard, value):
-        zero = (0.0, None)
-        return self.algebra.select(self._condition(guard.condition), *((value, zero) if guard.first else (zero, value)))
-
     def _own_factor(self, powers, count):
-        """The factor by which a term is collected: it depends on the fewest symbols and is in the fewest sums. Out of a
-        conditional only what is computed without it: no other value needs to be a number where it does not hold."""
-        guarded = any(isinstance(base, _Guard) for base in powers)
-        bases = [b for b in powers if not isinstance(b, _Guard) and (not guarded or b in self.unguarded)]
-        return min(bases, key=lambda b: (len(b.unknowns), self.num_sums[b], -count[b], b.number), default=None)
+        """The factor by which a term is collected: it depends on the fewest symbols and is in the fewest sums."""
+        return min(powers, key=lambda b: (len(b.unknowns), self.num_sums[b], -count[b], b.number), default=None)
 
     def _collected(self, terms):
         """Sum of terms, collected by each one's own factor."""
@@ -168,10 +161,7 @@ class _Collector:
             return self.algebra.add(self._collected(common), self._collected(others))
         groups = {}
         for (number, powers), base in zip(terms, own):
-            if base is None:  # a number, or all of it belongs to a condition
-                key = (next((b for b in powers if isinstance(b, _Guard)), None), 1)
-            else:
-                key = (base, 1 if powers[base] > 0 else -1)
+            key = (base, -1 if base is not None and powers[base] < 0 else 1)
             groups.setdefault(key, []).append((number, powers))
         values = []
         for (base, power), group in groups.items():
@@ -179,10 +169,7 @@ class _Collector:
                 values += [self._monomial(*term) for term in group]
                 continue
             rest = self._collected([(number, _product(powers, {base: power}, -1)) for number, powers in group])
-            if isinstance(base, _Guard):
-                values.append(self._guarded(base, rest))
-            else:
-                values.append(self.algebra.multiply(self.algebra.power(self.done[base], power), rest))
+            values.append(self.algebra.multiply(self.algebra.power(self._new(base), power), rest))
         return self.algebra.add(*values)
 
 

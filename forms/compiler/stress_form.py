@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Residuals written by the gradient of their test function, as a stress times it.
 
-The derivative of an energy in the direction v has grad(v) at many places, within derivatives of invariants. An integrand
-that is linear in grad(v) is
+The derivative of an energy in the direction v has grad(v) at many places, within derivatives of invariants. What is
+linear in grad(v) is
 
     I(grad v) = P : grad v,    P = dI / d(grad v),
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Speed of hyperelastic laws of a user's own, derivatives of energies in UFL, against the neo-Hookean law of the package.
+"""Speed of hyperelastic laws of a user's own, derivatives of energies in UFL, against the package's neo-Hookean law.
 
 Both are measured in turn in one process. The energies are those of Holzapfel (2000), Nonlinear solid mechanics, chapter
 6, of the deformation gradient F, per reference volume; their parameters are numbers without a meaning.

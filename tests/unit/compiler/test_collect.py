@@ -131,3 +131,13 @@ def test_what_a_condition_guards_stays_inside(algebra):
     (found,) = collect(algebra, [algebra.add(guarded, s["k"])])
     numbers = {("h",): -2.0, ("e",): -1.0, ("k",): 3.0}
     assert value_of(found, numbers) == 3.0
+
+
+def test_quotients_stay_inside(algebra):
+    """k / e where e > 0: its factor k goes out, the quotient 1 / e does not."""
+    s = symbols(algebra, "e k f")
+    quotient = algebra.multiply(s["k"], algebra.power(s["e"], -1))
+    guarded = algebra.select((">", s["e"], algebra.number(0.0)), quotient, algebra.number(0.0))
+    (found,) = collect(algebra, [algebra.add(guarded, algebra.multiply(s["f"], s["k"]))])
+    inside = algebra.select((">", s["e"], algebra.number(0.0)), algebra.power(s["e"], -1), algebra.number(0.0))
+    assert found == algebra.multiply(s["k"], algebra.add(inside, s["f"]))
