@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Degrees of the quadrature rules the forms use by default; one place, so that both routes of a kernel agree."""
 
+import numpy as np
+import ufl
+from ufl.algorithms.compute_form_data import attach_estimated_degrees, preprocess_form
+from ufl.algorithms.domain_analysis import group_form_integrals
+
 SIMPLICES = ("triangle", "tetrahedron")
 
 
@@ -55,3 +60,29 @@ def metadata(degree, rule=None):
     if rule is not None:
         data["quadrature_rule"] = rule
     return data
+
+
+def with_rules(form):
+    """A form with the degrees of its quadrature rules stated, as UFL estimates them where they are not.
+
+    What is made of its integrands afterwards keeps the rules: the derivative of a residual of degree 13 would be
+    estimated at 22, and be the tangent of another residual.
+
+    Args:
+        form: UFL form.
+
+    Returns:
+        UFL form of the same value, in which derivatives have been taken.
+    """
+    prepared = preprocess_form(form, False)
+    grouped = group_form_integrals(prepared, form.ufl_domains(), do_append_everywhere_integrals=False)
+    integrals = []
+    for integral in attach_estimated_degrees(grouped).integrals():
+        data = dict(integral.metadata())
+        estimated = data.pop("estimated_polynomial_degree")
+        if data.get("quadrature_degree", -1) < 0:
+            data["quadrature_degree"] = int(np.max(estimated))
+        for tag in integral.subdomain_id():  # a tuple, in which what is everywhere has another name
+            tag = "everywhere" if tag == "otherwise" else tag
+            integrals.append(integral.reconstruct(metadata=data, subdomain_id=tag))
+    return ufl.Form(integrals)

@@ -9,15 +9,14 @@ linear in grad(v) is
 and in this form the kernel multiplies a stress by the inverse Jacobian once, instead of each of the places.
 """
 
-import numpy as np
 import ufl
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.apply_derivatives import apply_derivatives
-from ufl.algorithms.compute_form_data import attach_estimated_degrees, preprocess_form
-from ufl.algorithms.domain_analysis import group_form_integrals
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 from ufl.corealg.traversal import unique_pre_traversal
+
+from ..quadrature import with_rules
 
 
 class _Replaced(MultiFunction):
@@ -38,21 +37,12 @@ def by_test_gradient(form):
     the gradient of the test function; or the form itself where this is nothing new."""
     if len(form.arguments()) != 1:
         return form
-    prepared = preprocess_form(form, False)
-    grouped = group_form_integrals(prepared, form.ufl_domains(), do_append_everywhere_integrals=False)
-    # The rule belongs to the integrand as it was written.
     integrals, found = [], False
-    for integral in attach_estimated_degrees(grouped).integrals():
-        integrand, metadata = integral.integrand(), dict(integral.metadata())
-        estimated = metadata.pop("estimated_polynomial_degree")
-        if metadata.get("quadrature_degree", -1) < 0:
-            metadata["quadrature_degree"] = int(np.max(estimated))
-        stress = _stress(integrand) if integral.integral_type() == "cell" else None
+    for integral in with_rules(form).integrals():  # the rules belong to the integrand as it was written
+        stress = _stress(integral.integrand()) if integral.integral_type() == "cell" else None
         if stress is not None:
-            integrand, found = stress, True
-        for tag in integral.subdomain_id():  # a tuple, in which what is everywhere has another name
-            tag = "everywhere" if tag == "otherwise" else tag
-            integrals.append(integral.reconstruct(integrand=integrand, metadata=metadata, subdomain_id=tag))
+            integral, found = integral.reconstruct(integrand=stress), True
+        integrals.append(integral)
     written = ufl.Form(integrals)
     same = written.coefficients() == form.coefficients() and written.constants() == form.constants()
     return written if found and same else form

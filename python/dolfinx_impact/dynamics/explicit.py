@@ -27,6 +27,7 @@ from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
+from ..forms.quadrature import with_rules
 from ..added_mass import AddedMass, added_masses
 from ..foundation import Foundation, dashpot_form, spring_form
 from ..loads import DeadLoad, Load
@@ -167,13 +168,14 @@ class ExplicitProblem(Unique):
         else:
             bodies = residual_bodies(mesh, hypothesis, density)
             internal, resisting = split(residual, velocity)
-            tangent, linear = expand_derivatives(ufl.derivative(internal, u, du)), False
+            # By the rules of the residual: it is the change of this force that bounds the step.
+            tangent, linear = expand_derivatives(ufl.derivative(with_rules(internal), u, du)), False
             if resisting is not None:
                 if scheme == "classical":
                     raise ValueError(
                         "the residual contains the velocity: scheme 'classical' takes mass-proportional damping only"
                     )
-                damping_tangent = expand_derivatives(ufl.derivative(resisting, velocity, du))
+                damping_tangent = expand_derivatives(ufl.derivative(with_rules(resisting), velocity, du))
             check_hypothesis(internal, u, hypothesis)
             parts, tags = [(None, bodies.density_constant(mesh))], None
         springs, dashpots = spring_form(loads, du, v, bodies), dashpot_form(loads, du, v, bodies)

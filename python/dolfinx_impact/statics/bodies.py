@@ -15,6 +15,7 @@ from ..assembly.inelastic_part import InelasticParts
 from ..assembly.measures import check_measures
 from ..assembly.residual_bodies import ResidualBodies
 from ..added_mass import AddedMass
+from ..forms.quadrature import with_rules
 from ..foundation import foundations
 from ..inelastic import InelasticMaterial
 from ..loads import Load
@@ -53,7 +54,7 @@ def make_body(
         residual = residual if external is None else residual - external
         check_measures(residual)
         # There may be springs in it.
-        return ElasticBody(u, residual, ufl.derivative(residual, u, du), has_springs=True)
+        return ElasticBody(u, residual, ufl.derivative(with_rules(residual), u, du), has_springs=True)
     assert material is not None  # checked by the problem
     follows = external is not None and u in external.coefficients()
     stiffness = ufl.derivative(external, u, du) if follows else None

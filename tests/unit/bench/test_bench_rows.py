@@ -12,6 +12,7 @@ from rich.console import Console
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.bench import explicit as bench_explicit
+from dolfinx_impact.bench import laws as bench_laws
 from dolfinx_impact.bench import plastic as bench_plastic
 from dolfinx_impact.bench import rolling as bench_rolling
 from dolfinx_impact.bench import rows, run
@@ -95,7 +96,7 @@ def test_rows_are_printed_as_they_come():
 def test_jobs_are_all_measurements():
     """A job per case, so that the bar moves; what the options add."""
     small, large = run.jobs(1e10, 1e9), run.jobs(1e10, 1e9, large=True, ranks=2)
-    explicit = len(bench_explicit.jobs()) + len(bench_plastic.jobs())
+    explicit = len(bench_explicit.jobs()) + len(bench_plastic.jobs()) + len(bench_laws.jobs())
     assert len(small) == len(run.CASES) + 2 * len(run.FINITE) + len(run.RANK_CELLS) + explicit + 2 + len(
         bench_rolling.jobs(False)
     )

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""Quadrature rules that UFL estimates, stated: what is derived from a form has the form's rules."""
+
+import basix.ufl
+import pytest
+import ufl
+from ufl.algorithms import compute_form_data, expand_derivatives
+
+from dolfinx_impact.forms.quadrature import with_rules
+
+MESH = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
+V = ufl.FunctionSpace(MESH, basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
+U, TEST, TRIAL = ufl.Coefficient(V), ufl.TestFunction(V), ufl.TrialFunction(V)
+
+
+def degrees(form):
+    """Degree of each rule by kind and tags of the integral, as FFCx finds it."""
+    found = {}
+    for data in compute_form_data(form, do_append_everywhere_integrals=False).integral_data:
+        for integral in data.integrals:
+            metadata = integral.metadata()
+            stated = metadata.get("quadrature_degree", -1)
+            degree = stated if stated >= 0 else metadata["estimated_polynomial_degree"]
+            found.setdefault((data.integral_type, data.subdomain_id), set()).add(degree)
+    return found
+
+
+@pytest.mark.parametrize("dx", [ufl.dx, ufl.dx(2), ufl.dx((1, 3)), ufl.dx(degree=3)], ids=repr)
+def test_derivatives_have_the_rules_of_their_form(dx):
+    J = ufl.det(ufl.Identity(3) + ufl.grad(U))
+    residual = ufl.derivative(J ** (-2 / 3) * dx, U, TEST) + ufl.dot(U, U) * ufl.dot(U, TEST) * ufl.ds(4)
+    residual -= ufl.dot(U, TEST) * dx
+    stated = with_rules(residual)
+    assert degrees(stated) == degrees(residual)
+    tangent = expand_derivatives(ufl.derivative(stated, U, TRIAL))
+    assert degrees(tangent) == degrees(residual)
+    assert stated.arguments() == residual.arguments() and stated.coefficients() == residual.coefficients()
+    if "degree" not in dx.metadata() and dx.metadata().get("quadrature_degree", -1) < 0:
+        # Without it, another rule of many more points.
+        assert degrees(expand_derivatives(ufl.derivative(residual, U, TRIAL))) != degrees(residual)
