@@ -289,7 +289,7 @@ def _library(key: str, integrals: Callable[[], list[frontend.Integral]]) -> tupl
     try:
         (work / "kernel.cpp").write_text(text, encoding="utf-8")
         files = [str(work / "kernel.cpp"), "-o", str(work / "kernel.so")]
-        command = [*compiler, *FLAGS, f"-I{INCLUDE}", *files, "-lmvec", "-lm"]
+        command = [*compiler, *FLAGS, f"-I{INCLUDE}", *files, "-lm"]
         done = _run(command)
         if done.returncode != 0:
             raise RuntimeError(
