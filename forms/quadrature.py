@@ -82,7 +82,10 @@ def with_rules(form):
         estimated = data.pop("estimated_polynomial_degree")
         if data.get("quadrature_degree", -1) < 0:
             data["quadrature_degree"] = int(np.max(estimated))
+        # UFL's grouping drops the tags' data: an integral over ds(2) would be over nothing.
+        tags = form.subdomain_data()[integral.ufl_domain()].get(integral.integral_type(), [])
+        tags = next((t for t in tags if t is not None), None)
         for tag in integral.subdomain_id():  # a tuple, in which what is everywhere has another name
             tag = "everywhere" if tag == "otherwise" else tag
-            integrals.append(integral.reconstruct(metadata=data, subdomain_id=tag))
+            integrals.append(integral.reconstruct(metadata=data, subdomain_id=tag, subdomain_data=tags))
     return ufl.Form(integrals)
