@@ -38,3 +38,14 @@ def test_derivatives_have_the_rules_of_their_form(dx):
     if "degree" not in dx.metadata() and dx.metadata().get("quadrature_degree", -1) < 0:
         # Without it, another rule of many more points.
         assert degrees(expand_derivatives(ufl.derivative(residual, U, TRIAL))) != degrees(residual)
+
+
+def test_tags_stay_with_their_integrals():
+    """A load on ds(2) is over the facets that its tags say, beside integrals without tags."""
+    tags = object()
+    ds = ufl.Measure("ds", domain=MESH, subdomain_data=tags)
+    residual = ufl.dot(U, TEST) * ufl.dx + ufl.dot(U, U) * ufl.dot(U, TEST) * ds(2) + ufl.dot(U, TEST) * ds
+    for form in (with_rules(residual), expand_derivatives(ufl.derivative(with_rules(residual), U, TRIAL))):
+        data = form.subdomain_data()[MESH]
+        assert {id(t) for t in data["exterior_facet"]} == {id(tags)}
+        assert all(t is None for t in data.get("cell", []))
