@@ -271,6 +271,18 @@ class Frequencies:
                         stacklevel=4,
                     )
 
+    def bound(self) -> float:
+        """Upper bound of the angular frequencies of the body. Collective.
+
+        Returns:
+            Angular frequency [1/T].
+
+        Raises:
+            ValueError: the stiffness of a cell is not finite; on all ranks.
+        """
+        largest = float(np.max(self.by_cell()[0], initial=0.0))
+        return math.sqrt(self.comm.allreduce(largest, MPI.MAX))
+
     def highest(self, inverse_mass: FloatArray, extra: PETSc.Mat | None = None) -> float:
         """Highest angular frequency of the assembled system, by SLEPc's Krylov-Schur method. Collective.
 

@@ -110,8 +110,11 @@ class StableStepWatch:
         """Tell the integrator how far cells may deform under steps of a length. Collective.
 
         Args:
-            nominal: largest step [T].
+            nominal: largest step; 0: cells may deform as they like [T].
         """
+        if nominal == 0.0:
+            self._integrator.set_watch(self.reference, np.full(len(self.since), np.inf))
+            return
         self._nominal = nominal
         left = np.maximum(self._allowed(nominal) - self.since, 0.0)
         self._integrator.set_watch(self.reference, np.ascontiguousarray(left * self._sizes))

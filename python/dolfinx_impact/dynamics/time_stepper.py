@@ -120,6 +120,7 @@ class TimeStepper:
         self._warn_at, self._warned = math.inf, False
         self._rotation_warning = RotationWarning(problem.material)
         self._calls = AdvanceCalls()
+        self._periodic = periodic
         self._deformed = False  # a cell did, before the checkpoint from which the run goes on
         self.safe_step = problem.stable_step() if watch is None else watch.find_all()
         self.nominal_step = SAFETY * self.safe_step
@@ -275,7 +276,9 @@ class TimeStepper:
         self._choose_schedule(until, dt, unsafe)
         if self.watch is not None:
             self._deformed = known and self.deformed  # a call that was left did not look at what had deformed
-            self.watch.begin(self.nominal_step)
+            self._watch_steps(dt)
+        # Steps that are given are compared with the stable step now and then; they are not chosen by it.
+        self._periodic = self.periodic or (self.watch is not None and dt != "auto")
         with ProgressBar(self.comm, self._present_schedule, progress) as bar:
             try:
                 while self.step < self._present_schedule.last:
@@ -311,7 +314,7 @@ class TimeStepper:
         """
         changes = self.inputs.changes
         due = changes.due or (changes.stale and self.step > 0 and self.step % RECHECK == 0)
-        if due or (self.periodic and self.step >= self.check_step) or self.deformed:
+        if due or (self._periodic and self.step >= self.check_step) or self.deformed:
             self._recheck(until, dt, unsafe)
         first = self.step == 0
         self._run(1 if callback or first else self._chunk(), interrupts)
@@ -344,7 +347,7 @@ class TimeStepper:
         """Number of steps until a recorder, a check of the stable step or the end is due."""
         rest = self._present_schedule.last - self.step
         waits = [recorder.steps_left() for recorder in self.recorders]
-        return min(CHUNK, rest, self.check_step - self.step if self.periodic else rest, *waits)
+        return min(CHUNK, rest, self.check_step - self.step if self._periodic else rest, *waits)
 
     def _run(self, count: int, interrupts: Interrupts | None = None) -> None:
         """Take steps, fewer if a rank is interrupted. Collective.
@@ -424,7 +427,7 @@ class TimeStepper:
         before, changes, watch = self.safe_step, self.inputs.changes, self.watch
         if watch is None:
             self.safe_step = self.problem.stable_step()
-        elif changes.stale or self.periodic:  # frequencies of all cells may be others
+        elif changes.stale or self._periodic:  # frequencies of all cells may be others
             self.safe_step = watch.find_all()
         else:
             self.safe_step = watch.find_changed()
@@ -490,7 +493,12 @@ class TimeStepper:
             self.schedule = None
             self._choose_schedule(until, dt, unsafe)
         if self.watch is not None:
-            self.watch.begin(self.nominal_step)
+            self._watch_steps(dt)
+
+    def _watch_steps(self, dt: float | str) -> None:
+        """Watch over what cells may deform under the present steps, where they are chosen by the stable step."""
+        assert self.watch is not None
+        self.watch.begin(self.nominal_step if dt == "auto" else 0.0)
 
     def _plan_check(self, interval: int) -> None:
         """Set the step of the next check of the stable step.

@@ -229,6 +229,8 @@ def parts_of(form: ufl.Form, operator: str) -> list[tuple[ufl.Form, str]]:
     Raises:
         ValueError: an operator has no integrals in the form, or integrals have no operator.
     """
+    if "+" not in operator:  # integrals that it does not have are a row of their own, see _of_one_kind
+        return [(form, operator)]
     rank, kinds = len(form.arguments()), {"cell": "dx", "exterior_facet": "ds"}
     found: dict[str, list[Any]] = {}
     for integral in form.integrals():
@@ -237,8 +239,6 @@ def parts_of(form: ufl.Form, operator: str) -> list[tuple[ufl.Form, str]]:
     for name in (part.strip() for part in operator.split("+")):
         counterpart = operator_name(name, rank)
         kind = "exterior_facet" if counterpart in catalogue.FACET else "cell"
-        if counterpart == "poisson_residual" and operator == name:  # with the flux through facets
-            return [(form, name)]
         if kind not in found:
             raise ValueError(
                 f"operator {name!r} is integrated over {kinds[kind]}, the form has no such integrals: name one "
@@ -400,7 +400,8 @@ def _of_one_kind(report: Report, form: ufl.Form, case: Case, where: str) -> ufl.
     left = [i for i in form.integrals() if i.integral_type() in expected]
     cause = f"wrong measure: the form has integrals {found}, the operator has integrals {wanted} alone"
     if left:
-        cause += "; loads are operators of their own (traction, body_force): compare them apart"
+        cause += "; loads are operators of their own (traction, body_force): compare them apart, or name both"
+        cause += ", as 'elasticity + normal_foundation'"
     note = f"{cause[:1].upper()}{cause[1:]}"
     report.add("element", case[0], *case[1:], np.inf, element.TOLERANCE, element.REASON, where, note, cause)
     return ufl.Form(left) if left else None

@@ -41,8 +41,9 @@ def run(tmp_path):
         env = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache")} | ({"CC": str(slow)} if stuck else {})
         command = [sys.executable, "-c", SCRIPT.format(grace=grace)]
         process = subprocess.Popen(
-            command, cwd=tmp_path, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
+            command, cwd=tmp_path, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # ignored in the background
+        )  # fmt: skip
         started.append(process)
         return process
 
