@@ -157,7 +157,9 @@ def test_many_pairs(method):
     """A row of six plates, each a little lower than the last: what the first has, the last gets most of."""
     plates = [((0.21 * i, 0.03 * i - 0.5), (0.21 * i + 0.2, 0.5 - 0.03 * i), (4, 5), (i == 0, 0)) for i in range(6)]
     b = Bodies(*plates)
-    problem = run(b, [method(b.pair((i + 1, "left"), (i, "right"))) for i in range(5)], 0.4)
+    problem = b.problem(*(method(b.pair((i + 1, "left"), (i, "right"))) for i in range(5)))
+    # Equal steps: where a step is shortened, works and kinetic energy differ by 1e-4.
+    problem.advance(0.4, dt=0.8 * problem.stable_step(), progress=False)
     v = [b.mean_velocity(problem, i)[0] for i in range(6)]
     assert v[5] > 0.6 and max(v[:5]) < 0.2
     np.testing.assert_allclose(momentum(b, problem), [0.2, 0.0], atol=1e-13)
