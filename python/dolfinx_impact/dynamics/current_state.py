@@ -45,6 +45,7 @@ class CurrentState:
         V = displacement.function_space
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.energy: dict[str, float] = {}
+        self._shown: tuple[FloatArray, ...] = ()  # what the functions were set to last
 
     def motion(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Motion at the present time.
@@ -58,18 +59,19 @@ class CurrentState:
 
     def update_functions(self) -> None:
         """Set the functions to their values at the present time, ghosts included. Collective."""
-        for f, values in zip(self.functions, self.motion()):
+        self._shown = self.motion()
+        for f, values in zip(self.functions, self._shown):
             f.x.array[: self.num_owned] = values
             f.x.scatter_forward()
 
     def check_not_written(self) -> None:
         """Refuse that others have written to displacement or velocity since the last update, on this rank, and take it
-        back.
+        back. It does not communicate: a callback may have failed on one rank alone.
 
         Raises:
             ValueError: they have.
         """
-        own = [(f.x.array[: self.num_owned], values) for f, values in zip(self.functions[:2], self.motion())]
+        own = [(f.x.array[: self.num_owned], values) for f, values in zip(self.functions[:2], self._shown)]
         u, v = (np.array_equal(shown, values, equal_nan=True) for shown, values in own)
         for shown, values in own:
             shown[:] = values

@@ -23,6 +23,7 @@ from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..forms.compiler.frontend import check_kinds
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
+from ..assembly.curvature import is_displacement
 from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.inelastic_part import InelasticParts
@@ -251,9 +252,10 @@ class ExplicitProblem(Unique):
         self._state = CurrentState(
             self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share
         )  # fmt: skip
-        watch = StableStepWatch(self) if deforms else None
+        # Of other unknowns than displacements the size of a cell says nothing about how far they may change.
+        watch = StableStepWatch(self) if deforms and is_displacement(V) else None
         # Internal variables may change the stiffness by a third within 100 steps.
-        periodic = periodic or (deforms and self._parts is not None)
+        periodic = periodic or (deforms and (watch is None or self._parts is not None))
         self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, watch, periodic)
         if residual is not None:
             stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / self._stepper.safe_step) ** 2

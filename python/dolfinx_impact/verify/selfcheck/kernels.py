@@ -26,8 +26,8 @@ def kernels(subject: Subject) -> None:
     subject.u.x.array[:] = subject.state
     try:
         ours = np.array(InternalForce(form.internal).apply().array)
-    except (ValueError, RuntimeError, AssertionError, KeyError, NotImplementedError) as e:
-        subject.leave_out("kernels", f"this package has no kernel for the form: {type(e).__name__}: {e}")
+    except ValueError as e:
+        subject.leave_out("kernels", f"this package has no kernel for the form: {e}")
         return
     found = subject.size(ours - subject.forces)
     subject.add(
