@@ -268,9 +268,14 @@ def canonical(form, law=None):
     UFL orders operands by the printed numbers of constants ("10" before "9"), and numbers count up through a process:
     without this, the same form written twice may have two signatures and two kernels.
     """
-    constants = sorted(objects_of(form, law)[1], key=lambda c: c.count())
-    new = {c: ufl.Constant(c.ufl_domain(), c.ufl_shape, count=i) for i, c in enumerate(constants)}
+    new = _renumbered(objects_of(form, law)[1])
     return map_integrand_dags(_Renumber(new), form), new
+
+
+def _renumbered(constants):
+    """Dict from constants to others that are counted from 0, in the same order."""
+    constants = sorted(constants, key=lambda c: c.count())
+    return {c: ufl.Constant(c.ufl_domain(), c.ufl_shape, count=i) for i, c in enumerate(constants)}
 
 
 def form_signature(form, law=None):
@@ -548,14 +553,12 @@ def _loops(averages, law_parts):
 
 def expression_signature(expression, points):
     """Signature of an expression at points; like UFL's for forms it does not depend on names or object numbers."""
-    domain = ufl.domain.extract_unique_domain(expression)
-    numbering = {domain: 0}
-    for group in (
-        ufl.algorithms.extract_coefficients(expression),
-        ufl.algorithms.analysis.extract_constants(expression),
-    ):
+    new = _renumbered(ufl.algorithms.analysis.extract_constants(expression))
+    numbering = {ufl.domain.extract_unique_domain(expression): 0}
+    for group in (ufl.algorithms.extract_coefficients(expression), new.values()):
         numbering.update({c: i for i, c in enumerate(group)})
-    text = ufl.algorithms.signature.compute_expression_signature(expression, numbering)
+    plain = map_expr_dag(_Renumber(new), expression)
+    text = ufl.algorithms.signature.compute_expression_signature(plain, numbering)
     return text + repr(np.asarray(points, dtype=float).tolist())
 
 

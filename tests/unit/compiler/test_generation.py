@@ -58,6 +58,19 @@ def test_signature_does_not_depend_on_names_or_numbers(first_number):
     assert [c.count() for c in frontend.canonical(form)[0].constants()] == [0, 1, 2]
 
 
+@pytest.mark.parametrize("first_number", (0, 7, 8, 9, 10, 97, 98, 99, 100))
+def test_signatures_of_expressions_do_not_depend_on_numbers(first_number):
+    """Ranks may have made other numbers of constants before: they must find the same kernel."""
+
+    def signature(first):
+        mesh = user_forms.mesh_of("triangle")
+        a, b, c = (ufl.Constant(mesh, count=first + i) for i in range(3))
+        u = ufl.Coefficient(user_forms.space(mesh))
+        return frontend.expression_signature((a * b + c * b * u) * c * u**2, [[0.2, 0.3]])
+
+    assert signature(first_number) == signature(200)
+
+
 def products_of_constants(first_number):
     mesh = user_forms.mesh_of("triangle")
     a, b, c = (ufl.Constant(mesh, count=first_number + i) for i in range(3))
