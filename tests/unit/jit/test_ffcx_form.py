@@ -85,7 +85,8 @@ def test_on_two_ranks(tmp_path, run, mpirun):
     script = tmp_path / "form.py"
     script.write_text(SCRIPT.format(grace=0.0))
     out = mpirun(2, script, env={"XDG_CACHE_HOME": str(tmp_path / "cache")}, cwd=tmp_path)
-    assert out.count("0.25\n") == 2 and left.with_suffix(".c.cached").exists()
+    # Two ranks may write their numbers into one line.
+    assert out.count("0.25") == 2 and left.with_suffix(".c.cached").exists()
 
 
 def test_what_a_living_process_compiles_is_left_to_it(tmp_path, run):
