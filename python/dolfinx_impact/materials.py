@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,10 +15,11 @@ from dolfinx.mesh import Mesh, MeshTags
 
 from .common.arguments import number
 from .common.collective import comm_of, guard
+from .common.fixed import Fixed
 from .forms import materials as laws
 
 
-class _Material:
+class _Material(Fixed):
     """Isotropic solid.
 
     Args:
@@ -166,7 +168,7 @@ class NeoHookean(_Material):
     law_class = laws.NeoHookean
 
 
-class MaterialMap:
+class MaterialMap(Fixed):
     """Several materials by cell tag.
 
     Args:
@@ -181,7 +183,7 @@ class MaterialMap:
         with guard(comm_of(cell_tags), "MaterialMap", materials=materials):
             _check_map(cell_tags, materials)
         self.cell_tags = cell_tags
-        self.materials = {int(t): m for t, m in materials.items()}
+        self.materials = MappingProxyType({int(t): m for t, m in materials.items()})
         topology = cell_tags.topology
         comm, num_owned = topology.comm, topology.index_map(topology.dim).size_local
         owned = cell_tags.indices < num_owned
@@ -241,7 +243,7 @@ def _check_map(cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:
         raise ValueError(f"materials need tags of cells (dimension {tdim}), found tags of dimension {cell_tags.dim}")
 
 
-class Rayleigh:
+class Rayleigh(Fixed):
     """Rayleigh damping C = alpha M + beta K, seed (3.67).
 
     Args:

@@ -51,6 +51,7 @@ from .run_history import RunHistory
 from .stable_step_watch import StableStepWatch
 from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, cell_steps, damped
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
+from .read_once import ReadOnce
 from .supports import Supports
 from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
@@ -250,7 +251,8 @@ class ExplicitProblem(Unique):
         self._history = RunHistory(len(self.contact), mesh.geometry.dim)
         share = PenetrationShare(self, from_rest=not linear and self._parts is None)
         self._state = CurrentState(
-            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share
+            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share,
+            ReadOnce(supports, self.contact),
         )  # fmt: skip
         # Of other unknowns than displacements the size of a cell says nothing about how far they may change.
         watch = StableStepWatch(self) if deforms and is_displacement(V) else None

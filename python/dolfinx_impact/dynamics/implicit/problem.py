@@ -41,6 +41,7 @@ from ..start_values import check_velocity, residual_bodies, velocity_or_rest
 from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..stable_step import cell_sizes
+from ..read_once import ReadOnce
 from ..supports import Supports
 from .contact_nodes import ContactNodes
 from .damping import DampingForce
@@ -123,6 +124,7 @@ class NewmarkProblem(Unique):
         equations: equations of a step.
         motion: functions of displacement, velocity and acceleration.
         obstacles: motions of rigid masters.
+        read: values of supports and rigid masters that the problem goes on with.
         stepper: time stepping.
         account: forces and works.
         run_history: energies and contact forces of all steps.
@@ -231,6 +233,7 @@ class NewmarkProblem(Unique):
         )
         self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
         self.obstacles = ObstacleMotions(self.contact, self.functions)
+        self.read = ReadOnce(motion, self.contact)
         self.equations = StepEquations(
             u, material, self.axisymmetric, self.moving_body, self.contact, self.fixed, options, prefix
         )
@@ -464,6 +467,7 @@ class NewmarkProblem(Unique):
         """
         with guard(self.comm, "advance", callback=callback, update=update) as ranks:
             until = self.stepper.calls.check(self.time, until, callback, update)
+            self.read.check()
             if dt is None:
                 raise TypeError("advance needs dt, the largest step [T]: implicit steps have no stable step to follow")
             dt = arguments.number("dt", dt, 0.0, " [T]")

@@ -255,6 +255,7 @@ class ImplicitStepper(Described):
         u, v = np.array_equal(shown, self.state.displacement), self.problem.motion.shows_velocity(self.state)
         shown[:] = self.state.displacement
         check_not_written(u, v)
+        self.problem.read.check()
 
     def update(self, update: Callable[[NewmarkProblem, float], object] | None, time: float) -> None:
         """Let a user set the values of a time; an error on one rank is raised on all. Collective.
