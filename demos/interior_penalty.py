@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: MIT
 # # A plate by interior penalties
 #
 # Kirchhoff's plate needs slopes that are continuous from cell to cell, and Lagrange elements have kinks there. An
@@ -98,3 +97,4 @@ if comm.rank == 0:
 
 assert errors[-1] < 0.01 and 3.0 < errors[-2] / errors[-1] < 5.0
 assert abs(found / period - 1) < 0.02
+# SPDX-License-Identifier: MIT

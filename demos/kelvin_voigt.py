@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: MIT
 # # A damped bar: Kelvin and Voigt's solid
 #
 # A spring and a dashpot side by side: the stress is $E \varepsilon + \eta \dot\varepsilon$. The rate is that of the
@@ -93,3 +92,4 @@ if comm.rank == 0:
 dissipated = 1 - np.exp(-6 * zeta * omega * period)  # of the energy, in three periods
 assert errors["explicit"] < 0.01 and errors["implicit"] < 0.01
 assert all(abs(energy["damping"] / left - dissipated) < 1e-3 for _, energy in runs.values())
+# SPDX-License-Identifier: MIT

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: MIT
 # # Rubber that locks: displacement alone, mean dilatation, displacement and pressure
 #
 # A thick ring of rubber is blown up from inside. Poisson's ratio $\nu$ goes towards 1/2, and cells that must keep their
@@ -96,3 +95,4 @@ if comm.rank == 0:
 
 assert found["displacement"][-1] < 0.01
 assert np.all(abs(found["mean dilatation"] - 1) < 0.02) and np.all(abs(found["two fields"] - 1) < 0.02)
+# SPDX-License-Identifier: MIT

@@ -1,4 +1,3 @@
-# SPDX-License-Identifier: MIT
 # # Two materials in one form: a wave at an interface
 #
 # A pulse of pressure runs along a bar of aluminium that is welded to one of steel. The form has a term for each
@@ -98,3 +97,4 @@ if comm.rank == 0:
 # the bars: their energy stays.
 
 assert error < 0.02 and abs(energy["drift"]) < 1e-3
+# SPDX-License-Identifier: MIT
