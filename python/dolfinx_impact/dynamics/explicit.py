@@ -76,9 +76,9 @@ class ExplicitProblem(Unique):
             [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem
             updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
-        bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
-        loads: loads; their `amplitude` is a function of time.
-        contact: contacts: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
+        bcs: DirichletBC (values are constant), PrescribedMotion (function of time), or a list of them.
+        loads: load, or a list of them; their `amplitude` is a function of time.
+        contact: contact, or a list of them: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
         damping: Rayleigh(alpha, beta) or None.
         bulk_viscosity: factors (linear, quadratic), for example (0.06, 1.2), or None [1].
         scheme: "half_step" (seed 3.72-3.77) or "classical" (seed 3.68-3.71).
@@ -121,9 +121,9 @@ class ExplicitProblem(Unique):
         residual: ufl.Form | None = None,
         density: float | ufl.core.expr.Expr | Sequence[float | ufl.core.expr.Expr] | None = None,
         velocity: fem.Function | None = None,
-        bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
-        loads: Sequence[Load] = (),
-        contact: Sequence[Penalty | Kinematic] = (),
+        bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
+        loads: Load | Sequence[Load] = (),
+        contact: Penalty | Kinematic | Sequence[Penalty | Kinematic] = (),
         damping: Rayleigh | None = None,
         bulk_viscosity: tuple[float, float] | None = None,
         scheme: str = "half_step",
@@ -137,6 +137,7 @@ class ExplicitProblem(Unique):
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
+            bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
             check_velocity(velocity, u)
             own: Any = None

@@ -50,9 +50,9 @@ class StaticProblem(Unique):
         u: displacement function. Its value is the initial guess, and becomes the solution [L].
         material: material or MaterialMap; or give `residual`.
         residual: UFL residual of your own in u (rank 1): internal minus external forces.
-        bcs: boundary conditions.
-        loads: loads (dolfinx_impact.Traction, ...).
-        contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
+        bcs: boundary condition, or a list of them.
+        loads: load (dolfinx_impact.Traction, ...), or a list of them.
+        contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
         options: PETSc options for KSP and SNES by name, without prefix. Default: LU by MUMPS, for large problems
             conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
@@ -87,9 +87,9 @@ class StaticProblem(Unique):
         u: fem.Function,
         material: _Material | MaterialMap | None = None,
         residual: ufl.Form | None = None,
-        bcs: Sequence[fem.DirichletBC] = (),
-        loads: Sequence[Load] = (),
-        contact: Sequence[Lagrange | Penalty] = (),
+        bcs: fem.DirichletBC | Sequence[fem.DirichletBC] = (),
+        loads: Load | Sequence[Load] = (),
+        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
         options: dict[str, Any] | None = None,
         prefix: str = "impact_static_",
         hypothesis: str | None = None,
@@ -98,11 +98,12 @@ class StaticProblem(Unique):
             if material is not None and hypothesis is not None:
                 raise ValueError("the hypothesis is that of the material: give it there")
             axisymmetric = hypothesis == "axisymmetric"
+            bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric)
             bodies = None if residual is None else ResidualBodies(u.function_space.mesh, hypothesis)
             arguments.options(options)
             ranks.same(**given, options=options, prefix=prefix, hypothesis=hypothesis)
-        self.u, self.material, self.bcs, self.loads = u, material, list(bcs), list(loads)
+        self.u, self.material, self.bcs, self.loads = u, material, bcs, loads
         V = u.function_space
         self.space = V
         check_cells(V.mesh)

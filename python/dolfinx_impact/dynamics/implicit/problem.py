@@ -87,9 +87,10 @@ class NewmarkProblem(Unique):
             velocity is the mean of a step (Euler's implicit rule) [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. Where motion is prescribed, its own velocity
             counts. The function is not changed unless the residual contains it [L/T].
-        bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
-        loads: loads; their `amplitude` is a function of time.
-        contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters move by `motion`.
+        bcs: DirichletBC (values are constant), PrescribedMotion (function of time), or a list of them.
+        loads: load, or a list of them; their `amplitude` is a function of time.
+        contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters
+            move by `motion`.
         beta: Newmark's beta, positive; None: 1/4 [1].
         gamma: Newmark's gamma, at least 1/2; None: 1/2 [1].
         rho_inf: spectral radius at infinite frequency, 0 to 1: the parameters of Chung and Hulbert; None: Newmark [1].
@@ -148,9 +149,9 @@ class NewmarkProblem(Unique):
         residual: ufl.Form | None = None,
         density: float | ufl.core.expr.Expr | Sequence[float | ufl.core.expr.Expr] | None = None,
         velocity: fem.Function | None = None,
-        bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
-        loads: Sequence[Load] = (),
-        contact: Sequence[Lagrange | Penalty] = (),
+        bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
+        loads: Load | Sequence[Load] = (),
+        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
         beta: float | None = None,
         gamma: float | None = None,
         rho_inf: float | None = None,
@@ -168,6 +169,7 @@ class NewmarkProblem(Unique):
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
+            bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, implicit=True)
             check_velocity(velocity, u)
             own: Any = None
