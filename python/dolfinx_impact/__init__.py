@@ -9,6 +9,7 @@ closed-form solutions, and `verify` compares the package with the hand-written s
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
 from .common.lone_error import abort_at_exit
+from .common.units import MILLIMETRES, SI, Units
 from .common.visible_warnings import undo_capture
 from .contact import (
     ContactPair,
@@ -57,6 +58,7 @@ __all__ = [
     "InternalForce",
     "J2Plasticity",
     "LinearElastic",
+    "MILLIMETRES",
     "MaterialMap",
     "MaterialUpdate",
     "NeoHookean",
@@ -65,6 +67,7 @@ __all__ = [
     "PrescribedMotion",
     "Rayleigh",
     "RollingProblem",
+    "SI",
     "Spin",
     "StVenantKirchhoff",
     "StaticProblem",
@@ -72,6 +75,7 @@ __all__ = [
     "Tangent",
     "Traction",
     "Translation",
+    "Units",
     "Voce",
     "ContactPair",
     "ContactStatus",

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 
 from ..assembly.ffcx_form import ffcx_form
 from ..assembly import problem_arguments, rigid_body_modes
-from ..assembly.history import MaterialHistory
+from ..assembly.history import HistoryField, MaterialHistory
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
@@ -168,6 +168,16 @@ class RollingProblem(Unique):
             ValueError: no material has any.
         """
         return self._equilibrium.history
+
+    @property
+    def stress(self) -> HistoryField:
+        """Cauchy stress at the quadrature points, as of StaticProblem [F/L^2]."""
+        return self._equilibrium.stress
+
+    @property
+    def von_mises(self) -> HistoryField:
+        """Von Mises' equivalent stress at the quadrature points [F/L^2]."""
+        return self._equilibrium.von_mises
 
     @property
     def turn_changes(self) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,10 +23,12 @@ from ...assembly.locking import warn_of_locking
 from ...assembly.measures import check_measures
 from ...assembly.residual import check_hypothesis, split
 from ...assembly.quadrature_degree import warn_of_degree
+from ...assembly.stressed_bodies import StressedBodies
 from ...assembly.softening import warn_of_softening
 from ...common import arguments
 from ...common.collective import comm_of, guard
 from ...common.types import ArrayLike, FilePath, FloatArray
+from ...common.units import Units
 from ...common.unique import Unique, claim
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
@@ -38,6 +40,7 @@ from ...statics.inelastic_body import InelasticBody
 from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, residual_bodies, velocity_or_rest
+from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..stable_step import cell_sizes
@@ -74,7 +77,7 @@ SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten c
 STEPS = (1e-140, 1e140)  # whose squares, times anything that physics has, are numbers [T]
 
 
-class NewmarkProblem(Unique):
+class NewmarkProblem(Unique, StressedBodies):
     """Motion of bodies by Newmark's method or generalised-alpha, in contact or not; docs/implicit/scheme.md.
 
     Args:
@@ -583,17 +586,26 @@ class NewmarkProblem(Unique):
         points: ArrayLike | None = None,
         points_every: int = 1,
         times: Sequence[float] = (),
+        expressions: Mapping[str, ufl.core.expr.Expr] | None = None,
+        ending: str = ".bp",
+        units: Units | None = None,
     ) -> Recorder:
         """Write fields and histories into a folder from now on; see Recorder. Collective.
 
         Args:
             path: folder; None as for RunFolder.
-            fields: some of displacement, velocity, acceleration; and of materials with internal variables their names,
-                stress and von_mises.
+            fields: some of displacement, velocity, acceleration; of bodies stress, von_mises and the names of internal
+                variables; of contacts pressure, gap, traction, shear_traction, slip, status.
             every: steps between frames [1].
             points: points, (n, gdim); the motion of their nearest nodes is sampled [L].
             points_every: steps between samples of points [1].
             times: times of frames, in place of `every`; steps end at these times exactly [T].
+            expressions: further fields by name, UFL expressions of functions on the mesh, which are recorded as well:
+                numbers, vectors or tensors, averaged at the vertices. With a residual of your own "stress", the Cauchy
+                stress, a 3 x 3 tensor, gives von_mises.
+            ending: ".bp" for ADIOS2's format, ".xdmf" for XDMF with HDF5.
+            units: units that the names of fields end with, as "von_mises [Pa]" with dolfinx_impact.SI; None: names
+                alone.
 
         Returns:
             Recorder; call its `close()` at the end.
@@ -604,11 +616,12 @@ class NewmarkProblem(Unique):
             RuntimeError: the folder cannot be written; on all ranks.
         """
         with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
-            names, places = check_arguments(self, path, fields, every, points, points_every)
+            options = output_options(expressions, ending, units)
+            names, places = check_arguments(self, path, fields, every, points, points_every, options)
             moments = [arguments.number("times", t, unit=" [T]") for t in times]
-            ranks.same(points=places, times=moments)
+            ranks.same(output=options, points=places, times=moments)
         output = self.stepper.recorders, lambda: self.motion.set(self.stepper.state)
-        return Recorder(self, *output, path, names, every, places, points_every, moments, name="implicit")
+        return Recorder(self, *output, path, names, every, places, points_every, moments, "implicit", options)
 
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.
