@@ -35,6 +35,7 @@ from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
+from .io.deformed_body import DeformedBody
 from .io.mesh_reader import check_mesh, read_mesh
 from .assembly.operators import Energy, InternalForce, PointValues, Tangent
 from .rolling.motions import Spin, Translation
@@ -50,6 +51,7 @@ __all__ = [
     "AddedMass",
     "ArmstrongFrederick",
     "BodyForce",
+    "DeformedBody",
     "Energy",
     "ExplicitProblem",
     "FollowerPressure",
