@@ -11,7 +11,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
-from matplotlib.collections import PolyCollection
 from mpi4py import MPI
 
 import dolfinx_impact as di
@@ -81,16 +80,13 @@ for time in 1e-4 * 2 / np.pi * np.arcsin(np.sqrt(way / pull)):
 
 # ## Picture, and what must hold: inertia changes little at this speed, and the energies of the explicit run balance
 
-voids, owned = slow.history["voids"].at_nodes(), bar.topology.index_map(2).size_local
-parts = comm.gather((bar.geometry.x[bar.geometry.dofmap[:owned][:, [0, 1, 3, 2]], :2],
-                     voids.x.array[voids.function_space.dofmap.list[:owned]].mean(axis=1) + metal.f0))  # fmt: skip
+picture = di.DeformedBody(slow.u, metal.f0 + slow.history["voids"].at_nodes())
 if comm.rank == 0:
     print(f"largest void fraction, pulled slowly {slow_voids[-1]:.5f}, fast {fast_voids[-1]:.5f}")
     print(f"dissipated by plastic flow {fast.energy['plastic']:.4f} J")
-    cells, values = (np.concatenate(part) for part in zip(*parts))
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained", gridspec_kw={"wspace": 0.15})
-    left.set(xlim=(0, 6), ylim=(0, 8), aspect="equal", xlabel="r [mm]", ylabel="z [mm]")
-    figure.colorbar(left.add_collection(PolyCollection(cells * 1e3, array=values)), label="void fraction [1]")
+    picture.draw(left, "void fraction [1]", lengths=1e3, edges=False)
+    left.set(xlim=(0, 6), ylim=(0, 8), xlabel="r [mm]", ylabel="z [mm]")
     right.plot(way * 1e3, slow_voids, "o", label="slowly")
     right.plot(way * 1e3, fast_voids, label="fast")
     right.set(xlabel="displacement of the end [mm]", ylabel="largest void fraction [1]")

@@ -46,6 +46,17 @@ def gradient(u, hypothesis):
     return ufl.as_tensor([[g[0, 0], g[0, 1], 0], [g[1, 0], g[1, 1], 0], [0, 0, hoop]])
 
 
+def von_mises_square(xx, yy, zz, *shear):
+    """Square of von Mises' equivalent stress of the components of a stress: numbers, arrays or UFL [F^2/L^4]."""
+    return ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * sum(s**2 for s in shear)
+
+
+def von_mises(stress):
+    """Von Mises' equivalent stress of a symmetric 3 x 3 tensor in UFL [F/L^2]."""
+    normal, shear = ((0, 0), (1, 1), (2, 2)), ((0, 1), (1, 2), (0, 2))
+    return ufl.sqrt(von_mises_square(*(stress[i] for i in normal), *(stress[i] for i in shear)))
+
+
 class Law:
     """Base of the laws. Args: E [F/L^2], nu [1], hypothesis."""
 
@@ -76,6 +87,22 @@ class Law:
     def stress_derivative(self, u, du):
         """Derivative of `stress` at u in the direction du."""
         raise NotImplementedError
+
+    def thickness_stretch(self, u):
+        """Stretch across a sheet in plane stress of finite strain [1]."""
+        raise NotImplementedError
+
+    def cauchy_stress(self, u):
+        """Cauchy stress as a 3 x 3 tensor under every hypothesis; its third row is zero in plane stress [F/L^2]."""
+        stress = self.stress(u)
+        if not self.linear:
+            H = self.gradient(u)
+            F = ufl.Identity(H.ufl_shape[0]) + H
+            volume = ufl.det(F) * (self.thickness_stretch(u) if self.hypothesis == "plane_stress" else 1)
+            stress = stress * F.T / volume
+        if stress.ufl_shape == (2, 2):
+            stress = ufl.as_tensor([[stress[0, 0], stress[0, 1], 0], [stress[1, 0], stress[1, 1], 0], [0, 0, 0]])
+        return stress
 
 
 class LinearElastic(Law):
@@ -111,6 +138,11 @@ class StVenantKirchhoff(Law):
     def _second(self, H):
         E = ufl.sym(H) + H.T * H / 2
         return self._lambda * ufl.tr(E) * ufl.Identity(E.ufl_shape[0]) + 2 * self.mu * E
+
+    def thickness_stretch(self, u):
+        H = self.gradient(u)
+        in_plane = ufl.tr(ufl.sym(H) + H.T * H / 2)
+        return ufl.sqrt(1 - 2 * self.lmbda / (self.lmbda + 2 * self.mu) * in_plane)
 
     def stress(self, u):
         H = self.gradient(u)
@@ -154,6 +186,9 @@ class NeoHookean(Law):
         F, log_J, y = self._state(u)
         trace = ufl.inner(F, F) - 3 if y is None else ufl.inner(F, F) + ufl.exp(y) - 3
         return self.mu / 2 * trace - self.mu * log_J + self.lmbda / 2 * log_J**2
+
+    def thickness_stretch(self, u):
+        return ufl.exp(self._state(u)[2] / 2)
 
     def stress(self, u):
         F, log_J, _ = self._state(u)

@@ -139,14 +139,8 @@ run.print(
 # ## Files and picture
 
 
-def mises(stress):
-    """Von Mises stress of a 3x3 tensor."""
-    deviator = stress - ufl.tr(stress) / 3 * ufl.Identity(3)
-    return ufl.sqrt(1.5 * ufl.inner(deviator, deviator))
-
-
 u = problem.u
-von_mises = vertex_average(mises(problem.material.stress(u)), m.mesh, "von_mises")
+von_mises = vertex_average(problem.material.von_mises(u), m.mesh, "von_mises")
 run.fields("hertz_cylinder", [u, von_mises])
 columns = ("degree", "h", "unknowns", "pressure_error", "peak_error", "width_error", "iterations")
 run.table("convergence", {c: (v, "a" if c == "h" else "1") for c, v in zip(columns, table.T)})
@@ -160,22 +154,18 @@ def draw():
         1, 3, figsize=(13.5, 4.3), layout="constrained", width_ratios=(1.1, 1, 0.8)
     )
     figure.get_layout_engine().set(w_pad=0.12)
-    moved = np.zeros(field.points.shape)
-    moved[field.cells.ravel()] = displacement.values[displacement.cells[:, : field.cells.shape[1]].ravel()]
-    top = displacement.values[np.argmax(displacement.points[:, 1])]
-    moved -= top / 2  # both bodies have come half way towards each other
-    grid = plots.grid(field, moved)
-    grid.point_data["value"] = field.values[:, 0] / 1e6
+    half = displacement.values[np.argmax(displacement.points[:, 1])] / 2
+    # Both bodies have come half way towards each other.
+    grid = plots.deformed_grid(field, displacement, factor=1e-6, shift=-half)
     mirrored = grid.copy()
     mirrored.points = grid.points * [-1, 1, 1]
     r, clim = 2.6 * a, (0.0, round(0.56 * p0 / 1e6, -1))
     box = (-r, r, -r, r)
-    centre = moved[np.argmin(np.abs(field.points).sum(axis=1))][1]
+    centre = grid.points[np.argmin(np.abs(field.points).sum(axis=1))][1]
     for part in (grid, mirrored):
         part.points = part.points - [0, centre, 0]
-    image = plots.draw([grid, mirrored], clim, size=(720, 720), box=box)
-    plots.show(left, image, [1e3 * v for v in box], title="true scale")
-    plots.colour_bar(figure, left, clim, "von Mises stress [MPa]", shrink=0.85)
+    both = [grid, mirrored]
+    plots.show_grids(figure, left, both, clim, "von Mises stress [MPa]", "true scale", box=box, size=(720, 720))
     x = np.linspace(0, 1.25 * a, 600)
     for step, state in enumerate(states, 1):
         hertz = di.theory.hertz_line(P * step / steps, R, np.inf, E, nu, E, nu)

@@ -128,9 +128,7 @@ for omega in spins:
         numbers = f"{mean * 1e6:12.6f} {theory * 1e6:12.6f} {error:9.1e} {unround:9.1e}"
         run.print(f"{omega:10.4f} {'on' if on else 'off':>4s} {numbers}")
 rows = np.array(rows)
-stress = steel.stress(u)
-in_plane = ufl.tr(stress) ** 2 - 3 * ufl.det(stress)  # von Mises of a plane stress
-mises = vertex_average(ufl.sqrt(in_plane), disc, "von_mises")
+mises = vertex_average(steel.von_mises(u), disc, "von_mises")
 run.fields("rolling_disc", [u, mises])
 run.table(
     "rim",
@@ -146,15 +144,11 @@ def draw():
     """Called on rank 0."""
     plt = plots.pyplot()
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.4), layout="constrained")
-    displacement = np.zeros((len(fields[1].points), 2))
-    displacement[fields[1].cells.ravel()] = fields[0].values[fields[0].cells[:, :3].ravel()]
-    grid = plots.grid(fields[1], displacement, 30)
-    grid.point_data["value"] = fields[1].values[:, 0] / 1e6
+    grid = plots.deformed_grid(fields[1], fields[0], scale=30, factor=1e-6)
     clim = (0.0, float(np.ceil(grid.point_data["value"].max() / 100) * 100))
     box = (-0.56, 0.56, -0.56, 0.56)
-    image = plots.draw([grid], clim, size=(720, 720), box=box)
-    plots.show(left, image, [1e3 * s for s in box], title=f"spin {spins[-1]:.0f} rad/s, displacement × 30")
-    plots.colour_bar(figure, left, clim, "von Mises stress [MPa]", shrink=0.85)
+    title = f"spin {spins[-1]:.0f} rad/s, displacement × 30"
+    plots.show_grids(figure, left, [grid], clim, "von Mises stress [MPa]", title, box=box, size=(720, 720))
     omega = np.linspace(20.0, 2000.0, 200)
     for on, colour, label in zip((0.0, 1.0), plots.COLOURS, ("without W", "with W: load on the deformed disc")):
         curve = [exact(R, s, on) / (s**2) for s in omega]

@@ -9,6 +9,7 @@ closed-form solutions, and `verify` compares the package with the hand-written s
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
 from .common.lone_error import abort_at_exit
+from .common.units import MILLIMETRES, SI, Units
 from .common.visible_warnings import undo_capture
 from .contact import (
     ContactPair,
@@ -34,6 +35,7 @@ from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
+from .io.deformed_body import DeformedBody
 from .io.mesh_reader import check_mesh, read_mesh
 from .assembly.operators import Energy, InternalForce, PointValues, Tangent
 from .rolling.motions import Spin, Translation
@@ -49,6 +51,7 @@ __all__ = [
     "AddedMass",
     "ArmstrongFrederick",
     "BodyForce",
+    "DeformedBody",
     "Energy",
     "ExplicitProblem",
     "FollowerPressure",
@@ -57,6 +60,7 @@ __all__ = [
     "InternalForce",
     "J2Plasticity",
     "LinearElastic",
+    "MILLIMETRES",
     "MaterialMap",
     "MaterialUpdate",
     "NeoHookean",
@@ -65,6 +69,7 @@ __all__ = [
     "PrescribedMotion",
     "Rayleigh",
     "RollingProblem",
+    "SI",
     "Spin",
     "StVenantKirchhoff",
     "StaticProblem",
@@ -72,6 +77,7 @@ __all__ = [
     "Tangent",
     "Traction",
     "Translation",
+    "Units",
     "Voce",
     "ContactPair",
     "ContactStatus",

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -12,11 +12,32 @@ import ufl
 from dolfinx import default_scalar_type, fem
 from dolfinx.fem import Constant
 from dolfinx.mesh import Mesh, MeshTags
+from ufl.algorithms import extract_arguments, extract_coefficients
 
+from .common import arguments
 from .common.arguments import number
 from .common.collective import comm_of, guard
 from .common.fixed import Fixed
 from .forms import materials as laws
+
+
+def mesh_of(u: Any) -> Mesh:
+    """Mesh of a displacement.
+
+    Args:
+        u: displacement function, or UFL expression of functions or arguments.
+
+    Raises:
+        TypeError: there is neither a function nor an argument in `u`.
+    """
+    if isinstance(u, fem.Function):
+        return u.function_space.mesh
+    if isinstance(u, ufl.core.expr.Expr):
+        spaces = [f.function_space for f in extract_coefficients(u) if isinstance(f, fem.Function)]
+        spaces += [v.ufl_function_space() for v in extract_arguments(u)]
+        if spaces:
+            return spaces[0].mesh
+    raise TypeError(f"a displacement is a Function, or a UFL expression of one; found {type(u).__name__} {u!s:.60}")
 
 
 class _Material(Fixed):
@@ -128,8 +149,29 @@ class _Material(Fixed):
             UFL tensor: 3 x 3 in 3D, plane strain (with the stress across the plane at [2, 2]) and axisymmetric bodies
             (with the hoop stress at [2, 2]); 2 x 2 in plane stress, where the third row is zero.
         """
-        mesh = u.function_space.mesh if isinstance(u, fem.Function) else ufl.domain.extract_unique_domain(u)
-        return self.law(mesh).stress(u)
+        return self.law(mesh_of(u)).stress(u)
+
+    def cauchy_stress(self, u: Any) -> Any:
+        """Cauchy stress of a displacement [F/L^2].
+
+        Args:
+            u: displacement function, or UFL expression of one.
+
+        Returns:
+            UFL tensor, 3 x 3 under every hypothesis.
+        """
+        return self.law(mesh_of(u)).cauchy_stress(u)
+
+    def von_mises(self, u: Any) -> Any:
+        """Von Mises' equivalent stress of a displacement, from the Cauchy stress [F/L^2].
+
+        Args:
+            u: displacement function, or UFL expression of one.
+
+        Returns:
+            UFL scalar.
+        """
+        return laws.von_mises(self.cauchy_stress(u))
 
     @property
     def lame(self) -> tuple[float, float]:
@@ -184,6 +226,7 @@ class MaterialMap(Fixed):
             _check_map(cell_tags, materials)
         self.cell_tags = cell_tags
         self.materials = MappingProxyType({int(t): m for t, m in materials.items()})
+        self._cell_numbers: fem.Function | None = None
         topology = cell_tags.topology
         comm, num_owned = topology.comm, topology.index_map(topology.dim).size_local
         owned = cell_tags.indices < num_owned
@@ -212,6 +255,77 @@ class MaterialMap(Fixed):
     def parts(self) -> list[tuple[int, _Material]]:
         """Pairs (cell tag, material)."""
         return sorted(self.materials.items())
+
+    def stress(self, u: Any) -> Any:
+        """Stress of a displacement, in each cell that of its material: Cauchy for small strain, first Piola-Kirchhoff
+        for finite strain [F/L^2]. Collective.
+
+        Args:
+            u: displacement function, or UFL expression of one, on the mesh of the tags.
+
+        Returns:
+            UFL tensor, of the shape that the materials have.
+
+        Raises:
+            TypeError: a material has internal variables, on which its stress depends.
+            ValueError: the tags are of another mesh.
+        """
+        return self._by_cell(u, lambda material: material.stress(u))
+
+    def cauchy_stress(self, u: Any) -> Any:
+        """Cauchy stress of a displacement, in each cell that of its material [F/L^2]. Collective.
+
+        Args:
+            u: displacement function, or UFL expression of one, on the mesh of the tags.
+
+        Returns:
+            UFL tensor, 3 x 3 under every hypothesis.
+
+        Raises:
+            TypeError: a material has internal variables, on which its stress depends.
+            ValueError: the tags are of another mesh.
+        """
+        return self._by_cell(u, lambda material: material.cauchy_stress(u))
+
+    def von_mises(self, u: Any) -> Any:
+        """Von Mises' equivalent stress of a displacement, from the Cauchy stress [F/L^2]. Collective.
+
+        Args:
+            u: displacement function, or UFL expression of one, on the mesh of the tags.
+
+        Returns:
+            UFL scalar.
+
+        Raises:
+            TypeError: a material has internal variables, on which its stress depends.
+            ValueError: the tags are of another mesh.
+        """
+        return laws.von_mises(self.cauchy_stress(u))
+
+    def _by_cell(self, u: Any, of: Callable[[_Material], Any]) -> Any:
+        """Tensor in UFL that is, in each cell, what a function gives for the material of the cell."""
+        number, tensors = self._numbers(mesh_of(u)), [of(material) for _, material in self.parts()]
+
+        def component(i: int, j: int) -> Any:
+            chosen = tensors[-1][i, j]
+            # The branches are not added up with factors 0 and 1: those of other materials may be no numbers here.
+            for k in reversed(range(len(tensors) - 1)):
+                chosen = ufl.conditional(ufl.lt(number, k + 0.5), tensors[k][i, j], chosen)
+            return chosen
+
+        rows, columns = tensors[0].ufl_shape
+        return ufl.as_tensor([[component(i, j) for j in range(columns)] for i in range(rows)])
+
+    def _numbers(self, mesh: Mesh) -> fem.Function:
+        """Number in `parts` of the material of each cell."""
+        arguments.tags("MaterialMap", self.cell_tags, mesh, mesh.topology.dim)
+        if self._cell_numbers is None:
+            self._cell_numbers = fem.Function(fem.functionspace(mesh, ("DG", 0)), name="material")
+            dofs = self._cell_numbers.function_space.dofmap.list
+            for k, (tag, _) in enumerate(self.parts()):
+                self._cell_numbers.x.array[dofs[self.cell_tags.find(tag), 0]] = k
+            self._cell_numbers.x.scatter_forward()
+        return self._cell_numbers
 
     @property
     def wave_speed(self) -> float:

@@ -78,11 +78,7 @@ def sequence(run, pictures, history):
     clim = (0.0, 500.0)
     box = (-0.045, 0.045, -0.036, 0.034)
     for ax, (place, mises, u) in zip(axes.ravel(), pictures):
-        moved = np.zeros(mises.points.shape)
-        corners = u.cells[:, : mises.cells.shape[1]]
-        moved[mises.cells.ravel()] = u.values[corners.ravel()]
-        grid = plots.grid(mises, moved)
-        grid.point_data["value"] = mises.values[:, 0] / 1e6
+        grid = plots.deformed_grid(mises, u, factor=1e-6)
         image = plots.draw([grid], clim, size=(900, 700), box=box, above="#fff3b0", edges=False)
         plots.show(ax, image, [v * MM for v in box])
         now = np.interp(place, history[:, 0], history[:, 1])

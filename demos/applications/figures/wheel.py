@@ -9,20 +9,13 @@ CMAP = "viridis"
 
 
 def _grid(gathered, scale, shift=None):
-    """Deformed grid of the displacement's cells; `value` is the von Mises stress [MPa], known at the vertices."""
-    from scipy.spatial import cKDTree
-
-    u, mises = gathered["u"], gathered["mises"]
-    # Vertices carry the stress. Bodies touch at the origin: look up the nodes cell by cell, not by position alone.
-    displacement = np.zeros(mises.points.shape)
-    corners = u.cells[:, : mises.cells.shape[1]]  # DOLFINx numbers the vertices of a cell first
-    displacement[mises.cells.ravel()] = u.values[corners.ravel()]
-    assert cKDTree(mises.points).query(u.points[corners[0]])[0].max() < 1e-9
+    """Deformed grid; `value` is the von Mises stress [MPa], known at the vertices."""
+    mises = gathered["mises"]
+    moved = np.zeros(mises.points.shape)
     if shift is not None:
-        wheel = _bodies(mises)
-        displacement[wheel, -1] -= shift
-    out = plots.grid(mises, displacement, scale)
-    out.point_data["value"] = np.maximum(mises.values[:, 0] / 1e6, 1e-3)
+        moved[_bodies(mises), -1] = -shift
+    out = plots.deformed_grid(mises, gathered["u"], scale, 1e-6, shift=moved)
+    out.point_data["value"] = np.maximum(out.point_data["value"], 1e-3)  # the scale is logarithmic
     return out
 
 
@@ -42,14 +35,14 @@ def plane(run, gathered, a, p0, approach):
     whole, near = (0.3, 300.0), (0.0, round(0.56 * p0 / 1e6, -1))
     box = (-0.62, 0.62, -0.21, 0.97)
     grid = _grid(gathered, scale)
-    image = plots.draw([grid], whole, CMAP, (820, 780), box, log=True, above="#fde725")
-    plots.show(left, image, [v * 1e3 for v in box], title=f"displacement × {scale} (bore and foot are held)")
-    plots.colour_bar(figure, left, whole, "von Mises stress [MPa]", CMAP, log=True, shrink=0.85)
+    title, label = f"displacement × {scale} (bore and foot are held)", "von Mises stress [MPa]"
+    plots.show_grids(
+        figure, left, [grid], whole, label, title, CMAP, box, log=True, size=(820, 780), above="#fde725"
+    )  # fmt: skip
     r = 3.2 * a
     box = (-r, r, -r, r)
-    image = plots.draw([_grid(gathered, 1.0, approach)], near, CMAP, (760, 760), box)
-    plots.show(right, image, [v * 1e3 for v in box], title="the contact in true scale, wheel lowered by the approach")
-    plots.colour_bar(figure, right, near, "von Mises stress [MPa]", CMAP, shrink=0.85)
+    title, grid = "the contact in true scale, wheel lowered by the approach", _grid(gathered, 1.0, approach)
+    plots.show_grids(figure, right, [grid], near, label, title, CMAP, box, size=(760, 760))
     for side in (-a, a):
         right.axvline(side * 1e3, color="white", lw=0.8, ls="--")
     right.text(0, -0.93 * r * 1e3, f"patch: 2a = {2 * a * 1e3:.2f} mm", color="white", ha="center", fontsize=10)
@@ -63,16 +56,15 @@ def space(run, gathered, p0):
     clim, near = (0.3, 700.0), (0.0, round(0.6 * p0 / 1e6, -1))
     scale = 300
     view = ((-1, -1.5, 0.45), (0, 0, 1), (0.14, 0, 0.365))
-    image = plots.draw([_grid(gathered, scale)], clim, CMAP, (760, 760), view=view, log=True, zoom=1.03)
-    plots.show(left, image, title=f"a quarter of wheel and rail, displacement × {scale}")
-    plots.colour_bar(figure, left, clim, "von Mises stress [MPa]", CMAP, log=True, shrink=0.85)
+    title, label = f"a quarter of wheel and rail, displacement × {scale}", "von Mises stress [MPa]"
+    grid, size = _grid(gathered, scale), (760, 760)
+    plots.show_grids(figure, left, [grid], clim, label, title, CMAP, log=True, size=size, view=view, zoom=1.03)
     r = 0.02
     grid = _grid(gathered, 1.0)
     grid = grid.clip_box((-1e-3, r, -1e-3, r, -r, r), invert=False)
     view = ((-1, -1.5, 0.45), (0, 0, 1), (0.4 * r, 0.4 * r, 0))
-    image = plots.draw([grid], near, CMAP, (760, 760), view=view, zoom=1.2, edges=False)
-    plots.show(right, image, title="20 mm around the contact, true scale")
-    plots.colour_bar(figure, right, near, "von Mises stress [MPa]", CMAP, shrink=0.85)
+    title = "20 mm around the contact, true scale"
+    plots.show_grids(figure, right, [grid], near, label, title, CMAP, size=size, view=view, zoom=1.2, edges=False)
     plots.save(figure, run.file("wheel_on_rail_3d.png"))
 
 

@@ -139,11 +139,8 @@ class Rolling:
             rows.reshape(-1)[bc.dof_indices()[0]] = 0.0
 
     def mises(self):
-        """Von Mises stress at the nodes [Pa]: Cauchy's stress, of the wheel from the first of Piola and Kirchhoff."""
-        rows = [[ufl.grad(self.u)[i, j] for j in range(2)] + [0.0] for i in range(2)]
-        F = ufl.Identity(3) + ufl.as_tensor([*rows, [0.0] * 3])
-        wheel = self.turning[2].stress(self.u) * F.T / ufl.det(F)
-        both = [ufl.sqrt(1.5 * ufl.inner(ufl.dev(s), ufl.dev(s))) for s in (wheel, self.rail.stress(self.u))]
+        """Von Mises stress at the nodes [Pa], of the Cauchy stress."""
+        both = [material.von_mises(self.u) for material in (self.turning[2], self.rail)]
         return vertex_average(ufl.conditional(ufl.gt(self.on_wheel, 0.5), *both), self.mesh, "von_mises")
 
     def explicit(self, balanced=True):

@@ -19,7 +19,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import ufl
 from mpi4py import MPI
@@ -33,7 +33,7 @@ from ..forms.compiler import emit, frontend
 from ..forms.point_law import PointLaw
 
 # One law for all cells, or one by cell tag.
-Laws = PointLaw | Mapping[int, PointLaw]
+Laws: TypeAlias = PointLaw | Mapping[int, PointLaw]
 
 INCLUDE = Path(__file__).parent.parent / "include"
 # Instructions of this processor, but scheduled for none in particular, as in the package's own kernels: GCC takes up to

@@ -457,7 +457,7 @@ class Tangent(Described):
 
     Args:
         form: UFL form of rank 2.
-        bcs: Dirichlet conditions; their rows and columns are zero, with one on the diagonal.
+        bcs: Dirichlet condition, or a list of them; their rows and columns are zero, with one on the diagonal.
 
     Raises:
         TypeError: `form` is not a UFL form, or `bcs` are not Dirichlet conditions; on all ranks.
@@ -465,7 +465,7 @@ class Tangent(Described):
             ranks.
     """
 
-    def __init__(self, form: ufl.Form, bcs: Sequence[DirichletBC] = ()) -> None:
+    def __init__(self, form: ufl.Form, bcs: DirichletBC | Sequence[DirichletBC] = ()) -> None:
         import dolfinx.fem.petsc as petsc
 
         with guard(comm_of(form, bcs), "Tangent") as ranks:
@@ -473,11 +473,11 @@ class Tangent(Described):
                 raise TypeError(f"Tangent takes a UFL form of rank 2, found {type(form).__name__}")
             if len(form.arguments()) != 2:
                 raise ValueError(f"Tangent takes a UFL form of rank 2, this one has {len(form.arguments())} arguments")
-            for bc in arguments.sequence("bcs", bcs, "DirichletBC"):
+            self.bcs = arguments.one_or_list("bcs", bcs, "a DirichletBC", ("dof_indices",))
+            for bc in self.bcs:
                 arguments.boundary_values("bcs", bc, form.arguments()[0].ufl_function_space())
-            ranks.same(form=form, bcs=[arguments.value_of(bc) for bc in bcs])
+            ranks.same(form=form, bcs=[arguments.value_of(bc) for bc in self.bcs])
         self._petsc = petsc
-        self.bcs = list(bcs)
         plain, averaged = split_averages(form)
         self._averaged = None if averaged is None else AveragedForm(averaged)
         self._mesh = form.ufl_domain().ufl_cargo()

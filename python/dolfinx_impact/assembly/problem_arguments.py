@@ -28,13 +28,47 @@ def material(m: Any) -> None:
     )
 
 
+def contacts(contact: Any) -> list[Any]:
+    """Contacts that were given as one object or a list.
+
+    Args:
+        contact: the argument.
+
+    Returns:
+        A list; what is in it has not been checked.
+
+    Raises:
+        TypeError: `contact` is neither.
+    """
+    # A pair alone passes: that it is not said how to enforce it is told later.
+    return arguments.one_or_list("contact", contact, "a contact", ("pair", "master"))
+
+
+def lists(bcs: Any, loads: Any, contact: Any) -> tuple[list[Any], list[Any], list[Any]]:
+    """Arguments of problems that are one object or a list.
+
+    Args:
+        bcs: Dirichlet conditions.
+        loads: loads.
+        contact: contacts.
+
+    Returns:
+        The three as lists; what is in them has not been checked.
+
+    Raises:
+        TypeError: one of them is neither.
+    """
+    loads = arguments.one_or_list("loads", loads, "a load", ("form",))
+    return arguments.one_or_list("bcs", bcs, "a DirichletBC", ("dof_indices", "bc")), loads, contacts(contact)
+
+
 def problem(
     u: Any,
     given_material: Any,
     residual: Any,
-    bcs: Any,
-    loads: Any,
-    contact: Any,
+    bcs: list[Any],
+    loads: list[Any],
+    contact: list[Any],
     axisymmetric: bool = False,
     explicit: bool = False,
     implicit: bool = False,
@@ -45,9 +79,9 @@ def problem(
         u: displacement function.
         given_material: material or MaterialMap; None with a residual.
         residual: UFL residual of a user's own; None with a material.
-        bcs: Dirichlet conditions.
-        loads: loads.
-        contact: contacts.
+        bcs: Dirichlet conditions, as `lists` returns them.
+        loads: loads, likewise.
+        contact: contacts, likewise.
         axisymmetric: whether the residual is that of an axisymmetric body.
         explicit: whether the problem is an explicit one.
         implicit: whether it is an implicit one in time; static if neither.
@@ -62,8 +96,6 @@ def problem(
     if (given_material is None) == (residual is None):
         raise ValueError("give either a material or a residual of your own")
     in_time = explicit or implicit
-    contact = arguments.sequence("contact", contact, "contacts")
-    loads = arguments.sequence("loads", loads, "loads")
     needed_by = "a material" if residual is None else "contact" if contact else "loads" if loads else ""
     arguments.displacement(u, needed_by)
     V, mesh = u.function_space, u.function_space.mesh
@@ -76,7 +108,7 @@ def problem(
     else:
         check_residual(residual, u)
         arguments.radii("axisymmetric" if axisymmetric else None, mesh)
-    for bc in arguments.sequence("bcs", bcs, "DirichletBC"):
+    for bc in bcs:
         arguments.boundary_values("bcs", getattr(bc, "bc", bc) if in_time else bc, V)
     for load in loads:
         if not hasattr(load, "form"):
@@ -103,7 +135,7 @@ def problem(
         "residual": residual,
         "u among the coefficients": None if residual is None else [f is u for f in residual.coefficients()],
         "bcs": [arguments.value_of(bc) for bc in bcs],
-        "loads": list(loads),
+        "loads": loads,
         "contact": contact,
         "axisymmetric": axisymmetric,
     }

@@ -111,24 +111,31 @@ def _range(low: int, high: int | None) -> str:
     return {0: "an integer, zero or positive", 1: "a positive integer"}.get(low, f"an integer, {low} or more")
 
 
-def sequence(name: str, value: Any, what: str) -> list[Any]:
-    """Check a list or tuple.
+def one_or_list(name: str, value: Any, what: str, marks: tuple[str, ...]) -> list[Any]:
+    """Check an argument that is one object, or a list or tuple of them.
 
     Args:
         name: name of the argument, for the message.
         value: the argument.
-        what: name of the items in the plural, for the message.
+        what: what one object is, with its article, for the message.
+        marks: attributes of which such an object has at least one; those in a list are not looked at.
 
     Returns:
-        The items as a list.
+        The objects as a list.
 
     Raises:
-        TypeError: `value` is neither list nor tuple.
+        TypeError: `value` is neither list nor tuple nor such an object.
     """
     if isinstance(value, (list, tuple)):
         return list(value)
-    hint = "leave it out, or give ()" if value is None else f"put it into a list, {name}=[...]"
-    raise TypeError(f"{name} must be a list of {what}, found {type(value).__name__}: {hint}")
+    if not isinstance(value, type) and any(hasattr(value, mark) for mark in marks):
+        return [value]
+    if isinstance(value, type):
+        found, hint = f"the class {value.__name__}", f"make an object of it, {value.__name__}(...)"
+    else:
+        found, hint = type(value).__name__, f"put what there is into a list, {name}=[...]"
+    hint = "leave it out, or give ()" if value is None else hint
+    raise TypeError(f"{name} must be {what} or a list of them, found {found}: {hint}")
 
 
 def function(name: str, u: Any) -> None:

@@ -41,6 +41,8 @@ class ContactOutput:
         @property
         def nodes(self) -> IntArray: ...
         @property
+        def normal(self) -> FloatArray: ...
+        @property
         def points(self) -> FloatArray: ...
         @property
         def traction(self) -> FloatArray: ...
@@ -67,6 +69,15 @@ class ContactOutput:
         if self.initial is None:
             raise AttributeError(f"{type(self).__name__} has no initial penetration: it is one of static problems")
         return self.initial.depth
+
+    @property
+    def shear_traction(self) -> FloatArray:
+        """Part of the traction along the master's surface, friction, (n, gdim) [F/L^2]."""
+        traction, normal = self.traction, self.normal
+        return traction - np.sum(traction * normal, axis=1)[:, None] * normal
+
+    def refresh(self) -> None:
+        """Bring the results to the present state, where they are not kept there. Collective."""
 
     def covered(self) -> FloatArray:
         """Part of each point's area that is in contact. Collective.

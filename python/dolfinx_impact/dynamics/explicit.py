@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from ..amplitude import Amplitude, PrescribedMotion
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
+from ..common.units import Units
 from ..forms.compiler.frontend import check_kinds
 from ..contact.explicit.springs import stiffness
 from ..assembly.body_forms import body_forms, stiffness_damping
@@ -29,6 +30,7 @@ from ..assembly.history import MaterialHistory, existing
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
 from ..assembly.quadrature_degree import warn_of_degree
+from ..assembly.stressed_bodies import StressedBodies
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..forms.quadrature import with_rules
@@ -45,6 +47,7 @@ from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
+from ..recording.output_options import output_options
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
@@ -63,7 +66,7 @@ if TYPE_CHECKING:
     from ..statics.problem import StaticProblem
 
 
-class ExplicitProblem(Unique):
+class ExplicitProblem(Unique, StressedBodies):
     """Motion of bodies with lumped mass by central differences; docs/explicit/scheme.md has the equations.
 
     Args:
@@ -77,9 +80,9 @@ class ExplicitProblem(Unique):
             [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. If the residual contains it, the problem
             updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
-        bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
-        loads: loads; their `amplitude` is a function of time.
-        contact: contacts: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
+        bcs: DirichletBC (values are constant), PrescribedMotion (function of time), or a list of them.
+        loads: load, or a list of them; their `amplitude` is a function of time.
+        contact: contact, or a list of them: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
         damping: Rayleigh(alpha, beta) or None.
         bulk_viscosity: factors (linear, quadratic), for example (0.06, 1.2), or None [1].
         scheme: "half_step" (seed 3.72-3.77) or "classical" (seed 3.68-3.71).
@@ -122,9 +125,9 @@ class ExplicitProblem(Unique):
         residual: ufl.Form | None = None,
         density: float | ufl.core.expr.Expr | Sequence[float | ufl.core.expr.Expr] | None = None,
         velocity: fem.Function | None = None,
-        bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
-        loads: Sequence[Load] = (),
-        contact: Sequence[Penalty | Kinematic] = (),
+        bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
+        loads: Load | Sequence[Load] = (),
+        contact: Penalty | Kinematic | Sequence[Penalty | Kinematic] = (),
         damping: Rayleigh | None = None,
         bulk_viscosity: tuple[float, float] | None = None,
         scheme: str = "half_step",
@@ -138,6 +141,7 @@ class ExplicitProblem(Unique):
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
+            bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
             check_velocity(velocity, u)
             own: Any = None
@@ -159,7 +163,7 @@ class ExplicitProblem(Unique):
         free_garbage(self.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
         self.damping, self.scheme = damping or Rayleigh(), scheme
         self.lumping, self.mass_scaling = lumping, mass_scaling
-        self.loads, self.residual_form, self.given_density = list(loads), residual, density
+        self.loads, self.residual_form, self.given_density = tuple(loads), residual, density
         check_cells(mesh)
         claim(u, self, explicit=True)
         if material is not None:
@@ -242,7 +246,7 @@ class ExplicitProblem(Unique):
         self.supports, self.prescribed = supports.parts, supports.mask
         for dofs, values, column in self.supports:
             self._cpp_object.prescribe(dofs.astype(np.int32), values, column)
-        self.contact: list[NodalResult] = [c._bind_explicit(self) for c in contact]
+        self.contact: tuple[NodalResult, ...] = tuple([c._bind_explicit(self) for c in contact])
         for c in self.contact:
             motion = c.motion
             columns = [-1] * 3 if motion is None else self._functions.add(motion)
@@ -569,16 +573,25 @@ class ExplicitProblem(Unique):
         every: int = 100,
         points: ArrayLike | None = None,
         points_every: int = 10,
+        expressions: Mapping[str, ufl.core.expr.Expr] | None = None,
+        ending: str = ".bp",
+        units: Units | None = None,
     ) -> Recorder:
         """Write fields and histories into a folder from now on; see Recorder. Collective.
 
         Args:
             path: folder; None as for RunFolder.
-            fields: some of displacement, velocity, acceleration; and of materials with internal variables their names,
-                stress and von_mises.
+            fields: some of displacement, velocity, acceleration; of bodies stress, von_mises and the names of internal
+                variables; of contacts pressure, gap, traction, shear_traction, slip, status.
             every: steps between frames [1].
             points: points, (n, gdim); the motion of their nearest nodes is sampled [L].
             points_every: steps between samples of points [1].
+            expressions: further fields by name, UFL expressions of functions on the mesh, which are recorded as well:
+                numbers, vectors or tensors, averaged at the vertices. With a residual of your own "stress", the Cauchy
+                stress, a 3 x 3 tensor, gives von_mises.
+            ending: ".bp" for ADIOS2's format, ".xdmf" for XDMF with HDF5.
+            units: units that the names of fields end with, as "von_mises [Pa]" with dolfinx_impact.SI; None: names
+                alone.
 
         Returns:
             Recorder; call its `close()` at the end.
@@ -589,10 +602,11 @@ class ExplicitProblem(Unique):
             RuntimeError: the folder cannot be written; on all ranks.
         """
         with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
-            names, places = check_arguments(self, path, fields, every, points, points_every)
-            ranks.same(points=places)
+            options = output_options(expressions, ending, units)
+            names, places = check_arguments(self, path, fields, every, points, points_every, options)
+            ranks.same(output=options, points=places)
         output = self._stepper.recorders, self._state.update_functions
-        return Recorder(self, *output, path, names, every, places, points_every)
+        return Recorder(self, *output, path, names, every, places, points_every, options=options)
 
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.

@@ -3,25 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Protocol
 
-from dolfinx.fem import Function, FunctionSpace
+from dolfinx.fem import Function
 from mpi4py import MPI
 
-from ..assembly.history import MaterialHistory
-from ..contact.pair import ContactPair
+from ..recording.field_arguments import RecordedProblem
 
 
-class RecordedContact(Protocol):
-    """What a recorder reads of a contact."""
-
-    @property
-    def pair(self) -> ContactPair:
-        """Pair of surfaces."""
-
-
-class ProblemInTime(Protocol):
+class ProblemInTime(RecordedProblem, Protocol):
     """Problem whose state changes with time.
 
     Attributes:
@@ -33,14 +23,8 @@ class ProblemInTime(Protocol):
     """
 
     comm: MPI.Intracomm
-    u: Function
     velocity: Function
     acceleration: Function
-    space: FunctionSpace
-
-    @property
-    def contact(self) -> Sequence[RecordedContact]:
-        """Contacts."""
 
     @property
     def time(self) -> float:
@@ -49,11 +33,3 @@ class ProblemInTime(Protocol):
     @property
     def step(self) -> int:
         """Number of the present step [1]."""
-
-    @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials."""

@@ -19,11 +19,14 @@ from ..common.described import Described
 from ..common import arguments
 from ..common.collective import is_common
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
-from ..assembly.inelastic_stress import STRESS, VON_MISES
 from ..io import hdf5
-from ..io.frames import Frames
 from ..io.run_folder import FolderGone, RunFolder
-from .material_frames import MaterialFrames
+from ..common.units import Units
+from ..recording.field_arguments import check_fields
+from ..recording.field_sources import field_sources
+from ..recording.field_writer import FieldWriter
+from ..recording.names import MOTION
+from ..recording.output_options import OutputOptions
 from .row_blocks import RowBlocks
 from .run_history import ENERGIES
 
@@ -32,8 +35,6 @@ if TYPE_CHECKING:
 
     from .problem_in_time import ProblemInTime
 
-UNITS = {"time": "T", "displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}
-FIELDS = ("displacement", "velocity", "acceleration")
 ROWS = 100_000  # largest number of history rows that wait in memory
 INTERVAL = 1.0  # s of wall-clock time: opening the file takes milliseconds, as long as several steps of a small model
 
@@ -45,16 +46,18 @@ def check_arguments(
     every: int,
     points: ArrayLike | None,
     points_every: int,
+    options: OutputOptions,
 ) -> tuple[tuple[str, ...], FloatArray | None]:
     """Check the arguments of a Recorder on this rank.
 
     Args:
         problem: problem in time.
         path: folder, or None.
-        fields: some of FIELDS, and of `material_fields`.
+        fields: names of fields.
         every: steps between frames [1].
         points: points, (n, gdim) or (gdim); None: no points [L].
         points_every: steps between samples of points [1].
+        options: how fields are written, and expressions.
 
     Returns:
         `fields`, and `points` as an array (n, gdim) or None.
@@ -65,21 +68,13 @@ def check_arguments(
     """
     if path is not None:
         arguments.path("path", path)
-    if is_mixed(problem.space):
-        raise ValueError(
-            "record: u is on a mixed space, whose fields have meshes of output of their own: write u.sub(0).collapse() "
-            "and the others in a callback, with dolfinx.io.VTXWriter"
-        )
-    if isinstance(fields, str):
-        raise TypeError(f"fields must be a list of names, found the text {fields!r}: put it into a list")
-    known = (*FIELDS, *material_fields(problem))
-    unknown = [f for f in fields if f not in known]
-    if unknown:
-        raise ValueError(f"fields {unknown} are unknown: use some of {', '.join(known)}")
+    names = check_fields(problem, fields, list(MOTION), options)
+    if is_mixed(problem.space) and points is not None:
+        raise ValueError("points: u is on a mixed space, which has no nodes whose values are the displacement")
     for name, number in (("every", every), ("points_every", points_every)):
         arguments.integer(name, number, 1, unit=" of steps")
     if points is None:
-        return tuple(fields), None
+        return names, None
     gdim = problem.space.mesh.geometry.dim
     try:
         x = np.atleast_2d(np.asarray(points, dtype=float))
@@ -89,26 +84,18 @@ def check_arguments(
         raise ValueError(f"points have {x.shape[-1]} coordinates: {gdim} are needed")
     if not np.all(np.isfinite(x)):
         raise ValueError("points have coordinates that are not finite: give places in the body")
-    return tuple(fields), x
-
-
-def material_fields(problem: ProblemInTime) -> tuple[str, ...]:
-    """Names of fields of the materials that a Recorder can write; none without internal variables.
-
-    Args:
-        problem: problem in time.
-    """
-    return (*problem.history, STRESS, VON_MISES) if problem.has_history else ()
+    return names, x
 
 
 class Recorder(Described):
     """Writes frames and histories of a problem in time into a folder; made by the problem's `record`.
 
-    Files: fields.bp has the fields (ParaView 5.12 or newer), materials.bp those of materials, averaged at the vertices:
-    a scalar for each component, stress_xx, ... and back_stress_0, ... history.h5 has `time`, energies and contact
-    forces `force_0`, ... of every step, and `points/time`, `points/displacement` and `points/velocity` of shape
-    (frames, points, gdim). Datasets have units as attributes; T, L and F stand for the problem's units of time, length,
-    force.
+    Files: fields.bp has the motion (ParaView 5.12 or newer); materials.bp the stresses, internal variables and
+    expressions, averaged at the vertices: a scalar for each component, stress_xx, ... and back_stress_0, ...;
+    contact.bp the results of contacts at the nodes of the slaves, pressure, slip_x, ...: with several contacts,
+    pressure_0, ... history.h5 has `time`, energies and contact forces `force_0`, ... of every step, and `points/time`,
+    `points/displacement` and `points/velocity` of shape (frames, points, gdim). Datasets have units as attributes, and
+    the group `fields` those of the fields; without `units`, T, L and F stand for time, length, force.
 
     Histories are written with frames, at most once a second; after 100,000 steps; with checkpoints; when `advance` ends
     by an exception; and by `close`. If the disk is full, `advance` ends with a RuntimeError after a step. The files can
@@ -120,15 +107,17 @@ class Recorder(Described):
         recorders: recorders that its time stepper runs; this one is appended.
         update_functions: sets the problem's functions to the present time.
         path: folder; None as for RunFolder.
-        fields: some of FIELDS, and of `material_fields`.
+        fields: names of fields, as check_fields returned them.
         every: steps between frames [1].
         points: points whose nearest nodes are sampled, (n, gdim); None: no points [L].
         points_every: steps between samples of points [1].
         times: times of frames, if there are any in place of `every`; the stepper must meet them [T].
         name: beginning of the folder's name if `path` is None.
+        options: how fields are written, and expressions; None: neither.
 
     Attributes:
         folder: RunFolder with the files.
+        fields: writer of the frames.
         seconds: wall-clock time that frames, samples and histories have taken during the run [s].
 
     Raises:
@@ -147,23 +136,20 @@ class Recorder(Described):
         points_every: int,
         times: Sequence[float] = (),
         name: str = "explicit",
+        options: OutputOptions | None = None,
     ) -> None:
+        options = options or OutputOptions({}, ".bp", None)
+        self._units = options.units or Units()
         self._times = sorted(times)
         self.problem, self.every, self.points_every = problem, int(every), int(points_every)
         self._recorders, self._update_functions = recorders, update_functions
         self._nodes = [] if points is None else self._nearest(points)
         self.folder = RunFolder(path, {}, comm=problem.comm, name=name)
         functions = {"displacement": problem.u, "velocity": problem.velocity, "acceleration": problem.acceleration}
-        self._fields = [functions[f] for f in fields if f in functions]
-        self._materials: MaterialFrames | None = None
-        of_materials = [f for f in fields if f not in functions]
         for name, f in functions.items():
             f.name = name
-        self._writer: Frames | None = None
-        if self._fields:
-            self._writer = Frames(self.folder, "fields.bp", self._fields)
-        if of_materials:
-            self._materials = MaterialFrames(self.folder, problem.history, problem.space.mesh, of_materials)
+        sources = field_sources(problem, fields, functions, options)
+        self.fields = FieldWriter(self.folder, sources, options.ending, options.units)
         self._samples: list[tuple[float, FloatArray]] = []
         self._rows: RowBlocks | None = None  # those that wait
         self._frame = -1
@@ -193,16 +179,21 @@ class Recorder(Described):
             gdim, grow = self.problem.space.mesh.geometry.dim, {"chunks": True}
             names = {"time": "T", **{name: "F L" for name in ENERGIES}}
             for name, unit in names.items():
-                file.create_dataset(name, (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = unit
+                d = file.create_dataset(name, (0,), maxshape=(None,), dtype=float, **grow)
+                d.attrs["units"] = self._units.of(unit)
             for k, contact in enumerate(self.problem.contact):
                 d = file.create_dataset(f"force_{k}", (0, gdim), maxshape=(None, gdim), dtype=float, **grow)
-                d.attrs["units"], d.attrs["contact"] = "F", contact.pair.name
+                d.attrs["units"], d.attrs["contact"] = self._units.of("F"), contact.pair.name
+            fields = file.create_group("fields")
+            for name, dimension in self.fields.dimensions.items():
+                fields.attrs[name] = self._units.of(dimension)
             if self._nodes:
                 shape = (0, len(self._nodes), self.problem.space.dofmap.index_map_bs)
-                file.create_dataset("points/time", (0,), maxshape=(None,), dtype=float, **grow).attrs["units"] = "T"
+                d = file.create_dataset("points/time", (0,), maxshape=(None,), dtype=float, **grow)
+                d.attrs["units"] = self._units.of("T")
                 for name in ("displacement", "velocity"):
                     d = file.create_dataset(f"points/{name}", shape, maxshape=(None, *shape[1:]), dtype=float, **grow)
-                    d.attrs["units"] = UNITS[name]
+                    d.attrs["units"] = self._units.of(MOTION[name])
 
         self.folder.write("history.h5", lambda: hdf5.create(self.folder.file("history.h5"), fill))
 
@@ -260,7 +251,7 @@ class Recorder(Described):
         if p.comm.rank == 0:
             warnings.warn(f"{gone}; from the time {p.time:.6g} the run goes on without its recorder", stacklevel=2)
         with contextlib.suppress(RuntimeError):
-            self._close_writers()
+            self.fields.close()
 
     def _write_what_is_due(self) -> None:
         p, begin = self.problem, time.perf_counter()
@@ -271,10 +262,7 @@ class Recorder(Described):
             if sample:
                 self._sample()
             if frame:
-                if self._writer is not None:
-                    self._writer.write(p.time)
-                if self._materials is not None:
-                    self._materials.write(p.time)
+                self.fields.write(p.time)
                 if p.comm.bcast(time.monotonic() - self._flushed > INTERVAL, root=0):
                     self._flush()
             self.seconds += time.perf_counter() - begin
@@ -344,15 +332,7 @@ class Recorder(Described):
         """Close the files and stop recording. Collective."""
         if self in self._recorders:
             self._recorders.remove(self)
-        self._close_writers()
-
-    def _close_writers(self) -> None:
-        writers: list[Frames | MaterialFrames | None] = [self._writer, self._materials]
-        self._writer = self._materials = None
-        with contextlib.ExitStack() as stack:  # closes both, whatever the first one raises
-            for writer in writers:
-                if writer is not None:
-                    stack.callback(writer.close)
+        self.fields.close()
 
 
 def _append(dataset: h5py.Dataset, rows: AnyArray) -> None:

@@ -10,6 +10,7 @@ import scipy
 from dolfinx import fem
 from mpi4py import MPI
 
+from ..assembly import problem_arguments
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
 from ..contact.penalty.penalty import Penalty
@@ -38,7 +39,7 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
         raise TypeError(f"{', '.join(twice)}: given by the StaticProblem")
     if static.material is None:
         raise ValueError("from_static needs a problem of a material: make the ExplicitProblem of your residual itself")
-    contact = given.get("contact", ())
+    contact = problem_arguments.contacts(given.get("contact", ()))
     if len(contact) != len(static.contact):
         raise ValueError(f"the StaticProblem has {len(static.contact)} contacts, given are {len(contact)}")
     for k, (new, old) in enumerate(zip(contact, static.contact)):

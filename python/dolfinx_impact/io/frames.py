@@ -14,10 +14,10 @@ import shutil
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from dolfinx import fem
+from dolfinx import fem, io
 from mpi4py import MPI
 
-from ..common.collective import agree, attempt, is_common
+from ..common.collective import agree, attempt, common, is_common
 from .hdf5 import reserve
 from .series_writer import SeriesWriter, said
 
@@ -39,11 +39,16 @@ class Frames:
         path: path of the series.
 
     Raises:
-        RuntimeError: no room, or the folder cannot be written; on all ranks.
+        RuntimeError: no room, the folder cannot be written, or there is no ADIOS2; on all ranks.
     """
 
     def __init__(self, folder: RunFolder, name: str, functions: Sequence[fem.Function]) -> None:
         self.folder, self.path, self.comm = folder, folder.file(name), folder.comm
+        if not hasattr(io, "VTXWriter"):  # alike on all ranks
+            raise common(RuntimeError(
+                f"{name} cannot be written: this DOLFINx was built without ADIOS2. XDMF with HDF5 needs none: "
+                'record(..., ending=".xdmf"), or RunFolder.fields(..., xdmf=True)'
+            ))  # fmt: skip
         self._spare = folder.file(f".{name}.room")
         V = functions[0].function_space
         local = V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts

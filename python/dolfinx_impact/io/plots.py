@@ -125,6 +125,92 @@ def grid(
     return pyvista.UnstructuredGrid(flat, np.full(len(cells), kind, dtype=np.uint8), points)
 
 
+def deformed_grid(
+    field: Gathered,
+    displacement: Gathered,
+    scale: float = 1.0,
+    factor: float = 1.0,
+    cell_mask: BoolArray | IntArray | None = None,
+    shift: FloatArray | None = None,
+) -> pyvista.UnstructuredGrid:
+    """PyVista grid of a scalar field at the vertices on the deformed body, for `draw`.
+
+    Args:
+        field: gathered field of degree 1.
+        displacement: gathered displacement of any degree on the same mesh [L].
+        scale: factor of the displacement [1].
+        factor: factor of the values, for another unit.
+        cell_mask: mask or numbers of the cells that are shown; None: all.
+        shift: added to the displacements of the nodes, (gdim) or (num_nodes, gdim) [L].
+
+    Returns:
+        Grid with the point data "value".
+    """
+    assert field.values is not None, "gathered fields have their values on rank 0 only"
+    moved = at_nodes_of(field, displacement)
+    out = grid(field, moved if shift is None else moved + shift, scale, cell_mask)
+    out.point_data["value"] = factor * field.values[:, 0]
+    return out
+
+
+def at_nodes_of(field: Gathered, other: Gathered) -> FloatArray:
+    """Values of another field at the nodes of one of degree 1, found by the cells: bodies that touch keep their own.
+
+    Args:
+        field: gathered field of degree 1.
+        other: gathered field of any degree on the same mesh.
+
+    Returns:
+        Values, (num_nodes, components).
+    """
+    assert field.points is not None and field.cells is not None
+    assert other.cells is not None and other.values is not None
+    out = np.zeros((len(field.points), other.values.shape[1]))
+    corners = other.cells[:, : field.cells.shape[1]]  # DOLFINx numbers the vertices of a cell first
+    out[field.cells.ravel()] = other.values[corners.ravel()]
+    return out
+
+
+def show_grids(
+    figure: matplotlib.figure.Figure,
+    axes: matplotlib.axes.Axes,
+    grids: Sequence[pyvista.UnstructuredGrid],
+    clim: Sequence[float],
+    label: str,
+    title: str | None = None,
+    cmap: str = "viridis",
+    box: Box | None = None,
+    lengths: float = 1e3,
+    unit: str = "mm",
+    shrink: float = 0.85,
+    log: bool = False,
+    **options: Any,
+) -> None:
+    """Draw grids into matplotlib axes, with a colour bar: `draw`, `show` and `colour_bar` in one.
+
+    Args:
+        figure: figure.
+        axes: axes of the image.
+        grids: grids with the point data "value".
+        clim: smallest and largest value of the colour scale, in the unit of the values.
+        label: label of the colour bar.
+        title: title of the axes, or None.
+        cmap: matplotlib's name of the colour map.
+        box: xmin, xmax, ymin, ymax of a view along z, on axes with coordinates; None: without coordinates [L].
+        lengths: factor of the coordinates that the axes show.
+        unit: unit of the coordinates that the axes show.
+        shrink: length of the colour bar, as part of the axes [1].
+        log: whether the colour scale is logarithmic.
+        options: further arguments of `draw`.
+
+    Raises:
+        NoScreen: there is no display.
+    """
+    image = draw(grids, clim, cmap, box=box, log=log, **options)
+    show(axes, image, None if box is None else [lengths * place for place in box], unit, title)
+    colour_bar(figure, axes, clim, label, cmap, log, shrink=shrink)
+
+
 def draw(
     grids: Sequence[pyvista.UnstructuredGrid],
     clim: Sequence[float],

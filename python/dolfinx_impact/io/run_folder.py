@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import ufl
-from dolfinx import fem, io, la
+from dolfinx import fem, la
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
@@ -274,12 +274,11 @@ class RunFolder:
         """
         paths = []
         if xdmf:
-            path = self.file(f"{name}.xdmf")
-            with io.XDMFFile(self.comm, path, "w") as file:
-                file.write_mesh(functions[0].function_space.mesh)
-                for function in functions:
-                    file.write_function(_on_geometry(function), time)
-            return [path]
+            from .xdmf_series import XdmfSeries
+
+            series = XdmfSeries(self, f"{name}.xdmf", [_on_geometry(function) for function in functions])
+            series.write(time)
+            return [series.path]
         groups: dict[tuple[int, int, bool], list[fem.Function]] = {}
         for function in functions:
             mesh, element = function.function_space.mesh, function.function_space.element.basix_element

@@ -246,15 +246,11 @@ def section(picture: Picture, data: RailJoint, clim: tuple[float, float], size: 
         size: of the image [pixels].
     """
     stress, u = picture.stress, picture.displacement
-    assert u.values is not None and stress.values is not None and u.cells is not None and stress.cells is not None
-    assert stress.points is not None
-    moved = np.zeros((len(stress.values), 3))
-    moved[stress.cells.ravel()] = u.values[u.cells.ravel()]
+    assert stress.points is not None and stress.cells is not None
     length, width, depth = ZONE
     middles = stress.points[stress.cells].mean(axis=1)
     near = np.all(np.abs(middles) < 2.0 * np.array([length, width, depth]), axis=1)  # clipping all cells takes a second
-    grid = plots.grid(stress, moved, cell_mask=near)
-    grid.point_data["value"] = stress.values[:, 0] * MPA
+    grid = plots.deformed_grid(stress, u, factor=MPA, cell_mask=near)
     first = -1e-4 if data.sides == 2 else 0.0
     part = grid.clip_box((-length, length, first, width, -depth, 0.8 * depth), invert=False)
     view = (*VIEW, (0.0, 0.01, -0.004))

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 
 from ..assembly.ffcx_form import ffcx_form
 from ..assembly import problem_arguments, rigid_body_modes
-from ..assembly.history import MaterialHistory
+from ..assembly.history import HistoryField, MaterialHistory
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
@@ -61,10 +61,10 @@ class RollingProblem(Unique):
         material: material or MaterialMap, with densities; internal variables flow along streamlines.
         cell_tags: tags of the bodies; every owned cell must carry one.
         motions: dict from cell tag to Spin or Translation.
-        contact: contacts: dolfinx_impact.Lagrange(pair), with friction or without; dolfinx_impact.Penalty(pair)
-            without.
-        bcs: boundary conditions.
-        loads: loads (dolfinx_impact.Traction, ...).
+        contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), with friction or without;
+            dolfinx_impact.Penalty(pair) without.
+        bcs: boundary condition, or a list of them.
+        loads: load (dolfinx_impact.Traction, ...), or a list of them.
         options: PETSc options, as of StaticProblem.
         prefix: prefix of PETSc options on the command line.
 
@@ -88,13 +88,14 @@ class RollingProblem(Unique):
         material: _Material | MaterialMap,
         cell_tags: MeshTags,
         motions: Mapping[int, Spin | Translation],
-        contact: Sequence[Lagrange | Penalty] = (),
-        bcs: Sequence[fem.DirichletBC] = (),
-        loads: Sequence[Load] = (),
+        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
+        bcs: fem.DirichletBC | Sequence[fem.DirichletBC] = (),
+        loads: Load | Sequence[Load] = (),
         options: dict[str, Any] | None = None,
         prefix: str = "impact_rolling_",
     ) -> None:
         with guard(comm_of(u, bcs, material, cell_tags, loads, contact), "RollingProblem") as ranks:
+            bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
             given = problem_arguments.problem(u, material, None, bcs, loads, contact)
             inputs.check(u.function_space.mesh, material, cell_tags, motions, contact)
             if any(f.damps for f in foundations(loads)):
@@ -104,7 +105,7 @@ class RollingProblem(Unique):
             arguments.options(options)
             ranks.same(**given, motions=dict(motions), options=options, prefix=prefix)
         self.u, self.motions = u, {int(tag): motion for tag, motion in motions.items()}
-        self.material, self.cell_tags, self.bcs, self.loads = material, cell_tags, list(bcs), list(loads)
+        self.material, self.cell_tags, self.bcs, self.loads = material, cell_tags, tuple(bcs), tuple(loads)
         mesh = u.function_space.mesh
         self._check_tags(cell_tags)
         for tag, motion in self.motions.items():
@@ -155,7 +156,7 @@ class RollingProblem(Unique):
         return f"RollingProblem({self.motions}, {self._equilibrium!r})"
 
     @property
-    def contact(self) -> list[LagrangeContact | PenaltyContact]:
+    def contact(self) -> tuple[LagrangeContact | PenaltyContact, ...]:
         """Contacts with their results."""
         return self._equilibrium.contact
 
@@ -167,6 +168,16 @@ class RollingProblem(Unique):
             ValueError: no material has any.
         """
         return self._equilibrium.history
+
+    @property
+    def stress(self) -> HistoryField:
+        """Cauchy stress at the quadrature points, as of StaticProblem [F/L^2]."""
+        return self._equilibrium.stress
+
+    @property
+    def von_mises(self) -> HistoryField:
+        """Von Mises' equivalent stress at the quadrature points [F/L^2]."""
+        return self._equilibrium.von_mises
 
     @property
     def turn_changes(self) -> FloatArray:
@@ -635,6 +646,6 @@ class RollingProblem(Unique):
 
     def _matrix(self, form: ufl.Form) -> PETSc.Mat:
         """Matrix of a bilinear form, zero at supports."""
-        matrix = petsc.assemble_matrix(ffcx_form(form), bcs=self._equilibrium.bcs, diagonal=0.0)
+        matrix = petsc.assemble_matrix(ffcx_form(form), bcs=list(self._equilibrium.bcs), diagonal=0.0)
         matrix.assemble()
         return matrix

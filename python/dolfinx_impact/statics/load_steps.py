@@ -336,6 +336,8 @@ def run_steps(
     """
     report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose, progress), LoadPath(problem)
     width, done, halved = 1.0 / steps, 0.0, 0
+    for recorder in problem.recorders:
+        recorder.begin()
     closed = [c.num_active > 0 for c in problem.contact]
     good = problem.u.x.array.copy()
     while done < 1.0 - 1e-12:
@@ -370,6 +372,12 @@ def run_steps(
             known = increment.closed or closed
             closed = [was or at_start or c.num_active > 0 for was, at_start, c in zip(closed, known, problem.contact)]
             good, done = problem.u.x.array.copy(), fraction
+            try:
+                for recorder in problem.recorders:
+                    recorder.after(fraction)
+            except BaseException:
+                path.finish(done)
+                raise
             continue
         _back(problem, good, states)
         if increment.hopeless:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from ..assembly.curvature import check_curvature, is_displacement
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.residual import check_hypothesis
 from ..assembly.residual_bodies import ResidualBodies
+from ..assembly.stressed_bodies import StressedBodies
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
 from ..assembly.quadrature_degree import warn_of_degree
@@ -30,11 +31,15 @@ from .linear_solver import LinearSolver
 from ..io.mesh_check import check_cells
 from .snes import Solver
 from .load_steps import Report, run_steps
-from ..common.types import BoolArray, FloatArray
+from ..common.types import BoolArray, FilePath, FloatArray
+from ..common.units import Units
 from ..common.unique import Unique, claim
 from ..contact.mortar.shared_nodes import connect
 from ..loads import Load
 from ..materials import MaterialMap, _Material
+from ..recording.field_arguments import check_fields
+from ..recording.output_options import output_options
+from .load_step_recorder import LoadStepRecorder
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
@@ -43,16 +48,16 @@ if TYPE_CHECKING:
 __all__ = ["Report", "StaticProblem"]
 
 
-class StaticProblem(Unique):
+class StaticProblem(Unique, StressedBodies):
     """Equilibrium of bodies, in contact or not: internal virtual work and that of contact equal external virtual work.
 
     Args:
         u: displacement function. Its value is the initial guess, and becomes the solution [L].
         material: material or MaterialMap; or give `residual`.
         residual: UFL residual of your own in u (rank 1): internal minus external forces.
-        bcs: boundary conditions.
-        loads: loads (dolfinx_impact.Traction, ...).
-        contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
+        bcs: boundary condition, or a list of them.
+        loads: load (dolfinx_impact.Traction, ...), or a list of them.
+        contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
         options: PETSc options for KSP and SNES by name, without prefix. Default: LU by MUMPS, for large problems
             conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
@@ -68,6 +73,7 @@ class StaticProblem(Unique):
         exact_tangent: whether the part of the contact tangent that is not symmetric is in the matrix.
         body: residual of the bodies and its tangent.
         linear_solver: solver of the linear systems.
+        recorders: recorders that write during a solve.
         keeps_multipliers: whether multipliers stay in the linear systems; otherwise they are condensed.
         num_owned: number of degrees of freedom that this rank owns [1].
 
@@ -87,9 +93,9 @@ class StaticProblem(Unique):
         u: fem.Function,
         material: _Material | MaterialMap | None = None,
         residual: ufl.Form | None = None,
-        bcs: Sequence[fem.DirichletBC] = (),
-        loads: Sequence[Load] = (),
-        contact: Sequence[Lagrange | Penalty] = (),
+        bcs: fem.DirichletBC | Sequence[fem.DirichletBC] = (),
+        loads: Load | Sequence[Load] = (),
+        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
         options: dict[str, Any] | None = None,
         prefix: str = "impact_static_",
         hypothesis: str | None = None,
@@ -98,11 +104,12 @@ class StaticProblem(Unique):
             if material is not None and hypothesis is not None:
                 raise ValueError("the hypothesis is that of the material: give it there")
             axisymmetric = hypothesis == "axisymmetric"
+            bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric)
             bodies = None if residual is None else ResidualBodies(u.function_space.mesh, hypothesis)
             arguments.options(options)
             ranks.same(**given, options=options, prefix=prefix, hypothesis=hypothesis)
-        self.u, self.material, self.bcs, self.loads = u, material, list(bcs), list(loads)
+        self.u, self.material, self.bcs, self.loads = u, material, tuple(bcs), tuple(loads)
         V = u.function_space
         self.space = V
         check_cells(V.mesh)
@@ -124,7 +131,8 @@ class StaticProblem(Unique):
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for d in dofs:
             self.fixed[d] = True
-        self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
+        self.recorders: list[LoadStepRecorder] = []
+        self.contact: tuple[LagrangeContact | PenaltyContact, ...] = tuple([c._bind(self) for c in contact])
         # Only multipliers with the dual basis can be condensed, and only one constraint at a node. Otherwise, all stay
         # in the system.
         shared = connect(self.contact)
@@ -159,6 +167,48 @@ class StaticProblem(Unique):
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.bcs)} boundary conditions, {len(self.loads)} loads, {len(self.contact)} contacts"
         return f"StaticProblem({size} unknowns, {what}, {parts})"
+
+    # --- files -----------------------------------------------------------------------------------------------------
+
+    def record(
+        self,
+        path: FilePath | None = None,
+        fields: Sequence[str] = ("displacement",),
+        every: int = 1,
+        expressions: Mapping[str, ufl.core.expr.Expr] | None = None,
+        ending: str = ".bp",
+        units: Units | None = None,
+    ) -> LoadStepRecorder:
+        """Write fields and contact forces into a folder after converged increments; see LoadStepRecorder. Collective.
+
+        Args:
+            path: folder; None as for RunFolder.
+            fields: displacement; of bodies stress, von_mises and the names of internal variables; of contacts pressure,
+                gap, traction, shear_traction, slip, status.
+            every: increments between frames; the end of a solve is always written [1].
+            expressions: further fields by name, UFL expressions of functions on the mesh, which are recorded as well:
+                numbers, vectors or tensors, averaged at the vertices. With a residual of your own "stress", the Cauchy
+                stress, a 3 x 3 tensor, gives von_mises.
+            ending: ".bp" for ADIOS2's format, ".xdmf" for XDMF with HDF5.
+            units: units that the names of fields end with, as "von_mises [Pa]" with dolfinx_impact.SI; None: names
+                alone.
+
+        Returns:
+            Recorder; call its `close()` at the end.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: a field is unknown, or `every` is no positive integer; on all ranks.
+            RuntimeError: the folder cannot be written; on all ranks.
+        """
+        with guard(self.space.mesh.comm, "StaticProblem.record", path=path, fields=fields, every=every) as ranks:
+            if path is not None:
+                arguments.path("path", path)
+            options = output_options(expressions, ending, units)
+            names = check_fields(self, fields, ["displacement"], options)
+            every = arguments.integer("every", every, 1, unit=" of increments")
+            ranks.same(output=options)
+        return LoadStepRecorder(self, path, names, every, options)
 
     # --- residuals -------------------------------------------------------------------------------------------------
 

@@ -132,7 +132,7 @@ def check_bad_input():
     with shared_folder() as path:
         problem = block_on_block()
         for options, text in (
-            ({"fields": ("stress",)}, "unknown"),
+            ({"fields": ("stresses",)}, "unknown"),
             ({"every": 0}, "every is 0"),
             ({"points": [[0.0]]}, "coordinates"),
         ):

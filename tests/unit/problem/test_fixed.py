@@ -76,7 +76,7 @@ def test_the_table_is_whole(described):
     """Every class that a user can describe a problem with has its object here."""
     problems = {"StaticProblem", "ExplicitProblem", "NewmarkProblem", "RollingProblem"}
     no_state = {"ContactStatus", "InelasticMaterial", "MaterialUpdate", "PointValues"}
-    operators = {"Energy", "InternalForce", "Tangent"}
+    operators = {"DeformedBody", "Energy", "InternalForce", "Tangent", "Units"}  # and what shows results
     classes = {name for name in di.__all__ if isinstance(getattr(di, name), type)}
     assert {type(thing).__name__ for thing in described} - {"OwnLaw"} == classes - problems - no_state - operators
 
@@ -147,6 +147,8 @@ def test_parts_of_problems_cannot_be_replaced(described, kind):
     for name in ("u", "material", "loads", "contact", *(() if kind is di.StaticProblem else ("velocity", "damping"))):
         with pytest.raises(AttributeError, match=f"{name} of an? {kind.__name__} cannot be changed"):
             setattr(problem, name, getattr(problem, name))
+    for name in ("loads", "contact"):
+        assert isinstance(getattr(problem, name), tuple)
     problem.note = "a user's own"
     assert problem.note == "a user's own"
     del problem.note

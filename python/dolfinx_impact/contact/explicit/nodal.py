@@ -304,6 +304,10 @@ class NodalResult(ContactOutput):
             self._known = {name: results[name] for name in GAPS}
         return self._known
 
+    def refresh(self) -> None:
+        """Bring the results to the present state. Collective."""
+        self.update_results()
+
     def update_results(self) -> None:
         """Copy pressures, tractions and totals of the last step. Collective."""
         results = self._cpp_object.results()

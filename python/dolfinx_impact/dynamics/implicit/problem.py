@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,10 +23,12 @@ from ...assembly.locking import warn_of_locking
 from ...assembly.measures import check_measures
 from ...assembly.residual import check_hypothesis, split
 from ...assembly.quadrature_degree import warn_of_degree
+from ...assembly.stressed_bodies import StressedBodies
 from ...assembly.softening import warn_of_softening
 from ...common import arguments
 from ...common.collective import comm_of, guard
 from ...common.types import ArrayLike, FilePath, FloatArray
+from ...common.units import Units
 from ...common.unique import Unique, claim
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
@@ -38,6 +40,7 @@ from ...statics.inelastic_body import InelasticBody
 from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, residual_bodies, velocity_or_rest
+from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..stable_step import cell_sizes
@@ -75,7 +78,7 @@ SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten c
 STEPS = (1e-140, 1e140)  # whose squares, times anything that physics has, are numbers [T]
 
 
-class NewmarkProblem(Unique):
+class NewmarkProblem(Unique, StressedBodies):
     """Motion of bodies by Newmark's method or generalised-alpha, in contact or not; docs/implicit/scheme.md.
 
     Args:
@@ -88,9 +91,10 @@ class NewmarkProblem(Unique):
             velocity is the mean of a step (Euler's implicit rule) [M/L^3].
         velocity: initial velocity, a function on u's space; None: at rest. Where motion is prescribed, its own velocity
             counts. The function is not changed unless the residual contains it [L/T].
-        bcs: DirichletBC (values are constant) and PrescribedMotion (functions of time).
-        loads: loads; their `amplitude` is a function of time.
-        contact: contacts: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters move by `motion`.
+        bcs: DirichletBC (values are constant), PrescribedMotion (function of time), or a list of them.
+        loads: load, or a list of them; their `amplitude` is a function of time.
+        contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair). Rigid masters
+            move by `motion`.
         beta: Newmark's beta, positive; None: 1/4 [1].
         gamma: Newmark's gamma, at least 1/2; None: 1/2 [1].
         rho_inf: spectral radius at infinite frequency, 0 to 1: the parameters of Chung and Hulbert; None: Newmark [1].
@@ -150,9 +154,9 @@ class NewmarkProblem(Unique):
         residual: ufl.Form | None = None,
         density: float | ufl.core.expr.Expr | Sequence[float | ufl.core.expr.Expr] | None = None,
         velocity: fem.Function | None = None,
-        bcs: Sequence[fem.DirichletBC | PrescribedMotion] = (),
-        loads: Sequence[Load] = (),
-        contact: Sequence[Lagrange | Penalty] = (),
+        bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
+        loads: Load | Sequence[Load] = (),
+        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
         beta: float | None = None,
         gamma: float | None = None,
         rho_inf: float | None = None,
@@ -170,6 +174,7 @@ class NewmarkProblem(Unique):
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
+            bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
             given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, implicit=True)
             check_velocity(velocity, u)
             own: Any = None
@@ -192,7 +197,7 @@ class NewmarkProblem(Unique):
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.damping, self.lumping, self.impact = damping or Rayleigh(), lumping, impact
-        self.loads, self.residual_form, self.given_density = list(loads), residual, density
+        self.loads, self.residual_form, self.given_density = tuple(loads), residual, density
         check_cells(mesh)
         claim(u, self)
         moving = residual
@@ -231,7 +236,7 @@ class NewmarkProblem(Unique):
         self.moving_body = MovingBody(
             self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting, bodies)
         )
-        self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
+        self.contact: tuple[LagrangeContact | PenaltyContact, ...] = tuple([c._bind(self) for c in contact])
         self.obstacles = ObstacleMotions(self.contact, self.functions)
         self.read = ReadOnce(motion, self.contact)
         self.equations = StepEquations(
@@ -585,17 +590,26 @@ class NewmarkProblem(Unique):
         points: ArrayLike | None = None,
         points_every: int = 1,
         times: Sequence[float] = (),
+        expressions: Mapping[str, ufl.core.expr.Expr] | None = None,
+        ending: str = ".bp",
+        units: Units | None = None,
     ) -> Recorder:
         """Write fields and histories into a folder from now on; see Recorder. Collective.
 
         Args:
             path: folder; None as for RunFolder.
-            fields: some of displacement, velocity, acceleration; and of materials with internal variables their names,
-                stress and von_mises.
+            fields: some of displacement, velocity, acceleration; of bodies stress, von_mises and the names of internal
+                variables; of contacts pressure, gap, traction, shear_traction, slip, status.
             every: steps between frames [1].
             points: points, (n, gdim); the motion of their nearest nodes is sampled [L].
             points_every: steps between samples of points [1].
             times: times of frames, in place of `every`; steps end at these times exactly [T].
+            expressions: further fields by name, UFL expressions of functions on the mesh, which are recorded as well:
+                numbers, vectors or tensors, averaged at the vertices. With a residual of your own "stress", the Cauchy
+                stress, a 3 x 3 tensor, gives von_mises.
+            ending: ".bp" for ADIOS2's format, ".xdmf" for XDMF with HDF5.
+            units: units that the names of fields end with, as "von_mises [Pa]" with dolfinx_impact.SI; None: names
+                alone.
 
         Returns:
             Recorder; call its `close()` at the end.
@@ -606,11 +620,12 @@ class NewmarkProblem(Unique):
             RuntimeError: the folder cannot be written; on all ranks.
         """
         with guard(self.comm, "record", path=path, fields=fields, every=every, points_every=points_every) as ranks:
-            names, places = check_arguments(self, path, fields, every, points, points_every)
+            options = output_options(expressions, ending, units)
+            names, places = check_arguments(self, path, fields, every, points, points_every, options)
             moments = [arguments.number("times", t, unit=" [T]") for t in times]
-            ranks.same(points=places, times=moments)
+            ranks.same(output=options, points=places, times=moments)
         output = self.stepper.recorders, lambda: self.motion.set(self.stepper.state)
-        return Recorder(self, *output, path, names, every, places, points_every, moments, name="implicit")
+        return Recorder(self, *output, path, names, every, places, points_every, moments, "implicit", options)
 
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Cauchy stress at the quadrature points of bodies with internal variables, evaluated when it is asked for."""
+"""Cauchy stress at the quadrature points of bodies of any material, evaluated when it is asked for."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import ufl
 from dolfinx.fem import Function
 
 from ..common.types import FloatArray
+from ..forms.materials import von_mises_square
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
 from ..materials import Material, MaterialMap, _Material
@@ -39,27 +40,31 @@ def von_mises(stress: FloatArray) -> FloatArray:
     Returns:
         Equivalent stress, (...) [F/L^2].
     """
-    xx, yy, zz = (stress[..., i] for i in range(3))
-    shear = np.sum(stress[..., 3:] ** 2, axis=-1)
-    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * shear)
+    square: FloatArray = von_mises_square(*np.moveaxis(stress, -1, 0))
+    return np.sqrt(square)
 
 
-class InelasticStress:
-    """Cauchy stress of bodies with internal variables.
+class CauchyStress:
+    """Cauchy stress of bodies, by kernels of its own.
 
-    Kernels of their own solve the local equations once more, from the history of the last step at the present
-    displacement: a step without a change of strain, which leaves the history of a rate-independent law as it is.
+    Where there are internal variables they solve the local equations once more, from the history of the last step at
+    the present displacement: a step without a change of strain, which leaves the history of a rate-independent law as
+    it is.
 
     Args:
         u: displacement function [L].
         material: material of the bodies.
-        points: internal variables of the problem.
+        points: internal variables of the problem; None: no material has any.
+
+    Attributes:
+        degree: quadrature degree of the points [1].
     """
 
-    def __init__(self, u: Function, material: Material, points: PointHistory) -> None:
+    def __init__(self, u: Function, material: Material, points: PointHistory | None = None) -> None:
         self._points = points
         v = ufl.TestFunction(u.function_space)
         dx, degree = cells_measure(u, material)
+        self.degree = degree
         form: Any = 0
         laws: dict[int, PointLaw] = {}
         by_material: dict[int, PointLaw] = {}  # UFL makes one integral of the tags that share an elastic material
@@ -83,8 +88,9 @@ class InelasticStress:
             Components of `components` on this rank, (num_owned_cells, num_points, num_components) [F/L^2].
         """
         own = self._force.history
-        for name in own.state_names:
-            own.set_values(name, self._points.values(name))
+        if self._points is not None:
+            for name in own.state_names:
+                own.set_values(name, self._points.values(name))
         self._forces[:] = 0.0
         self._force.assemble(self._forces)
         values = own.values(STRESS, trial=True)
@@ -98,12 +104,6 @@ def _elastic(u: Function, v: ufl.Argument, material: _Material, dx: ufl.Measure)
 
     mesh = u.function_space.mesh
     law: Any = material.law(mesh)
-    stress = law.stress(u)
-    gradient = law.gradient(u)
-    if not law.linear:
-        F = ufl.Identity(gradient.ufl_shape[0]) + gradient
-        stress = stress * F.T / ufl.det(F)
-    if stress.ufl_shape == (2, 2):
-        stress = ufl.as_tensor([[stress[0, 0], stress[0, 1], 0], [stress[1, 0], stress[1, 1], 0], [0, 0, 0]])
+    stress = law.cauchy_stress(u)
     output = ufl.as_vector([stress[i, j] for i, j in components(mesh.geometry.dim)])
     return elasticity.internal_force(u, v, law, dx), PointLaw(outputs={STRESS: output})
