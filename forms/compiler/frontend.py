@@ -22,7 +22,6 @@ from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
 from .geometry import check_sizes, with_sizes
 from .stress_form import by_test_gradient
-from .words import find, in_words
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
 OPTIONS = {

@@ -6,9 +6,9 @@
 extern "C"
 {
   /// Element tensor of `lanes` cells at once. Entry i of an array of a cell stands at [lanes * i + lane]; rows of A
-  /// first. Facets between two cells (interior_facet) have the arrays of both, those of the "+" cell first: A is a vector
-  /// or matrix of twice the size, every coefficient has its "+" entries, then its "-" entries, and x all nodes of "+"
-  /// before those of "-".
+  /// first. Facets between two cells (interior_facet) have the arrays of both, those of the "+" cell first: A is a
+  /// vector or matrix of twice the size, every coefficient has its "+" entries, then its "-" entries, and x all nodes
+  /// of "+" before those of "-".
   /// @param A element tensor, added to, shape [0] x [1]; then the outputs (size_A)
   /// @param w coefficients, coefficient k from entry offset_k, in the order of its element's dofs (blocked)
   /// @param c constants, the same for all lanes

@@ -43,8 +43,9 @@ struct PointFailures
   std::vector<double> unknowns;
 };
 
-/// Cells or facets of one integral in batches of `width`, with the node numbers every array of the kernel is gathered from. The
-/// last batch of a group repeats its last cell in the lanes that are left over; `used` says how many lanes count.
+/// Cells or facets of one integral in batches of `width`, with the node numbers every array of the kernel is gathered
+/// from. The last batch of a group repeats its last cell in the lanes that are left over; `used` says how many lanes
+/// count.
 class Batches
 {
 public:

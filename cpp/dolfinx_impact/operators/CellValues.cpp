@@ -9,7 +9,7 @@ namespace dolfinx_impact::operators
 {
 CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V,
                        const std::map<std::string, std::shared_ptr<const Function>>& coefficients)
-    : _kernel(kernel), _space(V), _w(kernel.size_w), 
+    : _kernel(kernel), _space(V), _w(kernel.size_w),
       _nodes((std::string(kernel.integral_type) == "interior_facet" ? 6 : 3) * V.mesh()->geometry().dofmap().extent(1))
 {
   kernels::check_mesh(kernel, *V.mesh());

@@ -4,7 +4,8 @@
 
 namespace dolfinx_impact::operators
 {
-/// What a kernel reads of one cell, or of the two cells of an interior facet, at a time: values of coefficients and coordinates of nodes.
+/// What a kernel reads of one cell, or of the two cells of an interior facet, at a time: values of coefficients and
+/// coordinates of nodes.
 class CellValues
 {
 public:

@@ -23,7 +23,8 @@ struct Entity
   int facet;
 };
 
-/// Numbers of an entity's degrees of freedom, from zero, in the order of its matrix: those that two cells share are one.
+/// Numbers of an entity's degrees of freedom, from zero, in the order of its matrix: those that two cells share are
+/// one.
 int number_dofs(const FunctionSpace& V, const Entity& entity, std::vector<int>& numbers)
 {
   const auto& map = *V.dofmap();

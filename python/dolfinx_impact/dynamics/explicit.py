@@ -255,7 +255,8 @@ class ExplicitProblem(Unique):
             ReadOnce(supports, self.contact),
         )  # fmt: skip
         # Of other unknowns than displacements the size of a cell says nothing about how far they may change.
-        watch = StableStepWatch(self) if deforms and is_displacement(V) else None
+        watched = deforms and is_displacement(V) and not self._frequencies.depends_on_jumps
+        watch = StableStepWatch(self) if watched else None
         # Internal variables may change the stiffness by a third within 100 steps.
         periodic = periodic or (deforms and (watch is None or self._parts is not None))
         self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, watch, periodic)
