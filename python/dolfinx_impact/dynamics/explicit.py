@@ -87,6 +87,9 @@ class ExplicitProblem(Unique):
         mass_scaling: step to which the stable step of cells is raised by added mass; None: no mass is added [T].
         hypothesis: for a residual of your own: "axisymmetric" if its integrals contain 2 pi r, otherwise None or
             another hypothesis.
+        tangent: for a residual of your own: its derivative, a UFL form of rank 2, from which the stable step follows;
+            None: UFL finds it. Needed where the residual reads a stress that a callback computes, as a function at
+            quadrature points. The elastic tangent will do where the true one is never stiffer.
 
     Attributes:
         u: displacement at the present time [L].
@@ -131,6 +134,7 @@ class ExplicitProblem(Unique):
         lumping: str = "auto",
         mass_scaling: float | None = None,
         hypothesis: str | None = None,
+        tangent: ufl.Form | None = None,
     ) -> None:
         with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "ExplicitProblem") as ranks:
             if residual is not None and density is None:
@@ -138,7 +142,9 @@ class ExplicitProblem(Unique):
             if material is not None and (density is not None or hypothesis is not None):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
-            given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
+            given = problem_arguments.problem(
+                u, material, residual, bcs, loads, contact, axisymmetric, explicit=True, tangent=tangent
+            )
             check_velocity(velocity, u)
             own: Any = None
             if residual is not None:
@@ -172,22 +178,23 @@ class ExplicitProblem(Unique):
             assert material is not None  # checked above
             hypothesis = material.hypothesis_on(mesh)
             forms = body_forms(u, material)
-            internal, tangent, linear = forms.internal, forms.stiffness, forms.linear
+            internal, bounding, linear = forms.internal, forms.stiffness, forms.linear
             laws_at_points, self._parts = forms.laws, forms.parts
             parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
             bodies: Any = material
         else:
             bodies = own
             internal, resisting = split(residual, velocity)
-            # By the rules of the residual: it is the change of this force that bounds the step.
-            tangent, linear = expand_derivatives(ufl.derivative(with_rules(internal), u, du)), False
+            linear, bounding = False, tangent
+            if tangent is None:  # by the rules of the residual: it is the change of this force that bounds the step
+                bounding = expand_derivatives(ufl.derivative(with_rules(internal), u, du))
             if resisting is not None:
                 if scheme == "classical":
                     raise ValueError(
                         "the residual contains the velocity: scheme 'classical' takes mass-proportional damping only"
                     )
                 damping_tangent = expand_derivatives(ufl.derivative(with_rules(resisting), velocity, du))
-            check_hypothesis(internal, u, hypothesis)
+            check_hypothesis(internal, u, hypothesis, tangent)
             warn_of_degree(residual, u, hypothesis)
             parts, tags = [(None, bodies.density_constant(mesh))], None
         springs, dashpots = spring_form(loads, du, v, bodies), dashpot_form(loads, du, v, bodies)
@@ -197,18 +204,18 @@ class ExplicitProblem(Unique):
                 "be diagonal"
             )
         if springs is not None:
-            tangent = tangent + springs
-            check_measures(tangent)
+            bounding = bounding + springs
+            check_measures(bounding)
         if dashpots is not None:
             damping_tangent = dashpots if damping_tangent is None else damping_tangent + dashpots
             check_measures(damping_tangent)
         self._bodies = bodies
         self.axisymmetric = hypothesis == "axisymmetric"
         self._frequencies = Frequencies(
-            u, tangent, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
+            u, bounding, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
             velocity,
         )  # fmt: skip
-        tangents = [t for t in (tangent, damping_tangent) if t is not None]
+        tangents = [t for t in (bounding, damping_tangent) if t is not None]
         read = [c for t in tangents for c in t.coefficients()]
         deforms, periodic = any(c is u for c in read), any(c is velocity for c in read)
         if residual is not None:
