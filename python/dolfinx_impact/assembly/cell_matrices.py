@@ -2,6 +2,7 @@
 """Matrices of a bilinear form cell by cell, and what can be told from them."""
 
 import hashlib
+import math
 from collections.abc import Collection, Iterator
 from typing import Any
 
@@ -149,7 +150,7 @@ class CellMatrices:
     def _with_ghosts(self, values: AnyArray) -> FloatArray:
         """Values of owned cells and of the ghosts behind them. Collective."""
         values = np.asarray(values, dtype=np.float64)
-        columns = values.reshape(len(values), -1).shape[1]
+        columns = math.prod(values.shape[1:])
         vector = la.vector(self._cells, columns)
         vector.array[: values.size] = values.ravel()
         vector.scatter_forward()

@@ -23,7 +23,7 @@ from dolfinx import fem, jit
 from ..common.collective import common
 from ..forms.cell_maximum import CellMax
 from ..forms.compiler import geometry, words
-from .interior_facets import check_neighbours
+from .interior_facets import check_neighbours, has_interior_facets
 
 with contextlib.suppress(ImportError):  # not on Windows
     import fcntl
@@ -70,7 +70,7 @@ def ffcx_form(form: ufl.Form, jit_options: dict[str, Any] | None = None) -> fem.
     _check(form)
     mesh = form.ufl_domain().ufl_cargo()
     comm = mesh.comm
-    if any(i.integral_type() == "interior_facet" for i in form.integrals()):
+    if has_interior_facets(form):
         check_neighbours(mesh)
     folder = Path(jit.get_options(jit_options)["cache_dir"])
     for attempt in range(3):

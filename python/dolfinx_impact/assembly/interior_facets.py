@@ -2,8 +2,8 @@
 """Facets between two cells, as kernels take them."""
 
 import numpy as np
-from dolfinx import cpp
-from mpi4py import MPI
+import ufl
+from dolfinx import cpp, la
 
 from ..common.collective import common
 from ..common.types import IntArray
@@ -36,8 +36,9 @@ def interior_facets(mesh: cpp.mesh.Mesh_float64, chosen: IntArray | None = None)
     inner = to_cells.offsets[facets + 1] - first == 2
     facets, first = facets[inner], first[inner]
     num_cells = topology.index_map(tdim).size_local + topology.index_map(tdim).num_ghosts
-    of_cells = to_facets.array.reshape(num_cells, -1)
-    permutations = topology.get_facet_permutations().reshape(num_cells, -1)
+    per_cell = len(to_facets.array) // max(num_cells, 1)
+    of_cells = to_facets.array.reshape(num_cells, per_cell)
+    permutations = topology.get_facet_permutations().reshape(num_cells, per_cell)
     entities = np.zeros((len(facets), 3), dtype=np.int32)
     for side in range(2):
         cells = to_cells.array[first + side]
@@ -47,27 +48,53 @@ def interior_facets(mesh: cpp.mesh.Mesh_float64, chosen: IntArray | None = None)
     return entities.ravel()
 
 
+def has_interior_facets(form: ufl.Form) -> bool:
+    """Whether a form has integrals over facets between cells.
+
+    Args:
+        form: UFL form.
+    """
+    return any(integral.integral_type() == "interior_facet" for integral in form.integrals())
+
+
 def check_neighbours(mesh: cpp.mesh.Mesh_float64) -> None:
-    """Refuse a mesh on which a rank does not have both cells of a facet that it owns. Collective.
+    """Refuse a mesh on which facets that a rank owns have not two cells there. Collective.
 
     Args:
         mesh: mesh of any cells.
 
     Raises:
-        ValueError: ranks lack cells beyond their own; on all ranks.
+        ValueError: ranks lack cells beyond their own, or more than two bars or surfaces meet; on all ranks.
     """
     topology = mesh.topology
     tdim = topology.dim
     topology.create_connectivity(tdim - 1, tdim)
-    to_cells = topology.connectivity(tdim - 1, tdim)
-    num_owned = topology.index_map(tdim - 1).size_local
-    single = np.diff(to_cells.offsets[: num_owned + 1]) == 1
-    outer = cpp.mesh.exterior_facet_indices(topology)
-    single[outer[outer < num_owned]] = False
-    if mesh.comm.allreduce(bool(np.any(single)), MPI.LOR):
+    topology.create_connectivity(tdim, tdim - 1)
+    facets, num_cells = topology.index_map(tdim - 1), topology.index_map(tdim).size_local
+    of_cells = topology.connectivity(tdim, tdim - 1)
+    count = la.vector(facets, 1)  # cells at a facet, each counted by its owner: ranks may not see all of them
+    np.add.at(count.array, of_cells.array[: of_cells.offsets[num_cells]], 1.0)
+    count.scatter_reverse(la.InsertMode.add)
+    here = np.diff(topology.connectivity(tdim - 1, tdim).offsets)[: facets.size_local]
+    there = count.array[: facets.size_local]
+    found = mesh.comm.allgather((int(np.max(there, initial=0)), bool(np.any(here < there))))
+    most = max(number for number, _ in found)
+    if most > 2:
+        raise common(
+            ValueError(
+                f"integrals over interior facets, ufl.dS, have two sides, but {most} cells meet at one {_kind(tdim)} of "
+                "this mesh: write what joins them as a term over dx, or leave such places out of the mesh"
+            )
+        )
+    if any(lacks for _, lacks in found):
         raise common(
             ValueError(
                 "integrals over interior facets, ufl.dS, need the cells on both sides of a facet, and ranks of this "
                 "mesh have none beyond their own: make it with ghost_mode=dolfinx.mesh.GhostMode.shared_facet"
             )
         )
+
+
+def _kind(tdim: int) -> str:
+    """What a facet is called."""
+    return {1: "node", 2: "edge"}.get(tdim, "facet")

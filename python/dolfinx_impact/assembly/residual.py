@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Residuals of a user's own: checks, and the part that depends on the velocity."""
 
+import contextlib
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ from dolfinx.fem import Function
 from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
+from ..common.collective import common
 from .cell_matrices import CellMatrices
 from .fields import same_spaces
 
@@ -90,6 +93,25 @@ def check_residual(form: Any, u: Function, has_tangent: bool = False) -> None:
         )
 
 
+@contextlib.contextmanager
+def differentiable() -> Iterator[None]:
+    """Context in which a residual is differentiated: what UFL cannot do is told, as it is on all ranks.
+
+    Raises:
+        ValueError: UFL does not know the derivative.
+    """
+    try:
+        yield
+    except NotImplementedError as error:
+        raise common(
+            ValueError(
+                f"UFL cannot differentiate {NAME} ({error}): give its derivative as tangent=, a form of rank 2. On "
+                "surfaces of quadrilaterals UFL does not know the gradient of ufl.CellNormal(mesh): write grad(r x n) "
+                "as that of r alone, or mesh with triangles"
+            )
+        ) from error
+
+
 def split(form: ufl.Form, velocity: Function) -> tuple[ufl.Form, ufl.Form | None]:
     """Split a residual F(u, v) into the sum of F(u, 0) and F(u, v) - F(u, 0).
 
@@ -115,9 +137,7 @@ def split(form: ufl.Form, velocity: Function) -> tuple[ufl.Form, ufl.Form | None
     return still, moving - ufl.replace(moving, {velocity: zero})
 
 
-def check_hypothesis(
-    form: ufl.Form, u: Function, hypothesis: str | None, tangent: ufl.Form | None = None
-) -> None:
+def check_hypothesis(form: ufl.Form, u: Function, hypothesis: str | None, tangent: ufl.Form | None = None) -> None:
     """Refuse a residual on a plane mesh whose integrals do not belong to its hypothesis. Collective.
 
     A body of revolution resists a translation along the radius x[0] by its hoop strain, and has no resistance along its

@@ -26,6 +26,7 @@ from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.curvature import is_displacement
 from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
+from ..assembly.interior_facets import check_neighbours, has_interior_facets
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
 from ..assembly.quadrature_degree import warn_of_degree
@@ -39,7 +40,7 @@ from ..common.arguments import number
 from ..materials import MaterialMap, Rayleigh, _Material
 from ..io.mesh_check import check_cells
 from ..assembly.measures import check_measures
-from ..assembly.residual import check_hypothesis, split
+from ..assembly.residual import check_hypothesis, differentiable, split
 from . import energy_gain, rolling_start, static_start
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
@@ -167,6 +168,8 @@ class ExplicitProblem(Unique):
         self.lumping, self.mass_scaling = lumping, mass_scaling
         self.loads, self.residual_form, self.given_density = list(loads), residual, density
         check_cells(mesh)
+        if residual is not None and has_interior_facets(residual):
+            check_neighbours(mesh._cpp_object)
         claim(u, self, explicit=True)
         if material is not None:
             warn_of_locking(u, material)
@@ -187,7 +190,8 @@ class ExplicitProblem(Unique):
             internal, resisting = split(residual, velocity)
             linear, bounding = False, tangent
             if tangent is None:  # by the rules of the residual: it is the change of this force that bounds the step
-                bounding = expand_derivatives(ufl.derivative(with_rules(internal), u, du))
+                with differentiable():
+                    bounding = expand_derivatives(ufl.derivative(with_rules(internal), u, du))
             if resisting is not None:
                 if scheme == "classical":
                     raise ValueError(

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 from ..assembly import operators
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.measures import check_measures
+from ..assembly.residual import differentiable
 from ..assembly.residual_bodies import ResidualBodies
 from ..added_mass import AddedMass
 from ..forms.quadrature import with_rules
@@ -67,7 +68,8 @@ def make_body(
             return EvaluatedBody(u, residual, given, evaluate, accept)
         # There may be springs in it.
         if given is None:
-            return ElasticBody(u, residual, ufl.derivative(with_rules(residual), u, du), has_springs=True)
+            with differentiable():
+                return ElasticBody(u, residual, ufl.derivative(with_rules(residual), u, du), has_springs=True)
         body = ElasticBody(u, residual, given, has_springs=True)
         body.linear = body.keeps_tangent = False  # nothing says that it is exact
         return body
