@@ -36,7 +36,7 @@ def interior_facets(mesh: cpp.mesh.Mesh_float64, chosen: IntArray | None = None)
     inner = to_cells.offsets[facets + 1] - first == 2
     facets, first = facets[inner], first[inner]
     num_cells = topology.index_map(tdim).size_local + topology.index_map(tdim).num_ghosts
-    per_cell = len(to_facets.array) // max(num_cells, 1)
+    per_cell = cpp.mesh.cell_num_entities(topology.cell_type, tdim - 1)
     of_cells = to_facets.array.reshape(num_cells, per_cell)
     permutations = topology.get_facet_permutations().reshape(num_cells, per_cell)
     entities = np.zeros((len(facets), 3), dtype=np.int32)
@@ -82,8 +82,8 @@ def check_neighbours(mesh: cpp.mesh.Mesh_float64) -> None:
     if most > 2:
         raise common(
             ValueError(
-                f"integrals over interior facets, ufl.dS, have two sides, but {most} cells meet at one {_kind(tdim)} of "
-                "this mesh: write what joins them as a term over dx, or leave such places out of the mesh"
+                f"integrals over interior facets, ufl.dS, have two sides, but {most} cells meet at one {_kind(tdim)} "
+                "of this mesh: write what joins them as a term over dx, or leave such places out of the mesh"
             )
         )
     if any(lacks for _, lacks in found):

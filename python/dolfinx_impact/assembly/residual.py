@@ -82,8 +82,9 @@ def check_residual(form: Any, u: Function, has_tangent: bool = False) -> None:
         if points:
             raise ValueError(
                 f"{NAME} does not contain the displacement u, but {points[0].name}, a function at quadrature points: "
-                "without u it has no tangent, and no bound of the step. Give the derivative as tangent=, a form of rank "
-                "2 (docs: your own form), or write the law as a di.InelasticMaterial (docs: a material of your own)"
+                "without u it has no tangent, and no bound of the step. Give the derivative as tangent=, a form of "
+                "rank 2 (docs: your own form), or write the law as a di.InelasticMaterial (docs: a material of your "
+                "own)"
             )
         raise ValueError(f"{NAME} does not contain the displacement u: there is nothing to move")
     W = arguments[0].ufl_function_space()

@@ -8,6 +8,7 @@ import pytest
 import scipy.linalg
 import ufl
 from dolfinx import fem, la, mesh
+from dolfinx.graph import adjacencylist
 from mpi4py import MPI
 
 import dolfinx_impact as di
@@ -133,6 +134,30 @@ def turned_pair(cell):
     x = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.1, 0.2, 1.0], [0.3, 0.1, -0.8]])
     element = basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,))
     return mesh.create_mesh(MPI.COMM_SELF, np.array([[0, 1, 2, 3], [4, 2, 0, 1]]), x, element)
+
+
+def check_ranks_without_cells():
+    """Rank 0 has all cells: the run is that of one rank."""
+    found = []
+    for comm, partition in ((COMM, to_one_rank), (MPI.COMM_SELF, None)):
+        plain = mesh.create_unit_square(MPI.COMM_SELF, 4, 4)
+        x, cells = plain.geometry.x[:, :2].copy(), plain.geometry.dofmap.astype(np.int64)
+        x, cells = (x, cells) if comm.rank == 0 else (x[:0], cells[:0])
+        element = basix.ufl.element("Lagrange", "triangle", 1, shape=(2,))
+        domain = mesh.create_mesh(comm, cells, x, element, partitioner=partition)
+        V = fem.functionspace(domain, ("DG", 1, (2,)))
+        u, v = fem.Function(V, name="u"), ufl.TestFunction(V)
+        u.interpolate(lambda x: 1e-3 * np.cos(np.pi * x[:2]))
+        residual = ufl.inner(ufl.grad(u), ufl.grad(v)) * ufl.dx(degree=2)
+        residual += 20 * ufl.inner(ufl.jump(u), ufl.jump(v)) * ufl.dS(degree=2)
+        problem = di.ExplicitProblem(u, residual=residual, density=1.0)
+        problem.advance(0.5, progress=False)
+        found.append([problem.stable_step(), problem.energy["kinetic"], problem.energy["internal"]])
+    assert np.allclose(*found, rtol=1e-10), found
+
+
+def to_one_rank(comm, num_ranks, kinds, cells):
+    return adjacencylist(np.zeros((len(cells[0]) // 3, 1), dtype=np.int32))
 
 
 def check_cells_of_other_ranks_are_needed():
