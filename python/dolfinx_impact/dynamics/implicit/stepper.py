@@ -370,6 +370,8 @@ class ImplicitStepper(Described):
     def _accept(self, state: State, values: TimeValues, step: float, control: StepControl, error: float | None) -> None:
         """Take over a converged step. Collective."""
         self.problem.accept_step(state, values)
+        if self.problem.evaluates:
+            self.problem.inputs.store()
         self.state, self.time, self.step = state, values.time, self.step + 1
         self.problem.add_row()
         control.done(step, self.iterations, error)
