@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from values_in_time_checks import CELLS, LAMBDA, MU, Block
+from values_in_time_checks import CELLS, LAMBDA, MU, Block, rows
 
 import dolfinx_impact as di
 from dolfinx_impact.assembly.curvature import extremes
@@ -41,7 +41,7 @@ def residual(block, **given):
 def check_a_wrong_sign_is_refused_or_told():
     """The shear term of a law: refused. A weak spring on ds, which a body with prestress may look like: told.
     Right signs, and a bed of springs, say nothing."""
-    for cell in CELLS:
+    for cell in rows(CELLS):
         block = Block(cell)
         for make in problems(block, residual(block, sign=-1.0)):
             with pytest.raises(ValueError, match="negative"):
@@ -84,7 +84,7 @@ def check_a_body_that_grows_by_itself_stops_the_run():
     """A spring of a sign that is right at the start, wrong later, and one that is weakly wrong: the run stops where the
     energy that the residual has given passes what the body may have stored. Energies alone stop nothing with
     energy_limits=None; a further call goes on in implicit runs."""
-    for cell in CELLS:
+    for cell in rows(CELLS):
         for make in (di.ExplicitProblem, di.NewmarkProblem):
             block = Block(cell)
             form, k = residual_of(block, spring=1.0)
@@ -103,7 +103,7 @@ def check_a_body_that_grows_by_itself_stops_the_run():
 
 def check_energy_that_was_stored_or_belongs_to_forces_in_the_residual_stops_nothing():
     """A body that springs back from strains of 50 %, and one that falls by a force that the residual has."""
-    for cell in CELLS:
+    for cell in rows(CELLS):
         for make in (di.ExplicitProblem, di.NewmarkProblem):
             block = Block(cell)
             block.u.interpolate(lambda x: 0.5 * x[: block.dim])

@@ -276,9 +276,8 @@ def check_hoops_belong_to_their_hypothesis():
 def check_what_is_written_to_the_motion_is_refused():
     """In a callback or an update, at the start or later, on one rank alone: nothing would come of it. The state is that
     of the step before, and the run goes on; what is written and put back counts for nothing."""
-    for kind, name, way, first in itertools.product(
-        ("explicit", "Newmark"), ("u", "velocity"), ("callback", "update"), (True, False)
-    ):
+    table = itertools.product(("explicit", "Newmark"), ("u", "velocity"), ("callback", "update"), (True, False))
+    for kind, name, way, first in rows(table):
         block = Block()
         problem = KINDS[kind](block.u, block.law)
         calls = itertools.count()
