@@ -55,6 +55,7 @@ class Algebra:
     def __init__(self, take_out_reciprocals=True):
         self._nodes = {}
         self._fractions = {}  # value -> powers of it between -1 and 1
+        self._numbers = {}  # rounded -> number
         self._take_out_reciprocals = take_out_reciprocals
 
     def _intern(self, kind, data, level):
@@ -182,9 +183,14 @@ class Algebra:
         # The number most terms share goes outside, with the sign that makes the first term positive.
         magnitude = Counter(abs(c) for _, c in items).most_common(1)[0][0]
         scale = float(np.copysign(magnitude, items[0][1]))
-        data = tuple((_near_one(c / scale), n) for n, c in items)
+        data = tuple((self._same(_near_one(c / scale)), n) for n, c in items)
         node = self._intern("sum", data, max(n.level for _, n in data if n is not None))
         return self.multiply((scale, node), (1.0, self._product(common)))
+
+    def _same(self, number):
+        """The number that has been found before and differs by roundings alone, or this one."""
+        found = self._numbers.setdefault(f"{number:.13e}", number)
+        return found if abs(found - number) <= 8 * np.spacing(abs(number)) else number
 
     def add(self, *values):
         return self.close_sum(self.open_sum(*values))
@@ -193,8 +199,29 @@ class Algebra:
     def call(self, name, *args):
         if all(a[1] is None for a in args) and name in _FOLD:
             return self.number(_FOLD[name](*(a[0] for a in args)))
+        if name in ("cos", "sin"):
+            (number, node), constant = self._without_constant(args[0])
+            args = ((self._same(number), node),)
+            if constant:
+                return self._of_angle_sum(name, *args, constant)
         level = max((a[1].level for a in args if a[1] is not None), default=CONSTANT)
         return (1.0, self._intern("call", (name, args), level))
+
+    def _without_constant(self, a):
+        """A sum without its number, and this number."""
+        number, node = a
+        if node is None or node.kind != "sum" or node.data[0][1] is not None:
+            return a, 0.0
+        (constant, _), *others = node.data
+        return self.close_sum({n: number * c for c, n in others}), number * constant
+
+    def _of_angle_sum(self, name, angle, constant):
+        """Cosine or sine of angle + constant, by those of the angle: for the roots of a cubic, and derivatives of them,
+        one of each is computed. Beside a zero, the error is that which the rounded sum has."""
+        cosine, sine = self.call("cos", angle), self.call("sin", angle)
+        c, s = float(np.cos(constant)), float(np.sin(constant))
+        a, b = ((c, cosine), (-s, sine)) if name == "cos" else ((c, sine), (s, cosine))
+        return self.add(*((number * v[0], v[1]) for number, v in (a, b)))
 
     def select(self, condition, a, b):
         """Conditional; condition is a nested tuple (operator, value or condition, ...). Beside zero, a number is a
@@ -215,7 +242,7 @@ def _near_one(ratio):
     return float(np.copysign(1.0, ratio)) if abs(abs(ratio) - 1.0) < 4e-16 else ratio
 
 
-_FOLD = {"sqrt": np.sqrt, "abs": abs, "ln": np.log, "exp": np.exp}
+_FOLD = {"sqrt": np.sqrt, "abs": abs, "cos": np.cos, "sin": np.sin, "ln": np.log, "exp": np.exp}
 
 
 def condition_level(c):

@@ -18,18 +18,21 @@ from . import algebra as alg
 LARGEST_SUM = 60
 
 
-def collect(algebra, values):
+def collect(algebra, values, times=1):
     """Values with their sums collected.
 
     Args:
         algebra: Algebra of the values.
         values: list of (number, node).
+        times: how often. What the first time has put together belongs to one sum, and is multiplied out by the second.
 
     Returns:
         list of values of the same algebra.
     """
-    collector = _Collector(algebra, [node for _, node in values if node is not None])
-    return [value if value[1] is None else collector.scaled(*value) for value in values]
+    for _ in range(times):
+        collector = _Collector(algebra, [node for _, node in values if node is not None])
+        values = [value if value[1] is None else collector.scaled(*value) for value in values]
+    return values
 
 
 class _Collector:
@@ -38,7 +41,7 @@ class _Collector:
     def __init__(self, algebra, roots):
         self.algebra = algebra
         self.uses = alg.uses(roots)
-        self.unguarded = _unguarded(roots)
+        self.unguarded, self.reciprocals = _unguarded(roots)
         self.done, self.terms, self.num_sums = {}, {}, Counter()
         inner = set()
         order = _children_first(roots)
@@ -103,9 +106,10 @@ class _Collector:
         return [self._conditional(condition, a == (0.0, None), *term) for term in found]
 
     def _conditional(self, condition, otherwise, number, powers):
-        """A term under a condition. Factors that are computed whatever holds go out of it; others may be no numbers
-        where it does not hold, and so may quotients."""
-        out = Counter({base: p for base, p in powers.items() if p > 0 and base in self.unguarded})
+        """A term under a condition. Factors and reciprocals that are computed whatever holds go out of it; others may
+        be no numbers where it does not hold."""
+        known = {base: self.unguarded if p > 0 else self.reciprocals for base, p in powers.items()}
+        out = Counter({base: p for base, p in powers.items() if base in known[base]})
         value = (1.0, None)
         for base, p in powers.items():
             if base not in out:
@@ -198,8 +202,8 @@ def _children_first(roots):
 
 
 def _unguarded(roots):
-    """Nodes that are computed whatever conditions hold."""
-    seen, stack = set(), list(roots)
+    """Nodes that are computed whatever conditions hold, and those whose reciprocals are."""
+    seen, reciprocals, stack = set(), set(), list(roots)
     while stack:
         node = stack.pop()
         if node in seen:
@@ -209,4 +213,6 @@ def _unguarded(roots):
             stack.extend(alg.condition_nodes(node.data[0]))
         else:
             stack.extend(alg.children(node))
-    return seen
+        if node.kind == "product":
+            reciprocals |= {base for base, p in node.data if p < 0}
+    return seen, reciprocals

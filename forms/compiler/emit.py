@@ -3,6 +3,7 @@
 itself."""
 
 import hashlib
+import itertools
 
 import basix
 import ffcx.codegeneration.lnodes as L
@@ -154,7 +155,7 @@ def _tree(integral):
     fewer where common factors are taken out of sums, others where sums are collected."""
     found = [KernelWriter(integral).write()]
     if integral.rank < 2 and integral.law is None:
-        found += [KernelWriter(integral, take_out, collected=True).write() for take_out in (True, False)]
+        found += [KernelWriter(integral, *how).write() for how in itertools.product((False, True), (2, 1))]
     return min(found, key=flops)
 
 

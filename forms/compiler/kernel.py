@@ -77,10 +77,11 @@ class KernelWriter:
     Args:
         integral: frontend.Integral.
         take_out_reciprocals: see algebra.Algebra.
-        collected: whether sums are multiplied out and collected (collect.py), and products share pairs of factors.
+        collected: how often sums are multiplied out and collected (collect.py); if they are, products share pairs of
+            factors.
     """
 
-    def __init__(self, integral, take_out_reciprocals=True, collected=False):
+    def __init__(self, integral, take_out_reciprocals=True, collected=0):
         self.integral, self.ir = integral, integral.ir
         self.cell = integral.coordinate_element.cell_type
         self.tdim = len(basix.topology(self.cell)) - 1
@@ -90,7 +91,7 @@ class KernelWriter:
         self.shared_names = {}  # (shape, content) of a table -> name
         self.arrays = {}  # name -> values of the cell by point (_shared_row)
         self.rules = []
-        self.schedule = Schedule(self._access, share_pairs=collected or integral.law is not None)
+        self.schedule = Schedule(self._access, share_pairs=collected > 0 or integral.law is not None)
         self.rule = None
         self.local = LocalPart(self) if integral.law else None
         self.iterating = False  # does the local unknown stand for the iterate, or for the solution?
@@ -355,7 +356,7 @@ class KernelWriter:
         return L.StatementList(([L.Section("tables: [entity][point][dof]", [], tables)] if tables else []) + sections)
 
     def _collect(self):
-        values = iter(collect(self.algebra, [v for per_rule in self.targets for _, v in per_rule]))
+        values = iter(collect(self.algebra, [v for per_rule in self.targets for _, v in per_rule], self.collected))
         self.targets = [[(what, next(values)) for what, _ in per_rule] for per_rule in self.targets]
 
     def _array_section(self):

@@ -51,7 +51,7 @@ class Schedule:
                 self._frequency.update(n for n, _ in node.data)
             stack.extend(alg.children(node))
         if self.share_pairs:
-            self._plan(values, [node for node in seen if node.kind == "product"])
+            self._plan(values, seen)
         self._roots = {v: self._root(v) for v in values if v[1] is not None}
         self._uses, self._deeper = Counter(), set()
         visited, stack = set(), [low for _, low in self._roots.values()]
@@ -67,11 +67,14 @@ class Schedule:
                     self._deeper.add(j)
                 stack.append(j)
 
-    def _plan(self, values, products):
-        """Trees of all products, numbers of roots included (_root)."""
-        roots = {(n, abs(c)) for c, n in values if n is not None and n.kind == "product" and abs(c) != 1.0}
-        wanted = {(n, None): list(n.data) for n in products}
-        wanted |= {(n, c): [*n.data, (c, 1)] for n, c in roots}
+    def _plan(self, values, nodes):
+        """Trees of all products; the numbers of values that are asked for and of terms of sums are factors, too."""
+        terms = [(c, n) for node in nodes if node.kind == "sum" for c, n in node.data]
+        numbered = {
+            (n, abs(c)) for c, n in [*values, *terms] if n is not None and n.kind == "product" and abs(c) != 1.0
+        }
+        wanted = {(n, None): list(n.data) for n in nodes if n.kind == "product"}
+        wanted |= {(n, c): [*n.data, (c, 1)] for n, c in numbered}
         keys = sorted(wanted, key=lambda k: (k[0].number, k[1] or 0.0))
         factors = []
         for key in keys:
@@ -109,7 +112,7 @@ class Schedule:
         elif node.kind == "product":
             i = self._chain(node)
         elif node.kind == "sum":
-            terms = tuple((c, None if n is None else self._lower(n)) for c, n in node.data)
+            terms = tuple((c, None) if n is None else self._term(c, n) for c, n in node.data)
             i = self._make(("sum", terms), tuple(n for _, n in terms if n is not None), node.level)
         elif node.kind == "call":
             name, args = node.data
@@ -123,13 +126,17 @@ class Schedule:
         self._of[node] = i
         return i
 
+    def _term(self, c, node):
+        """(number, low) of a term of a sum. Where pairs are shared, the number joins a product."""
+        if not self.share_pairs or node.kind != "product" or abs(c) == 1.0:
+            return (c, self._lower(node))
+        return (1.0 if c > 0 else -1.0, self._tree(self._plans[node, abs(c)]))
+
     def _root(self, value):
         """(sign, low) of a value asked for from outside: its number joins the product, so that it can be shared."""
         c, node = value
-        if node.kind != "product" or abs(c) == 1.0:
-            return (c, self._lower(node))
-        if self.share_pairs:
-            return (1.0 if c > 0 else -1.0, self._tree(self._plans[node, abs(c)]))
+        if self.share_pairs or node.kind != "product" or abs(c) == 1.0:
+            return self._term(c, node)
         number = (alg.CONSTANT, 0, -1, self._make(("number", abs(c)), (), alg.CONSTANT))
         return (1.0 if c > 0 else -1.0, self._chain(node, [number]))
 

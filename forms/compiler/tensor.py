@@ -117,33 +117,46 @@ def reduce_columns(table):
 @lru_cache(maxsize=512)
 def _reduced(content, shape):
     table = np.frombuffer(content).reshape(shape)
-    num_dofs = table.shape[1]
-    basis, rows = [], []
-    for j in range(num_dofs):
-        column = table[:, j]
+    num_points, num_dofs = shape
+    basis, combinations = np.empty((num_points, 0)), []
+    for j, column in enumerate(table.T):
         if np.max(np.abs(column)) < TOLERANCE:
             continue
-        found = None
-        for a in range(len(basis)):
-            for s in (1.0, -1.0):
-                if np.max(np.abs(s * basis[a] - column)) < TOLERANCE:
-                    found = {a: s}
-        if found is None:
-            for a in range(len(basis)):
-                for b in range(a):
-                    for s in (1.0, -1.0):
-                        for t in (1.0, -1.0):
-                            if np.max(np.abs(s * basis[a] + t * basis[b] - column)) < TOLERANCE:
-                                found = found or {a: s, b: t}
-        if found is None:
-            found = {len(basis): 1.0}
-            basis.append(column)
-        rows.append((j, found))
-    reduction = np.zeros((len(basis), num_dofs))
-    for j, combination in rows:
-        for a, s in combination.items():
-            reduction[a, j] = s
-    return np.array(basis).T.reshape(table.shape[0], len(basis)), reduction
+        found = _as_one_column(basis, column) or _as_two_columns(basis, column)
+        if not found:
+            found = {basis.shape[1]: 1.0}
+            basis = np.column_stack((basis, column))
+        combinations.append((j, found))
+    reduction = np.zeros((basis.shape[1], num_dofs))
+    for j, combination in combinations:
+        for a, sign in combination.items():
+            reduction[a, j] = sign
+    return basis, reduction
+
+
+SIGNS = np.array([1.0, -1.0])
+
+
+def _as_one_column(basis, column):
+    """{number: sign} of the last column of a basis that is the given one but for its sign, or {}."""
+    differences = SIGNS * basis[:, :, None] - column[:, None, None]
+    equal = np.argwhere(np.max(np.abs(differences), axis=0, initial=0.0) < TOLERANCE)
+    return {int(a): float(SIGNS[s]) for a, s in equal[-1:]}
+
+
+def _as_two_columns(basis, column):
+    """{number: sign} of the first two columns of a basis whose sum or difference is the given one, or {}.
+
+    Most pairs are ruled out by one point, the one where the column is largest.
+    """
+    largest = np.argmax(np.abs(column))
+    signed = np.multiply.outer(basis[largest], SIGNS)  # column, sign
+    sums = signed[:, None, :, None] + signed[None, :, None, :]  # of columns a and b, by their signs
+    pairs = np.argwhere(np.abs(sums - column[largest]) < TOLERANCE)
+    a, b, s, t = pairs[pairs[:, 1] < pairs[:, 0]].T
+    differences = SIGNS[s] * basis[:, a] + SIGNS[t] * basis[:, b] - column[:, None]
+    equal = np.flatnonzero(np.max(np.abs(differences), axis=0) < TOLERANCE)
+    return {int(n[k]): float(SIGNS[sign[k]]) for k in equal[:1] for n, sign in ((a, s), (b, t))}
 
 
 def split_rows(basis):

@@ -26,7 +26,7 @@ def case_of(cell, name):
     return next(case for case in cases(cell, 1) if case.name == name)
 
 
-@pytest.mark.parametrize("steps", (STEPS, pytest.param(history.STEPS, marks=pytest.mark.slow)))
+@pytest.mark.parametrize("steps", (2 * STEPS // 3, pytest.param(history.STEPS, marks=pytest.mark.slow)))
 def test_rows_of_a_cell_pass(steps, monkeypatch):
     """Bars, a disc that comes to roll, rigid masters, bodies without contact; both kinds of contact."""
     monkeypatch.setattr(implicit, "run", lambda report: None)  # test_verify_implicit.py

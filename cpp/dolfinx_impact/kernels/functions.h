@@ -60,7 +60,7 @@ template <typename T>
 concept Vector = !is_double<T> && requires(T x) { x[0]; };
 
 inline constexpr double infinity = __builtin_inf(), not_a_number = __builtin_nan("");
-inline constexpr double least_normal = 0x1p-1022;
+inline constexpr double least_normal = 0x1p-1022, largest_subnormal = 0x0.fffffffffffffp-1022;
 inline constexpr double ln2_high = 0x1.62e42fefa3000p-1, ln2_low = 0x1.3de6af278ece6p-42; // the first has 41 bits
 inline constexpr double pi_low = 0x1.1a62633145c07p-53;                                   // pi less its nearest double
 inline constexpr double pi = 0x1.921fb54442d18p+1;
@@ -217,32 +217,72 @@ inline T power_of_two(T integer)
   return from_bits<T>((bits_of(integer) << 52) + 0x3ff0000000000000u);
 }
 
-/// exp(high + low) = 2^n p, where low is far below high; n is an integer that is added to `to_integer`.
+/// Has the processor instructions for powers of two of such vectors, which overflow and underflow as they should?
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX512F__)
+template <typename T>
+inline constexpr bool has_exponents = sizeof(T) == 64;
+#else
+template <typename T>
+inline constexpr bool has_exponents = false;
+#endif
+
+/// p 2^n of a number n that is an integer; without `has_exponents`, -1022 <= n <= 1023.
+template <Vector T>
+inline T times_power_of_two(T p, T n)
+{
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX512F__)
+  if constexpr (has_exponents<T>)
+    return __builtin_ia32_scalefpd512_mask(p, n, p, -1, 4);
+#endif
+  return p * power_of_two(T(n + to_integer));
+}
+
+/// exp(high + low) = 2^n p, where low is far below high and n is an integer.
 template <Vector T>
 struct Exponential
 {
-  T p, integer;
-  Exponential(T high, T low) : integer(high * 1.4426950408889634 + to_integer)
+  T n, p;
+  explicit Exponential(T x) : n(nearest(x)), p(of_remainder((x - n * ln2_high) - n * ln2_low)) {}
+  Exponential(T high, T low) : n(nearest(high)), p(of_remainder((high - n * ln2_high) + (low - n * ln2_low))) {}
+
+private:
+  static T nearest(T x) { return (x * 1.4426950408889634 + to_integer) - to_integer; }
+  static T of_remainder(T r)
   {
     // 1.3e-17: exp(r) but for its first two terms, over r^2, where |r| < ln(2)/2
     static constexpr double series[] = {0.5000000000000001,     0.16666666666666669,    0.041666666666623824,
                                         0.008333333333330039,   0.0013888888917367081,  0.00019841269863171557,
                                         2.4801521057868204e-05, 2.7557268276905696e-06, 2.7620201591031547e-07,
                                         2.5100472505694996e-08};
-    const T n = integer - to_integer;
-    const T r = (high - n * ln2_high) + (low - n * ln2_low);
-    p = 1.0 + (r + r * r * polynomial(series, r));
+    return 1.0 + (r + r * r * polynomial(series, r));
   }
 };
 
-/// exp(high + low) / 2^halvings of all numbers; overflow and underflow as they should.
+/// x, or a number near the ends of the range whose exponential overflows or underflows as that of x does.
 template <Vector T>
-inline T scaled_exponential(T high, T low, double halvings = 0.0)
+inline T bounded_exponent(T x)
 {
-  const T upper = select<T>(high > 711.0, 711.0, high);
-  const Exponential<T> e(select<T>(upper < -747.0, -747.0, upper), low);
+  constexpr double least = -747.0, largest = 711.0;
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX512F__)
+  if constexpr (sizeof(T) == 64) // one instruction each; x stands second, as that is taken where it is not a number
+  {
+    const T upper = __builtin_ia32_minpd512_mask(splat<T>(largest), x, x, -1, 4);
+    return __builtin_ia32_maxpd512_mask(splat<T>(least), upper, upper, -1, 4);
+  }
+#endif
+  const T upper = select<T>(x > largest, largest, x);
+  return select<T>(upper < least, least, upper);
+}
+
+/// The value of an exponential of a bounded exponent over 2^halvings; overflow and underflow as they should.
+template <Vector T>
+inline T scaled(const Exponential<T>& e, double halvings = 0.0)
+{
+  const T n = e.n - halvings;
+  if constexpr (has_exponents<T>)
+    return times_power_of_two(e.p, n);
   // 2^n in two factors: one of them may be beyond the range of normal numbers when their product with p is not.
-  const T n = (e.integer - to_integer) - halvings, total = n + to_integer, first = n * 0.5 + to_integer;
+  const T total = n + to_integer, first = n * 0.5 + to_integer;
   const T second = from_bits<T>(bits_of(total) - bits_of(first));
   return e.p * power_of_two(first) * power_of_two(second);
 }
@@ -251,17 +291,18 @@ inline T scaled_exponential(T high, T low, double halvings = 0.0)
 template <Vector T>
 [[gnu::noinline, gnu::cold]] T any_exponential(T x)
 {
-  return scaled_exponential(x, splat<T>(0.0));
+  return scaled(Exponential<T>(bounded_exponent(x)));
 }
 
 template <Vector T>
 inline T exp(T x)
 {
-  const Exponential<T> e(x, splat<T>(0.0));
-  T y = e.p * power_of_two(e.integer);
-  const auto regular = abs(x) < 708.0;
-  if (any_lane(~regular)) [[unlikely]]
-    y = select<T>(regular, y, any_exponential(x));
+  if constexpr (has_exponents<T>)
+    return scaled(Exponential<T>(bounded_exponent(x)));
+  const Exponential<T> e(x);
+  T y = times_power_of_two(e.p, e.n);
+  if (!all_between(x, -708.0, 708.0)) [[unlikely]]
+    y = select<T>(abs(x) < 708.0, y, any_exponential(x));
   return y;
 }
 
@@ -296,10 +337,10 @@ inline T regular_logarithm(T x, double shift)
 template <Vector T>
 inline T log(T x)
 {
-  const auto regular = (x >= least_normal) & (x < infinity);
   T y = regular_logarithm(x, 0.0);
-  if (any_lane(~regular)) [[unlikely]]
+  if (!all_between(x, largest_subnormal, infinity)) [[unlikely]]
   {
+    const auto regular = (x > largest_subnormal) & (x < infinity);
     const T subnormal = regular_logarithm(T(x * 0x1p54), -54.0);
     const T of_negative = select<T>(x < 0.0, not_a_number, x); // what is infinite or not a number stays so
     const T special = select<T>(x == 0.0, -infinity, of_negative);
@@ -373,7 +414,7 @@ template <Vector T>
 [[gnu::noinline, gnu::cold]] T any_power(T x, T p)
 {
   const Sum<T> l = extended_logarithm(x), product = exact_product(p, l.high);
-  T y = scaled_exponential(product.high, product.low + p * l.low);
+  T y = scaled(Exponential<T>(bounded_exponent(product.high), product.low + p * l.low));
   // Beyond this exponent an infinite or a huge p meets numbers that are none.
   const auto regular = (x >= least_normal) & (x < infinity) & (abs(product.high) < 1e4);
   const auto zero = (bits_of(x) == 0) & ((p > 0.0) | (p < 0.0)); // a body that is not strained has many of them
@@ -389,10 +430,12 @@ inline T pow(T x, T p)
 {
   const Sum<T> l = longer_logarithm(x), product = exact_product(p, l.high);
   const Exponential<T> e(product.high, product.low + p * l.low);
-  T y = e.p * power_of_two(e.integer);
-  const auto regular = (x >= least_normal) & (x < infinity) & (abs(product.high) < 4.0);
-  if (any_lane(~regular)) [[unlikely]]
+  T y = times_power_of_two(e.p, e.n);
+  if (!(all_between(x, largest_subnormal, infinity) & all_between(product.high, -4.0, 4.0))) [[unlikely]]
+  {
+    const auto regular = (x > largest_subnormal) & (x < infinity) & (abs(product.high) < 4.0);
     y = select<T>(regular, y, any_power(x, p));
+  }
   return y;
 }
 template <Vector T>
@@ -435,9 +478,9 @@ template <int k, typename T>
 inline T third_power(T x)
 {
   T y = regular_third_power<k>(x);
-  const auto regular = (x > 1e-290) & (x < 1e290);
-  if (any_lane(regular == 0)) [[unlikely]]
+  if (!all_between(x, 1e-290, 1e290)) [[unlikely]]
   {
+    const auto regular = (x > 1e-290) & (x < 1e290);
     constexpr double factor = k == 1 ? 0x1p100 : k == -1 ? 0x1p-100 : k == 2 ? 0x1p200 : 0x1p-200;
     const auto small = x < 1.0;
     const T scaled = regular_third_power<k>(T(x * select<T>(small, 0x1p300, 0x1p-300)));
@@ -587,14 +630,14 @@ template <Vector T>
 inline T sinh(T x)
 {
   const T size = abs(x), z = x * x;
-  const T half = scaled_exponential(size, splat<T>(0.0), 1.0); // exp(|x|)/2, below the largest number
+  const T half = scaled(Exponential<T>(bounded_exponent(size)), 1.0); // exp(|x|)/2, below the largest number
   const T large = half - 0.25 / half;
   return times_sign(T(select<T>(size < 1.0, size + size * z * polynomial(hyperbolic_sines, z), large)), x);
 }
 template <Vector T>
 inline T cosh(T x)
 {
-  const T half = scaled_exponential(T(abs(x)), splat<T>(0.0), 1.0);
+  const T half = scaled(Exponential<T>(bounded_exponent(T(abs(x)))), 1.0);
   return half + 0.25 / half;
 }
 template <Vector T>
@@ -607,7 +650,7 @@ inline T tanh(T x)
   const auto small = size < 1.0;
   const Sum<T> sine = ordered_sum(size, size * z * polynomial(hyperbolic_sines, z));
   const Sum<T> cosine = ordered_sum(splat<T>(1.0), 0.5 * z + z * z * polynomial(cosines, z));
-  const T square = scaled_exponential(T(2.0 * size), splat<T>(0.0));
+  const T square = scaled(Exponential<T>(bounded_exponent(T(2.0 * size))));
   const Sum<T> above{select<T>(small, sine.high, 2.0), select<T>(small, sine.low, 0.0)};
   const Sum<T> below{select<T>(small, cosine.high, square + 1.0), select<T>(small, cosine.low, 0.0)};
   const T q = quotient(above, below);
@@ -632,7 +675,7 @@ inline T erf(T x)
   const T size = abs(x), z = size * size;
   const T inside = size + size * polynomial(small_series, z);
   const T bounded = select<T>(size > 6.0, 6.0, size);
-  const T outside = 1.0 - scaled_exponential(T(-(bounded * bounded)), splat<T>(0.0)) *
+  const T outside = 1.0 - scaled(Exponential<T>(T(-(bounded * bounded)))) *
                               polynomial(large_series, T((bounded - 3.0) / (bounded + 3.0)));
   return times_sign(T(select<T>(size < 1.0, inside, outside)), x);
 }

@@ -114,4 +114,16 @@ inline bool any_lane(Mask condition)
     found |= condition[i] != 0;
   return found;
 }
+
+/// Is low < x < high in every lane? Not where x is not a number.
+template <typename T>
+inline bool all_between(T x, double low, double high)
+{
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX512F__)
+  if constexpr (sizeof(T) == 64) // greater (30), then less (17): lanes of the first comparison only
+    return __builtin_ia32_cmppd512_mask(x, splat<T>(high), 17,
+                                        __builtin_ia32_cmppd512_mask(x, splat<T>(low), 30, 0xff, 4), 4) == 0xff;
+#endif
+  return !any_lane(((x > low) & (x < high)) == 0);
+}
 } // namespace dolfinx_impact::kernels

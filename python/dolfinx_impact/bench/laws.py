@@ -91,8 +91,28 @@ def holzapfel(F: Any) -> Any:
     return energy
 
 
+def ogden(F: Any) -> Any:
+    """Three terms of the isochoric principal stretches (Ogden 1972; parameters of his fit to rubber).
+
+    Their squares are the roots of the characteristic polynomial of C by the formula with a cosine (Smith 1961). Where
+    two of them are equal, its angle has no derivative; a margin keeps it from there.
+    """
+    C, J, margin = F.T * F, ufl.det(F), 1e-7
+    mean = ufl.tr(C) / 3
+    B = C - mean * ufl.Identity(3)
+    size = ufl.sqrt(ufl.inner(B, B) / 6 + margin**2)
+    cosine = ufl.max_value(ufl.min_value(ufl.det(B) / (2 * size**3), 1 - margin), margin - 1)
+    angle = ufl.acos(cosine) / 3
+    squares = [J ** (-2 / 3) * (mean + 2 * size * ufl.cos(angle + 2 * np.pi * k / 3)) for k in range(3)]
+    energy = _volumetric(J)
+    for modulus, exponent in ((630.0, 1.3), (1.2, 5.0), (-10.0, -2.0)):
+        energy += modulus / exponent * (sum(square ** (exponent / 2) for square in squares) - 3)
+    return energy
+
+
 LAWS: tuple[Energy, ...] = (
     saint_venant, isochoric_neo_hookean, mooney_rivlin, yeoh, gent, arruda_boyce, compressible_ogden, fung, holzapfel,
+    ogden,
 )  # fmt: skip
 
 

@@ -23,6 +23,15 @@ def minus(value):
     return (-value[0], value[1])
 
 
+def evaluate(value, scope):
+    """Value of the text that a schedule writes, with pairs of factors shared."""
+    schedule, scope = Schedule(lambda key: L.Symbol(key[0], L.DataType.SCALAR), share_pairs=True), dict(scope)
+    schedule.prepare([value])
+    for statement in schedule.declare([value], alg.POINT):
+        exec(CxxFormatter()(statement).replace("const T ", "").replace("math::", "").rstrip(";\n"), scope)
+    return eval(CxxFormatter()(schedule.expression(value)).replace("math::", ""), scope)
+
+
 def test_sums_are_canonical(algebra):
     a, b, c = symbols(algebra, "abc")
     assert algebra.add(a, b, c) == algebra.add(c, a, b)
@@ -75,6 +84,16 @@ def test_common_number_and_sign_are_taken_out(algebra):
     assert halves == (0.5, difference[1])
 
 
+def test_ratios_that_two_roundings_left_apart_are_one(algebra):
+    """1.1 and 3.3 over 3, which is 1.0999999999999999: sums of several components are then the same."""
+    a, b = symbols(algebra, "ab")
+    one = algebra.add(a, (1.1, b[1]))
+    three = algebra.add((3.0, a[1]), (1.1 * 3.0 * (1 - 2**-52), b[1]), (0.0, None))
+    assert one == (1.0, three[1]) and three[0] == pytest.approx(3.0, rel=1e-15)
+    other = algebra.add(a, (1.1 * (1 + 1e-13), b[1]))  # another number
+    assert other[1] != one[1]
+
+
 def test_factor_and_reciprocal_cancel(algebra):
     a, b = symbols(algebra, "ab")
     assert algebra.multiply(algebra.multiply(a, b), algebra.power(a, -1)) == b
@@ -115,6 +134,22 @@ def test_power_of_a_scaled_value(algebra):
     (a,) = symbols(algebra, "a")
     assert algebra.power((-2.0, a[1]), 3) == (-8.0, algebra.power(a, 3)[1])
     assert algebra.power((-2.0, a[1]), -2) == (0.25, algebra.power(a, -2)[1])
+
+
+def test_angles_that_differ_by_a_number_share_cosine_and_sine(algebra, rng):
+    """Roots of a cubic: cosines of phi, phi + 2 pi/3 and phi + 4 pi/3, and sines, of their derivatives."""
+    (phi,) = symbols(algebra, "p")
+    third = 2 * np.pi / 3
+    angles = [algebra.add((0.4, phi[1]), algebra.number(k * third)) for k in range(3)]
+    values = [algebra.call(name, angle) for angle in angles for name in ("cos", "sin")]
+    calls = {n for v in values for n in [v[1], *alg.children(v[1])] if n.kind == "call"}
+    assert calls == {algebra.call(name, (0.4, phi[1]))[1] for name in ("cos", "sin")}
+    for x in rng.uniform(-4.0, 4.0, size=20):
+        exact = [f(0.4 * x + k * third) for k in range(3) for f in (np.cos, np.sin)]
+        scope = {"p": x, "cos": np.cos, "sin": np.sin}
+        # Roundings of the angle, which is below 6, and of the sum of two products.
+        assert [evaluate(v, scope) for v in values] == pytest.approx(exact, rel=0, abs=3e-15)
+    assert algebra.call("cos", algebra.number(third)) == (np.cos(third), None)
 
 
 def test_literals_are_folded(algebra):
@@ -183,6 +218,17 @@ def test_written_text_computes_the_value(algebra, rng):
     expected = [P * M - P / J**2, -(M**2) / P, -0.5 * B * C - A + 1.25]
     # A handful of roundings, each relative to values of order one to ten.
     assert [eval(t, scope) for t in texts] == pytest.approx(expected, rel=1e-12)
+
+
+def test_numbers_of_terms_are_factors_that_terms_share(algebra):
+    """a - 3 s x, b - 3 s y: 3 s is computed once."""
+    a, b, s, x, y = symbols(algebra, "absxy")
+    values = [algebra.add(u, (-3.0, algebra.multiply(s, v)[1])) for u, v in ((a, x), (b, y))]
+    schedule = Schedule(lambda key: L.Symbol(key[0], L.DataType.SCALAR), share_pairs=True)
+    schedule.prepare(values)
+    (declared,) = schedule.declare(values, alg.POINT)
+    assert CxxFormatter()(declared) == "const T t0 = 3.0 * s;\n"
+    assert [CxxFormatter()(schedule.expression(v)) for v in values] == ["a - x * t0", "b - y * t0"]
 
 
 def test_uses_are_counted(algebra):

@@ -141,3 +141,39 @@ def test_quotients_stay_inside(algebra):
     (found,) = collect(algebra, [algebra.add(guarded, algebra.multiply(s["f"], s["k"]))])
     inside = algebra.select((">", s["e"], algebra.number(0.0)), algebra.power(s["e"], -1), algebra.number(0.0))
     assert found == algebra.multiply(s["k"], algebra.add(inside, s["f"]))
+
+
+def test_quotients_that_are_computed_anyway_go_out(algebra):
+    """h / J where e > 0, beside k / J and h where e > 0: one conditional for both."""
+    s = symbols(algebra, "h e k J")
+    inverse, zero = algebra.power(s["J"], -1), algebra.number(0.0)
+    condition, inside = (">", s["e"], zero), algebra.call("ln", s["h"])
+    values = [
+        algebra.add(
+            algebra.multiply(s["k"], inverse), algebra.select(condition, algebra.multiply(inside, inverse), zero)
+        ),
+        algebra.add(s["k"], algebra.select(condition, inside, zero)),
+    ]
+    found = collect(algebra, values)
+    total = algebra.add(s["k"], algebra.select(condition, inside, zero))
+    assert found == [algebra.multiply(total, inverse), total]
+
+
+def test_what_is_put_together_is_multiplied_out_the_second_time(algebra, rng):
+    """Two invariants with gradients f_i + r d_i and f_i + s d_i, each in two terms of a component i: the first time
+    puts each one's terms together, the second time f_i and d_i are what is collected."""
+    by_name = symbols(algebra, "f0 f1 f2 d0 d1 d2")
+    total = algebra.add(*by_name.values())
+    r, s, t, x = (algebra.call("exp", algebra.multiply((0.1 * (k + 1), None), total)) for k in range(4))
+    values = []
+    for i in range(3):
+        f, d = by_name[f"f{i}"], by_name[f"d{i}"]
+        first, second = (algebra.add(f, algebra.multiply(g, d)) for g in (r, s))
+        terms = [(t, first, second), (x, second, first)]
+        inner = [algebra.multiply(c, algebra.add(algebra.multiply(r, a), algebra.multiply(s, b))) for c, a, b in terms]
+        values.append(algebra.add(*inner))
+    found = collect(algebra, values, times=2)
+    assert operations(found) < operations(collect(algebra, values))
+    numbers = {(n,): y for n, y in zip(by_name, rng.uniform(0.2, 0.8, size=len(by_name)))}
+    for a, b in zip(found, values):
+        assert value_of(a, numbers) == pytest.approx(value_of(b, numbers), rel=1e-14)

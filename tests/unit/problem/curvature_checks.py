@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from values_in_time_checks import CELLS, LAMBDA, MU, Block
+from values_in_time_checks import CELLS, LAMBDA, MU, Block, rows
 
 import dolfinx_impact as di
 from dolfinx_impact.assembly.curvature import extremes
@@ -22,23 +22,31 @@ def problems(block, residual):
     )
 
 
-def shear(block, sign):
+def residual_of(block, sign=1.0, spring=0.0, weight=0.0):
+    """A linear elastic law, its shear term with a sign; a spring on the facets above; a weight; and the constants of
+    these. One form for all: on each kind of cells it is compiled once."""
+    constants = [fem.Constant(block.mesh, value) for value in (sign, spring, np.full(block.dim, weight))]
+    shear, stiffness, force = constants
     e = ufl.sym(ufl.grad(block.u))
-    stress = LAMBDA * ufl.tr(e) * ufl.Identity(block.dim) + sign * 2 * MU * e
-    return ufl.inner(stress, ufl.grad(block.w)) * block.dx
+    stress = LAMBDA * ufl.tr(e) * ufl.Identity(block.dim) + shear * 2 * MU * e
+    residual = (ufl.inner(stress, ufl.grad(block.w)) - ufl.inner(force, block.w)) * block.dx
+    ds = ufl.Measure("ds", domain=block.mesh, subdomain_data=block.tags)
+    return residual + stiffness * ufl.inner(block.u, block.w) * ds(2), stiffness
+
+
+def residual(block, **given):
+    return residual_of(block, **given)[0]
 
 
 def check_a_wrong_sign_is_refused_or_told():
-    """The shear term alone, a whole law: refused. A weak spring on ds, which a body with prestress may look like: told.
+    """The shear term of a law: refused. A weak spring on ds, which a body with prestress may look like: told.
     Right signs, and a bed of springs, say nothing."""
-    for cell in CELLS:
+    for cell in rows(CELLS):
         block = Block(cell)
-        ds = ufl.Measure("ds", domain=block.mesh, subdomain_data=block.tags)
-        for make in problems(block, shear(block, -1.0)):
+        for make in problems(block, residual(block, sign=-1.0)):
             with pytest.raises(ValueError, match="negative"):
                 make()
-        spring = ufl.inner(block.u, block.w) * ds(2)
-        _, implicit, explicit = problems(block, shear(block, 1.0) - 2.0 * spring)
+        _, implicit, explicit = problems(block, residual(block, spring=-2.0))
         for make in (implicit, explicit):
             if block.mesh.comm.rank == 0:
                 with pytest.warns(UserWarning, match="negative in some directions.*springs on ds"):
@@ -48,7 +56,7 @@ def check_a_wrong_sign_is_refused_or_told():
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "this .* and an? .* that is still alive")
-            for make in problems(block, shear(block, 1.0) + 2.0 * spring):
+            for make in problems(block, residual(block, spring=2.0)):
                 make()
 
 
@@ -56,7 +64,7 @@ def check_ends_of_a_known_spectrum():
     """Rigid motions are zero to rounding; without them the lowest value is positive; reversed, the ends change."""
     block = Block("quadrilateral")
     n = block.V.dofmap.index_map.size_local * 2
-    K = di.StaticProblem(block.u, residual=shear(block, 1.0)).tangent.assemble()
+    K = di.StaticProblem(block.u, residual=residual(block)).tangent.assemble()
     low, high = extremes(K, np.ones(n, dtype=bool))
     assert abs(low) < 1e-9 and 1.0 < high < 4.0
     K.scale(-1.0)
@@ -76,15 +84,13 @@ def check_a_body_that_grows_by_itself_stops_the_run():
     """A spring of a sign that is right at the start, wrong later, and one that is weakly wrong: the run stops where the
     energy that the residual has given passes what the body may have stored. Energies alone stop nothing with
     energy_limits=None; a further call goes on in implicit runs."""
-    for cell in CELLS:
+    for cell in rows(CELLS):
         for make in (di.ExplicitProblem, di.NewmarkProblem):
             block = Block(cell)
-            ds = ufl.Measure("ds", domain=block.mesh, subdomain_data=block.tags)
-            k = fem.Constant(block.mesh, 1.0)
-            residual = shear(block, 1.0) + k * ufl.inner(block.u, block.w) * ds(2)
+            form, k = residual_of(block, spring=1.0)
             velocity = fem.Function(block.V)
             velocity.interpolate(lambda x: 0.1 * np.sin([x[i] + i for i in range(block.dim)]))
-            problem = make(block.u, residual=residual, density=1.0, velocity=velocity)
+            problem = make(block.u, residual=form, density=1.0, velocity=velocity)
             advance(problem, 0.1)
             k.value = -20.0
             with pytest.raises(RuntimeError, match="has given the body an energy of .* wrong sign"):
@@ -97,13 +103,12 @@ def check_a_body_that_grows_by_itself_stops_the_run():
 
 def check_energy_that_was_stored_or_belongs_to_forces_in_the_residual_stops_nothing():
     """A body that springs back from strains of 50 %, and one that falls by a force that the residual has."""
-    for cell in CELLS:
+    for cell in rows(CELLS):
         for make in (di.ExplicitProblem, di.NewmarkProblem):
             block = Block(cell)
             block.u.interpolate(lambda x: 0.5 * x[: block.dim])
-            advance(make(block.u, residual=shear(block, 1.0), density=1.0), 0.5)
+            advance(make(block.u, residual=residual(block), density=1.0), 0.5)
             block = Block(cell)
-            weight = fem.Constant(block.mesh, np.full(block.dim, 30.0))
-            problem = make(block.u, residual=shear(block, 1.0) - ufl.inner(weight, block.w) * block.dx, density=1.0)
+            problem = make(block.u, residual=residual(block, weight=30.0), density=1.0)
             advance(problem, 0.5)
             assert problem.energy["internal"] < 0.0 < 10.0 < problem.energy["kinetic"]

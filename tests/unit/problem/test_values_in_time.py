@@ -5,4 +5,7 @@ import values_in_time_checks
 from on_ranks import rank_tests
 from values_in_time_checks import *  # noqa: F401, F403
 
-test_one_rank, test_several_ranks = rank_tests(values_in_time_checks)
+# What repeats on other cells is left to `make verify`: their kernels take the time.
+test_one_rank, test_several_ranks = rank_tests(
+    values_in_time_checks, in_make_test={"loads_beside_a_residual_on_other_cells": ()}
+)
