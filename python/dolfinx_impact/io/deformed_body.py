@@ -151,7 +151,11 @@ class DeformedBody(Described):
         """
 
         def work() -> None:
-            figure, axes = plots.pyplot().subplots(figsize=(6.4, 4.2), layout="constrained")
+            height = 4.2
+            if self._plane:  # of the body, at a width of 5 inch, with room for the labels
+                extent = np.ptp(self._moved()[0], axis=0)
+                height = float(np.clip(5.0 * extent[1] / extent[0] + 0.9, 2.0, 7.0))
+            figure, axes = plots.pyplot().subplots(figsize=(6.4, height), layout="constrained")
             self.draw(axes, label, **options)
             if title:
                 axes.set_title(title, fontsize=10)
