@@ -142,6 +142,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .value("viscosity", WorkKind::viscosity)
       .value("foundation", WorkKind::foundation)
       .value("external", WorkKind::external);
+  m.attr("largest_growth") = EnergyBalance::largest_growth;
   nb::class_<FormForces>(m, "FormForces", "Forces of a form, and which coefficients the integrator provides")
       .def(
           "__init__",

@@ -37,20 +37,23 @@ class ElementTensor:
         factor = tensor.factors(element, self.rule.points) if self.rule.grid is not None else None
         for (block, _), value in self.targets:
             tr = block.ma_data[0].tabledata
-            table = np.asarray(tr.values)[0]
+            table, row = self.writer.rows(self._argument(block, 0), tr)
             begin, stride = int(tr.offset), int(tr.block_size)
-            uniform = tr.is_uniform or table.shape[0] == 1
+            uniform = row is None
             derivatives = self._derivatives(block)
             if uniform and factor is not None and not tr.is_piecewise and tensor.matches(factor, derivatives, table[0]):
                 self.factor, self.stride = factor, stride
                 self.tensor[(begin, derivatives)] = value
             else:
-                self.reduced.append((tr, table, begin, stride, uniform, value))
+                self.reduced.append((tr, table, begin, stride, row, value))
+
+    def _argument(self, block, number):
+        """Modified test (0) or trial function (1) of a block."""
+        return self.rule.data["modified_arguments"][block.ma_data[number].ma_index]
 
     def _derivatives(self, block):
-        mt = self.rule.data["modified_arguments"][block.ma_data[0].ma_index]
         counts = [0] * self.writer.tdim
-        for d in mt.local_derivatives:
+        for d in self._argument(block, 0).local_derivatives:
             counts[d] += 1
         return tuple(counts)
 
@@ -80,8 +83,8 @@ class ElementTensor:
 
     def _basis(self, k):
         """(table per point [entity, point, column], reduction [column, dof]) of a reduced block."""
-        tr, table, begin, stride, uniform, _ = self.reduced[k]
-        if not uniform:
+        tr, table, begin, stride, row, _ = self.reduced[k]
+        if row is not None:
             return table, np.eye(table.shape[2])
         basis, reduction = tensor.reduce_columns(table[0])
         return basis[None], reduction
@@ -89,7 +92,7 @@ class ElementTensor:
     def _split(self, k):
         """Shared row and own entries of a reduced block (tensor.split_rows), or None."""
         basis, _ = self._basis(k)
-        if not self.reduced[k][4] or basis.shape[1] < 3:
+        if self.reduced[k][4] is not None or basis.shape[1] < 3:
             return None
         return tensor.split_rows(basis[0])
 
@@ -116,7 +119,7 @@ class ElementTensor:
             for index, c in zip(q, constant):
                 access = access[0 if c else index]
             statements.append((L.AssignAdd if any(constant) else L.Assign)(access, schedule.expression(value)))
-        for k, (tr, table, begin, stride, uniform, value) in enumerate(self.reduced):
+        for k, (tr, table, begin, stride, row, value) in enumerate(self.reduced):
             if self.rule.num_points == 1:
                 statements.append(L.VariableDecl(_symbol(f"f_{self.rule.number}_{k}"), schedule.expression(value)))
                 continue
@@ -125,11 +128,11 @@ class ElementTensor:
                 statements.append(L.Assign(at, schedule.expression(value)))
                 continue
             basis, _ = self._basis(k)
-            if basis.shape[1] > 1 or not uniform or not np.all(np.isin(basis, (1.0, -1.0))):
+            if basis.shape[1] > 1 or row is not None or not np.all(np.isin(basis, (1.0, -1.0))):
                 name = self.writer._table(f"{tr.name}_test", basis)
                 f = _symbol(f"f_{k}")
                 statements.append(L.VariableDecl(f, schedule.expression(value)))
-                entity = L.LiteralInt(0) if uniform else L.Symbol("entity", INT)
+                entity = self.writer.row(row)
                 point = L.LiteralInt(0) if basis.shape[1] == 1 else self.rule.flat(self.writer.tdim)
                 for column in range(basis.shape[2]):
                     entry = L.Symbol(name, REAL)[entity][point][column]
@@ -195,15 +198,15 @@ class ElementTensor:
 
     def _after_reduced(self):
         terms = {}
-        for k, (tr, table, begin, stride, uniform, value) in enumerate(self.reduced):
+        for k, (tr, table, begin, stride, row, value) in enumerate(self.reduced):
             basis, reduction = self._basis(k)
             for column in range(reduction.shape[0]):
                 if self.rule.num_points == 1:
                     f = _symbol(f"f_{self.rule.number}_{k}")
-                    scale = float(basis[0, 0, column]) if uniform else None
+                    scale = float(basis[0, 0, column]) if row is None else None
                     if scale is None:
                         name = self.writer._table(f"{tr.name}_test", basis)
-                        f = L.Mul(L.Symbol(name, REAL)[L.Symbol("entity", INT)][0][column], f)
+                        f = L.Mul(L.Symbol(name, REAL)[self.writer.row(row)][0][column], f)
                         scale = 1.0
                 elif self._split(k) is not None:
                     f, scale = _symbol(f"{self._sum_name(k)}_c{column}"), 1.0
@@ -226,7 +229,8 @@ class ElementTensor:
             test, trial = (m.tabledata for m in block.ma_data)
             rows = (int(test.offset), int(test.block_size), np.asarray(test.values).shape[3])
             columns = (int(trial.offset), int(trial.block_size), np.asarray(trial.values).shape[3])
-            groups.setdefault(rows, {}).setdefault(columns, {}).setdefault(trial.name, []).append((test, trial, f))
+            both = [(self._argument(block, number), tr) for number, tr in enumerate((test, trial))]
+            groups.setdefault(rows, {}).setdefault(columns, {}).setdefault(trial.name, []).append((*both, f))
         statements = []
         for rows, by_columns in sorted(groups.items()):
             body, temporary = [], 0
@@ -236,11 +240,11 @@ class ElementTensor:
                     t = _symbol(f"r{temporary}")
                     temporary += 1
                     total = None
-                    for test, trial, f in entries:
-                        term = self._times_table(test, i, f)
+                    for test, _, f in entries:
+                        term = self._times_table(*test, i, f)
                         total = term if total is None else L.Add(total, term)
                     body.append(L.VariableDecl(t, total))
-                    products.append(self._times_table(entries[0][1], j, t))
+                    products.append(self._times_table(*entries[0][1], j, t))
                 total = products[0]
                 for p in products[1:]:
                     total = L.Add(total, p)
@@ -251,10 +255,10 @@ class ElementTensor:
             statements.append(L.ForRange(i, 0, rows[2], body))
         return declarations + statements
 
-    def _times_table(self, tr, dof, factor):
+    def _times_table(self, mt, tr, dof, factor):
         if tr.ttype == "ones":
             return factor
-        name = self.writer._table(f"{tr.name}_arg", np.asarray(tr.values)[0])
-        entity = L.LiteralInt(0) if (tr.is_uniform or np.asarray(tr.values).shape[1] == 1) else L.Symbol("entity", INT)
+        table, row = self.writer.rows(mt, tr)
+        name = self.writer._table(f"{tr.name}_arg", table)
         point = L.LiteralInt(0) if tr.is_piecewise else self.rule.flat(self.writer.tdim)
-        return L.Mul(L.Symbol(name, REAL)[entity][point][dof], factor)
+        return L.Mul(L.Symbol(name, REAL)[self.writer.row(row)][point][dof], factor)

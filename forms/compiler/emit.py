@@ -10,7 +10,7 @@ import numpy as np
 
 from .cxx import AnyLane, CxxFormatter, LocalSolve
 from .frontend import _kind
-from .kernel import KernelWriter
+from .kernel import KernelWriter, decoded
 
 # Part of every signature and cache key: raised when generated code changes its meaning or its interface.
 VERSION = "3"
@@ -136,7 +136,8 @@ def source(integrals, prefix):
     for k, integral in enumerate(integrals):
         symbol = f"{prefix}_{k}"
         tree = _tree(integral)
-        body = "".join(f"  {line}\n" if line else "\n" for line in CxxFormatter()(tree).splitlines())
+        lines = decoded(integral) + CxxFormatter()(tree).splitlines()
+        body = "".join(f"  {line}\n" if line else "\n" for line in lines)
         title = f"{integral.name}: {integral.integral_type} integral, {integral.coordinate_element.cell_type.name}"
         out.append(TEMPLATE.format(title=title, symbol=symbol + "_kernel", body=body))
         for lanes, guard in GUARDS.items():
@@ -191,7 +192,7 @@ def _descriptor(integral, symbol, count, group):
     if sums:
         rows = ", ".join(f"{{{_text(n)}, {i.sum_offset + k}}}" for k, n in enumerate(sums))
         lines.append(f"static const impact_sum {symbol}_sums[] = {{{rows}}};")
-    size_w = sum(c.num_dofs for c in i.coefficients)
+    size_w = i.num_cells * sum(c.num_dofs for c in i.coefficients)
     size_c = sum(c.size for c in i.constants)
     fields = [
         "IMPACT_KERNEL_ABI",

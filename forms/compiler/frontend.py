@@ -22,7 +22,6 @@ from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
 from .geometry import check_sizes, with_sizes
 from .stress_form import by_test_gradient
-from .words import find, in_words
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
 OPTIONS = {
@@ -123,7 +122,7 @@ class Integral:
     """One kernel to write: FFCx's representation with the facts about it that FFCx does not keep together."""
 
     name: str
-    integral_type: str  # "cell", "exterior_facet", "expression"
+    integral_type: str  # "cell", "exterior_facet", "interior_facet", "expression"
     subdomains: tuple
     ir: object
     rank: int
@@ -138,6 +137,11 @@ class Integral:
     entity_type: str = "cell"
     hypothesis: str = ""
     law: LocalExpressions | None = None
+
+    @property
+    def num_cells(self) -> int:
+        """Cells that the kernel reads: both sides of an interior facet, "+" first."""
+        return 2 if self.integral_type == "interior_facet" else 1
 
     @property
     def num_points(self):
@@ -314,7 +318,7 @@ def form_integrals(form, name, names, hypothesis="", law=None):
 
     Raises:
         TypeError: no form, or no law.
-        ValueError: interior-facet or custom integrals, names used twice, a law that does not fit the form.
+        ValueError: integrals over other entities, names used twice, a law that does not fit the form.
     """
     if not isinstance(form, ufl.Form):
         raise TypeError(f"{name}: expected a UFL form, found {type(form).__name__}")
@@ -370,7 +374,8 @@ def form_integrals(form, name, names, hypothesis="", law=None):
         else:
             coefficients, positions = data.reduced_coefficients, data.original_coefficient_positions
         elements = [c.ufl_function_space().ufl_element() for c in coefficients]
-        offsets = _offsets(coefficients, lambda c: int(c.ufl_function_space().ufl_element().dim))
+        sides = 2 if itg.integral_type == "interior_facet" else 1
+        offsets = _offsets(coefficients, lambda c: sides * int(c.ufl_function_space().ufl_element().dim))
         numbering = Numbering(
             {c: (k, offsets[c]) for k, c in enumerate(coefficients)},
             constant_offsets,
@@ -406,17 +411,15 @@ def form_integrals(form, name, names, hypothesis="", law=None):
 
 
 def check_kinds(name, form):
-    """ValueError where an integral is none over cells or exterior facets."""
-    measures = {"interior_facet": "dS", "vertex": "dP", "custom": "dC", "cutcell": "dX", "interface": "dI"}
+    """ValueError where an integral is none over cells or facets."""
+    measures = {"vertex": "dP", "custom": "dC", "cutcell": "dX", "interface": "dI"}
     for integral in form.integrals():
         kind = integral.integral_type()
-        if kind in ("cell", "exterior_facet"):
+        if kind in ("cell", "exterior_facet", "interior_facet"):
             continue
-        restricted = find(integral.integrand(), (ufl.classes.PositiveRestricted, ufl.classes.NegativeRestricted))
-        of = f" of {in_words(restricted)}" if restricted is not None else ""
         raise ValueError(
-            f"{name}: the integral{of} over ufl.{measures.get(kind, kind)} is not supported in kernels, which "
-            "integrate over dx and ds: StaticProblem and NewmarkProblem assemble such residuals as DOLFINx does"
+            f"{name}: the integral over ufl.{measures.get(kind, kind)} is not supported in kernels, which integrate "
+            "over dx, ds and dS: StaticProblem and NewmarkProblem assemble such residuals as DOLFINx does"
         )
 
 

@@ -73,7 +73,7 @@ def check_sizes(name, form):
                 )
             if isinstance(o, ufl.classes.CellVolume) and integral.integral_type() != "cell":
                 raise ValueError(
-                    f"{name}: {in_words(o)} of {cell} cells is known in integrals over dx, not in those over ds: take "
+                    f"{name}: {in_words(o)} of {cell} cells is known in integrals over dx, not over facets: take "
                     "ufl.CellDiameter(mesh)"
                 )
 

@@ -3,6 +3,9 @@
 
 Signature of the kernel (see kernels/Kernel.h for the layout of the arrays when T has several lanes):
     void kernel(T* A, const T* w, const double* c, const T* coordinate_dofs, int entity)
+
+Kernels of interior facets read both cells, "+" first. Each of them sees the facet as one of its own, by a number and a
+permutation of the points, which `decoded` finds in `entity`.
 """
 
 import basix
@@ -21,12 +24,30 @@ from .words import in_words
 
 INT, REAL, SCALAR = L.DataType.INT, L.DataType.REAL, L.DataType.SCALAR
 A, W, C = L.Symbol("A", SCALAR), L.Symbol("w", SCALAR), L.Symbol("c", REAL)
-X, ENTITY = L.Symbol("coordinate_dofs", SCALAR), L.Symbol("entity", INT)
+X = L.Symbol("coordinate_dofs", SCALAR)
 AXES = ("q0", "q1", "q2")
 
 
 def _int(name):
     return L.Symbol(name, INT)
+
+
+def decoded(integral):
+    """C++ lines that decode `entity` for both sides of an interior facet: facet_S, permutation_S, and row_S, the row of
+    a table that has one for each of both."""
+    lines = []
+    if integral.integral_type == "interior_facet":
+        num_facets = _num_facets(integral.coordinate_element.cell_type)
+        for side in range(2):
+            facet, permutation = f"facet_{side}", f"permutation_{side}"
+            lines.append(f"[[maybe_unused]] const int {facet} = (entity >> {4 * side}) & 15;")
+            lines.append(f"[[maybe_unused]] const int {permutation} = (entity >> {8 + 4 * side}) & 15;")
+            lines.append(f"[[maybe_unused]] const int row_{side} = {num_facets} * {permutation} + {facet};")
+    return lines
+
+
+def _num_facets(cell):
+    return len(basix.topology(cell)[-2])
 
 
 class Rule:
@@ -88,16 +109,15 @@ class KernelWriter:
             array = X if field == "x" else W
             return array[L.as_lexpr(begin) + L.as_lexpr(stride) * self.rules[rule].flat(self.tdim)]
         if kind == "table":
-            _, name, rule, entity, column = key
-            first = ENTITY if entity else L.LiteralInt(0)
+            _, name, rule, row, column = key
             point = L.LiteralInt(0) if rule is None else self.rules[rule].flat(self.tdim)
-            return L.Symbol(name, REAL)[first][point][column]
+            return L.Symbol(name, REAL)[self.row(row)][point][column]
         if kind == "weight":
             rule = self.rules[key[1]]
             return L.Symbol(f"weights_{rule.number}", REAL)[rule.flat(self.tdim)]
         if kind == "facet":
-            _, name, *component = key
-            access = L.Symbol(name, REAL)[ENTITY]
+            _, name, facet, *component = key
+            access = L.Symbol(name, REAL)[_int(facet)]
             for i in component:
                 access = access[i]
             return access
@@ -115,6 +135,29 @@ class KernelWriter:
         raise RuntimeError(f"unknown symbol {key}")
 
     @staticmethod
+    def row(name):
+        """First index of a table: the integer of a name, or None where the table is the same for all facets."""
+        return L.LiteralInt(0) if name is None else _int(name)
+
+    def rows(self, mt, tr):
+        """FFCx's table of a modified terminal by row, point and degree of freedom, and the name of the row's number;
+        None: there is one row."""
+        values = np.asarray(tr.values)
+        if len(values) > 1:  # points in the order in which the cell sees them
+            num_facets = _num_facets(self.cell)
+            values = np.broadcast_to(values, (len(values), num_facets, *values.shape[2:]))
+            return values.reshape(-1, *values.shape[2:]), f"row_{self._side(mt)}"
+        return values[0], None if tr.is_uniform or values.shape[1] == 1 else self._facet(mt)
+
+    def _side(self, mt):
+        """Number of the side of an interior facet."""
+        return 1 if mt.restriction == "-" else 0
+
+    def _facet(self, mt):
+        """Name of the number of the facet in the cell."""
+        return f"facet_{self._side(mt)}" if self.integral.num_cells > 1 else "entity"
+
+    @staticmethod
     def field_name(rule, field, derivatives):
         return f"{field}_D{''.join(map(str, derivatives))}_{rule}"
 
@@ -128,7 +171,7 @@ class KernelWriter:
 
     def _terminal(self, mt, tr):
         t = mt.terminal
-        if mt.restriction or mt.averaged or mt.global_derivatives:
+        if (mt.restriction and self.integral.num_cells == 1) or mt.averaged or mt.global_derivatives:
             raise ValueError(f"{self.integral.name}: {in_words(mt.expr)} is not supported in kernels")
         if isinstance(t, ufl.Constant):
             offset = self.integral.numbering.constants[t]
@@ -137,7 +180,8 @@ class KernelWriter:
             counts = [0] * self.tdim
             for d in mt.local_derivatives + (mt.component[1:] if isinstance(t, ufl.geometry.Jacobian) else ()):
                 counts[d] += 1
-            return self._evaluate("x", mt.component[0], tr, tuple(counts), lambda i: 3 * i + mt.component[0])
+            first = self._first_coordinate(mt) + mt.component[0]
+            return self._evaluate("x", first, mt, tr, tuple(counts), lambda i: 3 * i + first)
         if isinstance(t, ufl.Coefficient) and t == self.integral.numbering.unknown:
             return self.local.unknown(int(tr.offset), self.iterating)
         if isinstance(t, ufl.Coefficient) and t in self.integral.numbering.averages:
@@ -148,13 +192,13 @@ class KernelWriter:
             for d in mt.local_derivatives:
                 counts[d] += 1
             begin, stride = int(tr.offset), int(tr.block_size)
-            return self._evaluate(f"w{k}", begin, tr, tuple(counts), lambda i: offset + begin + stride * i)
+            return self._evaluate(f"w{k}", begin, mt, tr, tuple(counts), lambda i: offset + begin + stride * i)
         if isinstance(t, ufl.geometry.ReferenceNormal):
-            return self._facet_table("reference_normals", basix.cell.facet_outward_normals(self.cell), mt.component)
+            return self._facet_table("reference_normals", basix.cell.facet_outward_normals(self.cell), mt, mt.component)
         if isinstance(t, ufl.geometry.CellFacetJacobian):
-            return self._facet_table("facet_jacobians", basix.cell.facet_jacobians(self.cell), mt.component)
+            return self._facet_table("facet_jacobians", basix.cell.facet_jacobians(self.cell), mt, mt.component)
         if isinstance(t, ufl.geometry.FacetOrientation):
-            return self._facet_table("facet_orientations", np.array(basix.cell.facet_orientations(self.cell)), ())
+            return self._facet_table("facet_orientations", np.array(basix.cell.facet_orientations(self.cell)), mt, ())
         if isinstance(t, ufl.geometry.CellOrientation):
             # Of cells in a space of more dimensions. The weight of a point has the absolute value of the determinant;
             # the side of a normal is that of the numbering of the vertices, as in FFCx.
@@ -165,51 +209,56 @@ class KernelWriter:
             return self.algebra.number(basix.cell.facet_reference_volumes(self.cell)[0])
         if isinstance(t, ufl.geometry.CellVertices):
             vertex, component = map(int, mt.component)
-            return self._node(geometry.vertex_dofs(self.integral.coordinate_element)[vertex], component)
+            return self._node(geometry.vertex_dofs(self.integral.coordinate_element)[vertex], mt, component)
         if isinstance(t, ufl.geometry.CellEdgeVectors):
             edge, component = map(int, mt.component)
             first, second = geometry.cell_edges(self.cell)[edge]
-            return self._difference({first: 1.0, second: -1.0}, component)
+            return self._difference({first: 1.0, second: -1.0}, mt, component)
         if isinstance(t, ufl.geometry.FacetEdgeVectors):
-            return self._facet_edge(*map(int, mt.component))
+            return self._facet_edge(mt, *map(int, mt.component))
         raise ValueError(f"{self.integral.name}: {in_words(t)} is not supported in kernels")
 
-    def _node(self, number, component):
-        """Coordinate of a node of the cell."""
-        return self._dof("x", 3 * int(number) + component)
+    def _first_coordinate(self, mt):
+        """First entry of the coordinates of the cell that is meant."""
+        element = self.integral.coordinate_element
+        return 3 * self._side(mt) * (element.dim // element.block_size)
 
-    def _difference(self, factors, component):
+    def _node(self, number, mt, component):
+        """Coordinate of a node of the cell."""
+        return self._dof("x", self._first_coordinate(mt) + 3 * int(number) + component)
+
+    def _difference(self, factors, mt, component):
         """Sum of factor times coordinate over vertices."""
         nodes = geometry.vertex_dofs(self.integral.coordinate_element)
-        terms = [(f, self._node(nodes[vertex], component)[1]) for vertex, f in factors.items()]
+        terms = [(f, self._node(nodes[vertex], mt, component)[1]) for vertex, f in factors.items()]
         return self.algebra.add(*terms)
 
-    def _facet_edge(self, edge, component):
+    def _facet_edge(self, mt, edge, component):
         """Component of the vector of an edge of the facet."""
         values, algebra = geometry.facet_edge_differences(self.cell), self.algebra
         nodes = geometry.vertex_dofs(self.integral.coordinate_element)
         terms = []
         for vertex in range(values.shape[2]):
             if np.any(values[:, edge, vertex]):
-                factor = self._facet_table("facet_edges", values, (edge, vertex))
-                terms.append(algebra.multiply(factor, self._node(nodes[vertex], component)))
+                factor = self._facet_table("facet_edges", values, mt, (edge, vertex))
+                terms.append(algebra.multiply(factor, self._node(nodes[vertex], mt, component)))
         return algebra.add(*terms)
 
-    def _facet_table(self, name, values, component):
+    def _facet_table(self, name, values, mt, component):
         self.tables[name] = np.asarray(values, dtype=float)
-        return self.algebra.symbol(("facet", name, *map(int, component)), alg.CONSTANT)
+        return self.algebra.symbol(("facet", name, self._facet(mt), *map(int, component)), alg.CONSTANT)
 
     def _dof(self, field, index):
         return self.algebra.symbol(("dof", field, index), alg.CELL)
 
-    def _evaluate(self, field, component, tr, derivatives, dof):
+    def _evaluate(self, field, component, mt, tr, derivatives, dof):
         """Value of a field at the points: sum over its dofs of table times dof."""
         rule, algebra = self.rule, self.algebra
-        table = np.asarray(tr.values)[0]  # entities, points, dofs
+        table, row = self.rows(mt, tr)
         table_name = self._shared_name(tr.name, table)
         if tr.ttype == "ones" and table.shape[2] == 1:
             return self._dof(field, dof(0))
-        uniform, piecewise = tr.is_uniform or table.shape[0] == 1, tr.is_piecewise
+        uniform, piecewise = row is None, tr.is_piecewise
         if uniform and piecewise:
             return algebra.add(*((c, self._dof(field, dof(i))[1]) for i, c in enumerate(table[0, 0]) if c))
         if uniform and table.shape[1] == table.shape[2] and np.array_equal(table[0], np.eye(table.shape[1])):
@@ -234,7 +283,7 @@ class KernelWriter:
         level = alg.CELL if piecewise else alg.POINT
         terms = []
         for column, value in enumerate(combined):
-            entry = algebra.symbol(("table", name, at, not uniform, column), level)
+            entry = algebra.symbol(("table", name, at, row, column), level)
             terms.append(algebra.multiply(entry, value))
         return algebra.add(*terms)
 
@@ -252,7 +301,7 @@ class KernelWriter:
             factor = algebra.number(own[0])
         else:
             table = self._table(f"{name}_own", own[None, :, None])
-            factor = algebra.symbol(("table", table, rule.number, False, 0), alg.POINT)
+            factor = algebra.symbol(("table", table, rule.number, None, 0), alg.POINT)
         return algebra.add(base, algebra.multiply(factor, value))
 
     def _shared_name(self, name, table):

@@ -111,6 +111,12 @@ def reduce_columns(table):
     Columns that are zero drop out and columns that are sums or differences of two others are expressed by them, so that
     fewer products are made per point. Args: table (num_points, num_dofs). Returns (basis, reduction).
     """
+    return _reduced(np.asarray(table, dtype=float).tobytes(), table.shape)
+
+
+@lru_cache(maxsize=512)
+def _reduced(content, shape):
+    table = np.frombuffer(content).reshape(shape)
     num_dofs = table.shape[1]
     basis, rows = [], []
     for j in range(num_dofs):

@@ -8,6 +8,7 @@ import numpy as np
 from dolfinx.fem import DirichletBC
 
 from .common.collective import comm_of, guard
+from .common.fixed import Fixed
 from .common.types import FloatArray
 from .common.arguments import number
 
@@ -42,7 +43,7 @@ class Amplitude:
             raise TypeError(f"{name} must be a function of time or a pair (times, values), found {what!r:.60}")
 
     def _table(self, times: Any, values: Any) -> Callable[[float], FloatArray]:
-        times, values = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+        times, values = np.array(times, dtype=float), np.array(values, dtype=float)
         if len(times) == 0 or len(values) != len(times) or np.any(np.diff(times) <= 0):
             raise ValueError(f"{self.name}: a table needs increasing times and as many values")
         columns = values.reshape(len(times), -1).T
@@ -59,7 +60,7 @@ class Amplitude:
         return rows
 
 
-class PrescribedMotion:
+class PrescribedMotion(Fixed):
     """Displacement prescribed as a function of time: that of a Dirichlet boundary condition times an amplitude.
 
     Args:

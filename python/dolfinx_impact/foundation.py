@@ -14,6 +14,7 @@ from mpi4py import MPI
 from .assembly.ffcx_form import ffcx_form
 from .assembly import operators
 from .common.collective import comm_of, guard
+from .common.fixed import read_only
 from .common.types import FloatArray
 from .forms import foundation, quadrature
 from .forms.materials import check_hypothesis
@@ -49,7 +50,12 @@ class Foundation(_FacetLoad):
             if not _is_expression(self.stiffness) and not np.any(self.stiffness):
                 raise ValueError("the stiffness of a Foundation is zero: give a positive one [F/L^3]")
             ranks.same(stiffness=_shown(self.stiffness), damping=_shown(self.damping))
-        self.damping_constant: fem.Constant | None = None
+        self._damping_constant: fem.Constant | None = None
+
+    @property
+    def damping_constant(self) -> fem.Constant | None:
+        """Damping in force, which can be changed between steps; None before a problem is made, and without dashpots."""
+        return self._damping_constant
 
     @property
     def damps(self) -> bool:
@@ -68,7 +74,7 @@ class Foundation(_FacetLoad):
             ValueError: the tag does not exist, or the stiffness does not fit the mesh or is negative; on all ranks.
         """
         mesh = v.ufl_function_space().mesh
-        k, self.constant = self._on("stiffness", mesh, self.stiffness, getattr(self, "constant", None))
+        k, self._constant = self._on("stiffness", mesh, self.stiffness, self._constant)
         return foundation.foundation(k, u, v, _hypothesis(hypothesis, mesh), self._supported(v, hypothesis))
 
     def dashpots(self, velocity: Any, v: Any, hypothesis: str | None = None) -> ufl.Form:
@@ -83,7 +89,7 @@ class Foundation(_FacetLoad):
             ValueError: as in `springs`.
         """
         mesh = v.ufl_function_space().mesh
-        c, self.damping_constant = self._on("damping", mesh, self.damping, self.damping_constant)
+        c, self._damping_constant = self._on("damping", mesh, self.damping, self._damping_constant)
         return foundation.foundation(c, velocity, v, _hypothesis(hypothesis, mesh), self._supported(v, hypothesis))
 
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
@@ -219,4 +225,4 @@ def _coefficient(name: str, value: Any, unit: str) -> Any:
         raise ValueError(f"{name} has shape {array.shape}: give a number, or one per coordinate")
     if not np.all(np.isfinite(array)) or np.any(array < 0.0):
         raise ValueError(f"{name} is {array.tolist()}: it must be finite and not negative {unit}")
-    return array
+    return read_only(array)

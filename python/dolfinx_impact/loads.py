@@ -12,6 +12,7 @@ from dolfinx.mesh import Mesh, MeshTags, exterior_facet_indices
 
 from .assembly import operators
 from .common.collective import comm_of, guard
+from .common.fixed import Fixed, read_only
 from .common.types import FloatArray, IntArray
 from .forms import loads, quadrature
 from .common.arguments import number
@@ -74,22 +75,33 @@ def _is_gravity(value: float) -> bool:
     return any(abs(value - g) <= GRAVITY_WITHIN * g for g in GRAVITIES)
 
 
-class _Load:
+class _Load(Fixed):
     """Common part: value as a constant that can be changed between solves (`.constant.value`); of a UFL expression a
     factor of it, one at first."""
 
     amplitude: Any = None
     vector: Any
-    constant: Constant
+    _constant: Constant | None = None
     _mesh: Mesh
     _reached: Any
 
+    @property
+    def constant(self) -> Constant:
+        """Value of the load in force, which can be changed between solves; there is none before a problem is made.
+
+        Raises:
+            AttributeError: no problem has been made with the load.
+        """
+        if self._constant is None:
+            raise AttributeError(f"a {type(self).__name__} has no constant before a problem is made with it")
+        return self._constant
+
     def _prepare(self, mesh: Mesh, value: Any) -> Constant:
-        if getattr(self, "constant", None) is None or self._mesh is not mesh:
+        if self._constant is None or self._mesh is not mesh:
             self._mesh = mesh
-            self.constant = fem.Constant(mesh, np.asarray(value, dtype=default_scalar_type))
-            self._reached = np.zeros_like(self.constant.value)
-        return self.constant
+            self._constant = fem.Constant(mesh, np.asarray(value, dtype=default_scalar_type))
+            self._reached = np.zeros_like(self._constant.value)
+        return self._constant
 
     def _vector(self, name: str, mesh: Mesh) -> Any:
         """The load's `vector` in UFL: constants, or a factor times an expression."""
@@ -153,7 +165,7 @@ class BodyForce(_Load):
     def __init__(self, vector: Any, per_mass: bool = True, amplitude: Any = None) -> None:
         if not isinstance(per_mass, (bool, np.bool_)):
             raise TypeError(f"per_mass is {per_mass!r:.60}: give True (acceleration) or False (force per volume)")
-        self.vector, self.per_mass, self.amplitude = vector, bool(per_mass), amplitude
+        self.vector, self.per_mass, self.amplitude = read_only(vector), bool(per_mass), amplitude
         self._warned = False
 
     def _what(self) -> str:
@@ -238,7 +250,7 @@ class Traction(_FacetLoad):
     def __init__(self, facet_tags: MeshTags, tag: int, vector: Any, amplitude: Any = None) -> None:
         with guard(comm_of(facet_tags), "Traction", tag=tag, vector=vector, amplitude=amplitude):
             self.facet_tags, self.tag = facet_tags_of("Traction", facet_tags), _tag(tag)
-        self.vector, self.amplitude = vector, amplitude
+        self.vector, self.amplitude = read_only(vector), amplitude
 
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         """External virtual work."""

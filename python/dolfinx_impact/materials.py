@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,6 +17,7 @@ from ufl.algorithms import extract_arguments, extract_coefficients
 from .common import arguments
 from .common.arguments import number
 from .common.collective import comm_of, guard
+from .common.fixed import Fixed
 from .forms import materials as laws
 
 
@@ -38,7 +40,7 @@ def mesh_of(u: Any) -> Mesh:
     raise TypeError(f"a displacement is a Function, or a UFL expression of one; found {type(u).__name__} {u!s:.60}")
 
 
-class _Material:
+class _Material(Fixed):
     """Isotropic solid.
 
     Args:
@@ -208,7 +210,7 @@ class NeoHookean(_Material):
     law_class = laws.NeoHookean
 
 
-class MaterialMap:
+class MaterialMap(Fixed):
     """Several materials by cell tag.
 
     Args:
@@ -223,7 +225,7 @@ class MaterialMap:
         with guard(comm_of(cell_tags), "MaterialMap", materials=materials):
             _check_map(cell_tags, materials)
         self.cell_tags = cell_tags
-        self.materials = {int(t): m for t, m in materials.items()}
+        self.materials = MappingProxyType({int(t): m for t, m in materials.items()})
         self._cell_numbers: fem.Function | None = None
         topology = cell_tags.topology
         comm, num_owned = topology.comm, topology.index_map(topology.dim).size_local
@@ -355,7 +357,7 @@ def _check_map(cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:
         raise ValueError(f"materials need tags of cells (dimension {tdim}), found tags of dimension {cell_tags.dim}")
 
 
-class Rayleigh:
+class Rayleigh(Fixed):
     """Rayleigh damping C = alpha M + beta K, seed (3.67).
 
     Args:

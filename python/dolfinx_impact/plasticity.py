@@ -12,13 +12,14 @@ from dolfinx.fem import Constant
 from dolfinx.mesh import Mesh
 
 from .common.arguments import number
+from .common.fixed import Fixed, read_only
 from .common.types import FloatArray
 from .forms import hardening
 from .forms import plasticity as laws
 from .inelastic import InelasticMaterial
 
 
-class Voce:
+class Voce(Fixed):
     """Isotropic hardening that saturates: Y(alpha) = Y0 + H alpha + (Y_s - Y0) (1 - exp(-rate alpha)).
 
     Args:
@@ -40,7 +41,7 @@ class Voce:
         return f"Voce(saturation={self.saturation}, rate={self.rate}, modulus={self.modulus})"
 
 
-class Table:
+class Table(Fixed):
     """Isotropic hardening by a table: the yield stress is linear between the points and constant beyond the last.
 
     Args:
@@ -69,7 +70,7 @@ class Table:
         return f"Table({self.strains.tolist()}, {self.stresses.tolist()})"
 
 
-class ArmstrongFrederick:
+class ArmstrongFrederick(Fixed):
     """Kinematic hardening with recovery: d beta = 2/3 C d eps_p - gamma beta d alpha; it saturates at C/gamma.
 
     Args:
@@ -94,7 +95,7 @@ class ArmstrongFrederick:
 def _column(name: str, values: Sequence[float]) -> FloatArray:
     """A checked sequence of finite numbers."""
     try:
-        array = np.asarray(values, dtype=float)
+        array: FloatArray = read_only(np.asarray(values, dtype=float))
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be a sequence of numbers, found {values!r:.60}") from None
     if array.ndim != 1 or not np.all(np.isfinite(array)):

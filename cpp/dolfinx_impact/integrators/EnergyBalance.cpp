@@ -7,9 +7,6 @@ namespace dolfinx_impact::integrators
 {
 namespace
 {
-/// Kinetic energy between time levels may exceed all energy put in by 1/(1 - (omega dt/2)^2) in stable runs: 50 at 99 %
-/// of the limit. More than this is growth.
-constexpr double unstable = 1000.0;
 /// Number of steps whose rounding errors may add up at random, as the root of their number: docs/explicit/energies.md.
 constexpr double random_steps = 1e6;
 } // namespace
@@ -128,7 +125,7 @@ bool EnergyBalance::end_sum()
   _reference = std::max(_reference, put_in);
   const double round_off = 0.5 * random_steps * _uncertainty / (_steps.after * _steps.after);
   _gain.update(now, -_totals.kinematic, round_off);
-  const bool grows = _totals.half_kinetic > unstable * std::max(_reference, round_off) || _gain.now > _gain_limit;
+  const bool grows = _totals.half_kinetic > largest_growth * std::max(_reference, round_off) || _gain.now > _gain_limit;
   return std::isfinite(_totals.speed) && !(grows && std::isfinite(_gain_limit)) && !(_totals.passages > 0.0) &&
          !(_totals.unsolved > 0.0);
 }

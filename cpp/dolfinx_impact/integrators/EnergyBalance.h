@@ -32,6 +32,10 @@ struct Steps
 class EnergyBalance
 {
 public:
+  /// Kinetic energy between time levels may exceed all energy put in by 1/(1 - (omega dt/2)^2) in stable runs: 50 at
+  /// 99 % of the limit. More than this factor is growth [1].
+  static constexpr double largest_growth = 1000.0;
+
   /// @param[in] comm communicator of the run
   /// @param[in] internal what the internal energy is computed from
   /// @param[in] alpha factor of mass-proportional damping [1/T]

@@ -6,12 +6,16 @@
 extern "C"
 {
   /// Element tensor of `lanes` cells at once. Entry i of an array of a cell stands at [lanes * i + lane]; rows of A
-  /// first.
+  /// first. Facets between two cells (interior_facet) have the arrays of both, those of the "+" cell first: A is a
+  /// vector or matrix of twice the size, every coefficient has its "+" entries, then its "-" entries, and x all nodes
+  /// of "+" before those of "-".
   /// @param A element tensor, added to, shape [0] x [1]; then the outputs (size_A)
   /// @param w coefficients, coefficient k from entry offset_k, in the order of its element's dofs (blocked)
   /// @param c constants, the same for all lanes
   /// @param x node coordinates, 3 per node
-  /// @param entity local facet number of all lanes (facet integrals)
+  /// @param entity local facet number of all lanes (exterior facets); for interior facets the number in "+" and in "-",
+  ///   then the permutation of the facet's points in "+" and in "-" (DOLFINx's facet permutations), four bits each from
+  ///   the lowest
   typedef void (*impact_tabulate)(double* A, const double* w, const double* c, const double* x, int entity);
 
   /// A finite element as far as a kernel depends on it.
@@ -69,7 +73,7 @@ extern "C"
     int abi;
     const char* name;          ///< of the form, for example "linear_elastic.force"
     const char* signature;     ///< hash of the UFL form and of the compiler's version
-    const char* integral_type; ///< "cell", "exterior_facet" or "expression"
+    const char* integral_type; ///< "cell", "exterior_facet", "interior_facet" or "expression"
     const char* cell;          ///< "triangle", "quadrilateral", "tetrahedron", "hexahedron"
     int geometry_degree;
     int geometry_variant; ///< of Basix's Lagrange elements

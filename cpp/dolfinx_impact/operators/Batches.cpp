@@ -32,19 +32,20 @@ std::size_t rounded(std::size_t n)
   return (n + 7) / 8 * 8;
 }
 
-/// Node numbers of padded cells, lane by lane.
+/// Node numbers of padded entities, lane by lane: those of the `sides` cells of each, one cell after the other.
 template <typename Dofs>
-void number_nodes(const Dofs& dofs_of, std::span<const std::int32_t> cells, int width, int num_nodes,
+void number_nodes(const Dofs& dofs_of, std::span<const std::int32_t> cells, int sides, int width, int num_nodes,
                   std::vector<std::int32_t>& out)
 {
   const std::size_t start = out.size();
-  out.resize(start + cells.size() * num_nodes);
+  out.resize(start + cells.size() / sides * num_nodes);
+  const int per_cell = num_nodes / sides;
   for (std::size_t k = 0; k < cells.size(); ++k)
   {
     auto dofs = dofs_of(cells[k]);
-    const std::size_t batch = k / width, lane = k % width;
-    for (int i = 0; i < num_nodes; ++i)
-      out[start + (batch * num_nodes + i) * width + lane] = dofs[i];
+    const std::size_t entity = k / sides, side = k % sides, batch = entity / width, lane = entity % width;
+    for (int i = 0; i < per_cell; ++i)
+      out[start + (batch * num_nodes + side * per_cell + i) * width + lane] = dofs[i];
   }
 }
 } // namespace
@@ -66,8 +67,10 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
   _tabulate = kernels::tabulate(k, _width);
   _clear = clear(_width);
   set_constants(integral.constants);
+  const std::string type = k.integral_type;
+  _sides = type == "interior_facet" ? 2 : 1;
 
-  _x.num_nodes = _mesh->geometry().dofmap().extent(1);
+  _x.num_nodes = _sides * _mesh->geometry().dofmap().extent(1);
   _x.block_size = 3;
   _x.gather = gather(_width, 3, 3);
   if (test)
@@ -104,7 +107,7 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
       throw std::invalid_argument(std::string("kernel ") + k.name + ": coefficient " + c.name + " is on another mesh");
     Array a;
     a.block_size = V->dofmap()->bs();
-    a.num_nodes = c.element.num_dofs / a.block_size;
+    a.num_nodes = _sides * c.element.num_dofs / a.block_size;
     a.gather = gather(_width, a.block_size, a.block_size);
     a.name = c.name;
     a.function = found->second;
@@ -113,28 +116,42 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     _coefficients.push_back(std::move(a));
   }
 
-  const bool facets = std::string(k.integral_type) == "exterior_facet";
-  const auto imap = _mesh->topology()->index_map(_mesh->topology()->dim());
-  const std::int32_t num_cells = imap->size_local() + imap->num_ghosts();
-  for (std::size_t i = 0; i < integral.entities.size(); i += facets ? 2 : 1)
-    if (integral.entities[i] < 0 || integral.entities[i] >= num_cells)
-      throw std::invalid_argument(std::string("kernel ") + k.name + ": cell " + std::to_string(integral.entities[i]) +
-                                  " is not on this rank, which has cells 0 to " + std::to_string(num_cells - 1));
-  if (!facets)
-    add_group(integral.entities, 0);
+  const std::vector<std::int32_t>& entities = integral.entities;
+  if (type == "interior_facet")
+  {
+    if (entities.size() % 3)
+      throw std::invalid_argument("integrals over interior facets take triples (cell, cell, entity)");
+    std::map<int, std::vector<std::int32_t>> groups; // all lanes of a batch share the local facets and permutations
+    for (std::size_t i = 0; i < entities.size(); i += 3)
+    {
+      check_cell(entities[i]);
+      check_cell(entities[i + 1]);
+      std::vector<std::int32_t>& cells = groups[entities[i + 2]];
+      cells.insert(cells.end(), {entities[i], entities[i + 1]});
+    }
+    for (const auto& [entity, cells] : groups)
+      add_group(cells, entity);
+  }
+  else if (type != "exterior_facet")
+  {
+    for (const std::int32_t cell : entities)
+      check_cell(cell);
+    add_group(entities, 0);
+  }
   else
   {
-    if (integral.entities.size() % 2)
+    if (entities.size() % 2)
       throw std::invalid_argument("facet integrals take pairs (cell, local facet)");
     const int tdim = _mesh->topology()->dim();
     const int num_facets = dolfinx::mesh::cell_num_entities(_mesh->geometry().cmap().cell_shape(), tdim - 1);
     std::vector<std::vector<std::int32_t>> by_facet(num_facets); // all lanes of a batch share the local facet
-    for (std::size_t i = 0; i < integral.entities.size(); i += 2)
+    for (std::size_t i = 0; i < entities.size(); i += 2)
     {
-      const std::int32_t f = integral.entities[i + 1];
+      const std::int32_t f = entities[i + 1];
+      check_cell(entities[i]);
       if (f < 0 || f >= num_facets)
         throw std::invalid_argument("local facet " + std::to_string(f) + " does not exist");
-      by_facet[f].push_back(integral.entities[i]);
+      by_facet[f].push_back(entities[i]);
     }
     for (int f = 0; f < num_facets; ++f)
       add_group(by_facet[f], f);
@@ -247,32 +264,43 @@ void Batches::record_failures(std::size_t batch, const double* A) const
   }
 }
 
+void Batches::check_cell(std::int32_t cell) const
+{
+  const auto map = _mesh->topology()->index_map(_mesh->topology()->dim());
+  const std::int32_t num_cells = map->size_local() + map->num_ghosts();
+  if (cell < 0 || cell >= num_cells)
+    throw std::invalid_argument(std::string("kernel ") + _kernel->name + ": cell " + std::to_string(cell) +
+                                " is not on this rank, which has cells 0 to " + std::to_string(num_cells - 1));
+}
+
 void Batches::add_group(std::span<const std::int32_t> cells, int facet)
 {
   if (cells.empty())
     return;
-  _num_entities += cells.size();
+  const std::size_t num = cells.size() / _sides, batches = (num + _width - 1) / _width;
+  _num_entities += num;
   std::vector<std::int32_t> padded(cells.begin(), cells.end());
-  while (padded.size() % _width)
-    padded.push_back(padded.back());
-  for (std::size_t k = 0; k < padded.size(); k += _width)
+  padded.reserve(batches * _width * _sides);
+  while (padded.size() < batches * _width * _sides)
+    padded.push_back(padded[padded.size() - _sides]);
+  for (std::size_t k = 0; k < batches; ++k)
   {
-    _used.push_back(std::min<std::size_t>(_width, cells.size() - k));
+    _used.push_back(std::min<std::size_t>(_width, num - k * _width));
     _facet.push_back(facet);
   }
   auto x_dofmap = _mesh->geometry().dofmap();
-  number_nodes([&](std::int32_t c) { return &x_dofmap(c, 0); }, padded, _width, _x.num_nodes, _x.dofs);
+  number_nodes([&](std::int32_t c) { return &x_dofmap(c, 0); }, padded, _sides, _width, _x.num_nodes, _x.dofs);
   if (_test_space)
   {
     const auto& map = *_test_space->dofmap();
-    number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _width, _test.num_nodes, _test.dofs);
+    number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _sides, _width, _test.num_nodes, _test.dofs);
   }
   for (Array& a : _coefficients)
   {
     if (a.as_test || a.field >= 0)
       continue;
     auto& map = *a.function->function_space()->dofmap();
-    number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _width, a.num_nodes, a.dofs);
+    number_nodes([&](std::int32_t c) { return map.cell_dofs(c); }, padded, _sides, _width, a.num_nodes, a.dofs);
   }
 }
 

@@ -23,7 +23,8 @@ using Function = dolfinx::fem::Function<double>;
 struct Integral
 {
   const impact_kernel* kernel = nullptr;
-  /// Local cells; for facet integrals pairs (cell, local facet).
+  /// Local cells; for exterior facets pairs (cell, local facet); for interior facets triples (cell "+", cell "-", what
+  /// the kernel takes as its entity).
   std::vector<std::int32_t> entities;
   /// Packed constants, kernel->size_c of them.
   std::vector<double> constants;
@@ -42,8 +43,9 @@ struct PointFailures
   std::vector<double> unknowns;
 };
 
-/// Cells of one integral in batches of `width`, with the node numbers every array of the kernel is gathered from. The
-/// last batch of a group repeats its last cell in the lanes that are left over; `used` says how many lanes count.
+/// Cells or facets of one integral in batches of `width`, with the node numbers every array of the kernel is gathered
+/// from. The last batch of a group repeats its last cell in the lanes that are left over; `used` says how many lanes
+/// count.
 class Batches
 {
 public:
@@ -99,6 +101,7 @@ public:
 
 private:
   void add_group(std::span<const std::int32_t> cells, int facet);
+  void check_cell(std::int32_t cell) const;
   void set_history(const Integral& integral);
   void load_history(std::size_t batch, double* w) const;
   void prefetch_history(std::size_t batch) const;
@@ -110,9 +113,10 @@ private:
   impact_tabulate _tabulate;
   std::shared_ptr<const Mesh> _mesh;
   int _width;
+  int _sides; ///< cells that one entity has
   std::size_t _num_entities = 0;
   std::shared_ptr<const FunctionSpace> _test_space;
-  std::vector<int> _used, _facet; // per batch
+  std::vector<int> _used, _facet; // per batch; the kernel's entity
   Array _x, _test;
   scatter_function _scatter = nullptr;
   clear_function _clear = nullptr;

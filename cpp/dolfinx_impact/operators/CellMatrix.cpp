@@ -17,7 +17,8 @@ CellMatrix::CellMatrix(const impact_kernel& kernel)
     if (std::string(kernel.coefficients[i].name) == direction_name)
     {
       _first = kernel.coefficients[i].offset;
-      _num_columns = kernel.coefficients[i].element.num_dofs;
+      _num_columns =
+          (std::string(kernel.integral_type) == "interior_facet" ? 2 : 1) * kernel.coefficients[i].element.num_dofs;
     }
   if (kernel.rank != 1 || _first < 0)
     throw std::invalid_argument(std::string("kernel ") + kernel.name + " is of rank " + std::to_string(kernel.rank) +

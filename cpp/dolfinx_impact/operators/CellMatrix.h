@@ -9,9 +9,9 @@ namespace dolfinx_impact::operators
 /// Name of the coefficient in whose place a kernel of rank 1 has the trial function.
 inline constexpr const char* direction_name = "direction of the tangent";
 
-/// Matrix of a cell or facet: by a kernel of rank 2; or column by column by a kernel of rank 1 that is linear in the
-/// coefficient `direction_name`, with one of its degrees of freedom set at a time. Averages over a cell are sums over
-/// its points, which a kernel of rank 1 makes once per column.
+/// Matrix of a cell or facet (of both cells of an interior one): by a kernel of rank 2; or column by column by a kernel
+/// of rank 1 that is linear in the coefficient `direction_name`, with one of its degrees of freedom set at a time.
+/// Averages over a cell are sums over its points, which a kernel of rank 1 makes once per column.
 class CellMatrix
 {
 public:
@@ -24,7 +24,7 @@ public:
   /// @param[in] w coefficients as the kernel packs them; values of the direction do not count
   /// @param[in] c constants
   /// @param[in] x coordinates of the cell's nodes
-  /// @param[in] facet number of the facet in the cell
+  /// @param[in] facet number of the facet in the cell, or what a kernel of interior facets takes as its entity
   void add(double* A, const double* w, std::span<const double> c, const double* x, int facet);
 
 private:

@@ -9,7 +9,8 @@ namespace dolfinx_impact::operators
 {
 CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V,
                        const std::map<std::string, std::shared_ptr<const Function>>& coefficients)
-    : _kernel(kernel), _space(V), _w(kernel.size_w), _nodes(3 * V.mesh()->geometry().dofmap().extent(1))
+    : _kernel(kernel), _space(V), _w(kernel.size_w),
+      _nodes((std::string(kernel.integral_type) == "interior_facet" ? 6 : 3) * V.mesh()->geometry().dofmap().extent(1))
 {
   kernels::check_mesh(kernel, *V.mesh());
   kernels::check_without_outputs(kernel);
@@ -28,20 +29,22 @@ CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V,
   }
 }
 
-void CellValues::gather(std::int32_t cell)
+void CellValues::gather(std::int32_t cell, int side)
 {
   const auto x_dofmap = _space.mesh()->geometry().dofmap();
   const auto x = _space.mesh()->geometry().x();
+  double* nodes = _nodes.data() + 3 * side * x_dofmap.extent(1);
   for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
-    std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, _nodes.data() + 3 * i);
+    std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes + 3 * i);
   for (std::size_t c = 0; c < _functions.size(); ++c)
   {
     const auto& map = *_functions[c]->function_space()->dofmap();
     const auto dofs = map.cell_dofs(cell);
     const std::span<const double> values = _functions[c]->x()->array();
+    double* w = _w.data() + _kernel.coefficients[c].offset + side * dofs.size() * map.bs();
     for (std::size_t i = 0; i < dofs.size(); ++i)
       for (int b = 0; b < map.bs(); ++b)
-        _w[_kernel.coefficients[c].offset + i * map.bs() + b] = values[std::size_t(dofs[i]) * map.bs() + b];
+        w[i * map.bs() + b] = values[std::size_t(dofs[i]) * map.bs() + b];
   }
 }
 } // namespace dolfinx_impact::operators

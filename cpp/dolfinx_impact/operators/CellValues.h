@@ -4,7 +4,8 @@
 
 namespace dolfinx_impact::operators
 {
-/// What a kernel reads of one cell at a time: values of coefficients and coordinates of nodes.
+/// What a kernel reads of one cell, or of the two cells of an interior facet, at a time: values of coefficients and
+/// coordinates of nodes.
 class CellValues
 {
 public:
@@ -17,7 +18,8 @@ public:
              const std::map<std::string, std::shared_ptr<const Function>>& coefficients);
 
   /// Read a cell.
-  void gather(std::int32_t cell);
+  /// @param[in] side of an interior facet, 0 for "+" and 1 for "-"; 0 for other kernels
+  void gather(std::int32_t cell, int side = 0);
   const double* w() const { return _w.data(); }
   const double* nodes() const { return _nodes.data(); }
 

@@ -27,6 +27,9 @@ dolfinx::fem::Form<double> create_form(const std::array<std::shared_ptr<const Fu
   for (const Integral& integral : integrals)
   {
     const impact_kernel& k = *integral.kernel;
+    if (std::string(k.integral_type) == "interior_facet")
+      throw std::invalid_argument(std::string("kernel ") + k.name +
+                                  " is of interior facets: their matrices are assembled by DOLFINx's own kernels");
     kernels::check_mesh(k, *V[0]->mesh());
     kernels::check_without_outputs(k);
     const auto matrix = std::make_shared<CellMatrix>(k);

@@ -2,16 +2,17 @@
 """Matrices of a bilinear form cell by cell, and what can be told from them."""
 
 import hashlib
+import math
 from collections.abc import Collection, Iterator
 from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, la
 from mpi4py import MPI
 
 from .. import _cpp
-from ..common.types import BoolArray, FloatArray, IntArray
+from ..common.types import AnyArray, BoolArray, FloatArray, IntArray
 from . import operators
 from .averaged_form import DIRECTION, compile_columns, split_averages
 from .jit import compile_form
@@ -29,11 +30,12 @@ def _with_functions(form: ufl.Form) -> set[tuple[str, int]]:
 
 
 class CellMatrices:
-    """Cell matrices of a bilinear form; integrals over a cell's facets belong to the cell.
+    """Cell matrices of a bilinear form; integrals over a cell's facets belong to the cell, those over a facet between
+    two cells to both.
 
     Args:
         u: displacement function.
-        form: UFL form of rank 2 over dx and ds.
+        form: UFL form of rank 2 over dx, ds and dS.
         without: functions whose changes are ignored by `changed`.
     """
 
@@ -67,6 +69,11 @@ class CellMatrices:
         """Store the present constants and coefficients, which `changed` compares with. Collective."""
         self._inputs.store()
 
+    @property
+    def joins_cells(self) -> bool:
+        """Whether there are integrals over facets between cells."""
+        return any(k.integral_type == "interior_facet" for c in self._compiled for k in c.kernels)
+
     def _integrals(self) -> Iterator[tuple[Any, dict[str, fem.Function], IntArray, FloatArray]]:
         """Kernel (C++), functions by name, entities and constants of each integral. Collective."""
         for compiled, kernel in [(c, k) for c in self._compiled for k in c.kernels]:
@@ -81,6 +88,9 @@ class CellMatrices:
     def spectra(self, masses: FloatArray, only: BoolArray | None = None, facets: bool = True) -> FloatArray:
         """Bounds of the eigenvalues of every owned cell's matrix over its mass. Collective.
 
+        The sums over the cells of bound times mass are bounds of the assembled matrix: of a facet between two cells,
+        the eigenvalues over the masses of both count for each of them.
+
         Args:
             masses: lumped masses, (num_cells, local degrees of freedom) [M].
             only: mask of the cells whose integrals count; None: all.
@@ -93,15 +103,17 @@ class CellMatrices:
             ValueError: a matrix has entries that are not finite; on all ranks.
         """
         V, failed = self.space, False
+        joins = facets and self.joins_cells
+        if joins:  # with the cells of other ranks, which facets of this rank may touch
+            masses, only = self._with_ghosts(masses), None if only is None else self._with_ghosts(only) > 0.0
         out = np.zeros((len(masses), 3))
         for number, (kernel, functions, entities, constants) in enumerate(self._integrals()):
             if not facets and kernel.integral_type != "cell":
                 continue
+            rows, cells = operators.entity_rows(entities, kernel.integral_type)
             if only is not None:
-                width = 1 if kernel.integral_type == "cell" else 2
-                rows = entities.reshape(-1, width)
-                entities = np.ascontiguousarray(rows[only[rows[:, 0]]].ravel())
-            cells = entities if kernel.integral_type == "cell" else np.ascontiguousarray(entities[::2])
+                chosen = np.any(only[cells], axis=1)
+                cells, entities = cells[chosen], np.ascontiguousarray(rows[chosen].ravel())
             given = np.ascontiguousarray(masses[cells]).ravel()
             # Linear materials keep their stiffness: most cells of a model with a few that deform a lot.
             same = (
@@ -112,7 +124,7 @@ class CellMatrices:
             digest = hashlib.blake2b(np.concatenate([np.ravel(constants), given])).digest() if same else b""
             before = self._kept.get(number)
             if before and before[0] == digest:
-                np.add.at(out, cells, before[1])
+                np.add.at(out, cells, before[1][:, None])
                 continue
             integral = _cpp.operators.Integral(kernel.address, entities, constants)
             coefficients = {name: f._cpp_object for name, f in functions.items()}
@@ -121,12 +133,35 @@ class CellMatrices:
             except RuntimeError:
                 failed = True
                 continue
-            np.add.at(out, cells, found)
+            np.add.at(out, cells, found[:, None])
             if same:
                 self._kept[number] = digest, found
+        out = self._sum_at_owners(out) if joins else out
         if V.mesh.comm.allreduce(bool(failed or not np.all(np.isfinite(out))), MPI.LOR):
             raise ValueError("the stiffness of a cell is not a number: check the material, the mesh and the state")
         return out
+
+    @property
+    def _cells(self) -> Any:
+        """Index map of the cells."""
+        topology = self.space.mesh.topology
+        return topology.index_map(topology.dim)
+
+    def _with_ghosts(self, values: AnyArray) -> FloatArray:
+        """Values of owned cells and of the ghosts behind them. Collective."""
+        values = np.asarray(values, dtype=np.float64)
+        columns = math.prod(values.shape[1:])
+        vector = la.vector(self._cells, columns)
+        vector.array[: values.size] = values.ravel()
+        vector.scatter_forward()
+        return vector.array.reshape(-1, *values.shape[1:]).copy()
+
+    def _sum_at_owners(self, values: FloatArray) -> FloatArray:
+        """Values of owned cells, with what other ranks have for them. Collective."""
+        vector = la.vector(self._cells, values.shape[1])
+        vector.array[:] = values.ravel()
+        vector.scatter_reverse(la.InsertMode.add)
+        return vector.array.reshape(values.shape)[: self._cells.size_local].copy()
 
     def resistance(self, direction: FloatArray, count: int) -> FloatArray:
         """Relative resistance of cells against a translation, zero for cells that are free to translate.

@@ -23,6 +23,7 @@ from dolfinx import fem, jit
 from ..common.collective import common
 from ..forms.cell_maximum import CellMax
 from ..forms.compiler import geometry, words
+from .interior_facets import check_neighbours, has_interior_facets
 
 with contextlib.suppress(ImportError):  # not on Windows
     import fcntl
@@ -63,10 +64,14 @@ def ffcx_form(form: ufl.Form, jit_options: dict[str, Any] | None = None) -> fem.
     Raises:
         TimeoutError: another process compiles the kernel still, or the cache has no locks; on all ranks.
         RuntimeError: the kernel cannot be compiled; on all ranks.
-        ValueError: FFCx does not know an operator of the form; on all ranks.
+        ValueError: FFCx does not know an operator of the form, or integrals over interior facets lack cells of other
+            ranks; on all ranks.
     """
     _check(form)
-    comm = form.ufl_domain().ufl_cargo().comm
+    mesh = form.ufl_domain().ufl_cargo()
+    comm = mesh.comm
+    if has_interior_facets(form):
+        check_neighbours(mesh)
     folder = Path(jit.get_options(jit_options)["cache_dir"])
     for attempt in range(3):
         failed: Exception | None = None

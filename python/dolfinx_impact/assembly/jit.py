@@ -80,7 +80,7 @@ def compile_form(
     comm: MPI.Comm | None = None,
     law: Laws | None = None,
 ) -> Compiled:
-    """Kernels of a UFL form of rank 0, 1 or 2 over cells and exterior facets. Collective over `comm`.
+    """Kernels of a UFL form of rank 0, 1 or 2 over cells and facets. Collective over `comm`.
 
     Args:
         form: UFL form; its functions and constants may be those of DOLFINx or of UFL.

@@ -15,6 +15,7 @@ from petsc4py import PETSc
 
 from .averaged_form import AveragedForm, split_averages
 from .ffcx_form import ffcx_form
+from .interior_facets import interior_facets
 from ..common.described import Described
 from .. import _cpp
 from ..common import arguments
@@ -50,7 +51,7 @@ def _cargo(domain: ufl.Mesh | None) -> cpp.mesh.Mesh_float64:
 
 
 def entities_of(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int, data: MeshTags | None) -> IntArray:
-    """Entities of one integral on this rank: owned cells, or (cell, local facet) pairs of exterior facets."""
+    """Entities of one integral on this rank, as the kernels take them (operators/Batches.h): owned cells, or facets."""
     tdim = mesh.topology.dim
     if integral_type == "cell":
         num_owned = mesh.topology.index_map(tdim).size_local
@@ -58,6 +59,8 @@ def entities_of(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int,
             return np.arange(num_owned, dtype=np.int32)
         cells = _tagged(data, subdomain, "dx", tdim)
         return cells[cells < num_owned]
+    if integral_type == "interior_facet":
+        return interior_facets(mesh, None if subdomain == -1 else _tagged(data, subdomain, "dS", tdim - 1))
     topology = mesh.topology
     topology.create_connectivity(tdim - 1, tdim)
     topology.create_connectivity(tdim, tdim - 1)
@@ -70,10 +73,24 @@ def entities_of(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int,
 def _choose(V: FunctionSpace, entities: IntArray, integral_type: str, part: str) -> IntArray:
     """Entities whose cells have no ghost node ("inner"), or the others ("outer")."""
     num_owned, dofs = V.dofmap.index_map.size_local, V.dofmap.list
-    cells = entities if integral_type == "cell" else entities.reshape(-1, 2)[:, 0]
-    outer = np.any(dofs[cells] >= num_owned, axis=1)
-    chosen = outer if part == "outer" else ~outer
-    return entities[chosen] if integral_type == "cell" else entities.reshape(-1, 2)[chosen].ravel()
+    rows, cells = entity_rows(entities, integral_type)
+    outer = np.any(dofs[cells] >= num_owned, axis=(1, 2))
+    return rows[outer if part == "outer" else ~outer].ravel()
+
+
+def entity_rows(entities: IntArray, integral_type: str) -> tuple[IntArray, IntArray]:
+    """Entities of an integral one by one.
+
+    Args:
+        entities: as `entities_of` returns them.
+        integral_type: "cell", "exterior_facet" or "interior_facet".
+
+    Returns:
+        Rows of what kernels take for an entity, (num_entities, 1 to 3), and the cells of each, (num_entities, 1 or 2).
+    """
+    cells = 2 if integral_type == "interior_facet" else 1
+    rows = entities.reshape(-1, 1 if integral_type == "cell" else cells + 1)
+    return rows, rows[:, :cells]
 
 
 def _tagged(data: Any, subdomain: int, measure: str, dim: int) -> IntArray:
@@ -243,7 +260,7 @@ class InternalForce(_Operator):
     The result equals that of dolfinx.fem.assemble_vector to round-off.
 
     Args:
-        form: UFL form of rank 1 over dx and ds of one mesh; every call reads its functions and constants anew.
+        form: UFL form of rank 1 over dx, ds and dS of one mesh; every call reads its functions and constants anew.
         width: cells per kernel call, 1, 4 or 8; 0: the default of the machine.
         part: "inner": only cells without ghost nodes; "outer": only cells with ghost nodes; None: all cells.
         law: internal variables and local equations of all cells, or by cell tag (forms/point_law.py); None: none.
@@ -434,7 +451,7 @@ class Energy(_Operator):
     """Value of a form of rank 0, for example a strain energy.
 
     Args:
-        form: UFL form of rank 0 over dx and ds of one mesh; every call reads its functions and constants anew.
+        form: UFL form of rank 0 over dx, ds and dS of one mesh; every call reads its functions and constants anew.
         width: cells per kernel call, 1, 4 or 8; 0: the default of the machine.
         law: as for InternalForce.
         history: internal variables of an operator with the same cells, rule and width, which are read and left as they

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..common import arguments
 from ..materials import MaterialMap, _Material
-from .residual import check_residual
+from .residual import check_residual, check_tangent
 
 
 def material(m: Any) -> None:
@@ -72,6 +72,9 @@ def problem(
     axisymmetric: bool = False,
     explicit: bool = False,
     implicit: bool = False,
+    tangent: Any = None,
+    evaluate: Any = None,
+    accept: Any = None,
 ) -> dict[str, Any]:
     """Check the arguments of a problem.
 
@@ -85,6 +88,9 @@ def problem(
         axisymmetric: whether the residual is that of an axisymmetric body.
         explicit: whether the problem is an explicit one.
         implicit: whether it is an implicit one in time; static if neither.
+        tangent: derivative of the residual, or None.
+        evaluate: function that sets what residual and tangent read, or None.
+        accept: function that is called when a step has converged, or None.
 
     Returns:
         Values that must be the same on all ranks, by name.
@@ -96,6 +102,7 @@ def problem(
     if (given_material is None) == (residual is None):
         raise ValueError("give either a material or a residual of your own")
     in_time = explicit or implicit
+    _own_tangent(u, residual, tangent, evaluate, accept)
     needed_by = "a material" if residual is None else "contact" if contact else "loads" if loads else ""
     arguments.displacement(u, needed_by)
     V, mesh = u.function_space, u.function_space.mesh
@@ -106,7 +113,7 @@ def problem(
             arguments.tags("MaterialMap", given_material.cell_tags, mesh, tdim)
         arguments.radii(given_material.hypothesis_on(mesh), mesh)
     else:
-        check_residual(residual, u)
+        check_residual(residual, u, tangent is not None)
         arguments.radii("axisymmetric" if axisymmetric else None, mesh)
     for bc in bcs:
         arguments.boundary_values("bcs", getattr(bc, "bc", bc) if in_time else bc, V)
@@ -138,4 +145,43 @@ def problem(
         "loads": loads,
         "contact": contact,
         "axisymmetric": axisymmetric,
+        "tangent": tangent,
+        "evaluate": evaluate,
+        "accept": accept,
     }
+
+
+def computes(u: Any, residual: Any, evaluate: Any) -> None:
+    """Refuse a residual that Newton's method cannot change.
+
+    Args:
+        u: displacement function.
+        residual: residual of a user's own, or None.
+        evaluate: function that sets what it reads, or None.
+
+    Raises:
+        ValueError: the residual does not contain u, and nothing computes what it reads from u.
+    """
+    if residual is not None and evaluate is None and not any(c is u for c in residual.coefficients()):
+        raise ValueError(
+            "the residual does not contain u: give evaluate=, a function that computes what it reads from u in every "
+            "iteration"
+        )
+
+
+def _own_tangent(u: Any, residual: Any, tangent: Any, evaluate: Any, accept: Any) -> None:
+    """Check what is given with a residual beside it."""
+    given = {"tangent": tangent, "evaluate": evaluate, "accept": accept}
+    names = [name for name, value in given.items() if value is not None]
+    if names and residual is None:
+        raise ValueError(f"{names[0]} is for a residual of your own; a material has its own tangent")
+    for name in ("evaluate", "accept"):
+        if given[name] is not None and not callable(given[name]):
+            raise TypeError(f"{name} must be a function of u, found {type(given[name]).__name__}")
+    if evaluate is not None and tangent is None:
+        raise ValueError("evaluate needs tangent: UFL does not know how what it sets depends on u")
+    if accept is not None and evaluate is None:
+        raise ValueError("accept belongs to evaluate, which is not given")
+    if tangent is not None:
+        arguments.displacement(u)
+        check_tangent(tangent, u)

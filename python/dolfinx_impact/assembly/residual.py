@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Residuals of a user's own: checks, and the part that depends on the velocity."""
 
+import contextlib
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ from dolfinx.fem import Function
 from mpi4py import MPI
 from ufl.algorithms import expand_derivatives
 
+from ..common.collective import common
 from .cell_matrices import CellMatrices
 from .fields import same_spaces
 
@@ -18,12 +21,35 @@ SAMPLE = 20  # cells of a rank that are tested for their resistance to rigid tra
 NOISE, CLEAR = 1e-13, 1e3
 
 
-def check_residual(form: Any, u: Function) -> None:
+def check_tangent(form: Any, u: Function) -> None:
+    """Refuse a form that is not the tangent of a residual of the displacement, on this rank; for use under a guard.
+
+    Args:
+        form: the argument that a user gave.
+        u: displacement function.
+
+    Raises:
+        TypeError: `form` is not a UFL form.
+        ValueError: `form` is not of rank 2 on u's space, or is on another mesh.
+    """
+    if not isinstance(form, ufl.Form):
+        raise TypeError(f"tangent must be a UFL form of rank 2, found {type(form).__name__}: {form!r:.80}")
+    V, rank = u.function_space, len(form.arguments())
+    if rank != 2:
+        raise ValueError(f"tangent must have a test and a trial function, this form has rank {rank}")
+    if not all(same_spaces(a.ufl_function_space(), V) for a in form.arguments()):
+        raise ValueError("test and trial function of tangent must be on u.function_space")
+    if any(d.ufl_cargo() is not V.mesh._cpp_object for d in form.ufl_domains()):
+        raise ValueError("tangent is on another mesh than the displacement")
+
+
+def check_residual(form: Any, u: Function, has_tangent: bool = False) -> None:
     """Refuse a form that is not a residual of the displacement, on this rank; for use under a guard (collective.py).
 
     Args:
         form: the argument that a user gave.
         u: displacement function.
+        has_tangent: whether a tangent is given with it, so that it need not contain u.
 
     Raises:
         TypeError: `form` is not a UFL form.
@@ -51,14 +77,14 @@ def check_residual(form: Any, u: Function) -> None:
     functions = [c.function_space.mesh for c in form.coefficients() if hasattr(c, "function_space")]
     if any(d is not V.mesh._cpp_object for d in domains + [m._cpp_object for m in functions]):
         raise ValueError(f"{NAME} is on another mesh than the displacement, or on several")
-    if not any(c is u for c in form.coefficients()):
+    if not has_tangent and not any(c is u for c in form.coefficients()):
         points = [f for f in form.coefficients() if f.ufl_function_space().ufl_element().has_custom_quadrature]
         if points:
             raise ValueError(
                 f"{NAME} does not contain the displacement u, but {points[0].name}, a function at quadrature points: "
-                "without u it has no tangent, and no bound of the step. Write a stress that is computed elsewhere as a "
-                "di.InelasticMaterial (docs: a material of your own), or its elastic part in u and the rest as a "
-                "function that a callback sets"
+                "without u it has no tangent, and no bound of the step. Give the derivative as tangent=, a form of "
+                "rank 2 (docs: your own form), or write the law as a di.InelasticMaterial (docs: a material of your "
+                "own)"
             )
         raise ValueError(f"{NAME} does not contain the displacement u: there is nothing to move")
     W = arguments[0].ufl_function_space()
@@ -66,6 +92,25 @@ def check_residual(form: Any, u: Function) -> None:
         raise ValueError(
             f"the test function of {NAME} is of another space than u: use ufl.TestFunction(u.function_space)"
         )
+
+
+@contextlib.contextmanager
+def differentiable() -> Iterator[None]:
+    """Context in which a residual is differentiated: what UFL cannot do is told, as it is on all ranks.
+
+    Raises:
+        ValueError: UFL does not know the derivative.
+    """
+    try:
+        yield
+    except NotImplementedError as error:
+        raise common(
+            ValueError(
+                f"UFL cannot differentiate {NAME} ({error}): give its derivative as tangent=, a form of rank 2. On "
+                "surfaces of quadrilaterals UFL does not know the gradient of ufl.CellNormal(mesh): write grad(r x n) "
+                "as that of r alone, or mesh with triangles"
+            )
+        ) from error
 
 
 def split(form: ufl.Form, velocity: Function) -> tuple[ufl.Form, ufl.Form | None]:
@@ -93,7 +138,7 @@ def split(form: ufl.Form, velocity: Function) -> tuple[ufl.Form, ufl.Form | None
     return still, moving - ufl.replace(moving, {velocity: zero})
 
 
-def check_hypothesis(form: ufl.Form, u: Function, hypothesis: str | None) -> None:
+def check_hypothesis(form: ufl.Form, u: Function, hypothesis: str | None, tangent: ufl.Form | None = None) -> None:
     """Refuse a residual on a plane mesh whose integrals do not belong to its hypothesis. Collective.
 
     A body of revolution resists a translation along the radius x[0] by its hoop strain, and has no resistance along its
@@ -103,6 +148,7 @@ def check_hypothesis(form: ufl.Form, u: Function, hypothesis: str | None) -> Non
         form: the residual, its part without the velocity.
         u: displacement function.
         hypothesis: that of the problem; None, "axisymmetric", or another one, which ends the search for hoops.
+        tangent: derivative of the residual, given with it; None: found by UFL.
 
     Raises:
         ValueError: the hypothesis and the integrals do not agree; on all ranks.
@@ -113,11 +159,12 @@ def check_hypothesis(form: ufl.Form, u: Function, hypothesis: str | None) -> Non
     solid = u.function_space.num_sub_spaces == mesh.geometry.dim == u.function_space.dofmap.bs
     if mesh.geometry.dim != 2 or not solid or not (axisymmetric or hypothesis is None and has_place):
         return
-    cells = ufl.Form([i for i in form.integrals() if i.integral_type() == "cell"])
-    tangent = expand_derivatives(ufl.derivative(cells, u, ufl.TrialFunction(u.function_space)))
-    if tangent.empty():
+    cells = ufl.Form([i for i in (tangent or form).integrals() if i.integral_type() == "cell"])
+    if tangent is None:
+        cells = expand_derivatives(ufl.derivative(cells, u, ufl.TrialFunction(u.function_space)))
+    if cells.empty():
         return
-    matrices = CellMatrices(u, tangent, ())
+    matrices = CellMatrices(u, cells, ())
     radial, axial = (matrices.resistance(np.array(e), SAMPLE) for e in ((1.0, 0.0), (0.0, 1.0)))
     # Of a thin ring without Poisson's ratio, hoops resist by the square of its thickness over its radius.
     hoops = radial > np.maximum(NOISE, CLEAR * axial)

@@ -206,17 +206,10 @@ def displacement(u: Any, needed_by: str = "") -> None:
         raise ValueError("the mesh of u has nodes whose coordinates are not finite numbers: read or make it again")
     if not needed_by:
         return
-    if tdim < 2:
-        raise ValueError(
-            f"the mesh of u has dimension {tdim}: {needed_by} can be had on bodies that are meshed in 2D or 3D"
-        )
+    if tdim < 2 or tdim != gdim:
+        raise ValueError(_no_body(tdim, gdim, needed_by))
     if V.ufl_element().is_mixed:
         raise ValueError(_mixed(needed_by))
-    if tdim != gdim:
-        raise ValueError(
-            f"the mesh of u is a surface: cells of dimension {tdim} in {gdim} dimensions; shells and membranes are not "
-            "supported, use a residual of your own without contact, or mesh the volume"
-        )
     element = V.ufl_element()
     needed = f'fem.functionspace(mesh, ("Lagrange", degree, ({gdim},)))'
     if V.value_shape != (gdim,):
@@ -229,6 +222,20 @@ def displacement(u: Any, needed_by: str = "") -> None:
             "discontinuous" if element.block_size == gdim and element.family_name == "P" else "not of Lagrange's kind"
         )
         raise ValueError(f"the space of u is {kind} ({element}): a displacement needs a continuous one; use {needed}")
+
+
+def _no_body(tdim: int, gdim: int, needed_by: str) -> str:
+    """A sentence on what a mesh of bars or surfaces cannot have, and what works."""
+    kind = "bars, trusses and beams" if tdim < 2 else "shells and membranes"
+    what = f"the mesh of u has cells of dimension {tdim} in {gdim} dimension{'s' if gdim > 1 else ''}, for {kind}"
+    if needed_by == "loads":
+        return f"{what}: loads=... do not act on it; write the load into the residual, as - ufl.inner(traction, v)*ds"
+    if needed_by == "contact":
+        return (
+            f"{what}: contact=[...] needs the surface of a body, mesh the volume for it; contact with a rigid obstacle "
+            "can be written into the residual as a penalty, - penalty*ufl.max_value(-gap, 0)*ufl.inner(normal, v)*dx"
+        )
+    return f"{what}: {needed_by} is that of a body; give a residual of your own and its density, or mesh the volume"
 
 
 def _mixed(needed_by: str) -> str:

@@ -8,13 +8,18 @@ from typing import Any, NoReturn, SupportsIndex
 
 from dolfinx.fem import Function
 
+from .fixed import Fixed
+
 # From a displacement function to the ExplicitProblems on it that are alive.
 _explicit: weakref.WeakKeyDictionary[Function, weakref.WeakSet[Any]] = weakref.WeakKeyDictionary()
 
 
-class Unique:
-    """Base of classes whose objects share state with C++, PETSc and the user's functions: a copy would share it too."""
+class Unique(Fixed):
+    """Base of classes whose objects share state with C++, PETSc and the user's functions: a copy would share it too,
+    and a part that was replaced would stay in use."""
 
+    _takes_new = True
+    _because = "it was made with it"
     _instead = "make another one on a displacement function of its own"
 
     def _refuse(self, what: str) -> NoReturn:

@@ -15,6 +15,7 @@ from mpi4py import MPI
 from .. import _cpp
 from ..common.arguments import LARGEST_DEGREE, integer, number
 from ..common.collective import comm_of, guard
+from ..common.fixed import Fixed
 from ..common.types import FloatArray, IntArray
 from ..loads import _tag, check_tag, facet_tags_of
 from .nodal_sum import NodalSum
@@ -32,7 +33,7 @@ class ContactStatus(enum.IntEnum):
     slip = 2
 
 
-class ContactPair:
+class ContactPair(Fixed):
     """Two surfaces that may touch: the slave carries the contact points, the master the facets they are projected on.
 
     Args:

@@ -319,6 +319,13 @@ class MultiplierContact(StaticContact, Protocol):
     multiplier: FloatArray
     last_change: int
 
+    def gap_round_off(self) -> float:
+        """Norm of the forces that close gaps of the size of their round-off. Collective.
+
+        Returns:
+            The norm [F].
+        """
+
     def constraints(self) -> _cpp.multipliers.Constraints:
         """Constrained directions of the active nodes.
 

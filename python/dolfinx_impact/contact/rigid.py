@@ -7,6 +7,7 @@ import numpy as np
 
 from .. import _cpp
 from ..common.arguments import number
+from ..common.fixed import Fixed, read_only
 from ..common.types import ArrayLike, FloatArray
 
 
@@ -20,7 +21,8 @@ def _vector(name: str, value: Any) -> FloatArray:
         raise ValueError(f"{name} must have two or three components, found shape {array.shape}")
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{name} is {array.tolist()}: give finite numbers")
-    return np.pad(array, (0, 3 - len(array)))
+    padded: FloatArray = read_only(np.pad(array, (0, 3 - len(array))))
+    return padded
 
 
 def _unit(name: str, value: Any) -> FloatArray:
@@ -32,11 +34,12 @@ def _unit(name: str, value: Any) -> FloatArray:
     return vector / length
 
 
-class _Rigid:
+class _Rigid(Fixed):
     """Base of rigid obstacles: a displacement that may be changed between solves; load steps divide it equally.
+    Problems in time read displacement and motion when they are made, and refuse to go on with others.
 
     Attributes:
-        motion: of explicit problems, added to the displacement: a function of time with three components, a pair
+        motion: of problems in time, added to the displacement: a function of time with three components, a pair
             (times, values), or None [L].
         velocity: of rolling problems, (3): that of its surface, which stays where it is, as of a rigid rail that moves
             along itself [L/T].
@@ -46,9 +49,8 @@ class _Rigid:
 
     def __init__(self, kind: str, point: FloatArray, direction: FloatArray, radius: float) -> None:
         self._kind, self._point, self._direction, self._radius = kind, point, direction, radius
-        self._displacement: FloatArray = np.zeros(3)
-        self._velocity: FloatArray = np.zeros(3)
-        self.motion: Any = None
+        self._displacement = self._velocity = _vector("displacement", (0.0, 0.0, 0.0))
+        self._motion: Any = None
 
     def __repr__(self) -> str:
         moved = f", displacement={self._displacement.tolist()}" if np.any(self._displacement) else ""
@@ -77,7 +79,7 @@ class _Rigid:
     @property
     def displacement(self) -> FloatArray:
         """Displacement from the position at which the obstacle was made, (3) [L]."""
-        return self._displacement.copy()
+        return self._displacement
 
     @displacement.setter
     def displacement(self, value: ArrayLike) -> None:
@@ -86,11 +88,21 @@ class _Rigid:
     @property
     def velocity(self) -> FloatArray:
         """Velocity of the surface in rolling problems, (3) [L/T]."""
-        return self._velocity.copy()
+        return self._velocity
 
     @velocity.setter
     def velocity(self, value: ArrayLike) -> None:
         self._velocity = _vector("velocity", value)
+
+    @property
+    def motion(self) -> Any:
+        """Of problems in time, added to the displacement: a function of time with three components, a pair
+        (times, values), or None [L]."""
+        return self._motion
+
+    @motion.setter
+    def motion(self, value: Any) -> None:
+        self._motion = value
 
     def orientation_hint(self) -> str:
         """What a user can change if the slave is on the wrong side of the obstacle."""

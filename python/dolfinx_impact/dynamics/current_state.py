@@ -11,6 +11,7 @@ from ..common.types import FloatArray
 from ..contact.protocol import ExplicitContact
 from .advance_calls import check_not_written
 from .penetration_share import PenetrationShare
+from .read_once import ReadOnce
 from .run_history import ENERGIES, RunHistory, total_energy
 
 
@@ -25,6 +26,7 @@ class CurrentState:
         contacts: contacts whose results are updated.
         history: RunHistory; the energy drift is computed from it.
         share: PenetrationShare, which the contacts get their share from.
+        read: what was read of supports and rigid masters.
 
     Attributes:
         energy: energies at the present time by name, with `total` [F L] and `drift` [1].
@@ -39,8 +41,9 @@ class CurrentState:
         contacts: Sequence[ExplicitContact],
         history: RunHistory,
         share: PenetrationShare,
+        read: ReadOnce,
     ) -> None:
-        self.integrator, self.contacts, self.history, self.share = integrator, contacts, history, share
+        self.integrator, self.contacts, self.history, self.share, self.read = integrator, contacts, history, share, read
         self.functions = (displacement, velocity, acceleration)
         V = displacement.function_space
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -66,7 +69,8 @@ class CurrentState:
 
     def check_not_written(self) -> None:
         """Refuse that others have written to displacement or velocity since the last update, on this rank, and take it
-        back. It does not communicate: a callback may have failed on one rank alone.
+        back, or have set what was read when the problem was made. It does not communicate: a callback may have
+        failed on one rank alone.
 
         Raises:
             ValueError: they have.
@@ -76,6 +80,7 @@ class CurrentState:
         for shown, values in own:
             shown[:] = values
         check_not_written(u, v)
+        self.read.check()
 
     def update(self) -> None:
         """Update functions, contact results and energies to the present time. Collective."""

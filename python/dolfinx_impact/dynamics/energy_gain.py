@@ -8,18 +8,17 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+from .. import _cpp
 from ..assembly.curvature import is_displacement
 from ..common.types import FloatArray
 
 # Gain relative to the energies so far at which a run warns and at which it stops. A correct run with contact gains less
 # than 0.01.
 LIMITS = (0.1, 0.5)
-
-
 STRAIN = 0.1  # that bodies may have at the start, of which a residual does not tell what they store
 
-# A run that is stable may have a kinetic energy between time levels beyond all energy put in: cpp EnergyBalance.
-GROWTH = 1000.0
+# Kinetic energy over all energy put in, beyond which a run grows.
+GROWTH: float = _cpp.integrators.largest_growth
 
 
 def release_limit(V: fem.FunctionSpace, stiffness: FloatArray, sizes: FloatArray) -> float:

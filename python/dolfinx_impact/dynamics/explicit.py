@@ -27,6 +27,7 @@ from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.curvature import is_displacement
 from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
+from ..assembly.interior_facets import check_neighbours, has_interior_facets
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
 from ..assembly.quadrature_degree import warn_of_degree
@@ -41,7 +42,7 @@ from ..common.arguments import number
 from ..materials import MaterialMap, Rayleigh, _Material
 from ..io.mesh_check import check_cells
 from ..assembly.measures import check_measures
-from ..assembly.residual import check_hypothesis, split
+from ..assembly.residual import check_hypothesis, differentiable, split
 from . import energy_gain, rolling_start, static_start
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
@@ -54,6 +55,7 @@ from .run_history import RunHistory
 from .stable_step_watch import StableStepWatch
 from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, cell_steps, damped
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
+from .read_once import ReadOnce
 from .supports import Supports
 from .time_stepper import TimeStepper
 from ..common.unique import Unique, claim
@@ -89,6 +91,9 @@ class ExplicitProblem(Unique, StressedBodies):
         mass_scaling: step to which the stable step of cells is raised by added mass; None: no mass is added [T].
         hypothesis: for a residual of your own: "axisymmetric" if its integrals contain 2 pi r, otherwise None or
             another hypothesis.
+        tangent: for a residual of your own: its derivative, a UFL form of rank 2, from which the stable step follows;
+            None: UFL finds it. Needed where the residual reads a stress that a callback computes, as a function at
+            quadrature points. The elastic tangent will do where the true one is never stiffer.
 
     Attributes:
         u: displacement at the present time [L].
@@ -133,6 +138,7 @@ class ExplicitProblem(Unique, StressedBodies):
         lumping: str = "auto",
         mass_scaling: float | None = None,
         hypothesis: str | None = None,
+        tangent: ufl.Form | None = None,
     ) -> None:
         with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "ExplicitProblem") as ranks:
             if residual is not None and density is None:
@@ -141,7 +147,9 @@ class ExplicitProblem(Unique, StressedBodies):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
-            given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, explicit=True)
+            given = problem_arguments.problem(
+                u, material, residual, bcs, loads, contact, axisymmetric, explicit=True, tangent=tangent
+            )
             check_velocity(velocity, u)
             own: Any = None
             if residual is not None:
@@ -162,8 +170,10 @@ class ExplicitProblem(Unique, StressedBodies):
         free_garbage(self.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
         self.damping, self.scheme = damping or Rayleigh(), scheme
         self.lumping, self.mass_scaling = lumping, mass_scaling
-        self.loads, self.residual_form, self.given_density = list(loads), residual, density
+        self.loads, self.residual_form, self.given_density = tuple(loads), residual, density
         check_cells(mesh)
+        if residual is not None and has_interior_facets(residual):
+            check_neighbours(mesh._cpp_object)
         claim(u, self, explicit=True)
         if material is not None:
             warn_of_locking(u, material)
@@ -175,22 +185,24 @@ class ExplicitProblem(Unique, StressedBodies):
             assert material is not None  # checked above
             hypothesis = material.hypothesis_on(mesh)
             forms = body_forms(u, material)
-            internal, tangent, linear = forms.internal, forms.stiffness, forms.linear
+            internal, bounding, linear = forms.internal, forms.stiffness, forms.linear
             laws_at_points, self._parts = forms.laws, forms.parts
             parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
             bodies: Any = material
         else:
             bodies = own
             internal, resisting = split(residual, velocity)
-            # By the rules of the residual: it is the change of this force that bounds the step.
-            tangent, linear = expand_derivatives(ufl.derivative(with_rules(internal), u, du)), False
+            linear, bounding = False, tangent
+            if tangent is None:  # by the rules of the residual: it is the change of this force that bounds the step
+                with differentiable():
+                    bounding = expand_derivatives(ufl.derivative(with_rules(internal), u, du))
             if resisting is not None:
                 if scheme == "classical":
                     raise ValueError(
                         "the residual contains the velocity: scheme 'classical' takes mass-proportional damping only"
                     )
                 damping_tangent = expand_derivatives(ufl.derivative(with_rules(resisting), velocity, du))
-            check_hypothesis(internal, u, hypothesis)
+            check_hypothesis(internal, u, hypothesis, tangent)
             warn_of_degree(residual, u, hypothesis)
             parts, tags = [(None, bodies.density_constant(mesh))], None
         springs, dashpots = spring_form(loads, du, v, bodies), dashpot_form(loads, du, v, bodies)
@@ -200,18 +212,18 @@ class ExplicitProblem(Unique, StressedBodies):
                 "be diagonal"
             )
         if springs is not None:
-            tangent = tangent + springs
-            check_measures(tangent)
+            bounding = bounding + springs
+            check_measures(bounding)
         if dashpots is not None:
             damping_tangent = dashpots if damping_tangent is None else damping_tangent + dashpots
             check_measures(damping_tangent)
         self._bodies = bodies
         self.axisymmetric = hypothesis == "axisymmetric"
         self._frequencies = Frequencies(
-            u, tangent, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
+            u, bounding, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
             velocity,
         )  # fmt: skip
-        tangents = [t for t in (tangent, damping_tangent) if t is not None]
+        tangents = [t for t in (bounding, damping_tangent) if t is not None]
         read = [c for t in tangents for c in t.coefficients()]
         deforms, periodic = any(c is u for c in read), any(c is velocity for c in read)
         if residual is not None:
@@ -245,7 +257,7 @@ class ExplicitProblem(Unique, StressedBodies):
         self.supports, self.prescribed = supports.parts, supports.mask
         for dofs, values, column in self.supports:
             self._cpp_object.prescribe(dofs.astype(np.int32), values, column)
-        self.contact: list[NodalResult] = [c._bind_explicit(self) for c in contact]
+        self.contact: tuple[NodalResult, ...] = tuple([c._bind_explicit(self) for c in contact])
         for c in self.contact:
             motion = c.motion
             columns = [-1] * 3 if motion is None else self._functions.add(motion)
@@ -254,10 +266,12 @@ class ExplicitProblem(Unique, StressedBodies):
         self._history = RunHistory(len(self.contact), mesh.geometry.dim)
         share = PenetrationShare(self, from_rest=not linear and self._parts is None)
         self._state = CurrentState(
-            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share
+            self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share,
+            ReadOnce(supports, self.contact),
         )  # fmt: skip
         # Of other unknowns than displacements the size of a cell says nothing about how far they may change.
-        watch = StableStepWatch(self) if deforms and is_displacement(V) else None
+        watched = deforms and is_displacement(V) and not self._frequencies.depends_on_jumps
+        watch = StableStepWatch(self) if watched else None
         # Internal variables may change the stiffness by a third within 100 steps.
         periodic = periodic or (deforms and (watch is None or self._parts is not None))
         self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, watch, periodic)

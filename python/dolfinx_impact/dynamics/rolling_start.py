@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -128,10 +127,9 @@ def _driven(pair: ContactPair) -> ContactPair:
     """The pair, with a rigid master that moves with its velocity in time."""
     if not pair.rigid or pair.rigid_master.motion is not None:
         return pair
-    pair, velocity = copy.copy(pair), pair.rigid_master.velocity
-    pair.master = copy.copy(pair.rigid_master)
-    pair.rigid_master.motion = lambda t: velocity * t
-    return pair
+    velocity = pair.rigid_master.velocity
+    driven: ContactPair = pair._copy(master=pair.rigid_master._copy(_motion=lambda t: velocity * t))
+    return driven
 
 
 def make(kind: type[ExplicitProblem], rolling: RollingProblem, penalty: float | str, given: dict[str, Any]) -> Any:

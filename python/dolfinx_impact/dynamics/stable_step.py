@@ -14,11 +14,13 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 from petsc4py import PETSc
+from ufl.algorithms import extract_coefficients
 
 from ..assembly import operators
 from ..assembly.cell_matrices import CellMatrices
-from ..assembly.curvature import NOISE, check_curvature
+from ..assembly.curvature import NOISE, WRONG, check_curvature, extremes
 from ..common.cell_numbers import input_cell_numbers
+from ..common.collective import common
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
 
@@ -144,6 +146,12 @@ class Frequencies:
         self._damping = None if damping is None else CellMatrices(u, damping, motion)
 
     @property
+    def depends_on_jumps(self) -> bool:
+        """Whether the stiffness of facets between cells depends on the displacement: on jumps, which deform no cell."""
+        inner = [i for i in self.tangent.integrals() if i.integral_type() == "interior_facet"]
+        return any(f is self.u for i in inner for f in extract_coefficients(i.integrand()))
+
+    @property
     def damps(self) -> bool:
         """Whether there is damping that differs between cells: of a residual, or of dashpots."""
         return self._damping is not None
@@ -244,7 +252,8 @@ class Frequencies:
         for matrices, what in parts:
             low, high, skew = matrices.spectra(masses).T
             size = self.comm.allreduce(float(np.max(np.maximum(-low, high), initial=0.0)), MPI.MAX)
-            bad = np.flatnonzero((-low > high) & (-low > 1e-9 * size))
+            # Of a facet between two cells, the consistency terms of a good interior penalty alone are indefinite.
+            bad = np.flatnonzero((-low > high) & (-low > 1e-9 * size) & (not matrices.joins_cells))
             first = None
             if len(bad):
                 mesh, cell = self.u.function_space.mesh, bad[0]
@@ -260,6 +269,13 @@ class Frequencies:
                 K = operators.Tangent(self.tangent)
                 check_curvature(K.assemble(), free)
                 K.matrix.destroy()
+            if matrices is self._damping and matrices.joins_cells and self.comm.allreduce(doubtful, MPI.LOR):
+                assert self._damping_form is not None  # these are its matrices
+                C = operators.Tangent(self._damping_form)
+                lowest, highest = extremes(C.assemble(), free)
+                C.matrix.destroy()
+                if -lowest > WRONG * max(-lowest, highest):
+                    raise common(ValueError(what))
             if (
                 matrices is self._damping
                 and self.comm.allreduce(float(np.max(skew, initial=0.0)), MPI.MAX) > 1e-6 * size

@@ -39,6 +39,8 @@ class Supports(Described):
         num_owned, comm = V.dofmap.index_map.size_local * V.dofmap.index_map_bs, V.mesh.comm
         self.mask: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         self.parts: list[tuple[IntArray, FloatArray, int]] = []
+        self._conditions: list[DirichletBC] = []
+        self._present: FloatArray = np.zeros(len(u.x.array))  # values of a condition now, where it prescribes any
         for given in bcs:
             amplitude = given.amplitude if isinstance(given, PrescribedMotion) else None
             bc = given.bc if isinstance(given, PrescribedMotion) else given
@@ -58,3 +60,18 @@ class Supports(Described):
                     "an amplitude that begins where u is"
                 )
             self.parts.append((dofs, values[dofs], column))
+            self._conditions.append(bc)
+
+    def check(self) -> None:
+        """Refuse that the value of a condition has been changed, on this rank. It does not communicate.
+
+        Raises:
+            ValueError: one has.
+        """
+        for bc, (dofs, values, _) in zip(self._conditions, self.parts):
+            bc.set(self._present)
+            if not np.array_equal(self._present[dofs], values, equal_nan=True):
+                raise ValueError(
+                    "the value of a Dirichlet condition was changed after the problem was made, which goes on with the "
+                    "old one: give PrescribedMotion(bc, amplitude), a function of time, before the problem is made"
+                )

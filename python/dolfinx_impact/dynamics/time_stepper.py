@@ -213,6 +213,7 @@ class TimeStepper:
             ValueError: `until` has passed, or the mesh has changed.
         """
         until = self._calls.check(self.time, until, callback, update)
+        self.state.read.check()
         if self._fingerprint() != self._mesh_fingerprint:
             raise ValueError("the mesh was changed after the problem was set up: make a new problem")
         return until

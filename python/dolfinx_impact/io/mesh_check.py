@@ -15,6 +15,7 @@ from dolfinx.mesh import Mesh, MeshTags
 from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import comm_of, guard
 from ..common.types import BoolArray, FloatArray, IntArray
+from .torn_nodes import check_nodes
 
 SHOWN = 5  # cells or nodes named in an error
 CHUNK = 50_000  # cells whose Jacobians are in memory at the same time
@@ -218,12 +219,13 @@ def check_cells(mesh: Mesh) -> None:
         mesh: mesh to check.
 
     Raises:
-        ValueError: cells are flat, folded or inverted; on all ranks.
+        ValueError: cells are flat, folded or inverted, or nodes of a truss are torn; on all ranks.
     """
     now = zlib.crc32(np.ascontiguousarray(mesh.geometry.x))
     known = getattr(mesh, "_impact_checked", None) == now
     if mesh.comm.allreduce(int(known), MPI.MIN):
         return
+    check_nodes(mesh)
     if mesh.topology.cell_name() in ("triangle", "quadrilateral", "tetrahedron", "hexahedron"):
         check_mesh(mesh, where="the mesh of u")
     setattr(mesh, "_impact_checked", now)

@@ -101,7 +101,7 @@ class Problem(Protocol):
     mass: la.Vector
     material: _Material | MaterialMap | None
     damping: Rayleigh
-    loads: list[Load]
+    loads: tuple[Load, ...]
     supports: list[tuple[IntArray, FloatArray, int]]
     bulk_viscosity: tuple[float, float]
     residual_form: ufl.Form | None

@@ -11,6 +11,7 @@ from dolfinx import default_scalar_type, fem
 from dolfinx.mesh import Mesh
 
 from ..common.arguments import number
+from ..common.fixed import Fixed, read_only
 from ..common.types import ArrayLike, FloatArray
 from ..forms import ale
 
@@ -30,10 +31,11 @@ def _components(name: str, value: Any, counts: tuple[int, ...]) -> FloatArray:
         raise ValueError(f"{name} has shape {array.shape}: it needs {wanted} components")
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{name} is {array.tolist()}: give finite numbers")
-    return array
+    held: FloatArray = read_only(array)
+    return held
 
 
-class Spin:
+class Spin(Fixed):
     """Rotation of the material about a fixed axis.
 
     Args:
@@ -57,7 +59,7 @@ class Spin:
         length = float(np.linalg.norm(axis))
         if length == 0.0:
             raise ValueError("axis of a Spin is zero: it has no direction")
-        self.axis: FloatArray = axis / length
+        self.axis: FloatArray = read_only(axis / length)
         self.omega = omega
 
     @property
@@ -138,7 +140,7 @@ class Spin:
         return fem.Constant(mesh, default_scalar_type(0.0))
 
 
-class Translation:
+class Translation(Fixed):
     """Translation of the material through the mesh with one velocity, as of a rail under a wheel that does not travel.
 
     Args:

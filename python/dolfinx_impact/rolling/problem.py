@@ -105,7 +105,7 @@ class RollingProblem(Unique):
             arguments.options(options)
             ranks.same(**given, motions=dict(motions), options=options, prefix=prefix)
         self.u, self.motions = u, {int(tag): motion for tag, motion in motions.items()}
-        self.material, self.cell_tags, self.bcs, self.loads = material, cell_tags, bcs, loads
+        self.material, self.cell_tags, self.bcs, self.loads = material, cell_tags, tuple(bcs), tuple(loads)
         mesh = u.function_space.mesh
         self._check_tags(cell_tags)
         for tag, motion in self.motions.items():
@@ -156,7 +156,7 @@ class RollingProblem(Unique):
         return f"RollingProblem({self.motions}, {self._equilibrium!r})"
 
     @property
-    def contact(self) -> list[LagrangeContact | PenaltyContact]:
+    def contact(self) -> tuple[LagrangeContact | PenaltyContact, ...]:
         """Contacts with their results."""
         return self._equilibrium.contact
 
@@ -646,6 +646,6 @@ class RollingProblem(Unique):
 
     def _matrix(self, form: ufl.Form) -> PETSc.Mat:
         """Matrix of a bilinear form, zero at supports."""
-        matrix = petsc.assemble_matrix(ffcx_form(form), bcs=self._equilibrium.bcs, diagonal=0.0)
+        matrix = petsc.assemble_matrix(ffcx_form(form), bcs=list(self._equilibrium.bcs), diagonal=0.0)
         matrix.assemble()
         return matrix

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 from ..assembly import operators
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.measures import check_measures
+from ..assembly.residual import differentiable
 from ..assembly.residual_bodies import ResidualBodies
 from ..added_mass import AddedMass
 from ..forms.quadrature import with_rules
@@ -22,6 +23,7 @@ from ..loads import Load
 from ..materials import Material
 from .body import Body
 from .elastic_body import ElasticBody
+from .evaluated_body import Evaluate, EvaluatedBody
 from .inelastic_body import InelasticBody
 
 
@@ -31,6 +33,9 @@ def make_body(
     residual: ufl.Form | None,
     loads: Sequence[Load],
     bodies: ResidualBodies | None = None,
+    tangent: ufl.Form | None = None,
+    evaluate: Evaluate | None = None,
+    accept: Evaluate | None = None,
 ) -> Body:
     """Compose residual and tangent of the bodies.
 
@@ -40,6 +45,9 @@ def make_body(
         residual: UFL residual of a user's own; None with a material.
         loads: loads.
         bodies: what loads ask of the bodies, with a residual; None with a material.
+        tangent: derivative of the residual, given with it; None: found by UFL.
+        evaluate: function that sets what residual and tangent read, of the displacement; None: there is none.
+        accept: function that is called when a step has converged, or None.
 
     Returns:
         Elastic or inelastic bodies.
@@ -51,24 +59,34 @@ def make_body(
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     external, springs = external_work(u, material or bodies, loads), bool(foundations(loads))
     if residual is not None:
+        follows = external is not None and u in external.coefficients()
+        given = tangent - ufl.derivative(with_rules(external), u, du) if tangent is not None and follows else tangent
         residual = residual if external is None else residual - external
         check_measures(residual)
+        if evaluate is not None:
+            assert given is not None  # checked by the problem
+            return EvaluatedBody(u, residual, given, evaluate, accept)
         # There may be springs in it.
-        return ElasticBody(u, residual, ufl.derivative(with_rules(residual), u, du), has_springs=True)
+        if given is None:
+            with differentiable():
+                return ElasticBody(u, residual, ufl.derivative(with_rules(residual), u, du), has_springs=True)
+        body = ElasticBody(u, residual, given, has_springs=True)
+        body.linear = body.keeps_tangent = False  # nothing says that it is exact
+        return body
     assert material is not None  # checked by the problem
     follows = external is not None and u in external.coefficients()
     stiffness = ufl.derivative(external, u, du) if follows else None
     inelastic = any(isinstance(m, InelasticMaterial) for _, m in material.parts())
     if not inelastic:
-        internal, tangent = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
+        internal, elastic = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
         whole = internal if external is None else internal - external
         check_measures(whole)
-        return ElasticBody(u, whole, tangent if stiffness is None else tangent - stiffness, springs)
+        return ElasticBody(u, whole, elastic if stiffness is None else elastic - stiffness, springs)
     rest = _sum(operators.internal_force_form(u, v, material), None if external is None else -external)
     if rest is not None:
         check_measures(rest)
-    tangent = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
-    return InelasticBody(u, InelasticParts(u, material), rest, tangent, springs)
+    elastic = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
+    return InelasticBody(u, InelasticParts(u, material), rest, elastic, springs)
 
 
 def assemble_residual(u: fem.Function, body: Body, b: PETSc.Vec) -> PETSc.Vec:

@@ -12,6 +12,7 @@ from ..assembly.averaged_form import has_averages
 from ..assembly.ffcx_form import ffcx_form
 from ..common.described import Described
 from ..assembly import operators
+from .body import BodyTangent
 
 
 class ElasticBody(Described):
@@ -40,7 +41,7 @@ class ElasticBody(Described):
         self._averaged = operators.InternalForce(residual) if has_averages(residual) else None
         vectors = ufl.inner(u, ufl.TestFunction(u.function_space)) * ufl.dx(degree=0)
         self._residual = ffcx_form(residual if self._averaged is None else vectors)
-        self.tangent = operators.Tangent(tangent)
+        self.tangent: BodyTangent = operators.Tangent(tangent)
         self.tangent.matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         self.symmetric, self.has_springs = True, has_springs
         # The tangent of linear materials is written without u. Derivatives contain u until they are expanded.

@@ -252,6 +252,8 @@ class LinearSolver(Described):
             what is wrong with the solution, or None.
         """
         self._choose_method("cg" if system.symmetric else "gmres")
+        if b.norm() == 0.0:
+            x.set(0.0)  # from another guess a solver comes near zero, which no relative tolerance takes for an answer
         self.ksp.setInitialGuessNonzero(self._keeps)
         if not self._given_rtol:
             self.ksp.setTolerances(rtol=10.0 ** -self._digits(rtol))

@@ -155,6 +155,9 @@ class Newton(Described):
                 if self._K is not None:
                     self._measure_fields(self._K, residual)
                 small = self._fields.small(residual, self.rtol, self.atol) and small
+            if iteration > 0 and self.multipliers and max(scale, inner) <= self._gap_round_off():
+                # Nothing acts: the multipliers that close gaps of round-off have no state that could be found.
+                small, pending = True, 0
             if iteration == 0:
                 result.closed = [c.num_active > 0 for c in p.contact]
             if moved and settled and pending == 0 and violation < VIOLATION and small:
@@ -436,6 +439,10 @@ class Newton(Described):
     def _round_off_of_contact(self) -> float:
         """Norm of the round-off in the contact forces [F]. Collective."""
         return sum(c.round_off() for c in self.problem.contact)
+
+    def _gap_round_off(self) -> float:
+        """Norm of the forces that gaps of round-off make [F]. Collective."""
+        return sum(c.gap_round_off() for c in self.multipliers)
 
     def _round_off_of_bodies(self, K: PETSc.Mat) -> float:
         """Norm of the round-off in the residual of the bodies [F]. Collective.

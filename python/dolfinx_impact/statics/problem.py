@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -65,6 +65,12 @@ class StaticProblem(Unique, StressedBodies):
         prefix: prefix of PETSc options on the command line, which take precedence over `options`.
         hypothesis: for a residual of your own: "axisymmetric" if x is the radius and its integrals contain 2 pi r,
             otherwise None or another hypothesis.
+        tangent: for a residual of your own: its derivative, a UFL form of rank 2; None: UFL finds it. Needed where the
+            residual reads a stress that is computed elsewhere, as a function at quadrature points.
+        evaluate: with `tangent`: function that is called as evaluate(u) before residual or tangent are assembled at a
+            u, in every iteration. It sets the functions that they read, and not u; docs/howto/own_form.md.
+        accept: with `evaluate`: function that is called as accept(u) when a step has converged, for example to make
+            internal variables those that the next step begins from.
 
     Attributes:
         u: displacement [L].
@@ -99,17 +105,24 @@ class StaticProblem(Unique, StressedBodies):
         options: dict[str, Any] | None = None,
         prefix: str = "impact_static_",
         hypothesis: str | None = None,
+        tangent: ufl.Form | None = None,
+        evaluate: Callable[[fem.Function], object] | None = None,
+        accept: Callable[[fem.Function], object] | None = None,
     ) -> None:
         with guard(comm_of(u, residual, bcs, material, loads, contact), "StaticProblem") as ranks:
             if material is not None and hypothesis is not None:
                 raise ValueError("the hypothesis is that of the material: give it there")
             axisymmetric = hypothesis == "axisymmetric"
             bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
-            given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric)
+            given = problem_arguments.problem(
+                u, material, residual, bcs, loads, contact, axisymmetric, tangent=tangent, evaluate=evaluate,
+                accept=accept,
+            )  # fmt: skip
+            problem_arguments.computes(u, residual, evaluate)
             bodies = None if residual is None else ResidualBodies(u.function_space.mesh, hypothesis)
             arguments.options(options)
             ranks.same(**given, options=options, prefix=prefix, hypothesis=hypothesis)
-        self.u, self.material, self.bcs, self.loads = u, material, bcs, loads
+        self.u, self.material, self.bcs, self.loads = u, material, tuple(bcs), tuple(loads)
         V = u.function_space
         self.space = V
         check_cells(V.mesh)
@@ -119,10 +132,10 @@ class StaticProblem(Unique, StressedBodies):
             warn_of_softening(u, material)
         self._rotation_warning = RotationWarning(material)
         if residual is not None:
-            check_hypothesis(residual, u, hypothesis)
+            check_hypothesis(residual, u, hypothesis, tangent)
             warn_of_degree(residual, u, hypothesis)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
-        self.body: Body = make_body(u, material, residual, loads, bodies)
+        self.body: Body = make_body(u, material, residual, loads, bodies, tangent, evaluate, accept)
         self._b = self.body.vector()
         # Whether the signs of a residual of one's own are still to be checked, in the state of the first solve.
         self._unchecked = residual is not None and is_displacement(V)
@@ -132,7 +145,7 @@ class StaticProblem(Unique, StressedBodies):
         for d in dofs:
             self.fixed[d] = True
         self.recorders: list[LoadStepRecorder] = []
-        self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
+        self.contact: tuple[LagrangeContact | PenaltyContact, ...] = tuple([c._bind(self) for c in contact])
         # Only multipliers with the dual basis can be condensed, and only one constraint at a node. Otherwise, all stay
         # in the system.
         shared = connect(self.contact)

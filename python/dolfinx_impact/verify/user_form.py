@@ -254,6 +254,24 @@ def parts_of(form: ufl.Form, operator: str) -> list[tuple[ufl.Form, str]]:
     return out
 
 
+def check_body(domain: ufl.Mesh) -> None:
+    """Refuse meshes of bars and surfaces.
+
+    Args:
+        domain: mesh of a form.
+
+    Raises:
+        ValueError: its cells are not those of a body in 2D or 3D.
+    """
+    tdim, gdim = domain.topological_dimension(), domain.geometric_dimension()
+    if tdim < 2 or tdim != gdim:
+        raise ValueError(
+            f"the form is on cells of dimension {tdim} in {gdim} dimension{'s' if gdim > 1 else ''}: the hand-written "
+            "solver and the checks of forms know bodies in 2D and 3D only. Compare the kernels of bars, trusses and "
+            "shells with DOLFINx's: di.InternalForce(form).apply() with fem.assemble_vector (docs: your own form)"
+        )
+
+
 def _case(form: ufl.Form, name: str, hypothesis: str) -> Case:
     """Name, cell, degree, geometry_degree and hypothesis of a user's form."""
     domain = form.ufl_domain()
@@ -265,6 +283,7 @@ def _case(form: ufl.Form, name: str, hypothesis: str) -> Case:
         )
     space = functions[0].ufl_function_space().ufl_element()
     cell = domain.ufl_cell().cellname()
+    check_body(domain)
     degree, geometry_degree = int(space.embedded_superdegree), int(coordinate.embedded_superdegree)
     sub = space.sub_elements[0] if space.block_size > 1 else space
     if sub.family_name != "P" or sub.discontinuous:

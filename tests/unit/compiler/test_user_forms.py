@@ -64,9 +64,9 @@ def _scalar(cell="triangle"):
     return mesh, ufl.Coefficient(V), ufl.TestFunction(V)
 
 
-def _jump():
+def _vertices():
     _, f, v = _scalar()
-    return ufl.jump(f) * ufl.jump(v) * ufl.dS
+    return f * v * ufl.dP
 
 
 def _bessel():
@@ -97,12 +97,12 @@ def _volume_on_facets():
 @pytest.mark.parametrize(
     "form, words",
     [
-        (_jump, r"over ufl.dS .*NewmarkProblem"),
+        (_vertices, r"over ufl.dP .*NewmarkProblem"),
         (_bessel, r"ufl.bessel_J\(1, .*\) is not supported in kernels"),
         (_facet_area, r"ufl.FacetArea\(mesh\).*hexahedron"),
         (_curved_diameter, r"ufl.CellDiameter\(mesh\).*degree 2"),
         (_facet_average, r"ufl.facet_avg\(.*\) is not supported"),
-        (_volume_on_facets, r"ufl.CellVolume\(mesh\).*ds.*CellDiameter"),
+        (_volume_on_facets, r"ufl.CellVolume\(mesh\).*facets.*CellDiameter"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:Only know how:UserWarning")

@@ -9,6 +9,8 @@ from plane_bodies import Bodies
 import dolfinx_impact as di
 
 SEED = 5  # the same stacks in every run: each was looked at
+# The upper block of this one tips over its edge and falls, with half of the steps as well: its weight does work.
+TOPPLES = {6}
 DEBT = 0.05  # of the kinetic energy at the start: what springs may owe, docs/explicit/penalty.md, "Bound"
 
 
@@ -56,8 +58,9 @@ def check(number, steps):
     # Never more than there was, and what the load has done: `contact` has what springs store and what they have lost.
     assert np.max(kinetic + internal - external) < (1 + DEBT) * begin
     tenths = np.array([part.mean() for part in np.array_split(kinetic, 10)]) / begin
-    # Vibrations that contact does not damp stay, and wander between the blocks: they do not grow.
-    assert np.mean(tenths[8:]) < max(1.5 * np.mean(tenths[3:5]), 1e-3), (number, tenths)
+    if number not in TOPPLES:
+        # Vibrations that contact does not damp stay, and wander between the blocks: they do not grow.
+        assert np.mean(tenths[8:]) < max(1.5 * np.mean(tenths[3:5]), 1e-3), (number, tenths)
     total = energies[:-1].sum(axis=0) - external
     return tenths, (total[-1] - total[0]) / begin
 

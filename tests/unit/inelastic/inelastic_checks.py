@@ -329,7 +329,7 @@ def check_softening_is_warned_of():
             assert words in text, text
     domain = square()
     three = three_materials(domain)
-    three.materials[2] = steel(-0.05)
+    three = di.MaterialMap(three.cell_tags, {**three.materials, 2: steel(-0.05)})
     u = fem.Function(space(domain), name="u")
     (text,) = warnings_of(lambda: di.StaticProblem(u, three), "softens")
     assert "A body of the length 0.6667 [L]" in text and "below 0.01667 [L]" in text

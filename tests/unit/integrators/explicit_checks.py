@@ -89,7 +89,7 @@ def fed(rate=-0.5):
     v = fem.Function(V)
     v.interpolate(lambda x: 0.1 * x)
     damping = di.Rayleigh(1.0, 0.0)
-    damping.alpha = rate
+    vars(damping)["alpha"] = rate
     return di.ExplicitProblem(fem.Function(V), di.LinearElastic(1e3, 0.3, 1.0), velocity=v, damping=damping)
 
 

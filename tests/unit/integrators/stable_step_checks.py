@@ -54,7 +54,7 @@ class Looks:
             self.times += 1
             return squares, rates
 
-        problem.frequencies_by_cell = counted
+        vars(problem)["frequencies_by_cell"] = counted
         self._problem, self._found = problem, found
 
     def __call__(self, problem):

@@ -328,8 +328,8 @@ def test_one_name_for_two(cache):
         jit.compile_form(form)
 
 
-def test_interior_facets(cache):
+def test_vertices(cache):
     domain = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
     v = ufl.TestFunction(fem.functionspace(domain, ("Lagrange", 1)))
-    with pytest.raises(ValueError, match="over ufl.dS is not supported in kernels, which integrate over dx and ds"):
-        jit.compile_form(ufl.avg(v) * ufl.dS)
+    with pytest.raises(ValueError, match="over ufl.dP is not supported in kernels, which integrate over dx, ds and dS"):
+        jit.compile_form(v * ufl.dP)

@@ -217,7 +217,7 @@ def test_same_error_on_two_ranks(script_on_ranks, ranks):
             "arity": lambda: di.Energy(h * v * ufl.dx),
             "names": lambda: di.InternalForce(f * g * v * ufl.dx),
             "tags": lambda: di.InternalForce(h * v * ufl.dx(1)),
-            "interior": lambda: di.InternalForce(ufl.avg(h) * ufl.avg(v) * ufl.dS),
+            "vertices": lambda: di.InternalForce(h * v * ufl.dP),
             "bessel": lambda: di.InternalForce(ufl.bessel_J(1, h) * v * ufl.dx),
             "space": lambda: di.InternalForce(ufl.inner(fem.Function(N), ufl.TestFunction(N)) * ufl.dx),
             "text": lambda: di.InternalForce("h*v*dx"),

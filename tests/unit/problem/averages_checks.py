@@ -160,7 +160,7 @@ def check_words():
     problem.advance(3 * problem.stable_step(), progress=False)
     assert problem.energy["damping"] > 0.0
     area = ufl.CellVolume(b.mesh) * ufl.inner(b.u, b.v) * ufl.ds(domain=b.mesh)
-    with pytest.raises(ValueError, match=r"ufl.CellVolume\(mesh\) of quadrilateral cells.*over ds"):
+    with pytest.raises(ValueError, match=r"ufl.CellVolume\(mesh\) of quadrilateral cells.*not over facets"):
         di.StaticProblem(b.u, residual=b.residual() + area, bcs=[b.bc])
     # Straight edges have an area: on squares the diameter over the root of two.
     results = []

@@ -106,7 +106,7 @@ def left_of_the_axis(x):
 SPACES = {
     "mesh of float32": (lambda: on(("Lagrange", 1, (2,)), square(dtype=np.float32)), TypeError, "float32.*float64"),
     "1D mesh": (
-        lambda: on(("Lagrange", 1, (1,)), mesh.create_interval(COMM, 4, (0.0, 1.0))), ValueError, "dimension 1"),
+        lambda: on(("Lagrange", 1, (1,)), mesh.create_interval(COMM, 4, (0.0, 1.0))), ValueError, "1 in 1.*bars"),
     "surface in space": (lambda: on(("Lagrange", 1, (3,)), surface()), ValueError, "dimension 2 in 3.*shells"),
     "scalar": (lambda: on(("Lagrange", 1)), ValueError, "u is a scalar.*2 components"),
     "three components in the plane": (lambda: on(("Lagrange", 1, (3,))), ValueError, r"\(3,\).*2 components"),

@@ -13,6 +13,7 @@ from ...amplitude import Amplitude
 from ...assembly import operators
 from ...common.arguments import integer
 from ...common.collective import comm_of, common, guard
+from ...common.fixed import Fixed
 from ...common.types import FloatArray, IntArray
 from ...forms.materials import weight
 from ..output import ContactOutput
@@ -23,7 +24,7 @@ from .springs import searched
 from ..initial_penetration import check_side
 
 
-class Kinematic:
+class Kinematic(Fixed):
     """Enforce contact of a pair in explicit dynamics by correction of a predicted configuration.
 
     Seed, five steps after (3.48).

@@ -10,6 +10,7 @@ from petsc4py import PETSc
 
 from ... import _cpp
 from ...common.collective import comm_of, guard
+from ...common.fixed import Fixed
 from ...common.types import AnyArray, BoolArray, FloatArray, IntArray
 from .geometry import RigidGeometry, SurfaceGeometry
 from .mortar_geometry import MortarGeometry
@@ -30,7 +31,7 @@ LEAST_ANGLE = 0.1  # between two normals whose edge is a direction of its own [r
 _STATE = ("active", "sliding", "direction", "multiplier", "friction_traction", "traction_n", "total_slip")
 
 
-class Lagrange:
+class Lagrange(Fixed):
     """Enforce contact of a pair by Lagrange multipliers, seed (3.47), corrected.
 
     Args:
@@ -553,6 +554,17 @@ class LagrangeContact(ContactOutput):
             Zero [F].
         """
         return 0.0
+
+    def gap_round_off(self) -> float:
+        """Norm of the forces that close gaps of the size of their round-off: what multipliers are when bodies touch and
+        nothing presses them. Collective.
+
+        Returns:
+            The norm [F].
+        """
+        positions = 4 * np.finfo(float).eps * np.linalg.norm(self.points, axis=1)
+        forces = ((self.nodal_stiffness + self.facing_stiffness) * positions)[self._own]
+        return float(np.sqrt(self.comm.allreduce(float(forces @ forces))))
 
     def largest_violation(self) -> str:
         """A sentence about the node whose gap or slip is largest. Collective."""

@@ -12,6 +12,7 @@ from ... import _cpp
 from ...assembly.rigid_body_modes import RigidBodyModes
 from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
+from ...common.fixed import Fixed
 from ...common.types import AnyArray, ArrayLike, BoolArray, FloatArray, IntArray
 from .automatic import automatic_penalty, check_penalty
 from .facets import WIDEST, FacetKeeper
@@ -41,7 +42,7 @@ ROUND_OFF = 1e-15  # part of the bodies' size below which a penetration is round
 STILL = 1e-12  # part of the bodies' size below which a change of closest points is round-off
 
 
-class Penalty:
+class Penalty(Fixed):
     """Enforce contact of a pair by a penalty, seed (3.48), corrected.
 
     In explicit problems (docs/explicit/penalty.md) the contact points are the slave's nodes, and "auto" is half of the

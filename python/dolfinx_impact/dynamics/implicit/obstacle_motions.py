@@ -27,15 +27,16 @@ class ObstacleMotions(Described):
     """
 
     def __init__(self, contacts: Sequence[LagrangeContact | PenaltyContact], functions: FunctionsOfTime) -> None:
-        self._contacts = contacts
-        self._motions: list[Amplitude | None] = []
+        self._num_contacts = len(contacts)
+        self._motions: list[tuple[FloatArray, Amplitude] | None] = []
         for contact in contacts:
-            motion = None
-            if contact.pair.rigid:
-                name = f"motion of the rigid master of {contact.pair.name}"
-                motion = Amplitude(contact.pair.rigid_master.motion, name, size=3)
-                functions.add(motion)
-            self._motions.append(motion)
+            if not contact.pair.rigid:
+                self._motions.append(None)
+                continue
+            master, name = contact.pair.rigid_master, f"motion of the rigid master of {contact.pair.name}"
+            motion = Amplitude(master.motion, name, size=3)
+            functions.add(motion)
+            self._motions.append((master.displacement, motion))
 
     def places(self, time: float) -> FloatArray:
         """Displacements of the rigid masters at a time.
@@ -46,8 +47,9 @@ class ObstacleMotions(Described):
         Returns:
             Displacements, (num_contacts, 3), zero for deformable masters [L].
         """
-        places = np.zeros((len(self._contacts), 3))
-        for row, contact, motion in zip(places, self._contacts, self._motions):
-            if motion is not None:
-                row[:] = contact.pair.rigid_master.displacement + motion.sample([time])[0]
+        places = np.zeros((self._num_contacts, 3))
+        for row, moving in zip(places, self._motions):
+            if moving is not None:
+                displacement, motion = moving
+                row[:] = displacement + motion.sample([time])[0]
         return places

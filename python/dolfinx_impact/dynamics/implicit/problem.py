@@ -44,6 +44,7 @@ from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..stable_step import cell_sizes
+from ..read_once import ReadOnce
 from ..supports import Supports
 from .contact_nodes import ContactNodes
 from .damping import DampingForce
@@ -107,6 +108,12 @@ class NewmarkProblem(Unique, StressedBodies):
         prefix: prefix of PETSc options on the command line, which take precedence over `options`.
         hypothesis: for a residual of your own: "axisymmetric" if its integrals contain 2 pi r, otherwise None or
             another hypothesis.
+        tangent: for a residual of your own: its derivative, a UFL form of rank 2; None: UFL finds it. Needed where the
+            residual reads a stress that is computed elsewhere, as a function at quadrature points.
+        evaluate: with `tangent`: function that is called as evaluate(u) before residual or tangent are assembled at a
+            u, in every iteration. It sets the functions that they read, and not u; docs/howto/own_form.md.
+        accept: with `evaluate`: function that is called as accept(u) when a step has converged, for example to make
+            internal variables those that the next step begins from.
 
     Attributes:
         u: displacement at the present time [L].
@@ -122,11 +129,13 @@ class NewmarkProblem(Unique, StressedBodies):
         supports: prescribed owned degrees of freedom, their values [L] and the column of their function of time
             (-1: constant), for every support.
         mass: lumped mass per degree of freedom, by which a checkpoint recognises the bodies [M].
+        evaluates: whether a function of the user computes what the residual reads.
         body: bodies without inertia.
         moving_body: bodies with inertia.
         equations: equations of a step.
         motion: functions of displacement, velocity and acceleration.
         obstacles: motions of rigid masters.
+        read: values of supports and rigid masters that the problem goes on with.
         stepper: time stepping.
         account: forces and works.
         run_history: energies and contact forces of all steps.
@@ -165,6 +174,9 @@ class NewmarkProblem(Unique, StressedBodies):
         options: dict[str, Any] | None = None,
         prefix: str = "impact_implicit_",
         hypothesis: str | None = None,
+        tangent: ufl.Form | None = None,
+        evaluate: Callable[[fem.Function], object] | None = None,
+        accept: Callable[[fem.Function], object] | None = None,
     ) -> None:
         with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "NewmarkProblem") as ranks:
             if residual is not None and density is None:
@@ -173,7 +185,11 @@ class NewmarkProblem(Unique, StressedBodies):
                 raise ValueError("density and hypothesis are those of the material: give them there")
             axisymmetric = hypothesis == "axisymmetric"
             bcs, loads, contact = problem_arguments.lists(bcs, loads, contact)
-            given = problem_arguments.problem(u, material, residual, bcs, loads, contact, axisymmetric, implicit=True)
+            given = problem_arguments.problem(
+                u, material, residual, bcs, loads, contact, axisymmetric, implicit=True, tangent=tangent,
+                evaluate=evaluate, accept=accept,
+            )  # fmt: skip
+            problem_arguments.computes(u, residual, evaluate)
             check_velocity(velocity, u)
             own: Any = None
             if residual is not None:
@@ -195,7 +211,7 @@ class NewmarkProblem(Unique, StressedBodies):
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.damping, self.lumping, self.impact = damping or Rayleigh(), lumping, impact
-        self.loads, self.residual_form, self.given_density = list(loads), residual, density
+        self.loads, self.residual_form, self.given_density = tuple(loads), residual, density
         check_cells(mesh)
         claim(u, self)
         moving = residual
@@ -210,7 +226,7 @@ class NewmarkProblem(Unique, StressedBodies):
         else:
             moving, resisting = split(residual, velocity)
             bodies = own
-            check_hypothesis(moving, u, hypothesis)
+            check_hypothesis(moving, u, hypothesis, tangent)
             warn_of_degree(residual, u, hypothesis)
             densities, tags = [(None, bodies.density_constant(mesh))], None
         self.axisymmetric = hypothesis == "axisymmetric"
@@ -219,7 +235,10 @@ class NewmarkProblem(Unique, StressedBodies):
             self.velocity = fem.Function(V, name="velocity")
             self.velocity.x.array[:] = velocity.x.array
         self.acceleration = fem.Function(V, name="acceleration")
-        self.body = make_body(u, material, moving, self.loads, None if residual is None else bodies)
+        given_bodies = None if residual is None else bodies
+        self.body = make_body(u, material, moving, self.loads, given_bodies, tangent, evaluate, accept)
+        # What `evaluate` sets is no value that comes late.
+        self.evaluates = evaluate is not None
         self.functions = FunctionsOfTime()
         self.loads_in_time = LoadsInTime(self.loads)
         for amplitude in self.loads_in_time.amplitudes:
@@ -234,8 +253,9 @@ class NewmarkProblem(Unique, StressedBodies):
         self.moving_body = MovingBody(
             self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting, bodies)
         )
-        self.contact: list[LagrangeContact | PenaltyContact] = [c._bind(self) for c in contact]
+        self.contact: tuple[LagrangeContact | PenaltyContact, ...] = tuple([c._bind(self) for c in contact])
         self.obstacles = ObstacleMotions(self.contact, self.functions)
+        self.read = ReadOnce(motion, self.contact)
         self.equations = StepEquations(
             u, material, self.axisymmetric, self.moving_body, self.contact, self.fixed, options, prefix
         )
@@ -469,6 +489,7 @@ class NewmarkProblem(Unique, StressedBodies):
         """
         with guard(self.comm, "advance", callback=callback, update=update) as ranks:
             until = self.stepper.calls.check(self.time, until, callback, update)
+            self.read.check()
             if dt is None:
                 raise TypeError("advance needs dt, the largest step [T]: implicit steps have no stable step to follow")
             dt = arguments.number("dt", dt, 0.0, " [T]")

@@ -139,7 +139,7 @@ class ImplicitRestart(Checkpoints):
         """Set the problem to the state that was read. Collective."""
         p, a = self.problem, file.attributes
         arrays = {name: np.ascontiguousarray(values).ravel() for name, values in file.arrays.items()}
-        p.start_displacement = arrays["start"]
+        p.start_displacement[:] = arrays["start"]
         p.u.x.array[: p.num_owned] = arrays["displacement"]
         p.u.x.scatter_forward()
         self._set_material_history(file.cellwise)

@@ -255,6 +255,7 @@ class ImplicitStepper(Described):
         u, v = np.array_equal(shown, self.state.displacement), self.problem.motion.shows_velocity(self.state)
         shown[:] = self.state.displacement
         check_not_written(u, v)
+        self.problem.read.check()
 
     def update(self, update: Callable[[NewmarkProblem, float], object] | None, time: float) -> None:
         """Let a user set the values of a time; an error on one rank is raised on all. Collective.
@@ -369,6 +370,8 @@ class ImplicitStepper(Described):
     def _accept(self, state: State, values: TimeValues, step: float, control: StepControl, error: float | None) -> None:
         """Take over a converged step. Collective."""
         self.problem.accept_step(state, values)
+        if self.problem.evaluates:
+            self.problem.inputs.store()
         self.state, self.time, self.step = state, values.time, self.step + 1
         self.problem.add_row()
         control.done(step, self.iterations, error)

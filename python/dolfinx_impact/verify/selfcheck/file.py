@@ -20,7 +20,7 @@ from ufl.algorithms.analysis import extract_constants
 from ...assembly import operators
 from ...inelastic import InelasticMaterial
 from ...materials import _Material
-from ..user_form import run_file
+from ..user_form import check_body, run_file
 from .own_form import OwnForm
 from .transplant import maker_of
 
@@ -89,6 +89,7 @@ _FORMS = ("residual", "u", "energy", "tangent", "material", "parameters")
 
 def _source(maker: Callable[[Mesh], OwnForm], u: Any) -> Source:
     domain = u.ufl_function_space().ufl_domain()
+    check_body(domain)
     element = domain.ufl_coordinate_element()
     return Source(maker, domain.ufl_cell().cellname(), int(element.embedded_superdegree) and _degree(element))
 
