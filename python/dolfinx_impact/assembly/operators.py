@@ -118,7 +118,13 @@ def _history_of_cells(parts: Sequence[_cpp.operators.PointHistory], entities: In
     raise ValueError("the history that is shared belongs to other cells: use the same subdomains in both forms")
 
 
-class _Operator(Described):
+def _cells_of(mesh: cpp.mesh.Mesh_float64) -> str:
+    """Number and type of the cells that this rank owns."""
+    topology = mesh.topology
+    return f"{topology.index_map(topology.dim).size_local} {topology.cell_type.name} cells on this rank"
+
+
+class _Operator:
     """Kernels of a form with their entities, coefficients and constants on the C++ side."""
 
     test: FunctionSpace | None  # of the test function; a form of rank 0 has none
@@ -185,6 +191,12 @@ class _Operator(Described):
         parts = [(tag, self._cpp_object.history(i)) for i, tag in enumerate(tags)]
         num_cells = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
         self.history = PointHistory(num_cells, [(tag, p) for tag, p in parts if p is not None])
+
+    def __repr__(self) -> str:
+        kinds = [kernel.integral_type for kernel in self._kernels]
+        integrals = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+        read = f", of {', '.join(self.coefficients)}" if self.coefficients else ""
+        return f"{type(self).__name__}(integrals: {integrals}{read}; {_cells_of(self.mesh)}, {self.width} at once)"
 
     @property
     def width(self) -> int:
@@ -467,7 +479,7 @@ class Energy(_Operator):
         return self.mesh.comm.allreduce(self._cpp_object.value(), MPI.SUM)
 
 
-class Tangent(Described):
+class Tangent:
     """Matrix of a bilinear form in a PETSc matrix that is created once, with the kernels and assembly of DOLFINx.
 
     Integrals over cells with averages, ufl.cell_avg, which FFCx does not know, have kernels of our own.
@@ -508,6 +520,10 @@ class Tangent(Described):
             petsc.assemble_matrix(self.matrix, pattern)  # type: ignore[arg-type]
             self.matrix.assemble()
 
+    def __repr__(self) -> str:
+        rows, columns = self.matrix.getSize()
+        return f"Tangent({rows} x {columns}, {len(self.bcs)} boundary conditions; {_cells_of(self._mesh)})"
+
     def assemble(self) -> PETSc.Mat:
         """Assemble the matrix at the present coefficients. Collective.
 
@@ -525,7 +541,7 @@ class Tangent(Described):
         return self.matrix
 
 
-class PointValues(Described):
+class PointValues:
     """A UFL expression at given reference points of every owned cell, for example stresses.
 
     Args:
@@ -546,9 +562,14 @@ class PointValues(Described):
             self.mesh = _cargo(domain)
             points = arguments.reference_points(points, self.mesh.topology.dim, domain.ufl_cell().cellname())
             ranks.same(shape=expression.ufl_shape, points=points)
+        self._shape = expression.ufl_shape
         self.compiled = compile_expression(expression, points)
         self.kernel = self.compiled.kernels[0]
         self.kernel.check_mesh(self.mesh)
+
+    def __repr__(self) -> str:
+        points = self.kernel.shape[0]
+        return f"PointValues(values of shape {self._shape} at {points} points; {_cells_of(self.mesh)})"
 
     def values(self) -> FloatArray:
         """Evaluate the expression at the present coefficients. Collective.

@@ -20,6 +20,9 @@ class PointHistory:
     def __init__(self, num_cells: int, tagged: Sequence[tuple[int, _cpp.operators.PointHistory]]) -> None:
         self.num_cells, self._tagged = num_cells, list(tagged)
 
+    def __repr__(self) -> str:
+        return f"PointHistory({', '.join(self.names)}; {self.num_points} points in each of {self.num_cells} cells)"
+
     def __add__(self, other: "PointHistory") -> "PointHistory":
         return PointHistory(self.num_cells, [*self._tagged, *other._tagged])
 

@@ -92,7 +92,13 @@ class ContactPair(Fixed):
         self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
 
     def __repr__(self) -> str:
-        return f"ContactPair({self.name!r}: slave {self.slave}, master {self.master!r}, friction {self.friction})"
+        more = "" if self.search_distance is None else f", search_distance {self.search_distance:g}"
+        if self.remove_penetration:
+            more += ", remove_penetration"
+        sides = [side for side, kind in zip(("slave", "master"), self.smooth) if kind is not False]
+        if sides:
+            more += f", smooth {' and '.join(sides)}, crease {self.crease:g}"
+        return f"ContactPair({self.name!r}: slave {self.slave}, master {self.master!r}, friction {self.friction}{more})"
 
     @property
     def rigid_master(self) -> _Rigid:

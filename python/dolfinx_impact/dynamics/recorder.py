@@ -15,7 +15,6 @@ import numpy.typing as npt
 from mpi4py import MPI
 
 from ..assembly.fields import is_mixed
-from ..common.described import Described
 from ..common import arguments
 from ..common.collective import is_common
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
@@ -87,7 +86,7 @@ def check_arguments(
     return names, x
 
 
-class Recorder(Described):
+class Recorder:
     """Writes frames and histories of a problem in time into a folder; made by the problem's `record`.
 
     Files: fields.bp has the motion (ParaView 5.12 or newer); materials.bp the stresses, internal variables and
@@ -159,6 +158,10 @@ class Recorder(Described):
         self.seconds = 0.0
         self.after()
         recorders.append(self)
+
+    def __repr__(self) -> str:
+        due = f"at {len(self._times)} times" if self._times else f"every {self.every} steps"
+        return f"Recorder({str(self.folder.path)!r}, {due}: {', '.join(self.fields.dimensions) or 'histories alone'})"
 
     def _nearest(self, points: FloatArray) -> list[tuple[int, int]]:
         """Rank and local number of the node nearest to each point. Collective."""

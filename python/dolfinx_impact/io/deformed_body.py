@@ -11,7 +11,6 @@ from dolfinx import fem
 
 from ..assembly.history_field import HistoryField
 from ..common.collective import comm_of, guard
-from ..common.described import Described
 from ..common.types import FilePath, FloatArray, IntArray
 from . import plots
 from .gather import Gathered, gather_field, gather_rows, together
@@ -31,7 +30,7 @@ OUTLINES = {
 VIEW = ((-1.0, -1.5, 0.8), (0.0, 0.0, 1.0), None)  # of bodies in space: towards the viewer, up
 
 
-class DeformedBody(Described):
+class DeformedBody:
     """A field on the deformed body, gathered for pictures. Collective.
 
         picture = di.DeformedBody(u, problem.von_mises)
@@ -63,6 +62,7 @@ class DeformedBody(Described):
         self._comm, self._plane, self._scale = mesh.comm, mesh.geometry.dim == 2, float(scale)
         self._displacement = gather_field(u)
         shown: Any = u if field is None else field
+        self._shown = getattr(shown, "name", "an expression")
         if isinstance(shown, HistoryField):
             shown = shown.at_nodes()
         elif not isinstance(shown, fem.Function):
@@ -78,6 +78,10 @@ class DeformedBody(Described):
             if self._field.values is not None and self._field.values.shape[1] > 1:
                 self._field.values = np.linalg.norm(self._field.values, axis=1)[:, None]
         self.limits: tuple[float, float] = together(mesh.comm, self._range)
+
+    def __repr__(self) -> str:
+        low, high = self.limits
+        return f"DeformedBody({self._shown}, {low:.6g} to {high:.6g}, displacement x {self._scale:g})"
 
     def _range(self) -> tuple[float, float]:
         """Smallest and largest value, on rank 0."""
@@ -151,7 +155,11 @@ class DeformedBody(Described):
         """
 
         def work() -> None:
-            figure, axes = plots.pyplot().subplots(figsize=(6.4, 4.2), layout="constrained")
+            height = 4.2
+            if self._plane:  # of the body, at a width of 5 inch, with room for the labels
+                extent = np.ptp(self._moved()[0], axis=0)
+                height = float(np.clip(5.0 * extent[1] / extent[0] + 0.9, 2.0, 7.0))
+            figure, axes = plots.pyplot().subplots(figsize=(6.4, height), layout="constrained")
             self.draw(axes, label, **options)
             if title:
                 axes.set_title(title, fontsize=10)

@@ -94,6 +94,9 @@ class Case:
             ranks.
     """
 
+    def __repr__(self) -> str:
+        return f"Case({str(self.run.path)!r})"
+
     def __init__(
         self,
         data: RailJoint,

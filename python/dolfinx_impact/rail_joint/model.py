@@ -54,6 +54,9 @@ class JointModel:
         track: pads below the rails.
     """
 
+    def __repr__(self) -> str:
+        return f"JointModel({self.num_cells} cells, {self.data!r})"
+
     def __init__(self, data: RailJoint, comm: MPI.Intracomm = MPI.COMM_WORLD, partitioner: Any = None) -> None:
         self.data, self.comm = data, comm
         made = meshes.make(

@@ -152,6 +152,9 @@ class Passage:
         residual: static problem without a wheel after the last passage.
     """
 
+    def __repr__(self) -> str:
+        return f"Passage(static force {self.static_force:.6g}, {self.model!r})"
+
     def __init__(self, model: JointModel, progress: bool = True) -> None:
         self.model, self._progress = model, progress
         self.u = fem.Function(model.V, name="displacement")

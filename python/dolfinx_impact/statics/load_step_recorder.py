@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.described import Described
 from ..common.types import FilePath
 from ..common.units import Units
 from ..io import hdf5
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from .problem import StaticProblem
 
 
-class LoadStepRecorder(Described):
+class LoadStepRecorder:
     """Writes frames and contact forces of a static problem into a folder; made by its `record`.
 
     Files, as of Recorder: fields.bp, materials.bp, contact.bp. history.h5 has a row for each frame: `load_step`, and
@@ -61,6 +60,10 @@ class LoadStepRecorder(Described):
         self._gone: FolderGone | None = None
         self._open()
         problem.recorders.append(self)
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.fields.dimensions) or "histories alone"
+        return f"LoadStepRecorder({str(self.folder.path)!r}, every {self._every} increments: {names})"
 
     def _open(self) -> None:
         """Create the file of forces, on rank 0."""

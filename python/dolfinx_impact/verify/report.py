@@ -75,6 +75,11 @@ class Report:
         self.figures: list[tuple[str, Path]] = []
         self.cells, self.degrees, self.forms = cells, degrees, forms
 
+    def __repr__(self) -> str:
+        failed = sum(not row.passed for row in self.rows)
+        end = f"{failed} failed" if failed else "all passed" if self.rows else "nothing was compared"
+        return f"{type(self).__name__}({len(self.rows)} rows, {end})"
+
     def wants(self, cell: str, degree: int) -> bool:
         """Is the run not restricted to other elements?
 

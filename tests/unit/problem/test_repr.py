@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: MIT
 """What objects say of themselves when they are printed: what they are, in a line."""
 
+import importlib
+import pathlib
+import re
+
 import numpy as np
 import pytest
 import ufl
@@ -8,6 +12,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact.common.described import Described
 from dolfinx_impact.io.run_folder import RunFolder
 
 STEEL = di.LinearElastic(200.0, 0.3, 2.0, "plane_strain")
@@ -81,7 +86,12 @@ def test_contacts(facet_tags):
     assert repr(di.Lagrange(pair)) == f"Lagrange({pair!r}, basis='dual')"
     assert repr(di.Penalty(pair)) == f"Penalty({pair!r}, penalty='auto')"
     augmented = di.Penalty(pair, penalty=10, tangential=5, augmented=True)
-    assert repr(augmented) == f"Penalty({pair!r}, penalty=10.0, tangential=5.0, augmented=True)"
+    more = "augmented=True, tolerance=1e-08, max_augmentations=200"
+    assert repr(augmented) == f"Penalty({pair!r}, penalty=10.0, tangential=5.0, {more})"
+    assert repr(di.Penalty(pair, quadrature_degree=3)) == f"Penalty({pair!r}, penalty='auto', quadrature_degree=3)"
+    assert repr(di.Lagrange(pair, 4)) == f"Lagrange({pair!r}, basis='dual', quadrature_degree=4)"
+    wide = di.ContactPair(facet_tags, 1, 2, search_distance=0.5, remove_penetration=True, smooth=(True, False))
+    assert repr(wide).endswith("friction 0.0, search_distance 0.5, remove_penetration, smooth slave, crease 30)")
     assert repr(di.Kinematic(pair)) == f"Kinematic({pair!r}, sweeps=3)"
 
 
@@ -94,6 +104,46 @@ def test_problems_and_report(square):
     assert str(report) == f"Report: converged, 2 increments, {sum(report.iterations)} iterations"
     explicit = di.ExplicitProblem(fem.Function(V), STEEL, velocity=fem.Function(V))
     assert repr(explicit) == f"ExplicitProblem(18 unknowns, {STEEL!r}, 0 loads, 0 contacts, step 0, time 0)"
+
+
+def test_operators(square):
+    V = fem.functionspace(square, ("Lagrange", 1, (2,)))
+    u, v = fem.Function(V, name="u"), ufl.TestFunction(V)
+    form = ufl.inner(u, v) * ufl.dx(degree=2) + v[0] * ufl.ds(degree=1)
+    force, cells = di.InternalForce(form, width=1), "8 triangle cells on this rank"
+    assert repr(force) == f"InternalForce(integrals: 1 cell, 1 exterior_facet, of u; {cells}, 1 at once)"
+    energy = di.Energy(ufl.inner(u, u) * ufl.dx(degree=2), width=1)
+    assert repr(energy) == f"Energy(integrals: 1 cell, of u; {cells}, 1 at once)"
+    fixed = fem.dirichletbc(np.zeros(2), fem.locate_dofs_geometrical(V, lambda x: x[0] < 0.1), V)
+    tangent = di.Tangent(ufl.derivative(form, u), fixed)
+    assert repr(tangent) == f"Tangent(18 x 18, 1 boundary conditions; {cells})"
+    points = di.PointValues(ufl.grad(u), [[0.2, 0.2], [0.3, 0.3]])
+    assert repr(points) == f"PointValues(values of shape (2, 2) at 2 points; {cells})"
+
+
+def test_recorders_and_pictures(square, tmp_path):
+    V = fem.functionspace(square, ("Lagrange", 1, (2,)))
+    run = di.ExplicitProblem(fem.Function(V), STEEL)
+    fixed = fem.dirichletbc(np.zeros(2), fem.locate_dofs_geometrical(V, lambda x: x[0] < 0.1), V)
+    static = di.StaticProblem(fem.Function(V, name="u"), STEEL, bcs=fixed)
+    recorders = [run.record(tmp_path / "a", ["velocity"], every=5), static.record(tmp_path / "b", every=2)]
+    assert repr(recorders[0]) == f"Recorder({str(tmp_path / 'a')!r}, every 5 steps: velocity)"
+    assert repr(recorders[1]) == f"LoadStepRecorder({str(tmp_path / 'b')!r}, every 2 increments: displacement)"
+    for recorder in recorders:
+        recorder.close()
+    assert repr(di.DeformedBody(static.u, scale=3)) == "DeformedBody(displacement, 0 to 0, displacement x 3)"
+
+
+def test_every_class_of_the_interface_says_what_it_is():
+    """By a method of its own: neither its address, nor the first line of what it is for alone."""
+    pages = (pathlib.Path(__file__).parents[3] / "docs" / "api").glob("*.md")
+    named = {name for page in pages for name in re.findall(r"autoclass:: dolfinx_impact\.([\w.]+)", page.read_text())}
+    found = [thing for name in di.__all__ if isinstance(thing := getattr(di, name), type)]
+    for name in named:
+        module, _, last = name.rpartition(".")
+        found.append(getattr(importlib.import_module(f"dolfinx_impact.{module}".rstrip(".")), last))
+    mute = {c.__name__ for c in found if c.__repr__ in (object.__repr__, Described.__repr__)}
+    assert len(found) > 40 and not mute
 
 
 def returned(thing):

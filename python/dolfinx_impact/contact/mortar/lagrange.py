@@ -56,7 +56,8 @@ class Lagrange(Fixed):
         self.pair, self.quadrature_degree, self.basis = pair, quadrature_degree, basis
 
     def __repr__(self) -> str:
-        return f"Lagrange({self.pair!r}, basis={self.basis!r})"
+        more = "" if self.quadrature_degree is None else f", quadrature_degree={self.quadrature_degree}"
+        return f"Lagrange({self.pair!r}, basis={self.basis!r}{more})"
 
     def _bind_explicit(self, problem: Any) -> Any:
         raise ValueError("multipliers are for static problems: use Penalty or Kinematic in an ExplicitProblem")

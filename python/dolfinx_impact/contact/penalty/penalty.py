@@ -108,6 +108,10 @@ class Penalty(Fixed):
         if self.tangential is not None:
             options.append(f"tangential={self.tangential}")
         options += [f"{name}=True" for name in ("augmented", "balanced") if getattr(self, name)]
+        if self.augmented:
+            options += [f"tolerance={self.tolerance:g}", f"max_augmentations={self.max_augmentations}"]
+        if self.quadrature_degree is not None:
+            options.append(f"quadrature_degree={self.quadrature_degree}")
         return f"Penalty({self.pair!r}, {', '.join(options)})"
 
     def _bind_explicit(self, problem: ExplicitContactProblem) -> NodalResult:

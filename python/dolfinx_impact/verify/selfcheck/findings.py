@@ -74,6 +74,12 @@ class SelfCheckReport(Report):
         super().__init__()
         self.pictures: dict[str, list[Picture]] = {}
 
+    def __repr__(self) -> str:
+        made = [f for f in self.findings if f.applies]
+        failed = ", ".join(dict.fromkeys(f.name for f in made if not f.passed))
+        end = f"failed: {failed}" if failed else "all passed" if made else "nothing was checked"
+        return f"SelfCheckReport({len(made)} checks made, {end})"
+
     @property
     def findings(self) -> list[Finding]:
         """The rows."""
