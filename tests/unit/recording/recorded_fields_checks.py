@@ -190,6 +190,22 @@ def check_problems_in_time():
             assert np.all(np.abs(found["shear_traction_x"]) <= 0.2 * found["pressure"] * (1 + 1e-9))
 
 
+def check_balanced_contact():
+    """Its pressure and traction are those that act: they add up to the force, as in contact of one direction."""
+    for balanced in (False, True):
+        blocks = Blocks(True, friction=0.0)
+        problem = di.ExplicitProblem(
+            fem.Function(blocks.V), law(), velocity=blocks.falling(), contact=di.Penalty(blocks.pair, balanced=balanced)
+        )
+        problem.advance(6e-3, dt=1e-3, progress=False)
+        contact = problem.contact[0]
+        total = COMM.allreduce(float(contact.pressure @ contact.weight))
+        # Both directions have the same pressures but for the motion of the slave along the master, 1 % of a facet, and
+        # the deformed surfaces are not quite level.
+        assert total == pytest.approx(contact.force[1], rel=1e-3) and total > 0.0
+        assert COMM.allreduce(float(contact.weight @ contact.traction[:, 1])) == pytest.approx(total, rel=1e-3)
+
+
 def check_expressions():
     """A residual of one's own whose stress is given records what the material records; other shapes have components."""
     blocks = Blocks()

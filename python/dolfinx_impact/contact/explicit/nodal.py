@@ -76,8 +76,9 @@ class NodalResult(ContactOutput):
         nodes: owned slave nodes, (n).
         weight: areas of the nodes, (n) [L^2].
         points: present positions, (n, gdim) [L].
-        pressure: contact pressure, (n) [F/L^2].
-        traction: contact traction on the slave, (n, gdim) [F/L^2].
+        pressure: contact pressure, (n); in balanced contact twice that of the springs of this direction, which bear
+            half [F/L^2].
+        traction: contact traction on the slave, (n, gdim), likewise [F/L^2].
         slip: slip of the nodes, (n, gdim) [L].
         status: ContactStatus numbers, (n).
         stiffness: contact stiffness of the nodes, (n) [F/L].
@@ -313,6 +314,9 @@ class NodalResult(ContactOutput):
         results = self._cpp_object.results()
         for name in RESULTS[len(GAPS) :]:
             setattr(self, name, results[name])
+        if self.parameters.get("balanced", False):
+            # The springs of this direction bear half of the contact; those of the other one meet the same surface.
+            self.pressure, self.traction = 2.0 * self.pressure, 2.0 * self.traction
         self._known = None
         u = self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes]
         self.points = self._X + u
