@@ -3,6 +3,7 @@
 
 import numpy as np
 import ufl
+from ufl.algorithms.apply_integral_scaling import compute_integrand_scaling_factor
 from ufl.algorithms.compute_form_data import attach_estimated_degrees, preprocess_form
 from ufl.algorithms.domain_analysis import group_form_integrals
 
@@ -79,7 +80,8 @@ def with_rules(form):
     integrals = []
     for integral in attach_estimated_degrees(grouped).integrals():
         data = dict(integral.metadata())
-        estimated = data.pop("estimated_polynomial_degree")
+        # The size of a point's part of the cell or facet counts as well, on cells that are not affine.
+        estimated = np.add(data.pop("estimated_polynomial_degree"), compute_integrand_scaling_factor(integral)[1])
         if data.get("quadrature_degree", -1) < 0:
             data["quadrature_degree"] = int(np.max(estimated))
         # UFL's grouping drops the tags' data: an integral over ds(2) would be over nothing.
