@@ -57,7 +57,30 @@ void compare_bits()
     }
   }
 }
+
+template <int N>
+void compare_ranges()
+{
+  typedef typename Lanes<N>::type T;
+  constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double low = -1.5, high = 2.0;
+  for (double a : {-infinity, -2.0, low, std::nextafter(low, 0.0), 0.0, std::nextafter(high, 0.0), high, infinity, nan})
+    for (int lane = 0; lane < N; ++lane)
+    {
+      T x = splat<T>(1.0); // the other lanes
+      x[lane] = a;
+      CHECK(all_between(x, low, high) == (low < a && a < high));
+      CHECK(all_between(double(x[lane]), low, high) == (low < a && a < high));
+    }
+}
 } // namespace
+
+TEST_CASE("one number out of a range, or none, is seen in any lane")
+{
+  compare_ranges<2>();
+  compare_ranges<4>();
+  compare_ranges<8>();
+}
 
 TEST_CASE("minimum and maximum of vectors are those of scalars, also where an argument is not a number")
 {

@@ -84,7 +84,7 @@ def told(run):
 def check_bodies_of_small_strain_that_turn_are_told():
     """Once, with the angle and what it does, as coming from the user's line; 0.1 rad, and laws of finite strain, are
     not."""
-    for cell in CELLS[1:3]:
+    for cell in CELLS[1:3] if COMM.size == 1 else CELLS[1:2]:
         dim, _, V = body(cell)
         hypothesis = {"hypothesis": "plane_strain"} if dim == 2 else {}
         for kind, more in LAWS.items():
