@@ -170,13 +170,13 @@ ROWS = {
     EXPLICIT: ({}, {
         "u": STATE, "material": ELSEWHERE, "residual": ELSEWHERE, "density": ELSEWHERE, "velocity": STATE,
         "bcs": [], "loads": [], "contact": [], "damping": None, "bulk_viscosity": (0.06, 1.2),
-        "scheme": ELSEWHERE, "lumping": ELSEWHERE, "mass_scaling": 1e-2, "hypothesis": ELSEWHERE,
+        "scheme": ELSEWHERE, "lumping": ELSEWHERE, "mass_scaling": 1e-2, "hypothesis": ELSEWHERE, "tangent": NO_MATTER,
     }),
     IMPLICIT: ({}, {
         "u": STATE, "material": ELSEWHERE, "residual": ELSEWHERE, "density": ELSEWHERE, "velocity": STATE,
         "bcs": [], "loads": [], "contact": [], "beta": 0.3, "gamma": 0.55, "rho_inf": 0.8, "hht": -0.1,
         "damping": None, "lumping": "auto", "impact": "none", "options": NO_MATTER, "prefix": NO_MATTER,
-        "hypothesis": ELSEWHERE,
+        "hypothesis": ELSEWHERE, "tangent": NO_MATTER, "evaluate": NO_MATTER, "accept": NO_MATTER,
     }),
     di.LinearElastic: ({}, SOLID), di.NeoHookean: ({"material": di.NeoHookean}, SOLID),
     di.StVenantKirchhoff: ({"material": di.StVenantKirchhoff}, SOLID),
@@ -295,8 +295,8 @@ def test_every_argument_has_a_row(kind):
 def test_every_public_class_has_rows():
     """But what is no part of a problem in time: static and rolling problems, operators, and results."""
     others = {
-        "ContactStatus", "Energy", "InternalForce", "MaterialUpdate", "PointValues", "RollingProblem", "Spin",
-        "StaticProblem", "Tangent", "Translation", "RigidSurface",
+        "ContactStatus", "DeformedBody", "Energy", "InternalForce", "MaterialUpdate", "PointValues", "RollingProblem",
+        "RigidSurface", "Spin", "StaticProblem", "Tangent", "Translation", "Units",
     }  # fmt: skip
     classes = {name for name in di.__all__ if isinstance(getattr(di, name), type)}
     assert classes == others | {kind.__name__ for kind in ROWS if kind is not Creeping}

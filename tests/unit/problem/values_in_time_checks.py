@@ -72,14 +72,14 @@ def ramp(kind, cell, degree, steps, how):
 
     def update(problem, time):
         times.append((problem.time, time))
-        if how == "constant":
-            weight.value = time
-        if how == "function":
-            field.x.array[: field.function_space.dofmap.index_map.size_local] = time  # ghosts follow
+        weight.value = time
+        field.x.array[: field.function_space.dofmap.index_map.size_local] = time  # ghosts follow
         if how == "load":
             load.constant.value = time * np.array(acceleration)
 
-    form = block.elastic() - 2.0 * (weight + field) * block.w[0] * block.dx  # one to compile, however it is loaded
+    form = block.elastic()
+    if how in ("constant", "function"):
+        form = form - 2.0 * (weight if how == "constant" else field) * block.w[0] * block.dx
     loads = [load] if how in ("load", "amplitude") else []
     problem = KINDS[kind](block.u, residual=form, density=2.0, loads=loads)
     problem.advance(T, dt=T / steps, update=None if how == "amplitude" else update, progress=False)
