@@ -165,8 +165,7 @@ def test_friction_with_another_coefficient(monkeypatch):
 
     def wrong(self):
         pair = right(self)
-        pair.friction *= 1 + 1e-6
-        return pair
+        return pair._copy(friction=pair.friction * (1 + 1e-6))
 
     monkeypatch.setattr(contact_bodies.TwoBodies, "pair", wrong)
     failed(patches(), ["friction_traction", "penalty_force", "penalty_tangent"], ["gap", "normals", "pressure"])
