@@ -27,11 +27,13 @@ from ..assembly.body_forms import body_forms, stiffness_damping
 from ..assembly.curvature import is_displacement
 from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
+from ..assembly.history_field import HistoryField
 from ..assembly.interior_facets import check_neighbours, has_interior_facets
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.locking import warn_of_locking
 from ..assembly.quadrature_degree import warn_of_degree
-from ..assembly.stressed_bodies import StressedBodies
+from ..assembly.body_stress import BodyStress
+from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.softening import warn_of_softening
 from ..forms import viscosity
 from ..forms.quadrature import with_rules
@@ -67,7 +69,7 @@ if TYPE_CHECKING:
     from ..statics.problem import StaticProblem
 
 
-class ExplicitProblem(Unique, StressedBodies):
+class ExplicitProblem(Unique):
     """Motion of bodies with lumped mass by central differences; docs/explicit/scheme.md has the equations.
 
     Args:
@@ -165,6 +167,7 @@ class ExplicitProblem(Unique, StressedBodies):
                        velocity_given=velocity is not None)  # fmt: skip
         velocity = velocity_or_rest(velocity, u)
         self.u, self.space, self.material = u, u.function_space, material
+        self._stress = BodyStress(u, material)
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         free_garbage(self.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
@@ -532,6 +535,24 @@ class ExplicitProblem(Unique, StressedBodies):
         """Go back to the internal variables of the last `store_history`."""
         if self._parts is not None:
             self._internal.history.restore_snapshot()
+
+    @property
+    def stress(self) -> HistoryField:
+        """Cauchy stress at the quadrature points, components xx, yy, zz, xy and in space yz, xz [F/L^2].
+
+        Raises:
+            ValueError: the residual is the user's own, and its stress not known.
+        """
+        return self._stress.field(STRESS, self.history if self.has_history else None)
+
+    @property
+    def von_mises(self) -> HistoryField:
+        """Von Mises' equivalent stress at the quadrature points [F/L^2].
+
+        Raises:
+            ValueError: the residual is the user's own, and its stress not known.
+        """
+        return self._stress.field(VON_MISES, self.history if self.has_history else None)
 
     @property
     def has_history(self) -> bool:

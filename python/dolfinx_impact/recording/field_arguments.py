@@ -12,7 +12,7 @@ from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.fields import is_mixed
 from ..assembly.history import MaterialHistory
 from ..assembly.history_field import HistoryField
-from ..assembly.stressed_bodies import NO_STRESS
+from ..assembly.body_stress import NO_STRESS
 from ..materials import Material
 from .expression_fields import known_names
 from .names import CONTACT, MOTION

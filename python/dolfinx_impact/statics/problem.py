@@ -15,9 +15,11 @@ from ..common import arguments
 from ..assembly import problem_arguments
 from ..assembly.curvature import check_curvature, is_displacement
 from ..assembly.history import MaterialHistory, existing
+from ..assembly.history_field import HistoryField
 from ..assembly.residual import check_hypothesis
 from ..assembly.residual_bodies import ResidualBodies
-from ..assembly.stressed_bodies import StressedBodies
+from ..assembly.body_stress import BodyStress
+from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
 from ..assembly.quadrature_degree import warn_of_degree
@@ -48,7 +50,7 @@ if TYPE_CHECKING:
 __all__ = ["Report", "StaticProblem"]
 
 
-class StaticProblem(Unique, StressedBodies):
+class StaticProblem(Unique):
     """Equilibrium of bodies, in contact or not: internal virtual work and that of contact equal external virtual work.
 
     Args:
@@ -123,6 +125,7 @@ class StaticProblem(Unique, StressedBodies):
             arguments.options(options)
             ranks.same(**given, options=options, prefix=prefix, hypothesis=hypothesis)
         self.u, self.material, self.bcs, self.loads = u, material, tuple(bcs), tuple(loads)
+        self._stress = BodyStress(u, material)
         V = u.function_space
         self.space = V
         check_cells(V.mesh)
@@ -160,6 +163,24 @@ class StaticProblem(Unique, StressedBodies):
     def tangent(self) -> BodyTangent:
         """Derivative of the bodies' residual, assembled at the present u [F/L]."""
         return self.body.tangent
+
+    @property
+    def stress(self) -> HistoryField:
+        """Cauchy stress at the quadrature points, components xx, yy, zz, xy and in space yz, xz [F/L^2].
+
+        Raises:
+            ValueError: the residual is the user's own, and its stress not known.
+        """
+        return self._stress.field(STRESS, self.history if self.has_history else None)
+
+    @property
+    def von_mises(self) -> HistoryField:
+        """Von Mises' equivalent stress at the quadrature points [F/L^2].
+
+        Raises:
+            ValueError: the residual is the user's own, and its stress not known.
+        """
+        return self._stress.field(VON_MISES, self.history if self.has_history else None)
 
     @property
     def has_history(self) -> bool:

@@ -19,11 +19,13 @@ from ...assembly.body_forms import stiffness_damping
 from ...assembly.operators import Inputs
 from ...assembly.fields import check_inertia, is_mixed
 from ...assembly.history import MaterialHistory, existing
+from ...assembly.history_field import HistoryField
 from ...assembly.locking import warn_of_locking
 from ...assembly.measures import check_measures
 from ...assembly.residual import check_hypothesis, split
 from ...assembly.quadrature_degree import warn_of_degree
-from ...assembly.stressed_bodies import StressedBodies
+from ...assembly.body_stress import BodyStress
+from ...assembly.cauchy_stress import STRESS, VON_MISES
 from ...assembly.softening import warn_of_softening
 from ...common import arguments
 from ...common.collective import comm_of, guard
@@ -78,7 +80,7 @@ SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten c
 STEPS = (1e-140, 1e140)  # whose squares, times anything that physics has, are numbers [T]
 
 
-class NewmarkProblem(Unique, StressedBodies):
+class NewmarkProblem(Unique):
     """Motion of bodies by Newmark's method or generalised-alpha, in contact or not; docs/implicit/scheme.md.
 
     Args:
@@ -208,6 +210,7 @@ class NewmarkProblem(Unique, StressedBodies):
                        velocity_given=velocity is not None)  # fmt: skip
         velocity = velocity_or_rest(velocity, u)
         self.u, self.space, self.material = u, u.function_space, material
+        self._stress = BodyStress(u, material)
         V, mesh = self.space, self.space.mesh
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.damping, self.lumping, self.impact = damping or Rayleigh(), lumping, impact
@@ -565,6 +568,24 @@ class NewmarkProblem(Unique, StressedBodies):
     def force_history(self) -> list[FloatArray]:
         """Forces on the slaves at the times of `energy_history`, for each contact (num_steps + 1, gdim) [F]."""
         return self.run_history.forces
+
+    @property
+    def stress(self) -> HistoryField:
+        """Cauchy stress at the quadrature points, components xx, yy, zz, xy and in space yz, xz [F/L^2].
+
+        Raises:
+            ValueError: the residual is the user's own, and its stress not known.
+        """
+        return self._stress.field(STRESS, self.history if self.has_history else None)
+
+    @property
+    def von_mises(self) -> HistoryField:
+        """Von Mises' equivalent stress at the quadrature points [F/L^2].
+
+        Raises:
+            ValueError: the residual is the user's own, and its stress not known.
+        """
+        return self._stress.field(VON_MISES, self.history if self.has_history else None)
 
     @property
     def has_history(self) -> bool:
