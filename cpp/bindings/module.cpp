@@ -15,6 +15,8 @@ NB_MODULE(_cpp, m)
         "dolfinx_impact was built with nanobind " IMPACT_NANOBIND_VERSION
         ", whose types the installed DOLFINx does not share. Build it again against the nanobind that "
         "DOLFINx was built with: pip install --no-build-isolation --force-reinstall .");
+  nb::module_ state = m.def_submodule("state", "State as named arrays");
+  dolfinx_impact::bindings::state(state);
   nb::module_ kernels = m.def_submodule("kernels", "Kernels generated from UFL forms");
   dolfinx_impact::bindings::kernels(kernels);
   nb::module_ operators = m.def_submodule("operators", "Kernels applied over the cells of a mesh");

@@ -26,7 +26,7 @@ auto over(const Halo& halo, const T& values, int bs, const char* name)
   return std::span(values.data(), values.size());
 }
 
-NodalState state(const Halo& halo, int gdim, const Values& u, const Values& du, const Values& inverse_mass, double dt)
+NodalState nodal_state(const Halo& halo, int gdim, const Values& u, const Values& du, const Values& inverse_mass, double dt)
 {
   return {over(halo, u, gdim, "u"), over(halo, du, gdim, "du"), over(halo, inverse_mass, gdim, "inverse_mass"), dt};
 }
@@ -242,7 +242,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           nb::arg("halo"), nb::arg("mass"), nb::keep_alive<1, 2>(), "Take the numbers of nodes from a Halo. Collective")
       .def(
           "used", [](const NodeToSurface& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt)
-          { return self.used(state(halo, self.candidates().gdim(), u, du, inverse_mass, dt)); }, nb::arg("halo"),
+          { return self.used(nodal_state(halo, self.candidates().gdim(), u, du, inverse_mass, dt)); }, nb::arg("halo"),
           nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"))
       .def(
           "update_gaps", [](NodeToSurface& self, const Halo& halo, Values u)
@@ -319,7 +319,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
              MutableValues f, int times)
           {
             const int gdim = self.candidates().gdim();
-            const NodalState now = state(halo, gdim, u, du, inverse_mass, dt);
+            const NodalState now = nodal_state(halo, gdim, u, du, inverse_mass, dt);
             const std::span<double> forces = over(halo, f, gdim, "f");
             for (int i = 0; i < times; ++i)
               self.add_forces(now, forces);

@@ -7,7 +7,6 @@
 
 namespace dolfinx_impact::enforcement
 {
-static_assert(MultiplierContact<FrictionlessMortar>);
 
 namespace
 {

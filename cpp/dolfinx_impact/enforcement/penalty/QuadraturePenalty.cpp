@@ -8,7 +8,6 @@
 
 namespace dolfinx_impact::enforcement
 {
-static_assert(RegularisedContact<QuadraturePenalty>);
 
 QuadraturePenalty::QuadraturePenalty(Setup setup, std::unique_ptr<search::PairSearch> search,
                                      std::shared_ptr<const gap::Rigid> rigid)
