@@ -27,12 +27,12 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::mortar(gap);
   nb::module_ search = m.def_submodule("search", "Which facets can meet, and closest points");
   dolfinx_impact::bindings::search(search);
-  nb::module_ linear = m.def_submodule("linear", "PETSc's options");
-  dolfinx_impact::bindings::linear(linear);
   nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
   dolfinx_impact::bindings::penalty(penalty);
   nb::module_ multipliers = m.def_submodule("multipliers", "Mortar integrals, active set and condensation");
   dolfinx_impact::bindings::multipliers(multipliers);
+  nb::module_ solve = m.def_submodule("solve", "Newton's method, linear systems and their solvers");
+  dolfinx_impact::bindings::solve(solve);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   dolfinx_impact::bindings::integrators(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");

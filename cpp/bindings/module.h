@@ -19,7 +19,7 @@ void surface(nanobind::module_& m);
 void nodal(nanobind::module_& m);
 void mortar(nanobind::module_& m);
 void multipliers(nanobind::module_& m);
-void linear(nanobind::module_& m);
+void solve(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);

@@ -75,6 +75,10 @@ public:
   virtual void update_nodal_stiffness(Mat K) = 0;
   /// Derivative of minus the contact force at given multipliers, borrowed until the next call; null: it is zero [F/L].
   virtual Mat tangent() = 0;
+  /// Whether `tangent` is to be its positive semi-definite part only, with which a step goes down. Not collective.
+  virtual void set_convex(bool) {}
+  /// Whether the contact has friction. Not collective.
+  virtual bool has_friction() const = 0;
   /// Whether the tangent is symmetric in the present state.
   virtual bool symmetric() const { return true; }
   /// Number of active points of all ranks.
@@ -142,8 +146,6 @@ public:
   virtual std::span<const double> multiplier() const = 0;
   /// Largest global number of the nodes that the last update_active_set changed, -1 without any. Not collective.
   virtual std::int64_t last_change() const = 0;
-  /// Coefficient of friction, the largest of those that act at a node [1]. Not collective.
-  virtual double friction() const = 0;
 
   /// Update multipliers from equilibrium.
   /// @param[in] residual nodal, without contact forces, owned [F]

@@ -4,6 +4,14 @@
 #include <stdexcept>
 #include <string>
 
+// PETSc exports these, but declares them in headers of its own only.
+extern "C"
+{
+  PetscErrorCode PetscObjectStateGet(PetscObject, PetscObjectState*);
+  PetscErrorCode PetscObjectDelayedDestroy(PetscObject*);
+  PetscErrorCode PetscGarbageCleanup(MPI_Comm);
+}
+
 namespace dolfinx_impact::operators
 {
 /// @throws std::runtime_error for an error that PETSc returned

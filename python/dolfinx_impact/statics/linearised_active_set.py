@@ -10,20 +10,34 @@ further linear solutions.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..common.types import FloatArray, IntArray
-from .linear_solver import LinearSystem
+from .. import _cpp
+from ..common.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import LagrangeContact
 
 LARGEST = 50_000_000  # largest number of entries of all columns
 MAX_CHANGES = 60  # updates of the active set
+
+
+class LinearisedSystem(NamedTuple):
+    """A linear system that was solved.
+
+    Attributes:
+        system: the system (C++).
+        transformation: condensation of the multipliers.
+        pinned: mask of the pinned unknowns.
+    """
+
+    system: _cpp.solve.LinearSystem
+    transformation: _cpp.multipliers.Condensation
+    pinned: BoolArray
 
 
 class LinearisedActiveSet:
@@ -39,7 +53,7 @@ class LinearisedActiveSet:
     def __init__(
         self,
         contact: LagrangeContact,
-        system: LinearSystem,
+        system: LinearisedSystem,
         factors: PETSc.Mat,
         product: Callable[[FloatArray], FloatArray],
     ) -> None:
@@ -127,7 +141,7 @@ class LinearisedActiveSet:
         right = PETSc.Mat().createDense(((rows, None), (None, len(new))), comm=self.comm)
         right.setUp()
         answer = right.duplicate()
-        x, b = system.create(), system.create()
+        x, b = system.system.create_vector(), system.system.create_vector()
         x.set(0.0)
         columns = right.getDenseLocalMatrix().getDenseArray()
         opened = self.comm.allreduce(np.isin(new, geometry.numbers[self.base]).astype(int), MPI.SUM)
@@ -135,7 +149,7 @@ class LinearisedActiveSet:
             here = geometry.numbers == number
             if opened[k]:
                 transformation.known[:] = contact.unit_gap(int(number))
-                system.load(np.zeros(rows), x, b)
+                system.system.load(np.zeros(rows), x, b)
                 columns[:, k] = b.array_r
             else:
                 force = geometry.forces(np.where(here[:, None], geometry.normal, 0.0))
@@ -149,7 +163,7 @@ class LinearisedActiveSet:
         for k in range(len(new)):
             transformation.known[:] = contact.unit_gap(new[k]) if opened[k] else 0.0
             x.array[:] = values[:, k]
-            increments[:, k] = system.displacements(x)
+            increments[:, k] = system.system.displacements(x)
             gaps[:, k], multipliers[:, k] = contact.linearised_response(
                 increments[:, k], self.product(increments[:, k])
             )

@@ -22,9 +22,7 @@ from ..common.described import Described
 from ..assembly import rigid_body_modes
 from ..assembly.fields import is_mixed
 from .. import _cpp
-from .linearised_active_set import LinearisedActiveSet
-from .saddle_point import SaddlePoint
-from .linear_solver import LinearSystem
+from .linearised_active_set import LinearisedActiveSet, LinearisedSystem
 from .equilibrium import open_contacts, out_of_balance
 from .field_residuals import FieldResiduals
 from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
@@ -612,38 +610,38 @@ class Newton(Described):
             extra += geometric
         elif geometric:  # from the guess: small, but not symmetric
             residual = residual + self._product(geometric, guess)
-        system: LinearSystem | SaddlePoint
+        system: _cpp.solve.CondensedSystem | _cpp.solve.SaddlePointSystem
         if self.saddle:
             self._rows.assign([c.constraints() for c in self.multipliers], pinned, self._start, mean)
             for multiplier, nodes in zip(self.multipliers, self._rows.redundant):
                 multiplier.set_redundant(nodes)
-            system = SaddlePoint(K, extra, self._rows)
-            start = system.unknowns(guess, self._forces)
+            system = _cpp.solve.SaddlePointSystem(K, extra, self._rows)
+            start = self._rows.unknowns(guess, self._forces)
         else:
-            system = LinearSystem(K, extra, symmetric, transformation, pinned, mean)
+            system = _cpp.solve.CondensedSystem(K, extra, symmetric, transformation, pinned, mean)
             start = transformation.unknowns(guess) if transformation else guess
-        x, b = system.create(), system.create()
+        x, b = system.create_vector(), system.create_vector()
         x.array[:] = start
         system.load(residual, x, b)
         with self._clock("linear"):
             fault = self.problem.linear_solver.solve(system, b, x, rtol)
         moved = system.displacements(x)
-        if isinstance(system, SaddlePoint):
-            self._forces = system.forces(x)
+        if self.saddle:
+            self._forces = self._rows.forces(x)
         matrices = [K, *penalties, *geometric]
         forces, changes = self._product(matrices, moved), 0
         factors = self.problem.linear_solver.factors(system)
         several = self.saddle or len(self.multipliers) != 1
-        if not fault and factors is not None and not several and isinstance(system, LinearSystem):
-            moved, forces, changes = self._update_by_responses(system, factors, residual, moved, forces, matrices)
-        system.free()
+        if not fault and factors is not None and not several and transformation is not None:
+            found = LinearisedSystem(system, transformation, pinned)
+            moved, forces, changes = self._update_by_responses(found, factors, residual, moved, forces, matrices)
         for thing in (x, b, *(matrix for matrix, _ in springs)):
             thing.destroy()
         return fault, moved, forces, changes
 
     def _update_by_responses(
         self,
-        system: LinearSystem,
+        system: LinearisedSystem,
         factors: PETSc.Mat,
         residual: FloatArray,
         moved: FloatArray,

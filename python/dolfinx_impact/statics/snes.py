@@ -218,8 +218,7 @@ class Solver:
         diagonal.destroy()
         if self.problem.contact:  # PETSc does not always notice that the sparsity pattern has changed
             snes.getKSP().getPC().reset()
-        if self.problem.linear_solver.near_nullspace is not None:
-            J.setNearNullSpace(self.problem.linear_solver.near_nullspace)
+        self.problem.linear_solver.set_near_nullspace(J)
 
     def _run_other(self, target: FloatArray, log: StepLog) -> Increment:
         """Solve an increment by a method of PETSc's: a linear step to the prescribed values, then its iterations.

@@ -114,7 +114,7 @@ def test_factors_are_kept_while_they_serve(monkeypatch):
 
     monkeypatch.setattr(linear_solver.LinearSolver, "__init__", watched)
     kept = pressed(MPI.COMM_SELF, 3, di.Lagrange, rtol=RTOL)
-    monkeypatch.setattr(linear_solver.LinearSolver, "_serves", lambda *args: False)
+    monkeypatch.setattr(linear_solver.LIMITS, "keep_preconditioner", False)
     fresh = pressed(MPI.COMM_SELF, 3, di.Lagrange, rtol=RTOL)
     assert solvers[0].num_set_ups < solvers[1].num_set_ups
     assert_same(kept, fresh)
@@ -126,7 +126,7 @@ def test_factors_are_kept_while_they_serve(monkeypatch):
 def test_conjugate_gradients_find_what_factors_find(contact, monkeypatch):
     """Blocks of some hundred unknowns by the solver of large problems: nothing of contact is left out."""
     direct = pressed(MPI.COMM_SELF, 3, contact, rtol=RTOL)
-    monkeypatch.setattr(linear_solver, "LARGEST_DIRECT", {2: 10, 3: 10})
+    monkeypatch.setattr(linear_solver.LIMITS, "largest_direct", [10] * 4)
     iterative = pressed(MPI.COMM_SELF, 3, contact, rtol=RTOL)
     assert_same(iterative, direct)
     assert iterative[-1].cut_backs == 0 and max(iterative[-1].iterations) <= max(direct[-1].iterations) + 2

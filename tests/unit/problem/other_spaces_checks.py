@@ -221,8 +221,8 @@ def check_too_many_components():
 def check_large_problems():
     """Beyond the size of factorisations: conjugate gradients with multigrid, which knows no rigid motions of what does
     not move, and no saddle points."""
-    sizes = dict(linear_solver.LARGEST_DIRECT)
-    linear_solver.LARGEST_DIRECT.update(dict.fromkeys(sizes, 0))
+    sizes = linear_solver.LIMITS.largest_direct
+    linear_solver.LIMITS.largest_direct = [0] * 4
     try:
         for row in (("squares", 1, ()), ("plane", 1, (3,)), ("line", 2, ())):
             own, other = Model(*row), Model(*row)
@@ -235,4 +235,4 @@ def check_large_problems():
         mixed = di.StaticProblem(w, residual=two_field(w), bcs=[clamp(w.function_space)])
         assert mixed.linear_solver.direct
     finally:
-        linear_solver.LARGEST_DIRECT.update(sizes)
+        linear_solver.LIMITS.largest_direct = sizes

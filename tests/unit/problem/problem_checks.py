@@ -304,14 +304,14 @@ def check_iterations_that_do_not_converge():
     law, load = di.LinearElastic(2.0, 0.3), di.Traction(facets_at(domain, x=1.0), 1, (0.0, 0.1, 0.0))
     first, second = fem.Function(V, name="u"), fem.Function(V, name="u")
     di.StaticProblem(first, law, bcs=[clamp(V)], loads=[load]).solve()
-    kept = linear_solver.LARGEST_DIRECT
-    linear_solver.LARGEST_DIRECT = {2: 0, 3: 0}
+    kept = linear_solver.LIMITS.largest_direct
+    linear_solver.LIMITS.largest_direct = [0] * 4
     try:
         other = di.StaticProblem(second, law, bcs=[clamp(V)], loads=[load], options={"ksp_max_it": 2})
         own = {"ksp_type": "cg", "pc_type": "jacobi", "ksp_max_it": 2}
         refused = di.StaticProblem(fem.Function(V, name="u"), law, bcs=[clamp(V)], loads=[load], options=own)
     finally:
-        linear_solver.LARGEST_DIRECT = kept
+        linear_solver.LIMITS.largest_direct = kept
     assert not other.linear_solver.direct
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

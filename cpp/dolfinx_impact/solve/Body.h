@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <petscmat.h>
+#include <petscvec.h>
+#include <span>
+#include <string>
+
+namespace dolfinx_impact::solve
+{
+/// The bodies of a problem: residual of internal, external and inertia forces, and its derivative. Contact forces are
+/// not in it. All calls are collective but those of properties.
+class Body
+{
+public:
+  virtual ~Body() = default;
+
+  /// Internal minus external forces at the present displacement; owned entries are complete. Borrowed until the next
+  /// call [F].
+  virtual Vec residual() = 0;
+  /// Derivative of the residual at the present displacement, borrowed until the next call [F/L].
+  virtual Mat tangent() = 0;
+  /// Why the last residual could not be computed; empty if it could.
+  virtual std::string fault() { return ""; }
+  /// Take the state of the last residual as the one that the next step begins from.
+  virtual void accept_step() {}
+
+  /// Whether the tangent does not change with the displacement.
+  virtual bool linear() const { return false; }
+  virtual bool symmetric() const { return true; }
+  /// Whether there are internal variables: tangents of two iterations may be far apart.
+  virtual bool inelastic() const { return false; }
+  /// Whether inertia holds the bodies against rigid motions.
+  virtual bool has_inertia() const { return false; }
+  /// Whether springs to the ground may hold the bodies.
+  virtual bool has_springs() const { return false; }
+  /// Whether round-off of positions enters the forces, as with finite strain.
+  virtual bool rounds_positions() const { return false; }
+  /// Displacements that internal forces are measured from, owned; empty: zero [L].
+  virtual std::span<const double> origin() const { return {}; }
+};
+} // namespace dolfinx_impact::solve

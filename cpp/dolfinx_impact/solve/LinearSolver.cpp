@@ -1,0 +1,573 @@
+// SPDX-License-Identifier: MIT
+#include "LinearSolver.h"
+#include "../common/text.h"
+#include "../operators/petsc_check.h"
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
+
+using dolfinx_impact::common::text_of;
+using dolfinx_impact::operators::check;
+
+namespace dolfinx_impact::solve
+{
+namespace
+{
+typedef LinearSolver::Options Options;
+
+// LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
+// pivots. One iteration with factors of its own matrix, some more with those of an earlier one.
+const Options direct_options{{"ksp_type", "gmres"},
+                             {"pc_type", "lu"},
+                             {"pc_factor_mat_solver_type", "mumps"},
+                             {"mat_mumps_icntl_24", "1"},
+                             {"mat_mumps_cntl_3", "1e-14"}};
+// Conjugate gradients with smoothed aggregation, which needs the rigid motions as near-nullspace.
+const Options cg_options{{"ksp_type", "cg"}, {"ksp_max_it", "500"}};
+const Options iterative_options{{"ksp_type", "cg"},
+                                {"ksp_max_it", "500"},
+                                {"pc_type", "gamg"},
+                                {"pc_gamg_threshold", "0.01"},
+                                {"mg_levels_ksp_type", "chebyshev"},
+                                {"mg_levels_pc_type", "jacobi"}};
+// Vectors that GMRES keeps before it begins anew. With PETSc's 30 a wheel on a rail of 235,000 unknowns takes 105
+// iterations for three digits instead of 65; they take less memory than the matrix.
+constexpr int restart = 100;
+// Iterations that cost as much as factors of other packages than MUMPS, which do not tell.
+constexpr int worth_of_unknown = 10;
+// Operations of a factorisation run this much faster than those of a solution with the factors (measured: 4.5 on meshes
+// of the plane, 5.5 in space).
+constexpr double blocked = 5.0;
+constexpr int most_work_space = 1000; // beyond what MUMPS foresees [%]
+
+/// Options of PETSc's database that begin with a prefix, without it. PETSc tells them all in one text.
+Options options_with_prefix(const std::string& prefix)
+{
+  char* text = nullptr;
+  check(PetscOptionsGetAll(nullptr, &text), "options are read");
+  std::istringstream words(text ? text : "");
+  PetscFree(text);
+  Options out;
+  std::string word, key;
+  const std::string start = "-" + prefix;
+  while (words >> word)
+  {
+    const bool is_key = word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
+    if (is_key)
+    {
+      // Those of problems have a number behind the prefix.
+      const bool ours = word.starts_with(start) && word.size() > start.size() &&
+                        !std::isdigit(static_cast<unsigned char>(word[start.size()]));
+      key = ours ? word.substr(start.size()) : "";
+      if (ours)
+        out[key] = "";
+    }
+    else if (!key.empty())
+      out[key] += (out[key].empty() ? "" : " ") + word;
+  }
+  return out;
+}
+
+std::string list_of(const Options& options)
+{
+  std::string out;
+  for (const auto& [key, value] : options)
+    out += (out.empty() ? "" : ", ") + key + (value.empty() ? "" : " " + value);
+  return out;
+}
+
+/// Takes PETSc's words on an error instead of printing them, as long as it lives.
+class ErrorText
+{
+public:
+  ErrorText() { PetscPushErrorHandler(&note, this); }
+  ~ErrorText() { PetscPopErrorHandler(); }
+  ErrorText(const ErrorText&) = delete;
+  ErrorText& operator=(const ErrorText&) = delete;
+  const std::string& text() const { return _text; }
+
+private:
+  static PetscErrorCode note(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType type,
+                             const char* message, void* context)
+  {
+    if (type == PETSC_ERROR_INITIAL && message)
+      static_cast<ErrorText*>(context)->_text = message;
+    return code;
+  }
+
+  std::string _text;
+};
+
+/// Translations and rotations of all nodes. Collective.
+MatNullSpace rigid_motions(const dolfinx::fem::FunctionSpace<double>& V)
+{
+  const int gdim = V.mesh()->geometry().dim();
+  const std::vector<double> x = V.tabulate_dof_coordinates(false);
+  const PetscInt num = V.dofmap()->index_map->size_local();
+  Vec places = nullptr;
+  check(VecCreate(V.mesh()->comm(), &places), "a vector is made");
+  check(VecSetSizes(places, gdim * num, PETSC_DETERMINE), "a vector is made");
+  check(VecSetBlockSize(places, gdim), "a vector is made");
+  check(VecSetType(places, VECSTANDARD), "a vector is made");
+  {
+    operators::Entries values(places);
+    for (PetscInt i = 0; i < num; ++i)
+      for (int c = 0; c < gdim; ++c)
+        values[i * gdim + c] = x[3 * i + c];
+  }
+  MatNullSpace out = nullptr;
+  check(MatNullSpaceCreateRigidBody(places, &out), "rigid motions are made");
+  check(VecDestroy(&places), "a vector is destroyed");
+  return out;
+}
+
+double norm_of(Vec v)
+{
+  double out = 0.0;
+  check(VecNorm(v, NORM_2, &out), "a norm is taken");
+  return out;
+}
+
+/// Norm of A x - b.
+double residual_norm(LinearSystem& system, Vec b, Vec x)
+{
+  Vec r = nullptr;
+  check(VecDuplicate(b, &r), "a vector is made");
+  system.mult(x, r);
+  check(VecAXPY(r, -1.0, b), "vectors are added");
+  const double out = norm_of(r);
+  check(VecDestroy(&r), "a vector is destroyed");
+  return out;
+}
+
+/// Decimal digits of a tolerance, within sensible bounds.
+double digits(double rtol)
+{
+  return -std::log10(std::min(std::max(rtol, 1e-12), 1e-3));
+}
+
+/// Destroy an object that several ranks may let go of at different times: on more than one rank PETSc keeps it until
+/// all ranks clean up together.
+void let_go(PetscObject object)
+{
+  PetscBool over = PETSC_FALSE;
+  if (object && PetscFinalized(&over) == 0 && !over)
+    PetscObjectDelayedDestroy(&object);
+}
+
+} // namespace
+
+LinearSolver::LinearSolver(const dolfinx::fem::FunctionSpace<double>& V, const Options& options,
+                           const std::string& prefix, bool indefinite, LinearSolverLimits limits,
+                           std::function<void(const std::string&)> warn)
+    : _comm(V.mesh()->comm()), _limits(limits), _warn(std::move(warn)), _product(std::make_unique<Operator>())
+{
+  if (!_warn)
+    _warn = [comm = _comm](const std::string& text) { PetscPrintf(comm, "warning: %s\n", text.c_str()); };
+  const std::int64_t size = V.dofmap()->index_map->size_global() * V.dofmap()->index_map_bs();
+  // Lines and surfaces have factors as short as meshes of their own dimension.
+  const int tdim = V.mesh()->topology()->dim(), gdim = V.mesh()->geometry().dim();
+  const bool mixed = V.element()->is_mixed(); // saddle points, or not known to be none
+  const Options& preset =
+      indefinite || mixed || size <= _limits.largest_direct[tdim] ? direct_options : iterative_options;
+  Options chosen = options_with_prefix(prefix);
+  chosen.insert(options.begin(), options.end()); // what the command line says takes precedence
+  const Options asked = chosen;
+  const std::string named = asked.contains("pc_type") ? asked.at("pc_type") : preset.at("pc_type");
+  const bool factors = named == "lu" || named == "cholesky";
+  Options base = named == preset.at("pc_type") ? preset : factors ? direct_options : cg_options;
+  if (mixed && !factors && named != preset.at("pc_type"))
+    base["ksp_type"] = "gmres";
+  chosen.insert(base.begin(), base.end());
+  static int count = 0;
+  _prefix = prefix + std::to_string(count++) + "_";
+  for (const auto& [key, value] : chosen)
+    set_option(key, value);
+  for (const auto& [key, value] : asked)
+    _asked.push_back(key);
+  check(PetscGarbageCleanup(_comm), "memory is given back");
+  check(KSPCreate(_comm, &_ksp), "a linear solver is made");
+  check(KSPSetOptionsPrefix(_ksp, _prefix.c_str()), "a linear solver is made");
+  {
+    const ErrorText error;
+    if (KSPSetFromOptions(_ksp))
+    {
+      const std::string said = error.text();
+      for (const std::string& key : _set)
+        PetscOptionsClearValue(nullptr, key.c_str());
+      let_go(PetscObject(_ksp));
+      throw std::invalid_argument("PETSc does not take the options " + list_of(chosen) + ": " + said);
+    }
+  }
+  if (indefinite && !direct())
+    throw std::invalid_argument(
+        "pc_type is '" + named +
+        "': multipliers with another basis than 'dual', and those of several contacts at the same nodes, stay in a "
+        "saddle point, which needs a direct solver (pc_type lu); or take the dual basis, and leave common nodes out of "
+        "the tags");
+  const int components = V.dofmap()->bs();
+  if (components == gdim && V.element()->num_sub_elements() == gdim && !direct())
+    _near_nullspace = rigid_motions(V);
+  _given_rtol = chosen.contains("ksp_rtol");
+  const bool by_size = !asked.contains("ksp_type") && !asked.contains("pc_type");
+  _may_factorise = by_size && !direct() && size <= _limits.largest_last_resort[tdim];
+  _pins = chosen.at("ksp_type") == "cg";
+  // A change of the method forgets its options, so that the user's own length is given again.
+  if (_pins)
+    _restart = chosen.contains("ksp_gmres_restart") ? std::stoi(chosen.at("ksp_gmres_restart")) : restart;
+  // A method of the user's own is taken by the word: no iterations with a preconditioner of an earlier matrix.
+  _keeps = chosen.at("ksp_type") == base.at("ksp_type");
+  check(KSPGetTolerances(_ksp, nullptr, nullptr, nullptr, &_max_it), "tolerances are read");
+  if (_keeps) // the guess may be far worse than none
+    check(KSPSetTolerances(_ksp, PETSC_CURRENT, PETSC_CURRENT, 1e30, PETSC_CURRENT), "tolerances are set");
+}
+
+LinearSolver::~LinearSolver()
+{
+  PetscBool over = PETSC_FALSE;
+  if (PetscFinalized(&over) || over)
+    return;
+  let_go(PetscObject(_ksp));
+  let_go(PetscObject(_operator));
+  let_go(PetscObject(_matrix));
+  let_go(PetscObject(_near_nullspace));
+  for (const std::string& key : _set) // else PETSc reports those never read when it ends
+    PetscOptionsClearValue(nullptr, key.c_str());
+}
+
+void LinearSolver::set_option(const std::string& key, const std::string& value)
+{
+  const std::string name = "-" + _prefix + key;
+  check(PetscOptionsSetValue(nullptr, name.c_str(), value.empty() ? nullptr : value.c_str()), "an option is set");
+  if (!std::ranges::count(_set, name))
+    _set.push_back(name);
+}
+
+bool LinearSolver::direct() const
+{
+  PC pc = nullptr;
+  PCType type = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCGetType(pc, &type), "a preconditioner is asked for");
+  return type && (!std::strcmp(type, PCLU) || !std::strcmp(type, PCCHOLESKY));
+}
+
+bool LinearSolver::uses_mumps() const
+{
+  if (!direct())
+    return false;
+  PC pc = nullptr;
+  MatSolverType package = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCFactorGetMatSolverType(pc, &package), "a preconditioner is asked for");
+  return package && !std::strcmp(package, MATSOLVERMUMPS);
+}
+
+int LinearSolver::reason() const
+{
+  KSPConvergedReason out = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(_ksp, &out), "a linear solver is asked how it ended");
+  return int(out);
+}
+
+void LinearSolver::warn_of_unused()
+{
+  std::string unused;
+  for (const std::string& key : _asked)
+  {
+    PetscBool used = PETSC_FALSE;
+    check(PetscOptionsUsed(nullptr, (_prefix + key).c_str(), &used), "options are read");
+    if (!used)
+      unused += (unused.empty() ? "'" : ", '") + key + "'";
+  }
+  _asked.clear();
+  if (unused.empty())
+    return;
+  PC pc = nullptr;
+  PCType pc_type = nullptr;
+  KSPType ksp_type = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCGetType(pc, &pc_type), "a preconditioner is asked for");
+  check(KSPGetType(_ksp, &ksp_type), "a linear solver is asked for");
+  _warn("nobody has read the PETSc options [" + unused +
+        "]: check how they are written, and whether the solver in use (ksp_type " + ksp_type + ", pc_type " + pc_type +
+        ") knows them");
+}
+
+void LinearSolver::set_near_nullspace(Mat A) const
+{
+  if (_near_nullspace)
+    check(MatSetNearNullSpace(A, _near_nullspace), "rigid motions are told");
+}
+
+void LinearSolver::reset()
+{
+  forget_matrix();
+  _own = 0;
+  _spent = 0;
+}
+
+void LinearSolver::forget_matrix()
+{
+  if (!_matrix)
+    return;
+  PC pc = nullptr;
+  check(MatDestroy(&_matrix), "a matrix is destroyed");
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCReset(pc), "a preconditioner is reset");
+}
+
+std::string LinearSolver::solve(LinearSystem& system, Vec b, Vec x, double rtol)
+{
+  choose_method(system.symmetric() ? KSPCG : KSPGMRES);
+  if (norm_of(b) == 0.0) // from another guess a solver comes near zero, which no relative tolerance takes for an answer
+    check(VecSet(x, 0.0), "a vector is set");
+  check(KSPSetInitialGuessNonzero(_ksp, _keeps ? PETSC_TRUE : PETSC_FALSE), "a guess is set");
+  if (!_given_rtol)
+    check(KSPSetTolerances(_ksp, std::pow(10.0, -digits(rtol)), PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT),
+          "tolerances are set");
+  if (_keeps && _matrix && solved(system, b, x, rtol))
+    return "";
+  if (_keeps && serves(system, rtol))
+  {
+    run(system, b, x);
+    PetscInt iterations = 0;
+    check(KSPGetIterationNumber(_ksp, &iterations), "iterations are counted");
+    _spent += std::max<int>(int(iterations) - 1, 0);
+    if (reason() > 0 && fault(system, b, x).empty())
+      return "";
+  }
+  if (!std::isfinite(norm_of(x)))
+    check(VecSet(x, 0.0), "a vector is set");
+  prepare(system);
+  run(system, b, x);
+  while (short_of_work_space())
+  {
+    check(VecSet(x, 0.0), "a vector is set");
+    prepare(system);
+    run(system, b, x);
+  }
+  if (_pins && reason() == KSP_DIVERGED_INDEFINITE_PC)
+  {
+    // Where the stiffness jumps by orders of magnitude and a material is nearly incompressible, multigrid may be
+    // indefinite. Conjugate gradients end there; GMRES goes on with it.
+    choose_method(KSPGMRES);
+    run(system, b, x);
+  }
+  std::string found = fault(system, b, x);
+  if (!found.empty() && !direct() && !_given_rtol)
+  {
+    // Preconditioned residuals say little where a body hangs on a few points: once more, and to the end.
+    check(KSPSetTolerances(_ksp, 1e-10, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT), "tolerances are set");
+    run(system, b, x);
+    found = fault(system, b, x);
+  }
+  judge(rtol);
+  if (!found.empty() && _may_factorise && std::isfinite(norm_of(b)))
+  {
+    factorise(found);
+    check(VecSet(x, 0.0), "a vector is set");
+    return solve(system, b, x, rtol);
+  }
+  return found;
+}
+
+/// From now on solve by factors: the iterations that were chosen by size do not converge. Collective.
+void LinearSolver::factorise(const std::string& fault)
+{
+  _warn("conjugate gradients with multigrid do not solve the linear system (" + fault +
+        "): it is factorised, as those that follow are, which takes more memory and time; options choose another "
+        "solver");
+  _may_factorise = _pins = false;
+  check(MatNullSpaceDestroy(&_near_nullspace), "rigid motions are forgotten");
+  reset();
+  for (const auto& [key, value] : direct_options)
+    set_option(key, value);
+  check(KSPReset(_ksp), "a linear solver is reset");
+  check(KSPSetFromOptions(_ksp), "options of a linear solver are read");
+  check(KSPSetNormType(_ksp, KSP_NORM_DEFAULT), "a norm is chosen");
+}
+
+/// Set the Krylov method where it is not the user's own, and how its residuals are measured.
+void LinearSolver::choose_method(const char* method)
+{
+  if (_pins)
+    check(KSPSetType(_ksp, method), "a linear solver is chosen");
+  KSPType type = nullptr;
+  check(KSPGetType(_ksp, &type), "a linear solver is asked for");
+  // Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
+  if (!std::strcmp(type, KSPGMRES))
+  {
+    if (_restart)
+      check(KSPGMRESSetRestart(_ksp, _restart), "a linear solver is chosen");
+    check(KSPSetPCSide(_ksp, PC_RIGHT), "a linear solver is chosen");
+  }
+  else if (!std::strcmp(type, KSPCG))
+  {
+    check(KSPSetPCSide(_ksp, PC_LEFT), "a linear solver is chosen");
+    check(KSPSetNormType(_ksp, KSP_NORM_UNPRECONDITIONED), "a norm is chosen");
+  }
+}
+
+Mat LinearSolver::factors(const LinearSystem& system) const
+{
+  if (!direct() || !_keeps || _own != system.id())
+    return nullptr;
+  PC pc = nullptr;
+  Mat out = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCFactorGetMatrix(pc, &out), "factors are asked for");
+  return out;
+}
+
+/// Is the guess good enough? Collective.
+bool LinearSolver::solved(LinearSystem& system, Vec b, Vec x, double rtol) const
+{
+  return residual_norm(system, b, x) <= std::pow(10.0, -digits(rtol)) * norm_of(b);
+}
+
+/// May the earlier preconditioner be tried? Sets how many iterations it may take. Collective. At a time it may spend as
+/// much as a new one costs, in all twice that.
+bool LinearSolver::serves(const LinearSystem& system, double rtol)
+{
+  if (!_matrix || !_limits.keep_preconditioner)
+    return false;
+  const int worth = direct() ? _worth : int(2 * _pace * digits(rtol)) + 10;
+  const int left = direct() ? std::min(worth, 2 * worth - _spent) : worth;
+  // Every unknown that was pinned and is not, or the other way round, takes an iteration at least.
+  const std::span<const std::int8_t> now = system.pinned();
+  std::int64_t differ = now.size() == _pinned.size() ? 0 : left;
+  for (std::size_t i = 0; i < now.size() && now.size() == _pinned.size(); ++i)
+    differ += bool(now[i]) != bool(_pinned[i]);
+  MPI_Allreduce(MPI_IN_PLACE, &differ, 1, MPI_INT64_T, MPI_SUM, _comm);
+  if (differ >= left)
+    return false;
+  check(KSPSetTolerances(_ksp, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT, left), "tolerances are set");
+  return true;
+}
+
+/// How long the preconditioner that has just solved its own system may serve others.
+void LinearSolver::judge(double rtol)
+{
+  _spent = 0;
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(_ksp, &iterations), "iterations are counted");
+  _pace = double(std::max<PetscInt>(iterations, 1)) / digits(rtol);
+  _worth = worth_of_unknown;
+  if (_keeps && uses_mumps())
+  {
+    PC pc = nullptr;
+    Mat F = nullptr;
+    PetscInt told = 0;
+    double operations = 0.0;
+    check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+    check(PCFactorGetMatrix(pc, &F), "factors are asked for");
+    check(MatMumpsGetInfog(F, 29, &told), "MUMPS is asked for the size of its factors");
+    check(MatMumpsGetRinfog(F, 3, &operations), "MUMPS is asked for its operations");
+    const double entries = told > 0 ? double(told) : -1e6 * double(told); // large numbers are told in millions
+    const double worth = operations / (4.0 * entries) / blocked;
+    _worth = std::isfinite(worth) ? int(worth) : 0;
+  }
+}
+
+/// Preconditioner of the present system. Collective.
+void LinearSolver::prepare(LinearSystem& system)
+{
+  forget_matrix();
+  _matrix = system.assemble();
+  set_near_nullspace(_matrix);
+  check(KSPSetTolerances(_ksp, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT, _max_it), "tolerances are set");
+  PC pc = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCSetReusePreconditioner(pc, PETSC_FALSE), "a preconditioner is made");
+  ++_num_set_ups;
+  _pinned.assign(system.pinned().begin(), system.pinned().end());
+  _own = system.id();
+}
+
+/// Has MUMPS ended because pivots that it put off took more memory than it had foreseen? Then ask for more. Small
+/// indefinite matrices do that. Collective.
+bool LinearSolver::short_of_work_space()
+{
+  if (reason() >= 0 || !uses_mumps())
+    return false;
+  const std::string key = "mat_mumps_icntl_14";
+  PetscInt given = 20, status = 0;
+  check(PetscOptionsGetInt(nullptr, _prefix.c_str(), ("-" + key).c_str(), &given, nullptr), "an option is read");
+  PC pc = nullptr;
+  Mat F = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCFactorGetMatrix(pc, &F), "factors are asked for");
+  check(MatMumpsGetInfog(F, 1, &status), "MUMPS is asked how it ended");
+  if ((status != -8 && status != -9) || given >= most_work_space)
+    return false;
+  set_option(key, std::to_string(4 * given));
+  return true;
+}
+
+PetscErrorCode LinearSolver::multiply(Mat A, Vec x, Vec y)
+{
+  Operator* self = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(MatShellGetContext(A, &self));
+  try
+  {
+    self->system->mult(x, y);
+  }
+  catch (const std::exception& error) // it must not pass through PETSc's C
+  {
+    SETERRQ(PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", error.what());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Solve with the present preconditioner. Collective.
+void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
+{
+  PC pc = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  if (!_operator)
+  {
+    PetscInt size = 0;
+    check(VecGetLocalSize(x, &size), "a vector is asked for its size");
+    check(MatCreateShell(_comm, size, size, PETSC_DETERMINE, PETSC_DETERMINE, _product.get(), &_operator),
+          "an operator is made");
+    check(MatShellSetOperation(_operator, MATOP_MULT, reinterpret_cast<void (*)()>(&LinearSolver::multiply)),
+          "an operator is made");
+    check(PCSetUseAmat(pc, PETSC_FALSE), "a preconditioner is made");
+  }
+  _product->system = &system;
+  check(KSPSetOperators(_ksp, _operator, _matrix), "operators are set");
+  check(KSPSolve(_ksp, b, x), "a linear system is solved");
+  check(PCSetReusePreconditioner(pc, PETSC_TRUE), "a preconditioner is kept");
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(_ksp, &iterations), "iterations are counted");
+  _num_iterations += int(iterations);
+}
+
+/// What is wrong with a solution; empty if nothing is. Collective.
+std::string LinearSolver::fault(LinearSystem& system, Vec b, Vec x) const
+{
+  if (reason() < 0)
+    return "PETSc reason " + std::to_string(reason());
+  if (uses_mumps())
+  {
+    PC pc = nullptr;
+    Mat F = nullptr;
+    PetscInt null_pivots = 0;
+    check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+    check(PCFactorGetMatrix(pc, &F), "factors are asked for");
+    check(MatMumpsGetInfog(F, 28, &null_pivots), "MUMPS is asked for pivots");
+    if (null_pivots > 0)
+      return std::to_string(null_pivots) + " pivots vanish";
+  }
+  const double error = residual_norm(system, b, x), right = norm_of(b); // not the solver's own word for it
+  // Far from any solver's tolerance: a nearly singular matrix, whose solution is round-off.
+  if (error <= 2e-2 * right)
+    return "";
+  return "the residual of the linear system is " + text_of("%.1e", error) + ", its right side " +
+         text_of("%.1e", right);
+}
+} // namespace dolfinx_impact::solve
