@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
+#include "dolfinx_impact/solve/FunctionBody.h"
 #include "dolfinx_impact/solve/Increment.h"
 #include "dolfinx_impact/solve/LinearSolver.h"
 #include "dolfinx_impact/solve/LinearSystem.h"
+#include "dolfinx_impact/solve/LoadSteps.h"
+#include "dolfinx_impact/solve/Newton.h"
+#include "dolfinx_impact/solve/eigenvalues.h"
+#include "dolfinx_impact/solve/equilibrium.h"
 #include <algorithm>
 #include <caster_petsc.h>
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
 
 using namespace dolfinx_impact::solve;
 using dolfinx_impact::enforcement::Condensation;
+using dolfinx_impact::enforcement::MultiplierContact;
 using dolfinx_impact::enforcement::SaddlePoint;
+using dolfinx_impact::enforcement::StaticContact;
 using dolfinx_impact::operators::RigidBodyModes;
 typedef dolfinx::fem::FunctionSpace<double> Space;
 
@@ -40,6 +48,16 @@ std::vector<Mat> matrices(const nb::list& values)
     out.push_back(static_cast<Mat&>(caster));
   }
   return out;
+}
+
+/// PETSc's object behind a Python one, which must be kept alive by somebody else.
+template <typename T>
+T as_petsc(const nb::object& value)
+{
+  nb::detail::make_caster<T> caster;
+  if (!caster.from_python(value, 0, nullptr))
+    throw nb::type_error("a PETSc vector or matrix is needed");
+  return static_cast<T&>(caster);
 }
 
 nb::object as_ksp(KSP ksp)
@@ -119,10 +137,231 @@ void bind_linear_solver(nb::module_& m)
       .def_prop_ro("num_set_ups", &LinearSolver::num_set_ups)
       .def_prop_ro("num_iterations", &LinearSolver::num_iterations);
 }
+
+void bind_increment(nb::module_& m)
+{
+  nb::class_<Increment>(m, "Increment", "Iterations of one attempt at an increment; lists are copies")
+      .def(
+          "__init__", [](Increment* self, int unsettled_in_succession)
+          { new (self) Increment{.unsettled_in_succession = unsettled_in_succession}; },
+          nb::arg("unsettled_in_succession") = 0)
+      .def("add", &Increment::add, nb::arg("norm"), nb::arg("size"), nb::arg("changes"), "Add an iteration")
+      .def("converged", &Increment::converged, nb::rv_policy::reference_internal, "Mark the increment as converged")
+      .def(
+          "failed",
+          [](Increment& self, std::string fault, bool hopeless, std::optional<std::string> advice) -> Increment&
+          {
+            if (advice)
+              self.advice = *advice;
+            return self.failed(std::move(fault), hopeless);
+          },
+          nb::arg("fault"), nb::arg("hopeless") = false, nb::arg("advice") = nb::none(),
+          nb::rv_policy::reference_internal, "Mark the increment as failed")
+      .def("cycle", &Increment::cycle, "Period of a cycle in the last iterations; 0: no cycle")
+      .def("stalled", &Increment::stalled, "Whether active sets did not converge, and the residual does not fall")
+      .def_rw("fault", &Increment::fault)
+      .def_rw("hopeless", &Increment::hopeless)
+      .def_rw("advice", &Increment::advice)
+      .def_rw("iterations", &Increment::iterations)
+      .def_rw("unsettled", &Increment::unsettled)
+      .def_rw("unsettled_in_succession", &Increment::unsettled_in_succession)
+      .def_ro("residual_norms", &Increment::residual_norms)
+      .def_ro("active_set_sizes", &Increment::active_set_sizes)
+      .def_ro("changes", &Increment::changes)
+      .def_prop_rw(
+          "closed", [](const Increment& self) { return std::vector<bool>(self.closed.begin(), self.closed.end()); },
+          [](Increment& self, const std::vector<bool>& closed) { self.closed.assign(closed.begin(), closed.end()); });
+}
+
+std::vector<double> copy_of(const Values& values)
+{
+  return {values.data(), values.data() + values.size()};
+}
+
+/// Exchanges whom Newton's method tells what it does, as long as it lives.
+class Told
+{
+public:
+  Told(Newton& newton, NewtonEvents events) : _newton(newton) { newton.events = std::move(events); }
+  ~Told() { _newton.events = {}; }
+  Told(const Told&) = delete;
+  Told& operator=(const Told&) = delete;
+
+private:
+  Newton& _newton;
+};
+
+void bind_newton(nb::module_& m)
+{
+  nb::class_<Body>(m, "Body", "Bodies of a problem: residual and tangent");
+  nb::class_<FunctionBody, Body>(m, "FunctionBody", "Bodies whose residual and tangent are functions")
+      .def(
+          "__init__",
+          [](FunctionBody* self, nb::callable residual, nb::callable tangent, std::function<std::string()> fault,
+             std::function<void()> accept_step, std::optional<nb::callable> origin, bool linear, bool symmetric,
+             bool inelastic, bool has_inertia, bool has_springs, bool rounds_positions)
+          {
+            FunctionBody::Functions functions{[residual] { return as_petsc<Vec>(residual()); },
+                                              [tangent] { return as_petsc<Mat>(tangent()); },
+                                              std::move(fault),
+                                              std::move(accept_step),
+                                              {}};
+            if (origin)
+              functions.origin = [origin = *origin] { return copy_of(nb::cast<Values>(origin())); };
+            new (self) FunctionBody(std::move(functions),
+                                    {linear, symmetric, inelastic, has_inertia, has_springs, rounds_positions});
+          },
+          nb::arg("residual"), nb::arg("tangent"), nb::arg("fault").none(), nb::arg("accept_step").none(),
+          nb::arg("origin").none(), nb::arg("linear"), nb::arg("symmetric"), nb::arg("inelastic"),
+          nb::arg("has_inertia"), nb::arg("has_springs"), nb::arg("rounds_positions"));
+  nb::class_<EquilibriumProblem>(m, "EquilibriumProblem", "Bodies and contacts in equilibrium")
+      .def(
+          "__init__",
+          [](EquilibriumProblem* self, std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<Body> body,
+             std::vector<std::shared_ptr<StaticContact>> contacts, Mask fixed,
+             std::shared_ptr<LinearSolver> linear_solver, bool axisymmetric, bool keeps_multipliers, bool exact_tangent,
+             std::vector<std::vector<std::int32_t>> fields)
+          {
+            new (self) EquilibriumProblem{
+                std::move(u), std::move(body),   std::move(contacts), bytes(fixed),     std::move(linear_solver),
+                axisymmetric, keeps_multipliers, exact_tangent,       std::move(fields)};
+          },
+          nb::arg("u"), nb::arg("body"), nb::arg("contacts"), nb::arg("fixed"), nb::arg("linear_solver"),
+          nb::arg("axisymmetric"), nb::arg("keeps_multipliers"), nb::arg("exact_tangent"), nb::arg("fields"));
+  nb::class_<NewtonOptions>(m, "NewtonOptions", "Tolerances and limits of Newton's method")
+      .def(nb::init<>())
+      .def_rw("rtol", &NewtonOptions::rtol)
+      .def_rw("atol", &NewtonOptions::atol)
+      .def_rw("max_iterations", &NewtonOptions::max_iterations)
+      .def_rw("violation", &NewtonOptions::violation)
+      .def_rw("max_changes", &NewtonOptions::max_changes)
+      .def_rw("responses", &NewtonOptions::responses);
+  nb::class_<Newton>(m, "Newton", "Newton's method for equilibrium and contact")
+      .def(
+          "__init__", [](Newton* self, std::shared_ptr<const EquilibriumProblem> problem, const NewtonOptions& options)
+          { new (self) Newton(std::move(problem), options); }, nb::arg("problem"), nb::arg("options"), "Collective")
+      .def(
+          "run",
+          [](Newton& self, Values target, std::function<void(const std::string&)> log,
+             std::function<void(const std::string&)> progress,
+             std::function<void(int, double, double, std::int64_t, std::int64_t)> iteration)
+          {
+            // Only for this run: functions of Python may know the object that has this one.
+            const Told told(self, {std::move(log), std::move(progress), std::move(iteration)});
+            return self.run(view(target));
+          },
+          nb::arg("target"), nb::arg("log"), nb::arg("progress"), nb::arg("iteration"),
+          "Solve from the present displacements to prescribed values. Collective")
+      .def(
+          "solve_linearised",
+          [](Newton& self, Mat K, Values residual, Values jump, double rtol)
+          {
+            const auto found = self.solve_linearised(K, copy_of(residual), view(jump), rtol);
+            return found.fault;
+          },
+          nb::arg("K"), nb::arg("residual"), nb::arg("jump"), nb::arg("rtol"),
+          "Solve the linearised problem; returns what is wrong, or an empty text. Collective")
+      .def("unconstrained_modes", &Newton::unconstrained_modes, nb::arg("K"), "In words. Collective")
+      .def("tangent_force", &Newton::tangent_force, nb::arg("K"), "Norm of tangent times displacement. Collective")
+      .def("round_off", &Newton::round_off, nb::arg("K"), "Norm of the round-off in the residual. Collective")
+      .def(
+          "fields_balance", [](Newton& self, Mat K, Values residual) { return self.fields_balance(K, view(residual)); },
+          nb::arg("K"), nb::arg("residual"), "Whether the equation of each field holds. Collective")
+      .def(
+          "norm", [](const Newton& self, Values values) { return self.norm(view(values)); }, nb::arg("values"),
+          "Norm over all ranks. Collective")
+      .def_prop_ro(
+          "prescribed", [](const Newton& self)
+          { return take(std::vector<std::int32_t>(self.prescribed().begin(), self.prescribed().end())); },
+          nb::rv_policy::move)
+      .def_prop_ro("has_multipliers", &Newton::has_multipliers)
+      .def_prop_ro("seconds",
+                   [](const Newton& self)
+                   {
+                     nb::dict out;
+                     out["bodies"] = self.seconds.bodies;
+                     out["contact"] = self.seconds.contact;
+                     out["linear"] = self.seconds.linear;
+                     return out;
+                   });
+  m.def(
+      "out_of_balance",
+      [](const EquilibriumProblem& problem, Values bodies, double tolerance) -> std::optional<std::string>
+      {
+        const auto found = out_of_balance(problem, view(bodies), tolerance);
+        return found ? std::optional(found->text) : std::nullopt;
+      },
+      nb::arg("problem"), nb::arg("bodies"), nb::arg("tolerance"),
+      "What is missing to equilibrium, in words; None if nothing is. Collective");
+}
+
+typedef nb::ndarray<double, nb::c_contig, nb::device::cpu> Changeable;
+
+void bind_load_steps(nb::module_& m)
+{
+  nb::class_<LoadStepReport>(m, "LoadStepReport", "Course of a solve; lists are copies")
+      .def_ro("converged", &LoadStepReport::converged)
+      .def_ro("iterations", &LoadStepReport::iterations)
+      .def_ro("residual_norms", &LoadStepReport::residual_norms)
+      .def_ro("active_set_sizes", &LoadStepReport::active_set_sizes)
+      .def_ro("contact_changes", &LoadStepReport::contact_changes)
+      .def_ro("fractions", &LoadStepReport::fractions)
+      .def_ro("cut_backs", &LoadStepReport::cut_backs)
+      .def_ro("rejected_iterations", &LoadStepReport::rejected_iterations)
+      .def_ro("unsettled", &LoadStepReport::unsettled)
+      .def_ro("lost", &LoadStepReport::lost);
+  m.def(
+      "run_load_steps",
+      [](std::shared_ptr<const EquilibriumProblem> problem, Values target,
+         const std::vector<std::pair<Changeable, Changeable>>& loads, std::vector<LoadSteps::Displacement> obstacles,
+         std::function<Increment(nb::object)> solver, int steps, int cut_backs,
+         std::function<void(const std::string&)> log, std::function<void(int, double, double)> begins,
+         std::function<void(double)> accepted)
+      {
+        std::vector<Ramp> ramps;
+        for (const auto& [value, reached] : loads)
+          ramps.push_back({{value.data(), value.size()}, {reached.data(), reached.size()}});
+        LoadSteps all(std::move(problem), copy_of(target), std::move(ramps), std::move(obstacles),
+                      {std::move(log), std::move(begins), std::move(accepted)});
+        return all.run([&](std::span<const double> goal)
+                       { return solver(nb::cast(take(std::vector<double>(goal.begin(), goal.end())))); },
+                       {steps, cut_backs});
+      },
+      nb::arg("problem"), nb::arg("target"), nb::arg("loads"), nb::arg("obstacles"), nb::arg("solver"),
+      nb::arg("steps"), nb::arg("cut_backs"), nb::arg("log"), nb::arg("begins"), nb::arg("accepted"),
+      "Solve all increments of a load step. Collective");
+}
+
+void bind_eigenvalues(nb::module_& m)
+{
+  m.def(
+      "largest_eigenvalue",
+      [](Mat A, nb::object B, double tolerance, bool factorise) -> nb::object
+      {
+        const EigenOptions options{.tolerance = tolerance,
+                                   .inner = factorise ? InnerSolver::cholesky : InnerSolver::conjugate_gradients};
+        const auto found = largest_eigenvalue(A, B.is_none() ? nullptr : as_petsc<Mat>(B), options);
+        if (!found)
+          return nb::none();
+        return nb::make_tuple(found->first, nb::cast(found->second, nb::rv_policy::take_ownership));
+      },
+      nb::arg("A"), nb::arg("B").none(), nb::arg("tolerance"), nb::arg("factorise") = false,
+      "Largest eigenvalue of A x = lambda B x, and eigenvector; None: not found. Collective");
+  m.def(
+      "lowest_eigenvalues", [](Mat A, Mat B, int count, double shift, double tolerance)
+      { return take(lowest_eigenvalues(A, B, count, shift, {.tolerance = tolerance})); }, nb::arg("A"), nb::arg("B"),
+      nb::arg("count"), nb::arg("shift"), nb::arg("tolerance"), "Eigenvalues near a shift, ascending. Collective");
+}
 } // namespace
 
 void dolfinx_impact::bindings::solve(nb::module_& m)
 {
+  bind_eigenvalues(m);
+  nb::class_<StaticContact>(m, "StaticContact", "A contact of one pair, as Newton's method sees it");
+  nb::class_<MultiplierContact, StaticContact>(m, "MultiplierContact", "One whose normal tractions are unknowns");
+  bind_increment(m);
+  bind_newton(m);
+  bind_load_steps(m);
   bind_systems(m);
   bind_linear_solver(m);
 }

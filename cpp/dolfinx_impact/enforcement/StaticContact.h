@@ -44,6 +44,8 @@ public:
   /// empty: they do not change [L]
   virtual void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                           std::span<const double> target = {}) = 0;
+  /// Displacement of a rigid master, as reached; nothing for deformable ones [L]. Not collective.
+  virtual std::optional<std::array<double, 3>> displacement() const = 0;
   /// What an increment starts from: copy it before, assign the copy to go back. Not collective.
   virtual state::State state() = 0;
   /// Accept a converged increment: slips, tractions and multipliers become history, totals are updated.

@@ -73,8 +73,8 @@ void add(std::vector<double>& to, std::span<const double> values)
 }
 } // namespace
 
-Newton::Newton(std::shared_ptr<const EquilibriumProblem> problem, NewtonOptions options, NewtonEvents events)
-    : _problem(std::move(problem)), _options(options), _events(std::move(events)), _comm(_problem->comm()),
+Newton::Newton(std::shared_ptr<const EquilibriumProblem> problem, NewtonOptions options, NewtonEvents told)
+    : events(std::move(told)), _problem(std::move(problem)), _options(options), _comm(_problem->comm()),
       _num_owned(_problem->num_owned()), _gdim(_problem->space().mesh()->geometry().dim()),
       _saddle(_problem->keeps_multipliers), _inelastic(_problem->body->inelastic())
 {
@@ -111,8 +111,8 @@ Newton::Newton(std::shared_ptr<const EquilibriumProblem> problem, NewtonOptions 
 
 void Newton::log(const std::string& text) const
 {
-  if (_events.log)
-    _events.log(text);
+  if (events.log)
+    events.log(text);
 }
 
 Increment Newton::run(std::span<const double> target)
@@ -191,8 +191,8 @@ Increment Newton::run(std::span<const double> target)
       active += contact->num_active();
     }
     result.add(free, active, changes + settling);
-    if (_events.iteration)
-      _events.iteration(iteration, free, std::max(scale, inner), active, result.changes.back());
+    if (events.iteration)
+      events.iteration(iteration, free, std::max(scale, inner), active, result.changes.back());
     const bool settled = iteration > 0 || _contacts.empty();
     const double tolerance = std::max({_options.atol, noise, _options.rtol * std::max(scale, inner)});
     bool small = free <= tolerance;
@@ -743,9 +743,9 @@ Newton::LinearisedSolution Newton::solve_linearised(Mat K, std::vector<double> r
       if (_saddle)
         set_multipliers(stiffness.mean);
       changed = settle.change(_multipliers);
-      if (_events.progress)
-        _events.progress("update " + std::to_string(settle.count()) + " of the active set: " + std::to_string(changed) +
-                         " nodes change");
+      if (events.progress)
+        events.progress("update " + std::to_string(settle.count()) + " of the active set: " + std::to_string(changed) +
+                        " nodes change");
     }
     if (changed == 0)
     {

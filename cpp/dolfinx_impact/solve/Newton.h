@@ -92,6 +92,7 @@ public:
   std::span<const std::int32_t> prescribed() const { return _prescribed; }
   bool has_multipliers() const { return !_multipliers.empty(); }
   SolveSeconds seconds;
+  NewtonEvents events; ///< may be exchanged between runs
 
 private:
   struct OneSolution
@@ -140,7 +141,6 @@ private:
 
   std::shared_ptr<const EquilibriumProblem> _problem;
   NewtonOptions _options;
-  NewtonEvents _events;
   MPI_Comm _comm;
   std::size_t _num_owned;
   int _gdim;

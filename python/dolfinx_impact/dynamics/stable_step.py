@@ -16,6 +16,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from ufl.algorithms import extract_coefficients
 
+from .. import _cpp
 from ..assembly import operators
 from ..assembly.cell_matrices import CellMatrices
 from ..assembly.curvature import NOISE, WRONG, check_curvature, extremes
@@ -25,6 +26,7 @@ from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
 
 METHODS = ("length", "element", "eigenvalue")
+TOLERANCE = 1e-8  # relative, of the largest eigenvalue
 
 CellMasses: TypeAlias = list[tuple[IntArray, FloatArray]]  # of lumped_mass.cell_masses
 
@@ -391,18 +393,7 @@ def largest_eigenvalue(matrix: PETSc.Mat) -> tuple[float, PETSc.Vec]:
     Raises:
         RuntimeError: the eigenvalue solver does not converge.
     """
-    from slepc4py import SLEPc
-
-    solver = SLEPc.EPS().create(matrix.comm)
-    solver.setOperators(matrix)
-    solver.setProblemType(SLEPc.EPS.ProblemType.HEP)
-    solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
-    solver.setTolerances(1e-8, 1000)
-    solver.solve()
-    if not solver.getConverged():
-        solver.destroy()
+    found: tuple[float, PETSc.Vec] | None = _cpp.solve.largest_eigenvalue(matrix, None, TOLERANCE)
+    if found is None:
         raise RuntimeError("the highest frequency was not found: use stable_step(method='element')")
-    vector = matrix.createVecRight()
-    value = solver.getEigenpair(0, vector).real
-    solver.destroy()
-    return value, vector
+    return found

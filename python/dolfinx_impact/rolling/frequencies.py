@@ -8,7 +8,6 @@ from petsc4py import PETSc
 
 from ..common.types import FloatArray
 
-TOLERANCE = 1e-10  # relative, of an eigenvalue
 SHIFT = 1e-3  # of the mesh's frequency: keeps the factorised matrix regular where rigid motions are free
 GROWTH = 1e-6  # real part over the largest modulus found, at which a mode grows
 RIGID_MOTIONS = 6  # of a body in space
@@ -17,7 +16,7 @@ RIGID = 10.0  # moduli below this many times the larger of the last two belong t
 
 
 def solve(
-    K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int, least: float
+    K: PETSc.Mat, G: PETSc.Mat, M: PETSc.Mat, along: PETSc.Mat, count: int, least: float, tolerance: float
 ) -> tuple[FloatArray, int]:
     """Find the frequencies of smallest modulus. Collective.
 
@@ -33,6 +32,7 @@ def solve(
         count: number of frequencies [1].
         least: below it a mode's derivative along the flow, over its amplitude, is none: half the angular velocity of a
             body, as waves have a whole number of lengths around it; zero without a spin [1/T].
+        tolerance: relative tolerance of an eigenvalue [1].
 
     Returns:
         Frequencies, sorted by modulus, (count) or fewer [1/T], and the number of modes found that grow [1].
@@ -56,7 +56,7 @@ def solve(
         # SLEPc 3.22 scales the vectors of its default type by LAPACK, which refuses a rank that owns no rows.
         pep.getBV().setType(SLEPc.BV.Type.VECS)
     pep.setDimensions(2 * count + 2 * RIGID_MOTIONS)  # a body that nothing holds has the rigid motions first
-    pep.setTolerances(TOLERANCE, 500)
+    pep.setTolerances(tolerance, 500)
     pep.setTarget(shift)
     pep.setWhichEigenpairs(SLEPc.PEP.Which.TARGET_MAGNITUDE)
     st = pep.getST()

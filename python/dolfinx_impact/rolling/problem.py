@@ -543,7 +543,7 @@ class RollingProblem(Unique):
         found.x.scatter_forward()
         return found
 
-    def frequencies(self, n: int) -> FloatArray:
+    def frequencies(self, n: int, tolerance: float = 1e-10) -> FloatArray:
         """Angular frequencies of small vibrations about the present state, in the ALE frame. Collective.
 
         A wave exp(i (omega t - m theta)), m > 0 counted along the spin, has its own sign of omega: positive for waves
@@ -552,21 +552,23 @@ class RollingProblem(Unique):
 
         Args:
             n: number of frequencies, of smallest modulus [1].
+            tolerance: relative tolerance of the eigenvalues [1].
 
         Returns:
             Signed frequencies, sorted by modulus, (n) [rad/T].
 
         Raises:
-            TypeError: `n` is not an integer; on all ranks.
-            ValueError: `n` is not positive, or there are Lagrange contacts; on all ranks.
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: an argument is not positive, or there are Lagrange contacts; on all ranks.
             RuntimeError: the eigensolver found fewer; on all ranks.
 
         Warns:
             UserWarning: modes grow, as the state is beyond a critical speed; they are left out.
         """
         p = self._equilibrium
-        with guard(p.space.mesh.comm, "RollingProblem.frequencies", n=n):
+        with guard(p.space.mesh.comm, "RollingProblem.frequencies", n=n, tolerance=tolerance):
             n = arguments.integer("n", n, 1)
+            tolerance = arguments.number("tolerance", tolerance, 0.0)
             if any(c.has_multipliers for c in p.contact):
                 raise ValueError("frequencies are those of bodies with contact by penalty: replace Lagrange by Penalty")
         self._flow.update()
@@ -575,7 +577,7 @@ class RollingProblem(Unique):
         forms = [f(self.u, du, v) for f in (self._flow.gyroscopic, self._flow.mass, self._flow.direction)]
         G, M, along = (self._matrix(form) for form in forms)
         least = 0.5 * max((abs(m.omega) for m in self.motions.values() if isinstance(m, Spin)), default=0.0)
-        found, growing = frequencies.solve(K, G, M, along, n, least)
+        found, growing = frequencies.solve(K, G, M, along, n, least, tolerance)
         for matrix in (K, G, M, along):
             matrix.destroy()
         if growing and p.space.mesh.comm.rank == 0:

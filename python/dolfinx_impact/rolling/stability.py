@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..statics.problem import StaticProblem
 
 FACTOR_TOLERANCE = 1e-10  # relative, of the eigenvalue that gives the critical speed
@@ -46,28 +47,19 @@ def critical_factor(problem: StaticProblem, W: PETSc.Mat) -> float:
     Raises:
         RuntimeError: the eigensolver found none.
     """
-    from slepc4py import SLEPc
-
     if W.norm() == 0.0:
         return float("inf")
     K = held_tangent(problem)
     K.axpy(1.0, W, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    eps = SLEPc.EPS().create(K.getComm())
-    eps.setOperators(W, K)
-    eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
-    eps.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
-    eps.setTolerances(FACTOR_TOLERANCE, 1000)
-    ksp = eps.getST().getKSP()
-    ksp.setType("preonly")
-    ksp.getPC().setType("cholesky")
-    ksp.getPC().setFactorSolverType("mumps")
-    eps.solve()
-    found = float(eps.getEigenvalue(0).real) if eps.getConverged() else float("nan")
-    eps.destroy()
+    found = _cpp.solve.largest_eigenvalue(W, K, FACTOR_TOLERANCE, factorise=True)
     K.destroy()
-    if not found > 0.0:
+    value = 0.0
+    if found is not None:
+        value, vector = found
+        vector.destroy()
+    if not value > 0.0:
         raise RuntimeError("the eigensolver did not find the critical speed")
-    return found**-0.5
+    return float(value**-0.5)
 
 
 def negative_directions(problem: StaticProblem) -> int:

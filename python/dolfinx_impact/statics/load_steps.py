@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from mpi4py import MPI
 
+from .. import _cpp
 from ..common.types import FloatArray
 from .equilibrium import open_contacts
 from .progress import SolveProgress
@@ -19,103 +20,10 @@ if TYPE_CHECKING:
     from .problem import StaticProblem
 
 LOG = logging.getLogger("dolfinx_impact")
-STALLED = 2  # linearised problems in succession without an active set that fits, one for each state of a cycle of two
-FALLING = 0.9  # of the residual: what such problems must reduce it to for going on
-SAME = 1e-3  # relative difference of the residuals of states that count as equal
 
 
-@dataclass
-class Increment:
-    """Iterations of one attempt at an increment.
-
-    Attributes:
-        fault: why the increment did not converge; an empty text if it did.
-        hopeless: whether a smaller increment would not help.
-        advice: what a user can do.
-        residual_norms: norm of the free residual by iteration [F].
-        active_set_sizes: number of active contact points by iteration [1].
-        changes: number of points whose status changed by iteration [1].
-        iterations: number of linearised problems, each with its active set updated to convergence [1].
-        unsettled: number of those whose active set did not converge [1].
-        unsettled_in_succession: number of the last of them in succession [1].
-        closed: whether each contact was closed at the start of the increment; empty: not known.
-    """
-
-    fault: str = "not finished"
-    hopeless: bool = False
-    advice: str = "Apply the load in smaller parts, or pass more iterations"
-    residual_norms: list[float] = field(default_factory=list)
-    active_set_sizes: list[int] = field(default_factory=list)
-    changes: list[int] = field(default_factory=list)
-    iterations: int = 0
-    unsettled: int = 0
-    unsettled_in_succession: int = 0
-    closed: list[bool] = field(default_factory=list)
-
-    def add(self, norm: float, size: int, changes: int) -> None:
-        """Add an iteration.
-
-        Args:
-            norm: norm of the free residual [F].
-            size: number of active contact points [1].
-            changes: number of points whose status changed [1].
-        """
-        self.residual_norms.append(norm)
-        self.active_set_sizes.append(size)
-        self.changes.append(changes)
-
-    def converged(self) -> Increment:
-        """Mark the increment as converged.
-
-        Returns:
-            The increment.
-        """
-        self.fault = ""
-        return self
-
-    def failed(self, fault: str, hopeless: bool = False, advice: str | None = None) -> Increment:
-        """Mark the increment as failed.
-
-        Args:
-            fault: why it failed.
-            hopeless: whether a smaller increment would not help.
-            advice: what a user can do; None: the advice stays as it is.
-
-        Returns:
-            The increment.
-        """
-        self.fault, self.hopeless = fault, hopeless
-        if advice is not None:
-            self.advice = advice
-        return self
-
-    def cycle(self) -> int:
-        """Period of a cycle in the last iterations.
-
-        Returns:
-            Number of iterations after which the same states came again, in the last two periods; 0: no cycle [1].
-        """
-        for period in (2, 3):
-            if len(self.residual_norms) < 2 * period:
-                continue
-            norms = np.reshape(self.residual_norms[-2 * period :], (2, period))
-            sizes = np.reshape(self.active_set_sizes[-2 * period :], (2, period))
-            same = np.abs(norms - norms[-1]) <= SAME * norms[-1]
-            if np.all(same) and np.all(sizes == sizes[-1]) and np.ptp(norms[-1]) > SAME * norms[-1].max():
-                return period
-        return 0
-
-    def stalled(self) -> bool:
-        """Whether the active sets of the last linearised problems did not converge, and the residual does not fall.
-
-        Returns:
-            Whether STALLED problems in succession after another one were left with wrong nodes, at a residual no less
-            than after that one.
-        """
-        if self.unsettled_in_succession < STALLED + 1:
-            return False
-        before, last = self.residual_norms[-STALLED - 1], self.residual_norms[-STALLED:]
-        return min(last) >= FALLING * before
+Increment = _cpp.solve.Increment
+"""Iterations of one attempt at an increment: cpp/dolfinx_impact/solve/Increment.h."""
 
 
 @dataclass

@@ -118,10 +118,10 @@ class Newton(Described):
                 b = p.assemble_residual()
                 unsolved = p.body.fault()
             if unsolved:
-                result.residual_norms.append(float("nan"))
+                result.add(float("nan"), 0, 0)
                 return result.failed(f"{unsolved} in Newton iteration {iteration}")
             if not np.isfinite(b.norm()):
-                result.residual_norms.append(float("nan"))
+                result.add(float("nan"), 0, 0)
                 return result.failed(f"the residual is nan in Newton iteration {iteration}: the state cannot be "
                                      "evaluated (inverted cells?)")  # fmt: skip
             with self._clock("contact"):

@@ -4,9 +4,8 @@
 import numpy as np
 import ufl
 from petsc4py import PETSc
-from slepc4py import SLEPc
 
-from .. import materials
+from .. import _cpp, materials
 from ..assembly import operators
 from ..common.types import FloatArray
 from ..forms import elasticity, inertia, quadrature
@@ -78,22 +77,4 @@ def _free_body(report: Report, cell: str, degree: int, hypothesis: str, num_elas
 
 def _slepc(K: PETSc.Mat, M: PETSc.Mat, count: int) -> FloatArray:
     """Lowest angular frequencies by shift-and-invert with a small negative shift [1/T]."""
-    solver = SLEPc.EPS().create(K.comm)
-    solver.setOperators(K, M)
-    solver.setProblemType(SLEPc.EPS.ProblemType.GHEP)
-    solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-    solver.setTarget(-1e-2)
-    transform = solver.getST()
-    transform.setType(SLEPc.ST.Type.SINVERT)
-    factor = transform.getKSP()
-    factor.setType("preonly")
-    factor.getPC().setType("lu")
-    factor.getPC().setFactorSolverType("mumps")
-    solver.setDimensions(count, max(2 * count, 20))
-    solver.setTolerances(1e-13, 500)
-    solver.solve()
-    if solver.getConverged() < count:
-        raise RuntimeError(f"SLEPc found {solver.getConverged()} of {count} eigenvalues")
-    values = np.sort([solver.getEigenvalue(i).real for i in range(solver.getConverged())])[:count]
-    solver.destroy()
-    return np.sqrt(np.maximum(values, 0.0))
+    return np.sqrt(np.maximum(_cpp.solve.lowest_eigenvalues(K, M, count, -1e-2, 1e-13), 0.0))

@@ -290,6 +290,7 @@ def calls_of_rolling_problems(s):
          ValueError, "penalty differs"),
         ("frequencies, n", problem.frequencies, 1, 0, ValueError, "positive integer"),
         ("frequencies, another n", problem.frequencies, 1, 2, ValueError, "n differs"),
+        ("frequencies, tolerance", lambda t: problem.frequencies(1, t), 1e-8, -1.0, ValueError, "tolerance is -1"),
     ]  # fmt: skip
 
 

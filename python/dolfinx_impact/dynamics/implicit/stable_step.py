@@ -8,6 +8,7 @@ import math
 import numpy as np
 from petsc4py import PETSc
 
+from ... import _cpp
 from ...common.types import BoolArray
 
 TOLERANCE = 1e-6  # relative error of the highest frequency: nobody steps closer to the limit
@@ -28,25 +29,15 @@ def highest_frequency(stiffness: PETSc.Mat, mass: PETSc.Mat, held: BoolArray) ->
     Raises:
         RuntimeError: the eigenvalue solver does not converge.
     """
-    from slepc4py import SLEPc
-
     K, M = stiffness.copy(), mass.copy()
     rows = M.getOwnershipRange()[0] + np.flatnonzero(held).astype(np.int32)
     K.zeroRowsColumns(rows, 0.0)
     M.zeroRowsColumns(rows, 1.0)
-    solver = SLEPc.EPS().create(K.comm)
-    solver.setOperators(K, M)
-    solver.setProblemType(SLEPc.EPS.ProblemType.GHEP)
-    solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
-    solver.setTolerances(TOLERANCE, 1000)
-    inner = solver.getST().getKSP()
-    inner.setType("cg")
-    inner.getPC().setType("jacobi")
-    inner.setTolerances(rtol=1e-10, max_it=2000)
-    solver.solve()
-    found = solver.getEigenvalue(0).real if solver.getConverged() else None
-    for thing in (solver, K, M):
-        thing.destroy()
+    found = _cpp.solve.largest_eigenvalue(K, M, TOLERANCE)
+    K.destroy()
+    M.destroy()
     if found is None:
         raise RuntimeError("the highest frequency was not found: take beta >= gamma/2, which is stable with any step")
-    return math.sqrt(max(found, 0.0))
+    value, vector = found
+    vector.destroy()
+    return math.sqrt(max(value, 0.0))
