@@ -26,7 +26,8 @@ auto over(const Halo& halo, const T& values, int bs, const char* name)
   return std::span(values.data(), values.size());
 }
 
-NodalState nodal_state(const Halo& halo, int gdim, const Values& u, const Values& du, const Values& inverse_mass, double dt)
+NodalState nodal_state(const Halo& halo, int gdim, const Values& u, const Values& du, const Values& inverse_mass,
+                       double dt)
 {
   return {over(halo, u, gdim, "u"), over(halo, du, gdim, "du"), over(halo, inverse_mass, gdim, "inverse_mass"), dt};
 }
