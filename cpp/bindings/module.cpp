@@ -25,8 +25,11 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::surface(surface);
   nb::module_ gap = m.def_submodule("gap", "Gaps between slave and master, and their integrals");
   dolfinx_impact::bindings::mortar(gap);
+  dolfinx_impact::bindings::gap(gap);
   nb::module_ search = m.def_submodule("search", "Which facets can meet, and closest points");
   dolfinx_impact::bindings::search(search);
+  nb::module_ enforcement = m.def_submodule("enforcement", "What contacts of all kinds have");
+  dolfinx_impact::bindings::enforcement(enforcement);
   nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
   dolfinx_impact::bindings::penalty(penalty);
   nb::module_ multipliers = m.def_submodule("multipliers", "Mortar integrals, active set and condensation");

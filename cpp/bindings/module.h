@@ -5,6 +5,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -18,6 +19,8 @@ void operators(nanobind::module_& m);
 void surface(nanobind::module_& m);
 void nodal(nanobind::module_& m);
 void mortar(nanobind::module_& m);
+void gap(nanobind::module_& m);
+void enforcement(nanobind::module_& m);
 void multipliers(nanobind::module_& m);
 void solve(nanobind::module_& m);
 void search(nanobind::module_& m);

@@ -71,10 +71,11 @@ void dolfinx_impact::bindings::mortar(nb::module_& m)
             const auto k = kind == "plane"    ? Rigid::Kind::plane
                            : kind == "sphere" ? Rigid::Kind::sphere
                                               : Rigid::Kind::cylinder;
-            new (self) Rigid{k, gdim, point, direction, radius, {0.0, 0.0, 0.0}, nullptr};
+            new (self) Rigid{.kind = k, .gdim = gdim, .point = point, .direction = direction, .radius = radius};
           },
           nb::arg("kind"), nb::arg("gdim"), nb::arg("point"), nb::arg("direction"), nb::arg("radius"))
       .def_rw("displacement", &Rigid::displacement)
+      .def_rw("orientation_hint", &Rigid::orientation_hint, "What can be changed if the body is on its wrong side")
       .def(
           "evaluate",
           [](const Rigid& self, Values x)

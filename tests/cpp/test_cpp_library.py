@@ -37,7 +37,8 @@ def build(source, folder):
     if shutil.which("ninja"):
         options.append("-GNinja")
     run(["cmake", "-S", folder / "source", "-B", folder / "build", *options])
-    ccache = {"CCACHE_BASEDIR": folder, "CCACHE_NOHASHDIR": 1, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
+    ccache = {"CCACHE_BASEDIR": folder, "CCACHE_NOHASHDIR": 1, "CCACHE_NODIRECT": 1}
+    ccache["CCACHE_SLOPPINESS"] = "pch_defines,time_macros"
     run(["cmake", "--build", folder / "build"], **{name: str(value) for name, value in ccache.items()})
     return folder / "build"
 

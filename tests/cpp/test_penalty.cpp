@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Penalty contact refuses what does not belong together; the interface of static contacts in C++.
+// Penalty contact refuses what does not belong together.
 #include <catch2/catch_test_macros.hpp>
-#include <dolfinx_impact/enforcement/StaticContact.h>
-#include <dolfinx_impact/enforcement/mortar/FrictionlessMortar.h>
-#include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
+#include <dolfinx_impact/enforcement/penalty/penalty.h>
 #include <stdexcept>
 #include <string>
 
@@ -73,13 +71,4 @@ TEST_CASE("a pair is of one slave and one master")
   CHECK(one.error(one.slave, &space, {1.0}) == "these points were updated for another master");
   one.history.multiplier.clear();
   CHECK(one.error(one.slave, nullptr, {1.0}) == "the history belongs to other points");
-}
-
-TEST_CASE("static contacts in C++ offer what a Newton loop calls")
-{
-  STATIC_REQUIRE(RegularisedContact<QuadraturePenalty>);
-  STATIC_REQUIRE(MultiplierContact<FrictionlessMortar>);
-  STATIC_REQUIRE_FALSE(MultiplierContact<QuadraturePenalty>);
-  STATIC_REQUIRE_FALSE(RegularisedContact<FrictionlessMortar>);
-  STATIC_REQUIRE_FALSE(StaticContact<gap::Points>);
 }

@@ -1,36 +1,19 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include <cstdio>
+#include <span>
 #include <string>
 #include <vector>
 
 /// Numbers and lists in messages.
 namespace dolfinx_impact::common
 {
-/// A number as printf writes it.
-inline std::string text_of(const char* format, double value)
-{
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
+/// @param[in] format of printf, for one double
+std::string text(const char* format, double value);
+
+/// Components of a vector, with four digits, between commas.
+/// @param[in] format of printf, for one double
+std::string components(std::span<const double> x, const char* format = "%.4g");
 
 /// Texts that are not empty, one behind the other.
-inline std::string joined(const std::vector<std::string>& texts, const char* between = "; ")
-{
-  std::string out;
-  for (const std::string& text : texts)
-    if (!text.empty())
-      out += (out.empty() ? "" : between) + text;
-  return out;
-}
-
-/// A point: its coordinates in parentheses.
-inline std::string text_of_point(const double* x, int gdim, const char* format = "%.4g")
-{
-  std::string out = "(";
-  for (int c = 0; c < gdim; ++c)
-    out += (c ? ", " : "") + text_of(format, x[c] + 0.0);
-  return out + ")";
-}
+std::string joined(const std::vector<std::string>& texts, const char* between = "; ");
 } // namespace dolfinx_impact::common

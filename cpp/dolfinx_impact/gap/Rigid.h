@@ -3,6 +3,7 @@
 #include "Shape.h"
 #include <array>
 #include <memory>
+#include <string>
 
 namespace dolfinx_impact::gap
 {
@@ -24,6 +25,8 @@ struct Rigid
   double radius = 0.0;                      ///< [L]; negative: the body is inside, as in a bore
   std::array<double, 3> displacement{};     ///< added to `point`, or of the shape [L]
   std::shared_ptr<const Shape> shape{};     ///< of a surface
+  /// What can be changed if the body is on its wrong side; the end of an error.
+  std::string orientation_hint = "turn its normal round, or change the sign of its radius";
 };
 
 /// Signed distance to an obstacle. In the plane a cylinder is a circle; its axis points out of the plane.

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <stdexcept>
 
-using dolfinx_impact::common::text_of;
 using dolfinx_impact::operators::check;
 
 namespace dolfinx_impact::solve
@@ -567,7 +566,7 @@ std::string LinearSolver::fault(LinearSystem& system, Vec b, Vec x) const
   // Far from any solver's tolerance: a nearly singular matrix, whose solution is round-off.
   if (error <= 2e-2 * right)
     return "";
-  return "the residual of the linear system is " + text_of("%.1e", error) + ", its right side " +
-         text_of("%.1e", right);
+  return "the residual of the linear system is " + common::text("%.1e", error) + ", its right side " +
+         common::text("%.1e", right);
 }
 } // namespace dolfinx_impact::solve

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 using dolfinx_impact::common::joined;
-using dolfinx_impact::common::text_of;
 
 namespace dolfinx_impact::solve
 {
@@ -105,13 +104,13 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
     if (fraction <= done)
     {
       finish(done);
-      throw std::runtime_error("increments of " + text_of("%.1e", width) +
+      throw std::runtime_error("increments of " + common::text("%.1e", width) +
                                " of the way are round-off: ask for fewer cut_backs");
     }
     if (fraction > 1.0 - 1e-9)
       fraction = 1.0;
     const int number = int(report.iterations.size()) + 1;
-    log("increment " + std::to_string(number) + ": to " + text_of("%.4f", fraction) + " of the way");
+    log("increment " + std::to_string(number) + ": to " + common::text("%.4f", fraction) + " of the way");
     if (_events.begins)
       _events.begins(number, done, fraction);
     std::vector<state::State> saved;
@@ -171,7 +170,7 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
     if (halved == options.cut_backs)
     {
       finish(done);
-      const std::string where = done > 0.0 ? " (reached " + text_of("%.4f", done) + " of the way)" : "";
+      const std::string where = done > 0.0 ? " (reached " + common::text("%.4f", done) + " of the way)" : "";
       const std::string end = increment.fault.ends_with("?") && where.empty() ? "" : ".";
       throw std::runtime_error(increment.fault + where + end +
                                (increment.advice.empty() ? "" : " " + increment.advice));
@@ -180,7 +179,7 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
     width /= 2;
     ++report.cut_backs;
     report.rejected_iterations.push_back(increment.iterations);
-    log("  cut back to increments of " + text_of("%.3e", width) + ": " + increment.fault);
+    log("  cut back to increments of " + common::text("%.3e", width) + ": " + increment.fault);
   }
   finish(1.0);
   report.lost = open_contacts(*_problem, closed);

@@ -13,7 +13,6 @@
 #include <numeric>
 
 using dolfinx_impact::common::joined;
-using dolfinx_impact::common::text_of;
 using dolfinx_impact::operators::check;
 using dolfinx_impact::operators::Entries;
 
@@ -358,7 +357,7 @@ std::string Newton::over_constrained() const
     {
       if (std::isnan(all[i]))
         continue;
-      places += (told++ ? ", " : "") + common::text_of_point(all.data() + i, _gdim, "%.9g");
+      places += std::string(told++ ? ", (" : "(") + common::components({all.data() + i, std::size_t(_gdim)}, "%.9g") + ")";
     }
     sentences.push_back(std::to_string(count) + " nodes, the first at " + places +
                         ", cannot fulfil the conditions of " + names +
@@ -374,7 +373,7 @@ Increment Newton::did_not_converge(Increment result, bool moved, bool small, std
   const std::vector<double>& norms = result.residual_norms;
   const int period = result.cycle();
   if (!small)
-    found.push_back("the residual is " + text_of("%.3e", norms.back()));
+    found.push_back("the residual is " + common::text("%.3e", norms.back()));
   if (pending)
     found.push_back(std::to_string(pending) + " contact points change their state");
   if (violation >= _options.violation)
@@ -389,7 +388,7 @@ Increment Newton::did_not_converge(Increment result, bool moved, bool small, std
     found.push_back("the same states come again after " + std::to_string(period) + " iterations");
   std::string history;
   for (double n : norms)
-    history += (history.empty() ? "" : ", ") + text_of("%.3e", n);
+    history += (history.empty() ? "" : ", ") + common::text("%.3e", n);
   const std::string text = "Newton's method did not converge in " + std::to_string(result.iterations) +
                            " iterations: " + joined(found, ", ") + "; residual norms: " + history;
   if (small && moved && !pending)
@@ -564,7 +563,7 @@ std::string Newton::unconstrained_modes(Mat K)
   std::vector<std::string> apart;
   for (const enforcement::StaticContact* contact : _contacts)
     if (const double gap = contact->smallest_gap(); gap > 0.0)
-      apart.push_back(contact->name() + ": smallest gap " + text_of("%.3e", gap));
+      apart.push_back(contact->name() + ": smallest gap " + common::text("%.3e", gap));
   const std::string hint =
       apart.empty() ? "" : " (" + joined(apart) + ": let them touch first, or hold or move the body)";
   return "not held against rigid motion: " + joined(loose) + hint;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "equilibrium.h"
 #include "../common/text.h"
+#include "../operators/body_size.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-using dolfinx_impact::common::text_of;
 
 namespace dolfinx_impact::solve
 {
@@ -24,20 +23,6 @@ struct Worst
   int rank = 0;
 };
 } // namespace
-
-double body_size(const dolfinx::mesh::Mesh<double>& mesh)
-{
-  std::array<double, 6> box;
-  box.fill(-std::numeric_limits<double>::infinity());
-  const std::span<const double> x = mesh.geometry().x();
-  for (std::size_t i = 0; i < x.size(); ++i)
-  {
-    box[i % 3] = std::max(box[i % 3], -x[i]);
-    box[3 + i % 3] = std::max(box[3 + i % 3], x[i]);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, box.data(), 6, MPI_DOUBLE, MPI_MAX, mesh.comm());
-  return std::hypot(box[0] + box[3], box[1] + box[4], box[2] + box[5]);
-}
 
 std::optional<Imbalance> out_of_balance(const EquilibriumProblem& problem, std::span<const double> bodies,
                                         double tolerance)
@@ -101,10 +86,11 @@ std::optional<Imbalance> out_of_balance(const EquilibriumProblem& problem, std::
   for (const auto& contact : problem.contacts)
     names += (names.empty() ? "" : ", ") + contact->name();
   return Imbalance{norm, "the forces that the contacts report do not balance those of the bodies: " +
-                             text_of("%.3e", worst.missing) + " is missing at the node " +
-                             common::text_of_point(place.data(), gdim) + ", where the largest nodal force is " +
-                             text_of("%.3e", largest) + "; the norm of what is missing is " + text_of("%.3e", norm) +
-                             ", its tolerance " + text_of("%.3e", allowed) + " (contacts: " + names + ")"};
+                             common::text("%.3e", worst.missing) + " is missing at the node " + "(" +
+                             common::components({place.data(), std::size_t(gdim)}) +
+                             "), where the largest nodal force is " + common::text("%.3e", largest) +
+                             "; the norm of what is missing is " + common::text("%.3e", norm) + ", its tolerance " +
+                             common::text("%.3e", allowed) + " (contacts: " + names + ")"};
 }
 
 std::vector<std::string> open_contacts(const EquilibriumProblem& problem, std::span<const std::int8_t> closed)
@@ -116,8 +102,8 @@ std::vector<std::string> open_contacts(const EquilibriumProblem& problem, std::s
     if (!closed[k] || contact.num_active() > 0)
       continue;
     const double gap = contact.smallest_gap();
-    if (gap > open * body_size(*problem.space().mesh()))
-      found.push_back(contact.name() + ": smallest gap " + text_of("%.3e", gap));
+    if (gap > open * operators::body_size(*problem.space().mesh()))
+      found.push_back(contact.name() + ": smallest gap " + common::text("%.3e", gap));
   }
   return found;
 }

@@ -29,7 +29,4 @@ std::optional<Imbalance> out_of_balance(const EquilibriumProblem& problem, std::
 /// Collective.
 /// @param[in] closed whether each contact was closed before
 std::vector<std::string> open_contacts(const EquilibriumProblem& problem, std::span<const std::int8_t> closed);
-
-/// Diagonal of the bounding box of the whole mesh [L]. Collective.
-double body_size(const dolfinx::mesh::Mesh<double>& mesh);
 } // namespace dolfinx_impact::solve

@@ -151,7 +151,7 @@ std::vector<std::string> unconstrained_modes(const dolfinx::fem::FunctionSpace<d
     }
     if (found.empty())
       continue;
-    sentences.push_back("the body around " + common::text_of_point(motions.centres().data() + b * gdim, gdim) +
+    sentences.push_back("the body around (" + common::components(motions.centres().subspan(b * gdim, gdim)) + ")" +
                         " is free to " + found);
   }
   return sentences;

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The length scale of tolerances of gaps."""
 
-import numpy as np
 from dolfinx.mesh import Mesh
-from mpi4py import MPI
+
+from .. import _cpp
 
 
 def body_size(mesh: Mesh) -> float:
@@ -15,7 +15,4 @@ def body_size(mesh: Mesh) -> float:
     Returns:
         The diagonal [L].
     """
-    x = mesh.geometry.x
-    box = np.concatenate([np.max(-x, axis=0, initial=-np.inf), np.max(x, axis=0, initial=-np.inf)])
-    mesh.comm.Allreduce(MPI.IN_PLACE, box, MPI.MAX)
-    return float(np.linalg.norm(box[:3] + box[3:]))
+    return float(_cpp.gap.body_size(mesh._cpp_object))

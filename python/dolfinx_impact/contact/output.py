@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Results of a contact: totals over the ranks, and fields."""
 
+import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,11 +10,19 @@ from dolfinx.fem import Function
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..common.collective import guard
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .initial_penetration import InitialPenetration
 from .pair import ContactPair
 from .protocol import ContactProblem
+
+
+def _three(value: ArrayLike) -> list[float]:
+    """Components of a vector, filled up with zeros to three."""
+    out = np.zeros(3)
+    out[: np.size(value)] = value
+    return list(out)
 
 
 class ContactOutput:
@@ -24,17 +33,12 @@ class ContactOutput:
     covered() and contact_forces(). A contact whose points are nodes has `nodes`; others override at_nodes().
     """
 
-    force: FloatArray | None = None  #: total contact force on the slave, (gdim); on the master it is the opposite [F]
-    moment: FloatArray | None = None  #: of these forces about the origin, (1) in the plane, (3) in space [F L]
-    area = 0.0  #: area in contact (2D: length), see covered() [L^2]
-    dissipated = 0.0  #: work of friction so far: in each increment, tractions at its end times its slip [F L]
-    _slip_before: FloatArray | float = 0.0
-
     fault = ""  #: why a converged state is not a solution; empty if it is one
 
     if TYPE_CHECKING:  # members of derived classes, attributes or properties
         comm: MPI.Comm
         pair: ContactPair
+        gdim: int
 
         @property
         def initial(self) -> InitialPenetration | None: ...
@@ -58,6 +62,48 @@ class ContactOutput:
         if self.force is not None:  # a total: the same on all ranks, and known without communication
             known = f"force on the slave ({', '.join(f'{value:.6g}' for value in self.force)})"
         return f"{type(self).__name__}({self.pair!r}, {len(self.weight)} points on this rank, {known})"
+
+    @functools.cached_property
+    def _totals(self) -> _cpp.enforcement.ContactTotals:
+        """Totals on the C++ side."""
+        return _cpp.enforcement.ContactTotals()
+
+    @property
+    def force(self) -> FloatArray | None:
+        """Total contact force on the slave, (gdim), on the master it is the opposite; None before a solution [F]."""
+        return np.array(self._totals.force[: self.gdim]) if self._totals.known else None
+
+    @force.setter
+    def force(self, value: ArrayLike) -> None:
+        self._totals.force = _three(value)
+        self._totals.known = True
+
+    @property
+    def moment(self) -> FloatArray | None:
+        """Moment of these forces about the origin, (1) in the plane, (3) in space; None before a solution [F L]."""
+        return np.array(self._totals.moment[: 1 if self.gdim == 2 else 3]) if self._totals.known else None
+
+    @moment.setter
+    def moment(self, value: ArrayLike) -> None:
+        self._totals.moment = _three(value)
+
+    @property
+    def area(self) -> float:
+        """Area in contact (2D: length), see covered() [L^2]."""
+        return float(self._totals.area)
+
+    @area.setter
+    def area(self, value: float) -> None:
+        self._totals.area = value
+
+    @property
+    def dissipated(self) -> float:
+        """Work of friction so far: in each increment, tractions at its end times its slip [F L]."""
+        return float(self._totals.dissipated)
+
+    @dissipated.setter
+    def dissipated(self, value: float) -> None:
+        self._totals.dissipated = value
 
     @property
     def initial_penetration(self) -> float:
@@ -156,21 +202,9 @@ class ContactOutput:
 
     def update_totals(self) -> None:
         """Sum up force, moment, area and work of friction of a converged increment. Collective."""
-        touching = self.status > 0
-        forces = np.where(touching, self.weight, 0.0)[:, None] * self.traction
-        moments: FloatArray
-        if forces.shape[1] == 2:
-            moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
-        else:
-            moments = np.cross(self.points, forces)
-        slip = np.array(self.slip)
-        work = -np.sum(forces * (slip - self._slip_before))
-        self._slip_before = slip
-        parts = [forces.sum(axis=0), moments.sum(axis=0), [np.sum(self.weight * self.covered()), work]]
-        sums = self.comm.allreduce(np.concatenate(parts), MPI.SUM)
-        gdim = forces.shape[1]
-        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-2], float(sums[-2])
-        self.dissipated += float(sums[-1])
+        rows = (np.ascontiguousarray(a, dtype=float) for a in (self.points, self.traction, self.slip))
+        status, covered = np.asarray(self.status, dtype=np.int8), np.asarray(self.covered(), dtype=float)
+        self._totals.update(self.comm, *rows, status, self.weight, covered)
 
     def save_totals(self) -> dict[str, FloatArray]:
         """Totals of `update_totals` for a checkpoint.
@@ -178,8 +212,7 @@ class ContactOutput:
         Returns:
             Vectors by name; not a number where there are none yet.
         """
-        gdim = self.points.shape[1]
-        unknown = np.full(gdim, np.nan), np.full(1 if gdim == 2 else 3, np.nan)
+        unknown = np.full(self.gdim, np.nan), np.full(1 if self.gdim == 2 else 3, np.nan)
         force, moment = (f if v is None else v for v, f in zip((self.force, self.moment), unknown))
         return {"force": force, "moment": moment, "area": np.array([self.area, self.dissipated])}
 
@@ -189,9 +222,11 @@ class ContactOutput:
         Args:
             totals: as save_totals returned them.
         """
-        known = not np.any(np.isnan(totals["force"]))
-        self.force, self.moment = (totals["force"], totals["moment"]) if known else (None, None)
+        self._totals.known = not np.any(np.isnan(totals["force"]))
+        if self._totals.known:
+            self.force, self.moment = totals["force"], totals["moment"]
         self.area, self.dissipated = (float(value) for value in totals["area"])
+        self._totals.slip = np.ravel(self.slip)
 
     def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
         """Values of the contact points by nodes. Collective.

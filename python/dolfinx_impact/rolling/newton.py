@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from .. import _cpp
 from ..common.interrupts import Interrupts
 from ..common.types import BoolArray, FloatArray
-from ..statics.load_steps import Increment, StepLog
+from ..statics.load_steps import StepLog
 from ..statics.newton import Newton
 from ..statics.problem import StaticProblem
 from .contact import RollingContact
@@ -91,7 +92,7 @@ class RollingNewton:
     def free(self) -> None:
         """Nothing is kept beyond the problem's own solver."""
 
-    def run(self, target: FloatArray, log: StepLog) -> Increment:
+    def run(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
         """Solve from the present u to prescribed values. Collective.
 
         Args:
@@ -108,8 +109,8 @@ class RollingNewton:
             log("  with friction")
         return self._with_friction(target, log)
 
-    def _with_friction(self, target: FloatArray, log: StepLog) -> Increment:
-        p, result, scale = self.problem, Increment(), 0.0
+    def _with_friction(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
+        p, result, scale = self.problem, _cpp.solve.Increment(), 0.0
         changes, K = 0, None
         iteration = -1
         while True:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from mpi4py import MPI
 
+from .. import _cpp
 from ..common.types import AnyArray
 from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
 
 if TYPE_CHECKING:
-    from .load_steps import Increment
     from .newton import Newton
 
 NOBODY = -2  # a number that no node has
@@ -113,8 +113,8 @@ def _equal(one: AnyArray, other: AnyArray) -> bool:
 
 
 def did_not_converge(
-    result: Increment, newton: Newton, moved: bool, small: bool, pending: int, violation: float
-) -> Increment:
+    result: _cpp.solve.Increment, newton: Newton, moved: bool, small: bool, pending: int, violation: float
+) -> _cpp.solve.Increment:
     """Write into an increment why it did not converge, and what to do. Collective.
 
     Args:

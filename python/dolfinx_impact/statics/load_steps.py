@@ -22,10 +22,6 @@ if TYPE_CHECKING:
 LOG = logging.getLogger("dolfinx_impact")
 
 
-Increment = _cpp.solve.Increment
-"""Iterations of one attempt at an increment: cpp/dolfinx_impact/solve/Increment.h."""
-
-
 @dataclass
 class Report:
     """Course of a solve; lists have one entry per converged increment.
@@ -64,7 +60,7 @@ class Report:
             f"Report: {end}, {steps}, cut back {self.cut_backs} times" if self.cut_backs else f"Report: {end}, {steps}"
         )
 
-    def add(self, increment: Increment, fraction: float) -> None:
+    def add(self, increment: _cpp.solve.Increment, fraction: float) -> None:
         """Add a converged increment.
 
         Args:
@@ -208,7 +204,7 @@ class IncrementSolver(Protocol):
 
     seconds: dict[str, float]
 
-    def run(self, target: FloatArray, log: StepLog) -> Increment:
+    def run(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
         """Solve from the present u to prescribed values. Collective.
 
         Args:

@@ -26,7 +26,7 @@ from .linearised_active_set import LinearisedActiveSet, LinearisedSystem
 from .equilibrium import open_contacts, out_of_balance
 from .field_residuals import FieldResiduals
 from .active_set_iteration import VIOLATION, ActiveSetIteration, RepeatedStates, did_not_converge
-from .load_steps import Increment, StepLog
+from .load_steps import StepLog
 from ..common.types import FloatArray, IntArray
 from ..contact.mortar.shared_nodes import over_constrained
 from ..contact.protocol import MultiplierContact
@@ -97,7 +97,7 @@ class Newton(Described):
             self._rows = _cpp.multipliers.SaddlePoint(self.comm, self.num_owned, gdim, sizes)
             self._forces = np.zeros(gdim * sum(sizes))
 
-    def run(self, target: FloatArray, log: StepLog) -> Increment:
+    def run(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
         """Solve from the present u to prescribed values. Collective.
 
         Args:
@@ -107,7 +107,7 @@ class Newton(Described):
         Returns:
             Increment; its `fault` says why it did not converge.
         """
-        p, result = self.problem, Increment()
+        p, result = self.problem, _cpp.solve.Increment()
         scale, inner, noise, round_start, before, settling = 0.0, 0.0, 0.0, 0, None, 0
         unbalanced = np.inf
         self._K: PETSc.Mat | None = None

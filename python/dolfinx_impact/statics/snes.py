@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..common.collective import attempt, is_common
 from ..common.interrupts import Interrupts
 from ..common.types import FloatArray
 from .equilibrium import out_of_balance
 from .newton import LOOSE_DIGITS, Newton
-from .load_steps import Increment, StepLog
+from .load_steps import StepLog
 
 if TYPE_CHECKING:
     from .equilibrium_problem import EquilibriumProblem
@@ -104,7 +105,7 @@ class Solver:
         for thing in (self.snes, self._F, self._x, *([self._J] if self._J else [])):
             thing.destroy()
 
-    def run(self, target: FloatArray, log: StepLog) -> Increment:
+    def run(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
         """Solve from the present u to prescribed values. Collective.
 
         Args:
@@ -118,7 +119,7 @@ class Solver:
             return self._run_other(target, log)
         self._target, self._log = target, log
         self._copy_from_u()
-        self._result = Increment()
+        self._result = _cpp.solve.Increment()
         self._fault: BaseException | None = None
         self.snes.solve(None, self._x)
         if self._fault is not None:
@@ -220,12 +221,12 @@ class Solver:
             snes.getKSP().getPC().reset()
         self.problem.linear_solver.set_near_nullspace(J)
 
-    def _run_other(self, target: FloatArray, log: StepLog) -> Increment:
+    def _run_other(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
         """Solve an increment by a method of PETSc's: a linear step to the prescribed values, then its iterations.
 
         Arguments and result are those of `run`. Collective.
         """
-        p, newton, result = self.problem, self._newton, Increment()
+        p, newton, result = self.problem, self._newton, _cpp.solve.Increment()
         residual, self._changes = self._residual()
         K = p.tangent.assemble()
         loose = newton.unconstrained_modes(K) if p.contact else ""

@@ -7,11 +7,10 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes
+from dolfinx_impact import _cpp, meshes
 from dolfinx_impact.contact.penalty.facets import MARGIN, WIDEST, FacetKeeper
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.statics.active_set_iteration import RepeatedStates
-from dolfinx_impact.statics.load_steps import Increment
 from dolfinx_impact.statics.progress import SolveProgress
 from dolfinx_impact.statics.snes import Solver
 
@@ -72,7 +71,7 @@ def test_cut_backs_and_augmentations_are_whole_numbers(value):
 def test_increments_of_round_off_are_refused(monkeypatch):
     """Cut back for ever, an increment gets no smaller than what can be added to the way."""
     blocks = Blocks(di.Lagrange)
-    monkeypatch.setattr("dolfinx_impact.statics.newton.Newton.run", lambda *args: Increment().failed("no"))
+    monkeypatch.setattr("dolfinx_impact.statics.newton.Newton.run", lambda *args: _cpp.solve.Increment().failed("no"))
     with pytest.raises(RuntimeError, match="round-off: ask for fewer cut_backs"):
         blocks.problem.solve(cut_backs=10000)
 
@@ -113,7 +112,7 @@ def test_cycles_of_two_and_three_are_seen():
     """Twice the same states, to 1e-3 of the residual; not: a residual that rests or falls."""
 
     def increment(norms, sizes=None):
-        made = Increment()
+        made = _cpp.solve.Increment()
         for k, norm in enumerate(norms):
             made.add(norm, 8 if sizes is None else sizes[k], 0)
         return made.cycle()
@@ -169,7 +168,7 @@ def test_linearised_problems_without_an_active_set_are_seen_after_three():
     """Left with wrong nodes three times at one residual, or at the two of a cycle; not while the residual falls."""
 
     def stalled(norms, unsettled):
-        made = Increment(unsettled_in_succession=unsettled)
+        made = _cpp.solve.Increment(unsettled_in_succession=unsettled)
         for norm in norms:
             made.add(norm, 8, 1)
         return made.stalled()

@@ -76,13 +76,14 @@ def test_penalties_have_no_multipliers():
     assert not PenaltyContact.has_multipliers and LagrangeContact.has_multipliers
 
 
-def test_concepts_in_cpp_ask_for_members_of_the_protocols(checkout):
-    """Their names are those of the protocols. `evaluate` is the part of update_gap that follows the search."""
+def test_interfaces_in_cpp_ask_for_members_of_the_contacts(checkout):
+    """They have the same names, but for what a State and an array of products replace."""
     text = (checkout / "cpp/dolfinx_impact/enforcement/StaticContact.h").read_text()
-    concepts = dict(re.findall(r"concept (\w+) =(.*?\});?\n", text, re.DOTALL))
-    assert set(concepts) == {"StaticContact", "RegularisedContact", "MultiplierContact"}
-    asked = {name: set(re.findall(r"\w+\.(\w+)\(", body)) for name, body in concepts.items()}
-    static, multipliers = (set(members(p)[0]) for p in (protocol.StaticContact, protocol.MultiplierContact))
-    assert asked["StaticContact"] == {"update_gap", "contact_forces"}
-    assert asked["StaticContact"] | asked["RegularisedContact"] - {"evaluate"} <= static
-    assert asked["MultiplierContact"] <= multipliers and not asked["MultiplierContact"] <= static
+    asked = {}
+    for name, body in re.findall(r"class (\w+)[^;{]*\n\{(.*?)\n\};", text, re.DOTALL):
+        asked[name] = set(re.findall(r"virtual [^;(]*?(\w+)\(", body)) - {name}
+    assert set(asked) == {"StaticContact", "MultiplierContact"}
+    replaced = {"name", "state", "smallest_gap", "rigid_body_products"}
+    assert asked["StaticContact"] - set(dir(PenaltyContact)) <= replaced
+    assert len(asked["StaticContact"] & set(dir(LagrangeContact))) > 20
+    assert len(asked["MultiplierContact"] & set(dir(LagrangeContact))) > 10

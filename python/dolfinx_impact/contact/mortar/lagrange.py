@@ -244,7 +244,6 @@ class LagrangeContact(ContactOutput):
         for name in ("direction", "friction_traction", "traction_n", "total_slip"):
             setattr(self, name, rows[name].copy())
         self.coulomb.imposed = rows["imposed"]
-        self._slip_before = self.total_slip.copy()
         self.restore_totals(saved.totals)
 
     def forget(self) -> None:

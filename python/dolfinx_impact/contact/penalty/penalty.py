@@ -282,7 +282,7 @@ class PenaltyContact(ContactOutput):
         self._keep_facets(u, rows["facet"].ravel())
         # A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
         self._known_status = self._status = rows["status"].ravel().astype(np.int8)
-        self._slip_before, self._gap_before = np.array(self.slip), self.gap
+        self._gap_before = self.gap
         self.restore_totals(saved.totals)
 
     def _facet_ids(self) -> FloatArray:

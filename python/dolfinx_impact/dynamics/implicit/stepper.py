@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ... import _cpp
 from ...assembly.large_rotation import RotationWarning
 from ...common.collective import agree, attempt, is_common
 from ...common.described import Described
 from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
-from ...statics.load_steps import Increment, StepLog
+from ...statics.load_steps import StepLog
 from ...statics.snes import Solver
 from ..advance_calls import AdvanceCalls, check_not_written
 from ..progress import ProgressBar
@@ -304,7 +305,9 @@ class ImplicitStepper(Described):
         agree(self.comm, error, "functions of time")
         return found
 
-    def _attempt(self, step: float, values: TimeValues, solver: Solver, log: StepLog) -> tuple[Increment, StepMotion]:
+    def _attempt(
+        self, step: float, values: TimeValues, solver: Solver, log: StepLog
+    ) -> tuple[_cpp.solve.Increment, StepMotion]:
         """Solve the equations of one step. Collective."""
         p, prescribed = self.problem, values.prescribed
         motion = StepMotion(p.scheme, step, self.state, p.inertia.massless, prescribed)

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "arrays.h"
+#include "dolfinx_impact/gap/InitialPenetration.h"
+#include "dolfinx_impact/gap/crossing.h"
+#include "dolfinx_impact/gap/nearly_touching.h"
+#include "dolfinx_impact/gap/obstacle_side.h"
+#include "dolfinx_impact/operators/body_size.h"
+#include <caster_mpi.h>
+#include <optional>
+
+using namespace dolfinx_impact::gap;
+using dolfinx_impact::surface::Facets;
+using dolfinx_impact::surface::FunctionSpace;
+
+namespace
+{
+using namespace dolfinx_impact::bindings;
+typedef nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Marks;
+
+std::span<const double> view(const Values& values)
+{
+  return {values.data(), values.size()};
+}
+
+void check_points(std::size_t size, std::size_t wanted, const char* what)
+{
+  if (size != wanted)
+    throw std::invalid_argument(std::string(what) + ": " + std::to_string(wanted) + " entries are needed, not " +
+                                std::to_string(size));
+}
+
+void bind_crossing(nb::module_& m)
+{
+  m.def(
+      "through_obstacle",
+      [](const Rigid& obstacle, Values start, Values end, Values offset, double tolerance)
+      {
+        check_points(start.size(), offset.size() * obstacle.gdim, "start");
+        check_points(end.size(), offset.size() * obstacle.gdim, "end");
+        return take(through_obstacle(obstacle, view(start), view(end), view(offset), tolerance));
+      },
+      nb::arg("obstacle"), nb::arg("start"), nb::arg("end"), nb::arg("offset"), nb::arg("tolerance"),
+      "Marks of points that are open on the far side of a rigid obstacle, through which their paths lead");
+  m.def(
+      "through_master",
+      [](dolfinx_wrappers::MPICommWrapper comm, Marks suspects, Values sizes, const nb::callable& gap_at)
+      {
+        check_points(sizes.size(), suspects.size(), "sizes");
+        const auto gaps = [&](double part)
+        {
+          const auto gap = nb::cast<Values>(gap_at(part));
+          check_points(gap.size(), suspects.size(), "gaps");
+          return std::vector<double>(gap.data(), gap.data() + gap.size());
+        };
+        return take(through_master(comm.get(), {suspects.data(), suspects.size()}, view(sizes), gaps));
+      },
+      nb::arg("comm"), nb::arg("suspects"), nb::arg("sizes"), nb::arg("gap_at"),
+      "Marks of points that have passed through a deformable master");
+  m.def(
+      "describe_crossing",
+      [](const std::string& name, dolfinx_wrappers::MPICommWrapper comm, int gdim, Values x, Marks passed)
+      {
+        check_points(x.size(), passed.size() * gdim, "x");
+        return describe_crossing(name, comm.get(), gdim, view(x), {passed.data(), passed.size()});
+      },
+      nb::arg("name"), nb::arg("comm"), nb::arg("gdim"), nb::arg("x"), nb::arg("passed"));
+}
+} // namespace
+
+void dolfinx_impact::bindings::gap(nb::module_& m)
+{
+  nb::class_<InitialPenetration>(m, "InitialPenetration", "Penetrations in the reference configuration")
+      .def(
+          "__init__",
+          [](InitialPenetration* self, std::string name, const FunctionSpace& V, const Facets& slave,
+             const Facets* master, Values x, Values gap, bool remove)
+          {
+            check_points(x.size(), gap.size() * slave.gdim, "x");
+            new (self) InitialPenetration(std::move(name), V, slave, master, view(x), view(gap), remove);
+          },
+          nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master").none(), nb::arg("x"), nb::arg("gap"),
+          nb::arg("remove"))
+      .def_prop_ro("num_points", &InitialPenetration::num_points)
+      .def_prop_ro("depth", &InitialPenetration::depth)
+      .def_prop_ro("where", &InitialPenetration::where)
+      .def_prop_ro(
+          "offset", [](const InitialPenetration& p) { return copy(p.offset(), {p.offset().size()}); },
+          nb::rv_policy::move)
+      .def_prop_ro("warning", &InitialPenetration::warning);
+  m.def("check_side", &check_side, nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("obstacle"),
+        "Refuse a rigid obstacle whose surface does not face the slave. Collective");
+  m.def(
+      "nearly_touching",
+      [](dolfinx_wrappers::MPICommWrapper comm, Values gap, Values size)
+      {
+        check_points(size.size(), gap.size(), "size");
+        return nearly_touching(comm.get(), view(gap), view(size));
+      },
+      nb::arg("comm"), nb::arg("gap"), nb::arg("size"), "Gap below which points are to be closed, or None. Collective");
+  m.def("body_size", &operators::body_size, nb::arg("mesh"), "Diagonal of the box around all bodies. Collective");
+  bind_crossing(m);
+}
