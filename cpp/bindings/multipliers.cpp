@@ -6,8 +6,8 @@
 #include "dolfinx_impact/enforcement/mortar/active_set.h"
 #include "dolfinx_impact/enforcement/mortar/prescribed_components.h"
 #include "dolfinx_impact/gap/FacingShares.h"
+#include "petsc_objects.h"
 #include <caster_mpi.h>
-#include <caster_petsc.h>
 
 using namespace dolfinx_impact::enforcement;
 using namespace dolfinx_impact::gap;
@@ -595,19 +595,6 @@ void bind_condensation(nb::module_& m)
           "increment", [](const Condensation& c, Vec y) { return take(c.increment(y)); }, nb::arg("y"),
           "Displacement increments T y + known. Collective")
       .def("condense", &Condensation::condense, nb::arg("K"), nb::rv_policy::take_ownership, "T_L^T K T. Collective");
-}
-
-std::vector<Mat> matrices(const nb::list& values)
-{
-  std::vector<Mat> out;
-  for (nb::handle value : values)
-  {
-    nb::detail::make_caster<Mat> caster;
-    if (!caster.from_python(value, 0, nullptr))
-      throw nb::type_error("a list of PETSc matrices is needed");
-    out.push_back(static_cast<Mat&>(caster));
-  }
-  return out;
 }
 
 void bind_saddle_point(nb::module_& m)

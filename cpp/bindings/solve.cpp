@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "arrays.h"
+#include "PythonContact.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/solve/FunctionBody.h"
 #include "dolfinx_impact/solve/Increment.h"
@@ -9,8 +9,10 @@
 #include "dolfinx_impact/solve/Newton.h"
 #include "dolfinx_impact/solve/eigenvalues.h"
 #include "dolfinx_impact/solve/equilibrium.h"
+#include "dolfinx_impact/solve/unconstrained_modes.h"
+#include "petsc_objects.h"
 #include <algorithm>
-#include <caster_petsc.h>
+#include <caster_mpi.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 
@@ -35,29 +37,6 @@ std::vector<std::int8_t> bytes(const Mask& mask)
 std::span<const double> view(const Values& values)
 {
   return {values.data(), values.size()};
-}
-
-std::vector<Mat> matrices(const nb::list& values)
-{
-  std::vector<Mat> out;
-  for (nb::handle value : values)
-  {
-    nb::detail::make_caster<Mat> caster;
-    if (!caster.from_python(value, 0, nullptr))
-      throw nb::type_error("a list of PETSc matrices is needed");
-    out.push_back(static_cast<Mat&>(caster));
-  }
-  return out;
-}
-
-/// PETSc's object behind a Python one, which must be kept alive by somebody else.
-template <typename T>
-T as_petsc(const nb::object& value)
-{
-  nb::detail::make_caster<T> caster;
-  if (!caster.from_python(value, 0, nullptr))
-    throw nb::type_error("a PETSc vector or matrix is needed");
-  return static_cast<T&>(caster);
 }
 
 nb::object as_ksp(KSP ksp)
@@ -134,6 +113,7 @@ void bind_linear_solver(nb::module_& m)
       .def("set_near_nullspace", &LinearSolver::set_near_nullspace, nb::arg("A"))
       .def_prop_ro("direct", &LinearSolver::direct)
       .def_prop_ro("ksp", [](const LinearSolver& self) { return as_ksp(self.ksp()); })
+      .def_prop_ro("prefix", &LinearSolver::prefix)
       .def_prop_ro("num_set_ups", &LinearSolver::num_set_ups)
       .def_prop_ro("num_iterations", &LinearSolver::num_iterations);
 }
@@ -191,6 +171,31 @@ private:
   Newton& _newton;
 };
 
+std::vector<MultiplierContact*> pointers(const std::vector<std::shared_ptr<MultiplierContact>>& contacts)
+{
+  std::vector<MultiplierContact*> out;
+  for (const auto& contact : contacts)
+    out.push_back(contact.get());
+  return out;
+}
+
+void bind_active_sets(nb::module_& m)
+{
+  typedef std::vector<std::shared_ptr<MultiplierContact>> Contacts;
+  nb::class_<ActiveSetIteration>(m, "ActiveSetIteration", "Updates active sets without cycling")
+      .def(nb::init<>())
+      .def(
+          "change", [](ActiveSetIteration& self, const Contacts& contacts) { return self.change(pointers(contacts)); },
+          nb::arg("contacts"), "Update the active sets; returns how many nodes were wrong. Collective");
+  nb::class_<RepeatedStates>(m, "RepeatedStates", "Recognises active sets of a linearised problem that come again")
+      .def(
+          "__init__", [](RepeatedStates* self, dolfinx_wrappers::MPICommWrapper comm, int later)
+          { new (self) RepeatedStates(comm.get(), later); }, nb::arg("comm"), nb::arg("later") = 0)
+      .def(
+          "stops", [](RepeatedStates& self, const Contacts& contacts) { return self.stops(pointers(contacts)); },
+          nb::arg("contacts"), "Whether further updates are useless. Collective");
+}
+
 void bind_newton(nb::module_& m)
 {
   nb::class_<Body>(m, "Body", "Bodies of a problem: residual and tangent");
@@ -235,7 +240,8 @@ void bind_newton(nb::module_& m)
       .def_rw("max_iterations", &NewtonOptions::max_iterations)
       .def_rw("violation", &NewtonOptions::violation)
       .def_rw("max_changes", &NewtonOptions::max_changes)
-      .def_rw("responses", &NewtonOptions::responses);
+      .def_rw("responses", &NewtonOptions::responses)
+      .def("with_database", &NewtonOptions::with_database, nb::arg("prefix"));
   nb::class_<Newton>(m, "Newton", "Newton's method for equilibrium and contact")
       .def(
           "__init__", [](Newton* self, std::shared_ptr<const EquilibriumProblem> problem, const NewtonOptions& options)
@@ -275,15 +281,22 @@ void bind_newton(nb::module_& m)
           { return take(std::vector<std::int32_t>(self.prescribed().begin(), self.prescribed().end())); },
           nb::rv_policy::move)
       .def_prop_ro("has_multipliers", &Newton::has_multipliers)
-      .def_prop_ro("seconds",
-                   [](const Newton& self)
-                   {
-                     nb::dict out;
-                     out["bodies"] = self.seconds.bodies;
-                     out["contact"] = self.seconds.contact;
-                     out["linear"] = self.seconds.linear;
-                     return out;
-                   });
+      .def_prop_rw(
+          "seconds",
+          [](const Newton& self)
+          {
+            nb::dict out;
+            out["bodies"] = self.seconds.bodies;
+            out["contact"] = self.seconds.contact;
+            out["linear"] = self.seconds.linear;
+            return out;
+          },
+          [](Newton& self, const std::map<std::string, double>& seconds)
+          { self.seconds = {seconds.at("bodies"), seconds.at("contact"), seconds.at("linear")}; });
+  m.def(
+      "open_contacts", [](const EquilibriumProblem& problem, const std::vector<bool>& closed)
+      { return open_contacts(problem, std::vector<std::int8_t>(closed.begin(), closed.end())); }, nb::arg("problem"),
+      nb::arg("closed"), "Contacts that were closed and are open now, in words. Collective");
   m.def(
       "out_of_balance",
       [](const EquilibriumProblem& problem, Values bodies, double tolerance) -> std::optional<std::string>
@@ -332,6 +345,58 @@ void bind_load_steps(nb::module_& m)
       "Solve all increments of a load step. Collective");
 }
 
+void bind_rigid_body_modes(nb::module_& m)
+{
+  typedef nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> Rows;
+  nb::class_<RigidBodyModes>(m, "RigidBodyModes", "Linearised rigid motions of all bodies")
+      .def(
+          "__init__", [](RigidBodyModes* self, std::shared_ptr<const Space> V, Values u, bool axisymmetric)
+          { new (self) RigidBodyModes(*V, view(u), axisymmetric); }, nb::arg("V"), nb::arg("u"),
+          nb::arg("axisymmetric"), "Collective")
+      .def_prop_ro(
+          "body", [](const RigidBodyModes& self)
+          { return take(std::vector<std::int32_t>(self.body().begin(), self.body().end())); }, nb::rv_policy::move)
+      .def_prop_ro("num_owned", &RigidBodyModes::num_owned)
+      .def_prop_ro("num_modes", &RigidBodyModes::num_modes)
+      .def_prop_ro("count", &RigidBodyModes::num_bodies)
+      .def_prop_ro("names", &RigidBodyModes::names)
+      .def(
+          "rows",
+          [](const RigidBodyModes& self, nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig> body, Rows x,
+             Rows vectors)
+          {
+            const std::size_t num = body.size(), modes = self.num_modes(), gdim = self.gdim();
+            std::vector<double> out(num * modes, 0.0);
+            for (std::size_t i = 0; i < num; ++i)
+              self.add_work(std::int32_t(body.data()[i]), x.data() + i * gdim, vectors.data() + i * gdim, 1.0,
+                            {out.data() + i * modes, modes});
+            return take(std::move(out), {num, modes});
+          },
+          nb::arg("body"), nb::arg("x"), nb::arg("vectors"), "Work of unit forces on the modes, (n, num_modes)")
+      .def(
+          "everywhere",
+          [](const RigidBodyModes& self, int number)
+          {
+            std::vector<double> mode(self.num_modes(), 0.0);
+            mode.at(number) = 1.0;
+            return take(self.field(mode), {std::size_t(self.num_owned()), std::size_t(self.gdim())});
+          },
+          nb::arg("number"), "Displacements of the owned nodes under one mode, (num_owned, gdim)");
+  m.def(
+      "unconstrained_modes",
+      [](std::shared_ptr<const Space> V, Mask fixed, const std::vector<std::shared_ptr<StaticContact>>& contacts,
+         Values u, bool axisymmetric, nb::object stiffness)
+      {
+        std::vector<StaticContact*> pointers;
+        for (const auto& contact : contacts)
+          pointers.push_back(contact.get());
+        return unconstrained_modes(*V, bytes(fixed), pointers, view(u), axisymmetric,
+                                   stiffness.is_none() ? nullptr : as_petsc<Mat>(stiffness));
+      },
+      nb::arg("V"), nb::arg("fixed"), nb::arg("contacts"), nb::arg("u"), nb::arg("axisymmetric") = false,
+      nb::arg("stiffness") = nb::none(), "Rigid body modes that nothing constrains, in words. Collective");
+}
+
 void bind_eigenvalues(nb::module_& m)
 {
   m.def(
@@ -357,9 +422,13 @@ void bind_eigenvalues(nb::module_& m)
 void dolfinx_impact::bindings::solve(nb::module_& m)
 {
   bind_eigenvalues(m);
+  bind_rigid_body_modes(m);
   nb::class_<StaticContact>(m, "StaticContact", "A contact of one pair, as Newton's method sees it");
   nb::class_<MultiplierContact, StaticContact>(m, "MultiplierContact", "One whose normal tractions are unknowns");
+  nb::class_<PythonContact, MultiplierContact>(m, "PythonContact", "A contact written in Python")
+      .def(nb::init<nb::object>(), nb::arg("contact"));
   bind_increment(m);
+  bind_active_sets(m);
   bind_newton(m);
   bind_load_steps(m);
   bind_systems(m);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <span>
+#include <vector>
 
 namespace dolfinx_impact
 {
@@ -11,4 +13,13 @@ inline double dot(const double* a, const double* b, int n)
     sum += a[c] * b[c];
   return sum;
 }
+
+namespace common
+{
+template <typename T>
+std::vector<T> copy_of(std::span<const T> values)
+{
+  return {values.begin(), values.end()};
+}
+} // namespace common
 } // namespace dolfinx_impact

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "ActiveSetIteration.h"
+#include "../common/vectors.h"
 #include <algorithm>
 #include <cmath>
 
@@ -50,9 +51,7 @@ bool RepeatedStates::stops(MultiplierContacts contacts)
 {
   std::vector<State> state;
   for (const enforcement::MultiplierContact* c : contacts)
-    state.push_back({{c->active().begin(), c->active().end()},
-                     {c->sliding().begin(), c->sliding().end()},
-                     {c->multiplier().begin(), c->multiplier().end()}});
+    state.push_back({common::copy_of(c->active()), common::copy_of(c->sliding()), common::copy_of(c->multiplier())});
   std::vector<int> same;
   for (const std::vector<State>& before : _states)
     same.push_back(std::ranges::equal(

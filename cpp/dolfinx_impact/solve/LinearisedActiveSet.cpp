@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "LinearisedActiveSet.h"
+#include "../common/vectors.h"
 #include "../operators/petsc_check.h"
 #include "dense.h"
 #include <algorithm>
@@ -36,9 +37,8 @@ std::vector<std::int64_t> united(MPI_Comm comm, const std::vector<std::int64_t>&
 LinearisedActiveSet::LinearisedActiveSet(enforcement::MultiplierContact& contact, CondensedSystem& system, Mat factors,
                                          Product product, const dolfinx::common::IndexMap& nodes)
     : _contact(contact), _system(system), _factors(factors), _product(std::move(product)), _comm(nodes.comm()),
-      _base(contact.active().begin(), contact.active().end()),
-      _gap(contact.linearised_gap().begin(), contact.linearised_gap().end()),
-      _multiplier(contact.multiplier().begin(), contact.multiplier().end())
+      _base(common::copy_of(contact.active())), _gap(common::copy_of(contact.linearised_gap())),
+      _multiplier(common::copy_of(contact.multiplier()))
 {
 }
 
@@ -60,7 +60,7 @@ std::optional<std::pair<std::vector<double>, int>> LinearisedActiveSet::update()
       return std::pair{std::move(moved), changes};
     }
     changes += found;
-    const std::vector<std::int8_t> active(_contact.active().begin(), _contact.active().end());
+    const std::vector<std::int8_t> active = common::copy_of(_contact.active());
     std::vector<std::int64_t> differ;
     for (std::size_t i = 0; i < active.size(); ++i)
       if (active[i] != _base[i])

@@ -72,6 +72,20 @@ void add(std::vector<double>& to, std::span<const double> values)
 }
 } // namespace
 
+NewtonOptions NewtonOptions::with_database(const std::string& prefix) const
+{
+  NewtonOptions out = *this;
+  PetscInt most = max_changes;
+  PetscBool by_responses = responses ? PETSC_TRUE : PETSC_FALSE;
+  check(PetscOptionsGetReal(nullptr, prefix.c_str(), "-contact_tolerance", &out.violation, nullptr),
+        "options are read");
+  check(PetscOptionsGetInt(nullptr, prefix.c_str(), "-contact_max_updates", &most, nullptr), "options are read");
+  check(PetscOptionsGetBool(nullptr, prefix.c_str(), "-contact_responses", &by_responses, nullptr), "options are read");
+  out.max_changes = int(most);
+  out.responses = by_responses == PETSC_TRUE;
+  return out;
+}
+
 Newton::Newton(std::shared_ptr<const EquilibriumProblem> problem, NewtonOptions options, NewtonEvents told)
     : events(std::move(told)), _problem(std::move(problem)), _options(options), _comm(_problem->comm()),
       _num_owned(_problem->num_owned()), _gdim(_problem->space().mesh()->geometry().dim()),
@@ -357,10 +371,13 @@ std::string Newton::over_constrained() const
     {
       if (std::isnan(all[i]))
         continue;
-      places += std::string(told++ ? ", (" : "(") + common::components({all.data() + i, std::size_t(_gdim)}, "%.9g") + ")";
+      places += told++ ? ", [" : "[";
+      for (int c = 0; c < _gdim; ++c)
+        places += (c ? ", " : "") + common::shortest(std::round(1e9 * all[i + c]) / 1e9 + 0.0);
+      places += "]";
     }
-    sentences.push_back(std::to_string(count) + " nodes, the first at " + places +
-                        ", cannot fulfil the conditions of " + names +
+    sentences.push_back(std::to_string(count) + " nodes, the first at [" + places +
+                        "], cannot fulfil the conditions of " + names +
                         " at once: leave them out of one of the tags, or free their supports");
   }
   return joined(sentences);

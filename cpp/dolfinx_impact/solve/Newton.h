@@ -25,6 +25,10 @@ struct NewtonOptions
   /// Whether active sets of frictionless contacts are updated by responses of the bodies where there are factors
   /// (LinearisedActiveSet), and not by linear solutions alone.
   bool responses = true;
+
+  /// The same options, but for those that PETSc's database has with a prefix: contact_tolerance, contact_max_updates,
+  /// contact_responses.
+  NewtonOptions with_database(const std::string& prefix) const;
 };
 
 /// Whom Newton's method tells what it does; functions may be empty. They are called on all ranks, and may throw.

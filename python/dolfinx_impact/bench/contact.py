@@ -13,10 +13,11 @@ from dolfinx import fem
 from dolfinx.fem import DirichletBC
 from mpi4py import MPI
 
+from .. import _cpp
 from .. import materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
+from ..common.types import FloatArray
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from ..contact.pair import ContactPair
-from ..statics import newton
 from ..statics.problem import StaticProblem
 from .rows import Row
 
@@ -65,8 +66,45 @@ class PressedBodies:
         self.problem = StaticProblem(fem.Function(V), law, bcs=bcs, contact=[Lagrange(pair)])
 
 
+def tied_solution(model: PressedBodies) -> FloatArray:
+    """One linear solve with every slave node tied to the master: residual, stiffness, condensation, solution.
+
+    Args:
+        model: bodies with friction, so that closed nodes stick.
+
+    Returns:
+        Increments of displacement over owned degrees of freedom [L].
+
+    Raises:
+        RuntimeError: the linear solver failed.
+    """
+    problem, contact = model.problem, model.problem.contact[0]
+    assert isinstance(contact, LagrangeContact)
+    target = problem.u.x.array.copy()
+    for bc in problem.bcs:
+        bc.set(target)
+    residual = problem.assemble_residual().array.copy()
+    contact.update_gap(problem.u.x.array)
+    contact.active[:] = contact.usable
+    contact.opening = np.zeros(len(contact.nodes))
+    K = problem.tangent.assemble()
+    diagonal = K.getDiagonal()
+    mean = float(np.abs(diagonal.array).mean())
+    space, num_owned = problem.space, problem.num_owned
+    first = space.dofmap.index_map.local_range[0] * space.dofmap.index_map_bs
+    tied = _cpp.multipliers.Condensation(space.mesh.comm, num_owned, first, contact.gdim, [contact.constraints()])
+    system = _cpp.solve.CondensedSystem(K, [], True, tied, problem.fixed[:num_owned] | tied.pinned, mean)
+    x, b = system.create_vector(), system.create_vector()
+    x.array[:] = tied.unknowns(target[:num_owned])
+    system.load(residual, x, b)
+    fault = problem.linear_solver.solve(system, b, x, RTOL)
+    if fault:
+        raise RuntimeError(f"the tied problem: {fault}")
+    return system.displacements(x)
+
+
 def tied_seconds(model: PressedBodies) -> float:
-    """Time of one linear solve with every slave node tied to the master: residual, stiffness, condensation, solution.
+    """Time of `tied_solution`.
 
     Args:
         model: bodies with friction, so that closed nodes stick.
@@ -77,26 +115,10 @@ def tied_seconds(model: PressedBodies) -> float:
     Raises:
         RuntimeError: the linear solver failed.
     """
-    problem, contact = model.problem, model.problem.contact[0]
-    assert isinstance(contact, LagrangeContact)
-    solver = newton.Newton(problem, RTOL, 0.0, 1)
-    contact.begin_step(problem.u.x.array, None)
-    target = problem.u.x.array.copy()
-    for bc in problem.bcs:
-        bc.set(target)
+    model.problem.contact[0].begin_step(model.problem.u.x.array, None)
     start = time.perf_counter()
-    residual = problem.assemble_residual().array.copy()
-    contact.update_gap(problem.u.x.array)
-    contact.active[:] = contact.usable
-    contact.opening = np.zeros(len(contact.nodes))
-    K = problem.tangent.assemble()
-    diagonal = K.getDiagonal()
-    mean = float(np.abs(diagonal.array).mean())
-    fault, *_ = solver.one_solution(K, [], [], True, residual, target[: solver.num_owned], mean, RTOL)
-    seconds = time.perf_counter() - start
-    if fault:
-        raise RuntimeError(f"the tied problem: {fault}")
-    return seconds
+    tied_solution(model)
+    return time.perf_counter() - start
 
 
 def contact_rows(

@@ -6,10 +6,9 @@ this rank's contact points or degrees of freedom; collective methods are called 
 this rank's contact points, gdim the dimension of space. Forces act on the right-hand side: the residual of equilibrium
 is internal minus external minus contact forces.
 
-Newton loops in C++ ask for the part of it that they call: the concepts RegularisedContact and MultiplierContact of
-cpp/dolfinx_impact/enforcement/StaticContact.h.
+Newton's method in C++ sees these objects as the class StaticContact of cpp/dolfinx_impact/enforcement/StaticContact.h.
 
-The order of the calls in one increment of statics.newton.Newton:
+The order of the calls in one increment of Newton's method:
 
     begin_step
     per Newton iteration:  update_gap, add_residual or update_multipliers, update_active_set, violation,
@@ -27,7 +26,6 @@ from petsc4py import PETSc
 
 from .. import _cpp
 from ..amplitude import Amplitude
-from ..assembly.rigid_body_modes import RigidBodyModes
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..materials import Material
 from .pair import ContactPair
@@ -274,7 +272,7 @@ class StaticContact(Protocol):
 
     # --- bodies that are supported by contact alone ------------------------------------------------------------------
 
-    def rigid_body_constraints(self, motions: RigidBodyModes) -> list[FloatArray]:
+    def rigid_body_constraints(self, motions: _cpp.solve.RigidBodyModes) -> list[FloatArray]:
         """Rows of the active constraints applied to the rigid body modes. Collective.
 
         Args:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from .. import _cpp
 from ..common.interrupts import Interrupts
@@ -25,7 +26,9 @@ from .contact_operators import ContactOperators
 from .reduced_contacts import ReducedContacts
 from .torque import NO_FRICTION, OUT_OF_REACH, ReducedTorque, TorqueControl
 
-VIOLATION = 1e-9  # gap of an active node over the size of the bodies; slip velocity of a stuck one over the speed
+# Gap of an active node over the size of the bodies; slip velocity of a stuck one over the speed. The option
+# contact_tolerance sets another one.
+VIOLATION = 1e-9
 STILL = 1e-11  # relative change of the tractions at which the linearised problem is solved
 NEARLY = 1e-8  # and this one, if corrections do not make it smaller
 MAX_CORRECTIONS = 16
@@ -67,7 +70,6 @@ class RollingNewton:
 
     Attributes:
         control: as given; may be changed between runs.
-        seconds: time by part, as in Newton.
     """
 
     def __init__(
@@ -85,9 +87,19 @@ class RollingNewton:
         self.contacts: list[RollingContact] = list(problem.contact)  # type: ignore[arg-type]
         # Without friction, to begin with: active sets and forces to start from.
         self._frictionless = Newton(problem, rtol, atol, max_iterations, lambda *_: interrupts.check())
-        self.seconds = self._frictionless.seconds
+        self._violation = PETSc.Options(problem.linear_solver.prefix).getReal("contact_tolerance", VIOLATION)
         self.comm, self.num_owned = problem.space.mesh.comm, problem.num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
+
+    @property
+    def equilibrium(self) -> _cpp.solve.EquilibriumProblem:
+        """The problem as C++ sees it."""
+        return self._frictionless.equilibrium
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Time by part, as in Newton [s]."""
+        return self._frictionless.seconds
 
     def free(self) -> None:
         """Nothing is kept beyond the problem's own solver."""
@@ -143,8 +155,8 @@ class RollingNewton:
             if (
                 moved
                 and iteration > 0
-                and wrong < VIOLATION
-                and off < VIOLATION
+                and wrong < self._violation
+                and off < self._violation
                 and norm <= max(self.atol, self.rtol * scale)
             ):
                 return result.converged()

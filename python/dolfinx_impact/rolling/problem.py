@@ -15,7 +15,8 @@ from dolfinx.mesh import MeshTags
 from petsc4py import PETSc
 
 from ..assembly.ffcx_form import ffcx_form
-from ..assembly import problem_arguments, rigid_body_modes
+from .. import _cpp
+from ..assembly import problem_arguments
 from ..assembly.history import HistoryField, MaterialHistory
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
@@ -637,7 +638,7 @@ class RollingProblem(Unique):
         """
         p = self._equilibrium
         self._flow.update()
-        loose = rigid_body_modes.unconstrained_modes(p.space, p.fixed, [], self.u.x.array)
+        loose = _cpp.solve.unconstrained_modes(p.space._cpp_object, p.fixed, [], self.u.x.array)
         if loose:
             raise ValueError(f"there is no critical speed, as nothing resists rigid motion: {'; '.join(loose)}")
         v, du = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)

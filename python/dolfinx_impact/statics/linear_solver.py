@@ -47,6 +47,11 @@ class LinearSolver(Described):
         return self._cpp_object.ksp
 
     @property
+    def prefix(self) -> str:
+        """Prefix of its options in PETSc's database."""
+        return self._cpp_object.prefix
+
+    @property
     def direct(self) -> bool:
         """Whether it factorises."""
         return self._cpp_object.direct

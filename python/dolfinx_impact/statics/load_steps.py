@@ -13,7 +13,6 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..common.types import FloatArray
-from .equilibrium import open_contacts
 from .progress import SolveProgress
 
 if TYPE_CHECKING:
@@ -196,13 +195,15 @@ def _back(problem: StaticProblem, good: FloatArray, states: Sequence[dict[str, A
 
 
 class IncrementSolver(Protocol):
-    """What `run_steps` asks of a solver of increments.
+    """What `run_steps` asks of a solver of increments."""
 
-    Attributes:
-        seconds: time by part.
-    """
+    @property
+    def equilibrium(self) -> _cpp.solve.EquilibriumProblem:
+        """The problem as C++ sees it."""
 
-    seconds: dict[str, float]
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Time by part [s]."""
 
     def run(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
         """Solve from the present u to prescribed values. Collective.
@@ -297,7 +298,7 @@ def run_steps(
         report.rejected_iterations.append(increment.iterations)
         log(f"  cut back to increments of {width:.3e}: {increment.fault}")
     path.finish(1.0)
-    lost = open_contacts(problem, closed)
+    lost = _cpp.solve.open_contacts(solver.equilibrium, closed)
     if lost and problem.space.mesh.comm.rank == 0:
         LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(lost)}")
     report.seconds = solver.seconds

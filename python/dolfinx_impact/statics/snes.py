@@ -18,13 +18,13 @@ from .. import _cpp
 from ..common.collective import attempt, is_common
 from ..common.interrupts import Interrupts
 from ..common.types import FloatArray
-from .equilibrium import out_of_balance
-from .newton import LOOSE_DIGITS, Newton
+from .newton import Newton
 from .load_steps import StepLog
 
 if TYPE_CHECKING:
     from .equilibrium_problem import EquilibriumProblem
 
+LINEAR_STEP = 1e-3  # relative tolerance of the linear step to prescribed values
 OWN = "python"  # SNES's type of methods that are not PETSc's
 
 T = TypeVar("T")
@@ -42,7 +42,6 @@ class Solver:
 
     Attributes:
         snes: PETSc's solver.
-        seconds: time spent on this rank by part, as in Newton [s].
 
     Raises:
         ValueError: PETSc rejects the options, or a problem with multipliers has another method than the package's own.
@@ -72,7 +71,6 @@ class Solver:
             raise ValueError(f"PETSc does not take the options of SNES: {said}") from error
         self._rtol, self._atol, self._stol, self._max_it = self.snes.getTolerances()
         self._newton = Newton(problem, self._rtol, self._atol, self._max_it, self._tell)
-        self.seconds: dict[str, float] = self._newton.seconds
         kind = self.snes.getType()
         if kind != OWN and self._newton.multipliers:
             self.free()
@@ -91,10 +89,21 @@ class Solver:
         if is_common(self.problem.space.mesh.comm, error):
             self.free()
 
+    @property
+    def equilibrium(self) -> _cpp.solve.EquilibriumProblem:
+        """The problem as C++ sees it."""
+        return self._newton.equilibrium
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Time spent on this rank by part, as in Newton [s]."""
+        return self._newton.seconds
+
     def forget(self) -> None:
         """Forget what was kept from earlier increments, start vectors and places of matrices. Collective."""
+        seconds = self.seconds
         self._newton = Newton(self.problem, self._rtol, self._atol, self._max_it, self._tell)
-        self._newton.seconds = self.seconds
+        self._newton.seconds = seconds
         if self._J is not None:
             self._J.destroy()
             self._J = None
@@ -165,11 +174,10 @@ class Solver:
         contact status. Collective."""
         p, changes = self.problem, 0
         b = p.assemble_residual()
-        with self._newton._clock("contact"):
-            for contact in p.contact:
-                contact.update_gap(p.u.x.array)
-                contact.add_residual(b)
-                changes += contact.update_active_set(False)
+        for contact in p.contact:
+            contact.update_gap(p.u.x.array)
+            contact.add_residual(b)
+            changes += contact.update_active_set(False)
         return b.array.copy(), changes
 
     def _solve_by_petsc(self) -> None:
@@ -237,7 +245,8 @@ class Solver:
             self._J.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
             self.snes.setJacobian(self._jacobian, self._J)
         scale = max(newton.norm(residual), newton.tangent_force(K))
-        fault, *_ = newton._solve(K, residual, target[newton.fixed] - p.u.x.array[newton.fixed], LOOSE_DIGITS, log)
+        jump = target[newton.fixed] - p.u.x.array[newton.fixed]
+        fault = newton.solve_linearised(K, residual, jump, LINEAR_STEP)
         if fault:
             return result.failed(f"the linear solver failed ({fault}): is the body held against rigid motion?")
         p.u.x.array[p.fixed] = target[p.fixed]
@@ -275,8 +284,9 @@ class Solver:
                         "equation of one does not hold yet: take the package's own method (leave out snes_type)",
                         hopeless=True,
                     )
-                missing = out_of_balance(p, p.assemble_residual().array.copy(), max(tolerance, float(norms[-1])))
+                bodies = p.assemble_residual().array.copy()
+                missing = _cpp.solve.out_of_balance(newton.equilibrium, bodies, max(tolerance, float(norms[-1])))
                 if missing:
-                    return result.failed(missing.text, hopeless=True)
+                    return result.failed(missing, hopeless=True)
                 result.iterations += 1  # the linear step to the prescribed values
                 return result.converged()

@@ -27,6 +27,7 @@ from .contact_bodies import MASTER, SLAVE, ObstaclePair, TwoBodies, _box, rule
 from .nodes import TheirRule
 
 WHEEL, RAIL = 1, 2
+VIOLATION = 1e-12  # at which our side stops, of contact and friction; of tractions it is 1e-10, below what rows allow
 HUB = 0.3  # radius [L]
 TURN = 0.013  # of the mesh about the axis, so that no tie is decided by round-off [1]
 OMEGA = 0.15  # [1/T]
@@ -224,7 +225,8 @@ class RollingCase:
         body.u.x.array[:] = 0.0
         bcs, *_ = self.supports()
         problem = RollingProblem(
-            body.u, cast(_Material, body.material), self.cell_tags, by_tag, contact=contacts, bcs=bcs
+            body.u, cast(_Material, body.material), self.cell_tags, by_tag, contact=contacts, bcs=bcs,
+            options={"contact_tolerance": VIOLATION} if contacts else None,
         )  # fmt: skip
         return problem, list(by_tag.values())
 

@@ -420,6 +420,20 @@ class LagrangeContact(ContactOutput):
         known[self.nodes[here]] = self.frames[here, :, self.place[here]] / self.free_length[here, None]
         return known.ravel()
 
+    @property
+    def numbers(self) -> IntArray:
+        """Global numbers of the nodes, (n)."""
+        return self.geometry.numbers
+
+    def unit_force(self, number: int) -> FloatArray:
+        """Nodal forces of a unit traction along the normal at a node, on both bodies, owned dofs [F]. Collective.
+
+        Args:
+            number: of the node, of all ranks.
+        """
+        here = self.geometry.numbers == number
+        return self.geometry.forces(np.where(here[:, None], self.geometry.normal, 0.0))
+
     def update_multipliers(self, residual: FloatArray) -> None:
         """Multipliers from equilibrium of the slave's nodes.
 
@@ -678,7 +692,7 @@ class LagrangeContact(ContactOutput):
         """Jumps at active nodes under the rigid body modes; see StaticContact. Collective.
 
         Args:
-            motions: rigid_body_modes.RigidBodyModes.
+            motions: RigidBodyModes (C++).
         """
         held = np.flatnonzero(self.active & self.usable)
         rows = self.geometry.rigid_body_jumps(motions, held)

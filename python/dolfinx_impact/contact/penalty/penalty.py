@@ -9,7 +9,6 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ... import _cpp
-from ...assembly.rigid_body_modes import RigidBodyModes
 from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
@@ -589,7 +588,7 @@ class PenaltyContact(ContactOutput):
         """
         return -self._cpp.closing_forces() if self._closes_nearest else None
 
-    def rigid_body_constraints(self, motions: RigidBodyModes) -> list[FloatArray]:
+    def rigid_body_constraints(self, motions: _cpp.solve.RigidBodyModes) -> list[FloatArray]:
         """Relative displacements of slave and master at closed points under the rigid body modes. Collective.
 
         Args:
