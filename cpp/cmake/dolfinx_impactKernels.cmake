@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Kernels that forms/compiler wrote, compiled once for each vector width; the width in use is chosen at run time. For this
-# project itself, and for those that find it by find_package(dolfinx_impact).
+# Kernels that forms/compiler wrote, compiled once for each vector width; the width in use is chosen at run time. For
+# this project itself, and for those that find it by find_package(dolfinx_impact).
 
 # Fused multiply-add is allowed (one rounding instead of two); anything that breaks IEEE rules is not.
 set(IMPACT_KERNEL_FLAGS -O3 -ffp-contract=fast -fno-math-errno -Wno-unused-but-set-variable -Wno-psabi)
@@ -19,8 +19,8 @@ function(impact_kernel_objects name width)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
 endfunction()
 
-# impact_add_kernels(TARGET SOURCE): the kernels of a source that `dolfinx-impact compile FILE.py -o FOLDER` wrote become a
-# part of TARGET, in all widths. The folder of the source, where the header is, is searched for includes.
+# impact_add_kernels(TARGET SOURCE): the kernels of a source that `dolfinx-impact compile FILE.py -o FOLDER` wrote are
+# from now on a part of TARGET, in all widths. The folder of the source, where the header is, is searched for includes.
 function(impact_add_kernels target source)
   cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
   cmake_path(GET source STEM stem)
@@ -41,7 +41,8 @@ endfunction()
 function(impact_compile_law target file)
   cmake_parse_arguments(PARSE_ARGV 2 given "" "LAW" "CELLS;DEGREE;GEOMETRY_DEGREE;HYPOTHESIS;KERNELS")
   if(given_UNPARSED_ARGUMENTS OR given_KEYWORDS_MISSING_VALUES)
-    message(FATAL_ERROR "impact_compile_law: ${given_UNPARSED_ARGUMENTS}${given_KEYWORDS_MISSING_VALUES} cannot be used")
+    set(wrong ${given_UNPARSED_ARGUMENTS} ${given_KEYWORDS_MISSING_VALUES})
+    message(FATAL_ERROR "impact_compile_law: ${wrong} cannot be used")
   endif()
   cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
   if(NOT EXISTS ${file})

@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from ufl.algorithms.analysis import extract_constants
 
+from ..assembly.cauchy_stress import STRESS, components
 from ..forms import inertia, quadrature
 from ..forms.materials import weight
 from ..forms.point_law import PointLaw
@@ -139,8 +140,6 @@ def stress_form(u: Any, stress: Any, case: Case) -> KernelForm:
     Raises:
         ValueError: the unknown is no displacement.
     """
-    from ..assembly.cauchy_stress import STRESS, components
-
     V = u.ufl_function_space()
     mesh = V.ufl_domain()
     dim = mesh.geometric_dimension()

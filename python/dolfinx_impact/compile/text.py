@@ -170,9 +170,9 @@ def comment(origin: Origin, laws: Sequence[OwnLaw], kernels: Sequence[Kernel]) -
     for name in dict.fromkeys(law.name for law in laws):
         own = [law for law in laws if law.name == name]
         lines.append(f"{name}, constants with their values in the file:")
-        names = dict.fromkeys(c.name for k in kernels if k.law.name == name for i in k.integrals for c in i.constants)
+        sizes = {c.name: c.size for k in kernels if k.law.name == name for i in k.integrals for c in i.constants}
         given = own[0].values
-        lines += [f"    {n} {_numbers(given[n]) if n in given else '(no value)'}" for n in names] or ["    none"]
+        lines += [f"    {n} {_numbers(given.get(n), size)}" for n, size in sizes.items()] or ["    none"]
         lines.append("on")
         lines += [f"    {law.case}" for law in own] + ["kernels, and what they read:"]
         for kind in dict.fromkeys(k.kind for k in kernels if k.law.name == name):
@@ -185,8 +185,11 @@ def comment(origin: Origin, laws: Sequence[OwnLaw], kernels: Sequence[Kernel]) -
     return "\n".join(f"// {line}".rstrip() for line in lines[:-1])
 
 
-def _numbers(values: Sequence[float]) -> str:
-    return repr(values[0]) if len(values) == 1 else str(list(values))
+def _numbers(values: Sequence[float] | None, size: int) -> str:
+    """Value of a constant, or that the file has none."""
+    if values is None:
+        return "(no value)" if size == 1 else f"({size} components, no value)"
+    return repr(values[0]) if size == 1 else str(list(values))
 
 
 def texts(
