@@ -49,7 +49,9 @@ def test_the_page_on_programs_in_cpp_shows_lines_of_the_demos(checkout):
     assert len(found) > 3
     files = {"cpp": "*.cpp", "cmake": "CMakeLists.txt"}
     for language, block in found:
-        texts = [p.read_text().replace("${demo}", "own_law") for p in (checkout / "demos" / "cpp").glob(files[language])]
+        texts = [
+            p.read_text().replace("${demo}", "own_law") for p in (checkout / "demos" / "cpp").glob(files[language])
+        ]
         lines = [re.escape(line.strip()) for line in block.splitlines()]
         assert any(re.search(r".*".join(lines), text, re.DOTALL) for text in texts), block
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from ..forms.materials import HYPOTHESES
 from ..forms.registry import CELLS, DEGREES, default_hypothesis
-from .law import KINDS, Case
+from .case import Case
+from .own_law import KINDS
 
 
 @dataclass
@@ -20,7 +21,7 @@ class Choice:
         degrees: degrees of the unknown [1].
         geometry_degrees: degrees of the geometry [1].
         hypotheses: hypotheses.
-        kernels: kinds of kernels, of law.KINDS.
+        kernels: kinds of kernels, of own_law.KINDS.
     """
 
     cells: Sequence[str] | None = None

@@ -17,10 +17,11 @@ from ..materials import _Material
 from ..verify import bodies
 from ..verify.selfcheck.file import cells_of, things
 from ..verify.selfcheck.own_form import OwnForm, made
+from .case import Case
 from .choice import Choice
-from .law import Case, OwnLaw
-from .material import law_of_material
-from .own_form import case_of, law_of, terms_of_form, terms_of_own_form
+from .form_law import case_of, law_of, terms_of_form, terms_of_own_form
+from .material_law import law_of_material
+from .own_law import OwnLaw
 
 
 def laws_of(path: Path | str, name: str | None, choice: Choice) -> Iterator[OwnLaw]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -75,7 +75,8 @@ def output_of(target: str, stem: str) -> Output:
 
 
 @contextlib.contextmanager
-def _plain(folder: Path):  # type: ignore[no-untyped-def]
+def _plain(folder: Path) -> Iterator[None]:
+    """Context in which an error of the file system is told as a bad -o."""
     try:
         yield
     except OSError as e:

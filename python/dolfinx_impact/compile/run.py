@@ -16,9 +16,11 @@ from ..forms.registry import CELLS
 from ..io.run_folder import versions
 from .choice import Choice
 from .file import laws_of
-from .law import KINDS, OwnLaw
+from .kernel_source import source_of_kernels
+from .origin import Origin
 from .output import output_of
-from .text import Origin, kernel_of, texts
+from .own_law import KINDS, OwnLaw
+from .text import texts
 
 LIBRARIES = ("dolfinx_impact", "dolfinx", "basix", "ffcx", "ufl")  # that the text of kernels depends on
 
@@ -117,11 +119,12 @@ def write(args: argparse.Namespace) -> list[Path]:
     laws = list(laws_of(args.file, args.name, choice))
     jobs = [(law, kind) for law in laws for kind in KINDS if kind in law.forms and kind in (choice.kernels or KINDS)]
     _check_kinds(laws, choice)
+    _check_values(laws)
     with _progress(2 * len(jobs)) as show:
         kernels = []
         for law, kind in jobs:
             show(law, kind)
-            kernels.append(kernel_of(law, kind))
+            kernels.append(source_of_kernels(law, kind))
         separate = output.source is not None
         header, source = texts(origin, laws, kernels, separate, lambda kernel: show(kernel.law, kernel.kind))
     return output.write(header, source)
@@ -152,6 +155,18 @@ def _check_kinds(laws: Sequence[OwnLaw], choice: Choice) -> None:
             if kind not in law.forms:
                 reason = law.missing.get(kind, "it is for laws with internal variables")
                 raise ValueError(f"there is no kernel {law.name}.{kind}: {reason}")
+
+
+def _check_values(laws: Sequence[OwnLaw]) -> None:
+    """Refuse constants that have other values on other cells: a program gets one value by name."""
+    first: dict[str, OwnLaw] = {}
+    for law in laws:
+        other = first.setdefault(law.name, law)
+        if law.values != other.values:
+            raise ValueError(
+                f"constants of {law.name} have the values {law.values} on {law.case}, {other.values} on {other.case}: "
+                "give them the same ones, or compile them one by one"
+            )
 
 
 def _command(args: argparse.Namespace) -> str:

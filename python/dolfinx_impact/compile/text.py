@@ -3,27 +3,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
 
 from .. import _cpp
-from ..forms.compiler import emit, frontend
-from .law import OwnLaw
-
-# Words that no namespace can be called by: of the language, and of the libraries that a program includes.
-RESERVED = frozenset(
-    """
-    alignas alignof and and_eq asm auto basix bitand bitor bool break case catch char char8_t char16_t char32_t class
-    compl concept const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype default
-    delete do dolfinx dolfinx_impact double dynamic_cast else enum explicit export extern false float for friend goto if
-    inline int long main mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public
-    register reinterpret_cast requires return short signed sizeof static static_assert static_cast std struct switch
-    template this thread_local throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t
-    while xor xor_eq
-    """.split()
-)
+from ..forms.compiler import emit
+from .kernel_source import KernelSource
+from .origin import Origin
+from .own_law import OwnLaw
 
 HEADER = """\
 {comment}
@@ -65,99 +51,7 @@ namespace {stem}
 """
 
 
-@dataclass
-class Origin:
-    """What a header was made of.
-
-    Attributes:
-        file: name of the user's file, without its folder.
-        command: command that makes the same kernels.
-        versions: versions of the libraries, by name.
-    """
-
-    file: str
-    command: str
-    versions: dict[str, str]
-
-    @property
-    def stem(self) -> str:
-        """Name of the file without its ending: name of the header and of its namespace."""
-        return self.file.rpartition(".")[0]
-
-    def check(self) -> None:
-        """Refuse a file whose name is none in C++.
-
-        Raises:
-            ValueError: it is not.
-        """
-        valid = re.fullmatch(r"[A-Za-z]\w*\.\w+", self.file, re.ASCII)
-        if not valid or self.stem in RESERVED or "__" in self.stem:
-            raise ValueError(
-                f"the namespace of the kernels has the name of the file, and {self.file} gives none in C++: rename it, "
-                "as my_law.py"
-            )
-
-
-@dataclass
-class Kernel:
-    """Kernels of one form of a law.
-
-    Attributes:
-        law: the law on its cells.
-        kind: kind of the kernel, of law.KINDS.
-        integrals: what the kernels are written of.
-    """
-
-    law: OwnLaw
-    kind: str
-    integrals: list[frontend.Integral]
-
-    @property
-    def name(self) -> str:
-        """Name by which kernels::find finds it."""
-        return f"{self.law.name}.{self.kind}"
-
-    def prefix(self, stem: str) -> str:
-        """Beginning of the names of its descriptors.
-
-        Args:
-            stem: name of the header.
-        """
-        return "_".join(["impact", stem, self.law.name, self.kind, *map(str, self.law.case)])
-
-
-def kernel_of(law: OwnLaw, kind: str) -> Kernel:
-    """What the kernels of a form are written of.
-
-    Args:
-        law: the law.
-        kind: kind of the kernel.
-
-    Raises:
-        ValueError: kernels do not support the form.
-    """
-    form = law.forms[kind]
-    try:
-        names = _names(law, form.form, form.law)
-        found = frontend.form_integrals(form.form, f"{law.name}.{kind}", names, law.case.hypothesis, form.law)
-    except KeyboardInterrupt:
-        raise
-    except Exception as e:  # UFL and FFCx raise errors of many kinds
-        lines = str(e).strip().splitlines() or [type(e).__name__]
-        what = lines[0] if isinstance(e, ValueError) else f"{type(e).__name__}: {lines[0]}"
-        raise ValueError(
-            f"no kernel can be written of {law.name}.{kind} on {law.case}: {what}; --kernels leaves a kind out"
-        ) from e
-    return Kernel(law, kind, found)
-
-
-def _names(law: OwnLaw, form: Any, point_law: Any) -> dict[Any, str]:
-    """Names of the coefficients and constants of one form."""
-    coefficients, constants = frontend.objects_of(form, point_law)
-    return {o: law.names[o] for o in [*coefficients, *constants] if o in law.names}
-
-
-def comment(origin: Origin, laws: Sequence[OwnLaw], kernels: Sequence[Kernel]) -> str:
+def comment(origin: Origin, laws: Sequence[OwnLaw], kernels: Sequence[KernelSource]) -> str:
     """What a header says about itself.
 
     Args:
@@ -195,9 +89,9 @@ def _numbers(values: Sequence[float] | None, size: int) -> str:
 def texts(
     origin: Origin,
     laws: Sequence[OwnLaw],
-    kernels: Sequence[Kernel],
+    kernels: Sequence[KernelSource],
     apart: bool,
-    advance: Callable[[Kernel], None] = lambda kernel: None,
+    advance: Callable[[KernelSource], None] = lambda kernel: None,
 ) -> tuple[str, str]:
     """Header and source.
 

@@ -154,6 +154,7 @@ FILES = {
     "plastic = di.J2Plasticity(E=1.0, nu=0.3, yield_stress=0.1, hardening=0.0)\n",
     "points.py": SPRING.replace("ufl.dx(degree=2)", "ufl.dP"),
     "infinite.py": SPRING.replace("5.0", "float('inf')"),
+    "two_moduli.py": SPRING.replace("5.0", "1.0 + mesh.geometry.dim").replace('cells = "triangle"', ""),
     "nameless.py": SPRING.replace("residual = (", "residual = (fem.Function(V)[0] * v[0] + "),
     "string.py": "import ufl\nfrom dolfinx import fem, mesh\nfrom mpi4py import MPI\n"
     "line = mesh.create_unit_interval(MPI.COMM_SELF, 2)\nV = fem.functionspace(line, ('Lagrange', 1))\n"
@@ -184,6 +185,7 @@ ERRORS = [
     ("steel.py", ["plastic", "--kernels", "tangent"], "law with internal variables is no single kernel"),
     ("points.py", [], "the integral over ufl.dP is not supported in kernels"),
     ("infinite.py", [], "is [inf]: give it a finite value"),
+    ("two_moduli.py", ["--cells", "triangle", "hexahedron"], "constants of spring have the values"),
     ("nameless.py", [], "has a function without a name"),
     ("string.py", [], "is on cells 'interval' in 1 dimensions"),
 ]
@@ -222,6 +224,29 @@ def test_targets_that_cannot_be_written(tmp_path, capsys, monkeypatch):
     assert "No space left on device" in capsys.readouterr().err
     assert [p.name for p in (tmp_path / "kept").iterdir()] == ["spring.h"]
     assert (tmp_path / "kept" / "spring.h").read_text() == "of before"
+
+
+MIXED = """
+import basix.ufl
+import ufl
+from dolfinx import fem
+
+
+def flow(mesh):
+    cell = mesh.basix_cell()
+    fields = basix.ufl.element("Lagrange", cell, 2, shape=(2,)), basix.ufl.element("Lagrange", cell, 1)
+    w = fem.Function(fem.functionspace(mesh, basix.ufl.mixed_element(fields)))
+    (u, p), (v, q) = ufl.split(w), ufl.TestFunctions(w.function_space)
+    return (ufl.inner(ufl.grad(u), ufl.grad(v)) - p * ufl.div(v) - q * ufl.div(u)) * ufl.dx(degree=2), w
+"""
+
+
+def test_mixed_spaces_have_a_density_for_each_field(tmp_path):
+    (tmp_path / "flow.py").write_text(MIXED)
+    assert compiled(tmp_path, "flow.py", "-o", tmp_path / "flow.h", "--cells", "triangle", "--kernels", "mass") == 0
+    text = (tmp_path / "flow.h").read_text()
+    assert "//     density (2 components, no value)\n" in text and '{"density", 2, 0}' in text
+    assert "//     triangle, degree 2, geometry degree 1, plane_strain\n" in text and "{15, 15}" in text
 
 
 def test_hypotheses_are_those_that_are_asked_for(tmp_path):

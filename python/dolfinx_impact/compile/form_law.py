@@ -16,7 +16,9 @@ from ..forms.quadrature import with_rules
 from ..forms.registry import CELLS, default_hypothesis
 from ..verify.selfcheck.file import unknown_of
 from ..verify.selfcheck.own_form import OwnForm
-from .law import DENSITY, DISPLACEMENT, Case, KernelForm, Named, OwnLaw, constants_of, mass_form, stress_form, values_of
+from .case import Case
+from .further_forms import mass_form, stress_form
+from .own_law import DENSITY, DISPLACEMENT, KernelForm, Named, OwnLaw, constants_of, values_of
 
 
 @dataclass

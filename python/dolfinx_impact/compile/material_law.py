@@ -12,7 +12,9 @@ from ..assembly.cauchy_stress import force_with_stress
 from ..assembly.inelastic_part import InelasticPart
 from ..inelastic import InelasticMaterial
 from ..materials import _Material
-from .law import DENSITY, DISPLACEMENT, Case, KernelForm, Named, OwnLaw, mass_form, values_of
+from .case import Case
+from .further_forms import mass_form
+from .own_law import DENSITY, DISPLACEMENT, KernelForm, Named, OwnLaw, values_of
 
 NO_TANGENT = (
     "the consistent tangent of a law with internal variables is no single kernel, problems condense it; "
