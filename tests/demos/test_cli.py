@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command dolfinx-impact: lists, exit statuses, info; verify, compile and bench are handed on with their arguments."""
+"""The command dolfinx-impact: lists, exit statuses, info; verify, compile and bench get their arguments."""
 
 import os
 import signal
