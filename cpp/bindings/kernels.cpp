@@ -176,5 +176,6 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       "load", [](const nb::bytes& path, const std::vector<std::string>& symbols)
       { return wrap(load({path.c_str(), path.size()}, symbols)); }, nb::arg("path"), nb::arg("symbols"),
       "Kernels of a shared library; path: bytes as the file system has them, which need be no text");
+  m.attr("ABI") = int(IMPACT_KERNEL_ABI);
   m.def("processor_width", &processor_width, "Widest vector of doubles of this processor that is used: 1, 4 or 8");
 }

@@ -4,6 +4,7 @@ itself."""
 
 import hashlib
 import itertools
+from dataclasses import dataclass
 
 import basix
 import ffcx.codegeneration.lnodes as L
@@ -41,7 +42,7 @@ inline void {symbol}(T* __restrict A, const T* __restrict w, const double* __res
 
 INSTANCE = """
 #if IMPACT_LANES == {lanes} || (IMPACT_LANES == 0{guard})
-extern "C" void {symbol}_{lanes}(double* A, const double* w, const double* c, const double* x, int entity)
+{function} {symbol}_{lanes}(double* A, const double* w, const double* c, const double* x, int entity)
 {{
   typedef dolfinx_impact::kernels::Lanes<{lanes}>::type T;
   dolfinx_impact::kernels::generated::{symbol}<T>(reinterpret_cast<T*>(A), reinterpret_cast<const T*>(w), c,
@@ -49,6 +50,26 @@ extern "C" void {symbol}_{lanes}(double* A, const double* w, const double* c, co
 }}
 #endif
 """
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """How the names of kernels are declared.
+
+    Attributes:
+        function: before the name of a function that computes cells.
+        data: before an array that a descriptor refers to.
+        apart: whether other sources have the functions of other widths, and descriptors are found by name at run time.
+    """
+
+    function: str
+    data: str
+    apart: bool
+
+
+# Sources that are compiled once for each width, and headers that several sources of a program may include.
+OBJECT = Linkage('extern "C" void', "static const", True)
+INLINE = Linkage("inline void", "inline const", False)
 
 GUARDS = {1: "", 4: " && defined(__AVX2__)", 8: " && defined(__AVX512F__)"}
 
@@ -85,7 +106,8 @@ def flops(node, times=1):
     return 0
 
 
-def _text(s):
+def literal(s):
+    """A string of C++."""
     return '"' + s.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
@@ -93,7 +115,7 @@ def _element(element):
     scalar = element.sub_elements[0] if element.block_size > 1 else element
     basix_hash = scalar.basix_hash() or 0  # of the scalar element: DOLFINx keeps the block size apart
     return (
-        f"{{{_text(repr(element))}, {_text(_kind(element))}, {basix_hash & (2**64 - 1)}ull, "
+        f"{{{literal(repr(element))}, {literal(_kind(element))}, {basix_hash & (2**64 - 1)}ull, "
         f"{int(element.embedded_superdegree)}, {int(element.block_size)}, {int(element.dim)}}}"
     )
 
@@ -126,14 +148,34 @@ def compile_seconds(integral, text):
     return 2.3e-5 * code * max(1.0, direction / 2) ** 2
 
 
+def preamble(integrals):
+    """What the kernels of `integrals` include, and the widths they are compiled for."""
+    local = '#include "dolfinx_impact/kernels/LocalNewton.h"\n' if any(i.num_unknowns for i in integrals) else ""
+    return HEADER.format(more=local)
+
+
 def source(integrals, prefix):
     """C++ source of the kernels of `integrals`; their descriptors are <prefix>_0, <prefix>_1, ...
 
     Returns:
         (source, list of descriptor names)
     """
-    local = '#include "dolfinx_impact/kernels/LocalNewton.h"\n' if any(i.num_unknowns for i in integrals) else ""
-    out, names, group = [HEADER.format(more=local)], [], signature(integrals[0].signature)
+    text, names = definitions(integrals, prefix)
+    return preamble(integrals) + text, names
+
+
+def definitions(integrals, prefix, linkage=OBJECT):
+    """The same without the preamble, for sources that hold several forms.
+
+    Args:
+        integrals: list of Integral, of one form.
+        prefix: beginning of the names of their descriptors.
+        linkage: Linkage.
+
+    Returns:
+        (source, list of descriptor names)
+    """
+    out, names, group = [], [], signature(integrals[0].signature)
     for k, integral in enumerate(integrals):
         symbol = f"{prefix}_{k}"
         tree = _tree(integral)
@@ -144,8 +186,9 @@ def source(integrals, prefix):
         for lanes, guard in GUARDS.items():
             if lanes > 1 and integral.rank > 1:
                 continue  # matrices are assembled one cell at a time, by DOLFINx
-            out.append(INSTANCE.format(symbol=symbol + "_kernel", lanes=lanes, guard=guard))
-        out.append(_descriptor(integral, symbol, flops(tree), group))
+            how = {"function": linkage.function, "symbol": symbol + "_kernel", "lanes": lanes, "guard": guard}
+            out.append(INSTANCE.format(**how))
+        out.append(_descriptor(integral, symbol, flops(tree), group, linkage))
         names.append(symbol)
     return "".join(out), names
 
@@ -159,52 +202,52 @@ def _tree(integral):
     return min(found, key=flops)
 
 
-def _descriptor(integral, symbol, count, group):
-    i = integral
+def _descriptor(integral, symbol, count, group, linkage):
+    i, data = integral, linkage.data
     coordinate = i.coordinate_element
     shape = list(i.shape) + [1] * (2 - len(i.shape))
     lines = ["\n#if IMPACT_LANES <= 1"]
-    for lanes in GUARDS:
+    for lanes in GUARDS if linkage.apart else ():
         arguments = "double*, const double*, const double*, const double*, int"
-        lines.append(f'extern "C" void {symbol}_kernel_{lanes}({arguments});')
-    lines += [f"static const int {symbol}_subdomains[] = {{{', '.join(map(str, i.subdomains))}}};"]
+        lines.append(f"{linkage.function} {symbol}_kernel_{lanes}({arguments});")
+    lines += [f"{data} int {symbol}_subdomains[] = {{{', '.join(map(str, i.subdomains))}}};"]
     if i.argument_elements:
         lines.append(
-            f"static const impact_element {symbol}_arguments[] = {{{', '.join(map(_element, i.argument_elements))}}};"
+            f"{data} impact_element {symbol}_arguments[] = {{{', '.join(map(_element, i.argument_elements))}}};"
         )
     if i.coefficients:
-        entries = (f"{{{_text(c.name)}, {_element(c.element)}, {c.offset}, {c.position}}}" for c in i.coefficients)
+        entries = (f"{{{literal(c.name)}, {_element(c.element)}, {c.offset}, {c.position}}}" for c in i.coefficients)
         rows = ", ".join(entries)
-        lines.append(f"static const impact_coefficient {symbol}_coefficients[] = {{{rows}}};")
+        lines.append(f"{data} impact_coefficient {symbol}_coefficients[] = {{{rows}}};")
     if i.constants:
-        rows = ", ".join(f"{{{_text(c.name)}, {c.size}, {c.offset}}}" for c in i.constants)
-        lines.append(f"static const impact_constant {symbol}_constants[] = {{{rows}}};")
+        rows = ", ".join(f"{{{literal(c.name)}, {c.size}, {c.offset}}}" for c in i.constants)
+        lines.append(f"{data} impact_constant {symbol}_constants[] = {{{rows}}};")
     if i.points is not None:
         values = ", ".join(repr(float(x)) for x in np.ravel(i.points))
-        lines.append(f"static const double {symbol}_points[] = {{{values}}};")
+        lines.append(f"{data} double {symbol}_points[] = {{{values}}};")
     outputs = i.law.outputs if i.law else []
     if outputs:
         rows = ", ".join(
-            f"{{{_text(o.name)}, {o.num_components}, {offset}, {o.history}}}"
+            f"{{{literal(o.name)}, {o.num_components}, {offset}, {o.history}}}"
             for o, offset in zip(outputs, i.output_offsets)
         )
-        lines.append(f"static const impact_output {symbol}_outputs[] = {{{rows}}};")
+        lines.append(f"{data} impact_output {symbol}_outputs[] = {{{rows}}};")
     sums = i.law.sums if i.law else []
     if sums:
-        rows = ", ".join(f"{{{_text(n)}, {i.sum_offset + k}}}" for k, n in enumerate(sums))
-        lines.append(f"static const impact_sum {symbol}_sums[] = {{{rows}}};")
+        rows = ", ".join(f"{{{literal(n)}, {i.sum_offset + k}}}" for k, n in enumerate(sums))
+        lines.append(f"{data} impact_sum {symbol}_sums[] = {{{rows}}};")
     size_w = i.num_cells * sum(c.num_dofs for c in i.coefficients)
     size_c = sum(c.size for c in i.constants)
     fields = [
         "IMPACT_KERNEL_ABI",
-        _text(i.name),
-        _text(group),
-        _text(i.integral_type),
-        _text(coordinate.cell_type.name),
+        literal(i.name),
+        literal(group),
+        literal(i.integral_type),
+        literal(coordinate.cell_type.name),
         str(int(coordinate.embedded_superdegree)),
         str(int(coordinate.lagrange_variant)),
         str(int(coordinate.block_size)),
-        _text(i.hypothesis),
+        literal(i.hypothesis),
         str(i.rank),
         f"{{{shape[0]}, {shape[1]}}}",
         f"{symbol}_arguments" if i.argument_elements else "nullptr",
@@ -235,7 +278,11 @@ def _descriptor(integral, symbol, count, group):
         lines.append(f"#if {condition}\n#define {symbol}_at_{lanes} &{symbol}_kernel_{lanes}\n#else")
         lines.append(f"#define {symbol}_at_{lanes} nullptr\n#endif")
         pointers.append(f"{symbol}_at_{lanes}")
-    lines.append(f'extern "C" __attribute__((visibility("default"))) const impact_kernel {symbol};')
-    lines.append(f"const impact_kernel {symbol} = {{{', '.join(fields)},\n  {{{', '.join(pointers)}}}}};")
+    if linkage.apart:
+        lines.append(f'extern "C" __attribute__((visibility("default"))) const impact_kernel {symbol};')
+    declared = "" if linkage.apart else "inline "
+    lines.append(f"{declared}const impact_kernel {symbol} = {{{', '.join(fields)},\n  {{{', '.join(pointers)}}}}};")
+    if not linkage.apart:
+        lines += [f"#undef {pointer}" for pointer in pointers]
     lines.append("#endif\n")
     return "\n".join(lines)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command `dolfinx-impact`: verify, demo, creep, joint, study, bench, info."""
+"""The command `dolfinx-impact`: verify, compile, demo, creep, joint, study, bench, info."""
 
 import argparse
 import contextlib
@@ -15,6 +15,7 @@ from .common.end_with_parent import command_of
 
 FORWARDED = {
     "verify": "generated kernels against the hand-written solver (its own options: dolfinx-impact verify --help)",
+    "compile": "kernels of a UFL file for a C++ program (its own options: dolfinx-impact compile --help)",
     "creep": "creep curve of a wheel on a rail (its own options: dolfinx-impact creep --help)",
     "joint": "a wheel rolls over an insulated rail joint (its own options: dolfinx-impact joint --help)",
     "study": "a table of rail joints (its own options: dolfinx-impact study --help)",
@@ -239,6 +240,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from .verify.run import main as verify_main
 
         return verify_main(argv[1:])
+    if argv[:1] == ["compile"]:
+        from .compile.run import main as compile_main
+
+        return compile_main(argv[1:])
     if argv[:1] == ["creep"]:
         from .creep.run import main as creep_main
 

@@ -40,6 +40,11 @@ def mesh_of(u: Any) -> Mesh:
     raise TypeError(f"a displacement is a Function, or a UFL expression of one; found {type(u).__name__} {u!s:.60}")
 
 
+def _number_of(mesh: Mesh) -> int:
+    """Number by which constants of a mesh are kept."""
+    return mesh.ufl_id() if hasattr(mesh, "ufl_id") else id(mesh)
+
+
 class _Material(Fixed):
     """Isotropic solid.
 
@@ -101,10 +106,18 @@ class _Material(Fixed):
         return [(None, self)]
 
     def _constant(self, mesh: Mesh, name: str, value: float) -> Constant:
-        key = (mesh.ufl_id() if hasattr(mesh, "ufl_id") else id(mesh), name)
+        key = (_number_of(mesh), name)
         if key not in self._constants:
             self._constants[key] = fem.Constant(mesh, default_scalar_type(value))
         return self._constants[key]
+
+    def constants_on(self, mesh: Mesh) -> dict[str, Constant]:
+        """Constants that this material's laws have on a mesh so far, by name.
+
+        Args:
+            mesh: mesh.
+        """
+        return {name: c for (of, name), c in self._constants.items() if of == _number_of(mesh)}
 
     def law(self, mesh: Mesh) -> laws.Law:
         """The law in UFL with parameters as constants of the mesh (forms/materials.py)."""

@@ -13,7 +13,7 @@ from own_forms import displacement, hooke, neo_hooke, strain
 import dolfinx_impact as di
 from dolfinx_impact.dynamics.implicit.problem import NewmarkProblem
 from dolfinx_impact.verify import OwnForm, self_check
-from dolfinx_impact.verify.selfcheck import kernels, parameters
+from dolfinx_impact.verify.selfcheck import file, kernels, parameters
 from dolfinx_impact.verify.selfcheck.run import CHECKS
 
 
@@ -269,6 +269,25 @@ def test_a_function_that_varies_cannot_be_written_on_another_mesh():
         self_check(ufl.inner(strain(u), strain(v)) * ufl.dx(3), u=u)
 
 
+# Files.
+
+
+def test_functions_of_a_mesh_may_have_a_degree_and_a_hypothesis(tmp_path):
+    """With defaults; functions that need something else are tools of the file."""
+    path = tmp_path / "laws.py"
+    path.write_text(
+        "def plain(mesh): ...\ndef both(mesh, degree=1, hypothesis=None): ...\ndef needs(mesh, degree): ...\n"
+        "def other(mesh, color=1): ...\ndef nothing(): ...\ndef _own(mesh): ...\n"
+    )
+    assert list(file.sources(path)[0]) == ["plain", "both"]
+
+
+def test_a_file_that_ends_the_program_does_not_end_the_check(tmp_path):
+    (tmp_path / "script.py").write_text("import sys\nsys.exit(0)\n")
+    with pytest.raises(ValueError, match=r"script.py ends the program, sys.exit\(0\): put what is to run alone"):
+        self_check(str(tmp_path / "script.py"))
+
+
 # Errors at the door.
 
 
@@ -289,6 +308,11 @@ def test_a_function_that_varies_cannot_be_written_on_another_mesh():
             (lambda m: own_forms.viscoelastic(mesh.create_unit_square(MPI.COMM_SELF, 1, 1))),
             ValueError,
             "must write the form on the mesh that it is given",
+        ),
+        (
+            (lambda m: OwnForm(*own_forms.viscoelastic(m), stress=ufl.Identity(2))),
+            ValueError,
+            "stress must be a UFL tensor of 3 x 3",
         ),
         (
             (lambda m: OwnForm(*own_forms.viscoelastic(m), parameters={"E": 3.0})),

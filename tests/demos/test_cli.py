@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command dolfinx-impact: lists, exit statuses, info; verify and bench are handed on with their arguments."""
+"""The command dolfinx-impact: lists, exit statuses, info; verify, compile and bench get their arguments."""
 
 import os
 import signal
@@ -93,8 +93,10 @@ def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):
     assert "mpirun" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command, module", (("verify", "verify.run"), ("bench", "bench.run")))
-def test_verify_and_bench_get_their_arguments(command, module, monkeypatch):
+@pytest.mark.parametrize(
+    "command, module", (("verify", "verify.run"), ("compile", "compile.run"), ("bench", "bench.run"))
+)
+def test_commands_with_options_of_their_own_get_their_arguments(command, module, monkeypatch):
     seen = []
     stand_in = types.ModuleType(f"dolfinx_impact.{module}")
     stand_in.main = lambda arguments: seen.append(arguments) or 3

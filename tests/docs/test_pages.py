@@ -43,6 +43,19 @@ def test_every_demo_has_its_page_and_printed_output(checkout):
         assert len((checkout / "docs" / "figures" / f"demo_{name}.txt").read_text()) > 100
 
 
+def test_the_page_on_programs_in_cpp_shows_lines_of_the_demos(checkout):
+    """Which tests/cpp builds and runs: of a block all lines are in one file, in their order."""
+    found = re.findall(r"^```(cpp|cmake)\n(.*?)^```", (checkout / "docs/howto/cpp.md").read_text(), re.DOTALL | re.M)
+    assert len(found) > 3
+    files = {"cpp": "*.cpp", "cmake": "CMakeLists.txt"}
+    for language, block in found:
+        texts = [
+            p.read_text().replace("${demo}", "own_law") for p in (checkout / "demos" / "cpp").glob(files[language])
+        ]
+        lines = [re.escape(line.strip()) for line in block.splitlines()]
+        assert any(re.search(r".*".join(lines), text, re.DOTALL) for text in texts), block
+
+
 def test_every_page_is_in_a_table_of_contents(checkout):
     docs = checkout / "docs"
     listed = {"index.md"}

@@ -17,6 +17,27 @@ int degree_of(const impact_kernel& k)
   return k.rank > 0 ? k.arguments[0].degree : k.num_coefficients > 0 ? k.coefficients[0].element.degree : 0;
 }
 
+std::string row_of(const impact_kernel& k)
+{
+  return std::string(k.cell) + " degree " + std::to_string(degree_of(k)) + " geometry " +
+         std::to_string(k.geometry_degree) + " " + k.hypothesis;
+}
+
+/// Kernels that programs have added.
+std::vector<const impact_kernel*>& added_kernels()
+{
+  static std::vector<const impact_kernel*> list;
+  return list;
+}
+
+/// Kernels of the package, then added ones.
+std::vector<const impact_kernel*> all_kernels()
+{
+  std::vector<const impact_kernel*> all(generated_table, generated_table + generated_table_size);
+  all.insert(all.end(), added_kernels().begin(), added_kernels().end());
+  return all;
+}
+
 int slot(int width)
 {
   return width == 8 ? 2 : width == 4 ? 1 : 0;
@@ -58,13 +79,11 @@ std::vector<const impact_kernel*> find(const Key& key)
 {
   std::vector<const impact_kernel*> found;
   std::string others;
-  for (const impact_kernel* k : table())
+  for (const impact_kernel* k : all_kernels())
   {
     if (k->name != key.name)
       continue;
-    const std::string row = std::string(k->cell) + " degree " + std::to_string(degree_of(*k)) + " geometry " +
-                            std::to_string(k->geometry_degree) + " " + k->hypothesis;
-    others += (others.empty() ? "" : "; ") + row;
+    others += (others.empty() ? "" : "; ") + row_of(*k);
     if (k->cell == key.cell && degree_of(*k) == key.degree && k->geometry_degree == key.geometry_degree &&
         (key.hypothesis.empty() || k->hypothesis == key.hypothesis))
     {
@@ -76,10 +95,35 @@ std::vector<const impact_kernel*> find(const Key& key)
   if (found.empty())
     throw std::runtime_error("no kernel " + key.name + " for " + key.cell + ", degree " + std::to_string(key.degree) +
                              ", geometry degree " + std::to_string(key.geometry_degree) + " " + key.hypothesis +
-                             " was compiled with the package; " +
+                             " was compiled with the package or added; " +
                              (others.empty() ? "the name is unknown" : "there are: " + others) +
-                             ". Add a row to forms/registry.py, or compile the form at run time from Python");
+                             ". Write one of your own with dolfinx-impact compile, and add it by kernels::add");
   return found;
+}
+
+void add(std::span<const impact_kernel* const> kernels)
+{
+  const std::vector<const impact_kernel*> known = all_kernels();
+  std::vector<const impact_kernel*> fresh;
+  for (const impact_kernel* k : kernels)
+  {
+    if (k->abi != IMPACT_KERNEL_ABI)
+      throw std::runtime_error(std::string("kernel ") + k->name +
+                               " was compiled for another version of dolfinx_impact: write its header anew with "
+                               "dolfinx-impact compile");
+    bool is_new = true;
+    for (const impact_kernel* other : known)
+      if (std::string(other->name) == k->name && row_of(*other) == row_of(*k))
+      {
+        if (std::string(other->signature) != k->signature)
+          throw std::runtime_error(std::string("there is another form called ") + k->name + " for " + row_of(*k) +
+                                   ": give yours another name in its UFL file");
+        is_new = false;
+      }
+    if (is_new)
+      fresh.push_back(k);
+  }
+  added_kernels().insert(added_kernels().end(), fresh.begin(), fresh.end());
 }
 
 std::vector<const impact_kernel*> find_signature(const std::string& signature)

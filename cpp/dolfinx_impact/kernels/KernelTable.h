@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-/// First stage: kernels generated from UFL forms, built with the package or loaded at run time.
+/// First stage: kernels generated from UFL forms, built with the package, with a program, or loaded at run time.
 namespace dolfinx_impact::kernels
 {
 /// Kernels built with the package, in the order of forms/registry.py.
@@ -21,9 +21,16 @@ struct Key
   std::string hypothesis = ""; ///< "3d", "plane_strain", ...; empty: the only one, or an error
 };
 
-/// Kernels of one form (one per integral).
-/// @throws std::runtime_error if the table has no such form; the message lists the nearest
+/// Kernels of one form (one per integral): of the package, or added ones.
+/// @throws std::runtime_error if there is no such form; the message lists the nearest
 std::vector<const impact_kernel*> find(const Key& key);
+
+/// From now on `find` finds these kernels, too: those of a header that `dolfinx-impact compile` wrote. Kernels that are
+/// there already are left out, so that a header may be added twice.
+/// @param[in] kernels descriptors that live as long as the process
+/// @throws std::runtime_error if a kernel was compiled for another version, or another form has its name, cell, degrees
+///   and hypothesis; then none is added
+void add(std::span<const impact_kernel* const> kernels);
 
 /// Kernels built with the package whose form has this signature (forms/compiler/emit.py), or an empty list.
 std::vector<const impact_kernel*> find_signature(const std::string& signature);

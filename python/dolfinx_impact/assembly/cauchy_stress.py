@@ -74,7 +74,7 @@ class CauchyStress:
                 part = InelasticPart(u, m, measure, degree, tag)
                 work, law = part.force(v, with_stress=True)
             else:
-                work, law = _elastic(u, v, m, measure)
+                work, law = force_with_stress(u, v, m, measure)
                 law = by_material.setdefault(id(m), law)
             form = form + work
             laws[-1 if tag is None else tag] = law
@@ -98,8 +98,15 @@ class CauchyStress:
         return values
 
 
-def _elastic(u: Function, v: ufl.Argument, material: _Material, dx: ufl.Measure) -> tuple[ufl.Form, PointLaw]:
-    """Virtual work of an elastic material, with its Cauchy stress as an output."""
+def force_with_stress(u: Function, v: ufl.Argument, material: _Material, dx: ufl.Measure) -> tuple[ufl.Form, PointLaw]:
+    """Virtual work of an elastic material, and a point law with its Cauchy stress as the output "stress".
+
+    Args:
+        u: displacement function [L].
+        v: test function.
+        material: the material.
+        dx: measure of the cells, with the quadrature degree.
+    """
     from ..forms import elasticity
 
     mesh = u.function_space.mesh

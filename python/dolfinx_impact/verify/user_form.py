@@ -116,6 +116,10 @@ def run_file(path: Path | str) -> dict[str, Any]:
         return runpy.run_path(str(path))
     except SyntaxError as e:
         raise ValueError(f"{path}, line {e.lineno}: {e.msg}: {(e.text or '').strip()}") from e
+    except SystemExit as e:
+        raise ValueError(
+            f"{path} ends the program, sys.exit({e.code!r}): put what is to run alone below if __name__ == '__main__'"
+        ) from e
     except Exception as e:
         line, trace = None, e.__traceback__
         while trace is not None:

@@ -84,7 +84,7 @@ def source_of(thing: Any, name: str, namespace: Mapping[str, Any] | None = None,
     )
 
 
-_FORMS = ("residual", "u", "energy", "tangent", "material", "parameters")
+_FORMS = ("residual", "u", "energy", "tangent", "material", "parameters", "stress")
 
 
 def _source(maker: Callable[[Mesh], OwnForm], u: Any) -> Source:
@@ -119,7 +119,7 @@ def _of_form(form: ufl.Form, name: str, names: Mapping[str, Any], options: Mappi
     options = dict(options)
     u = options.pop("u", None)
     if u is None:
-        u = _unknown(form, name, names)
+        u = unknown_of(form, name, names)
     energy = options.pop("energy", None)
     rank = len(form.arguments())
     if rank == 0:
@@ -140,8 +140,20 @@ def _of_form(form: ufl.Form, name: str, names: Mapping[str, Any], options: Mappi
     return _source(maker_of(form, u, values, energy, parameters, **options), u)
 
 
-def _unknown(form: ufl.Form, name: str, names: Mapping[str, Any]) -> Any:
-    """The coefficient called u, or the only one, or for bilinear forms a function of the test space."""
+def unknown_of(form: ufl.Form, name: str, names: Mapping[str, Any]) -> Any:
+    """The unknown of a form.
+
+    Args:
+        form: residual, energy or bilinear form.
+        name: its name, for errors.
+        names: names of the file that it is from.
+
+    Returns:
+        The coefficient called u, or the only one, or for bilinear forms a function of the test space.
+
+    Raises:
+        ValueError: there are several coefficients, and none is called u.
+    """
     found = extract_coefficients(form)
     if len(form.arguments()) == 2 and not found:
         return ufl.Coefficient(form.arguments()[0].ufl_function_space())
@@ -153,13 +165,56 @@ def _unknown(form: ufl.Form, name: str, names: Mapping[str, Any]) -> Any:
     raise ValueError(f"{name} contains {len(found)} functions: which of them is the unknown? Call it u, or give u=")
 
 
+def things(path: Path | str, name: str | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What a user's file says about forms.
+
+    Args:
+        path: the file.
+        name: the one that is asked for; None: all functions of a mesh, materials and forms of rank 1 (or if there are
+            none, of rank 0 and 2). A function of a mesh has the parameter `mesh`, and may have `degree` and
+            `hypothesis` with defaults.
+
+    Returns:
+        Things that `source_of` takes by name, and the names of the file.
+
+    Raises:
+        FileNotFoundError: no such file.
+        ValueError: the file raises, or there is no form in it, or nothing of this name.
+    """
+    namespace = run_file(path)
+    known = {n: o for n, o in namespace.items() if not n.startswith("_") and _is_checkable(o, str(path))}
+    if name is not None:
+        if name not in namespace:
+            raise ValueError(
+                f"{path} defines nothing called {name!r}; what can be checked in it: {', '.join(known) or 'nothing'}"
+            )
+        return {name: namespace[name]}, namespace
+    first = {n: o for n, o in known.items() if not isinstance(o, ufl.Form) or len(o.arguments()) == 1}
+    chosen = first or known
+    if not chosen:
+        raise ValueError(
+            f"there is nothing to check in {path}: write a function my_form(mesh) that returns a residual and its "
+            "unknown, or a UFL form"
+        )
+    return chosen, namespace
+
+
+def cells_of(namespace: Mapping[str, Any]) -> tuple[str, ...] | None:
+    """Cells that a file names in `cells`; None if it names none.
+
+    Args:
+        namespace: names of the file.
+    """
+    cells = namespace.get("cells")
+    return (cells,) if isinstance(cells, str) else cells
+
+
 def sources(path: Path | str, name: str | None = None) -> tuple[dict[str, Source], tuple[str, ...] | None]:
     """What can be checked in a user's file.
 
     Args:
         path: the file.
-        name: the one to check; None: all functions whose only parameter is `mesh`, and all forms of rank 1 (or if
-            there are none, of rank 0 and 2).
+        name: as in `things`.
 
     Returns:
         Sources by name, and the cells that the file names in `cells`; None if it names none.
@@ -168,25 +223,8 @@ def sources(path: Path | str, name: str | None = None) -> tuple[dict[str, Source
         FileNotFoundError: no such file.
         ValueError: the file raises, or there is nothing to check in it, or nothing of this name.
     """
-    namespace = run_file(path)
-    cells = namespace.get("cells")
-    if isinstance(cells, str):
-        cells = (cells,)
-    known = {n: o for n, o in namespace.items() if not n.startswith("_") and _is_checkable(o, str(path))}
-    if name is not None:
-        if name not in namespace:
-            raise ValueError(
-                f"{path} defines nothing called {name!r}; what can be checked in it: {', '.join(known) or 'nothing'}"
-            )
-        return {name: source_of(namespace[name], name, namespace)}, cells
-    first = {n: o for n, o in known.items() if not isinstance(o, ufl.Form) or len(o.arguments()) == 1}
-    chosen = first or known
-    if not chosen:
-        raise ValueError(
-            f"there is nothing to check in {path}: write a function my_form(mesh) that returns a residual and its "
-            "unknown, or a UFL form"
-        )
-    return {n: source_of(o, n, namespace) for n, o in chosen.items()}, cells
+    chosen, namespace = things(path, name)
+    return {n: source_of(o, n, namespace) for n, o in chosen.items()}, cells_of(namespace)
 
 
 def _is_checkable(thing: Any, path: str) -> bool:
@@ -194,4 +232,7 @@ def _is_checkable(thing: Any, path: str) -> bool:
         return True
     if not inspect.isfunction(thing) or thing.__code__.co_filename != path:
         return False
-    return list(inspect.signature(thing).parameters) == ["mesh"]
+    parameters = list(inspect.signature(thing).parameters.values())
+    if not parameters or parameters[0].name != "mesh":
+        return False
+    return all(p.name in ("degree", "hypothesis") and p.default is not p.empty for p in parameters[1:])

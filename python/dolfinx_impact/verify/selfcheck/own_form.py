@@ -36,6 +36,8 @@ class OwnForm:
         displacement: number of the displacement's subspace in a mixed space; None: the first that is a vector.
         rotation: number of the subspace of a micro-rotation (Cosserat) in a mixed space; None: there is none.
         strain: size of the strains at which the form is checked [1].
+        stress: Cauchy stress, a UFL tensor of 3 x 3 with that across the plane at [2, 2]; `dolfinx-impact compile`
+            writes a kernel of it. It is not checked; None: not known [F/L^2].
     """
 
     residual: ufl.Form | None
@@ -52,6 +54,7 @@ class OwnForm:
     displacement: int | None = None
     rotation: int | None = None
     strain: float = 0.05
+    stress: Any = None
 
     def check(self) -> None:
         """Refuse what cannot be checked.
@@ -76,6 +79,8 @@ class OwnForm:
                 raise TypeError(f"parameter {name!r} must be a dolfinx.fem.Constant, found {type(constant).__name__}")
         if self.hypothesis is not None and self.hypothesis not in HYPOTHESES:
             raise ValueError(f"hypothesis {self.hypothesis!r} is unknown: use one of {', '.join(HYPOTHESES)}")
+        if self.stress is not None and getattr(self.stress, "ufl_shape", None) != (3, 3):
+            raise ValueError("stress must be a UFL tensor of 3 x 3: under plane hypotheses, too, with zz at [2, 2]")
         if not 0.0 < self.strain < 1.0:
             raise ValueError(f"strain is {self.strain}: the size of the strains at which to check is between 0 and 1")
 
