@@ -34,6 +34,7 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::penalty(penalty);
   nb::module_ multipliers = m.def_submodule("multipliers", "Mortar integrals, active set and condensation");
   dolfinx_impact::bindings::multipliers(multipliers);
+  dolfinx_impact::bindings::mortar_geometry(multipliers);
   nb::module_ solve = m.def_submodule("solve", "Newton's method, linear systems and their solvers");
   dolfinx_impact::bindings::solve(solve);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");

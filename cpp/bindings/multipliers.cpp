@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "arrays.h"
 #include "dolfinx_impact/enforcement/mortar/Condensation.h"
 #include "dolfinx_impact/enforcement/mortar/CoulombFriction.h"
 #include "dolfinx_impact/enforcement/mortar/SaddlePoint.h"
 #include "dolfinx_impact/enforcement/mortar/active_set.h"
 #include "dolfinx_impact/enforcement/mortar/prescribed_components.h"
 #include "dolfinx_impact/gap/FacingShares.h"
+#include "masks.h"
 #include "petsc_objects.h"
 #include <caster_mpi.h>
 
@@ -18,32 +18,12 @@ using dolfinx_impact::surface::FunctionSpace;
 namespace
 {
 using namespace dolfinx_impact::bindings;
-typedef nb::ndarray<const bool, nb::c_contig, nb::device::cpu> Mask;
-typedef nb::ndarray<const double, nb::c_contig, nb::device::cpu> Array;
 typedef nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Globals;
-
-std::span<const double> view(const Array& values)
-{
-  return {values.data(), values.size()};
-}
-
-std::span<const std::int8_t> view(const Mask& values)
-{
-  return {reinterpret_cast<const std::int8_t*>(values.data()), values.size()};
-}
 
 template <typename T, typename A>
 std::vector<T> vector(const A& values)
 {
   return std::vector<T>(values.data(), values.data() + values.size());
-}
-
-auto mask(const std::vector<std::int8_t>& values, std::vector<std::size_t> shape)
-{
-  auto* out = new bool[values.size()];
-  std::copy(values.begin(), values.end(), out);
-  nb::capsule owner(out, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
-  return nb::ndarray<nb::numpy, bool>(out, shape.size(), shape.data(), owner);
 }
 
 auto vectors(const std::vector<double>& values, std::size_t num)

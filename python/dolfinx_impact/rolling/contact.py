@@ -11,7 +11,6 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..common.types import BoolArray, FloatArray
-from ..contact.mortar.geometry import RigidGeometry
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from .flow import Flow
 from .motions import Spin
@@ -67,7 +66,7 @@ class RollingContact(LagrangeContact):
         surfaces = [s for s in (self.geometry.slave, self.geometry.master) if s is not None]
         self._streamlines = StreamlineDerivative(problem.space, surfaces)
         self._derivative: PETSc.Mat | None = None
-        self._w: FloatArray = np.zeros((self.geometry.sum.num_nodes, self.gdim))
+        self._w: FloatArray = np.zeros((len(problem.fixed) // self.gdim, self.gdim))
         self.jump: PETSc.Mat | None = None
         self.velocity_jump: PETSc.Mat | None = None
         self.rate: float | None = None
@@ -99,11 +98,11 @@ class RollingContact(LagrangeContact):
         for matrix in (self.jump, self.velocity_jump):
             if matrix is not None:
                 matrix.destroy()
-        if isinstance(self.geometry, RigidGeometry):
+        if self.pair.rigid:
             at = self.geometry.numbers
             self.jump = node_matrix(self.problem.space, at, at, self.geometry.weight)
         else:
-            self.jump = self.geometry.jump_matrix().copy()  # type: ignore[attr-defined]
+            self.jump = self.geometry.jump_matrix().copy()
         self.velocity_jump = self.jump.matMult(self._derivative)
         self.held = self._held_components(self.jump)
 
@@ -163,7 +162,7 @@ class RollingContact(LagrangeContact):
         Collective."""
         assert self._derivative is not None
         owned = self.geometry.index_map.size_local
-        u = self.geometry.u[: self.gdim * owned].reshape(-1, self.gdim)
+        u = self.problem.u.x.array[: self.gdim * owned].reshape(-1, self.gdim)
         x, y = self._derivative.createVecRight(), self._derivative.createVecLeft()
         velocity = self._w[:owned].copy()
         for c in range(self.gdim):

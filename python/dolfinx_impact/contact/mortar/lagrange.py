@@ -12,12 +12,11 @@ from ... import _cpp
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
 from ...common.types import AnyArray, BoolArray, FloatArray, IntArray
-from .geometry import RigidGeometry, SurfaceGeometry
-from .mortar_geometry import MortarGeometry
+from .geometry import make_geometry
 from .prescribed_overlap import prescribed_overlap
-from ..crossing import describe
+from ..crossing import describe, through_master, through_obstacle
 from ..pair import ContactPair, ContactStatus, check_pair, check_quadrature_degree
-from ..initial_penetration import InitialPenetration
+from ..initial_penetration import InitialPenetration, check_side, nearly_touching
 from ..output import ContactOutput
 from ..saved_history import SavedHistory
 
@@ -111,10 +110,9 @@ class LagrangeContact(ContactOutput):
     def __init__(self, spec: Lagrange, problem: Any) -> None:
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
         self.basis, self.quadrature_degree = spec.basis, spec.quadrature_degree
-        where = spec, problem.space, problem.axisymmetric, problem.fixed
-        self.geometry: SurfaceGeometry = (
-            RigidGeometry(*where) if self.pair.rigid else MortarGeometry(*where, basis=spec.basis)
-        )
+        self.geometry = make_geometry(spec, problem.space, problem.axisymmetric, problem.fixed)
+        self._obstacle = self.pair.rigid_master.obstacle(self.geometry.gdim) if self.pair.rigid else None
+        self._initial = self._initial_penetration()
         self.nodes, self.gdim = self.geometry.nodes, self.geometry.gdim
         n = len(self.nodes)
         self.fixed = self.geometry.fixed
@@ -136,6 +134,16 @@ class LagrangeContact(ContactOutput):
         self.redundant: BoolArray = np.zeros(n, dtype=bool)
         self._crowded: BoolArray = np.zeros(n, dtype=bool)
 
+    def _initial_penetration(self) -> InitialPenetration:
+        """The state before anything is loaded, and the offsets of gaps that follow from it. Collective."""
+        g, V = self.geometry, self.problem.space
+        if self._obstacle is not None:
+            check_side(self.pair, V, g.slave, self._obstacle)
+        g.update_gap(np.zeros(len(self.problem.fixed)))
+        initial = InitialPenetration(self.pair, V, g.slave, g.master, g.points, g.gap)
+        g.offset = initial.offset
+        return initial
+
     @property
     def _coefficient(self) -> float:
         """Coefficient of friction, the largest of those that act at a node [1]."""
@@ -147,12 +155,11 @@ class LagrangeContact(ContactOutput):
 
     def _coefficients(self) -> FloatArray:
         """Coefficients of friction of the nodes, (n) [1]."""
-        joined = self.geometry.joined
-        if joined is None:
+        if not self.geometry.joined:
             return np.full(len(self.nodes), self.pair.friction)
         friction = {self.geometry.member: self.pair.friction}
         friction |= {c.geometry.member: c.pair.friction for c, _ in self.partners}
-        return joined.mean(self.geometry.member, [friction[k] for k in range(len(joined.geometries))])
+        return self.geometry.mean([friction[k] for k in sorted(friction)])
 
     # --- nodes that belong to several pairs --------------------------------------------------------------------------
 
@@ -185,7 +192,7 @@ class LagrangeContact(ContactOutput):
         """State that an increment starts from, as a dict of copies."""
         names = ("active", "sliding", "direction", "multiplier", "friction_traction", "total_slip", "opening")
         state = {name: copy.copy(getattr(self, name)) for name in (*names, "traction_n")}
-        return state | {"imposed": self.coulomb.imposed, "geometry": self.geometry.save_state()}
+        return state | {"imposed": self.coulomb.imposed, "geometry": self.geometry.state().copy()}
 
     def restore_state(self, state: dict[str, Any]) -> None:
         """Back to a saved state.
@@ -195,7 +202,7 @@ class LagrangeContact(ContactOutput):
         """
         for name, value in state.items():
             if name == "geometry":
-                self.geometry.restore_state(value)
+                self.geometry.state().assign(value)
             elif name == "imposed":
                 self.coulomb.imposed = value
             else:
@@ -609,13 +616,21 @@ class LagrangeContact(ContactOutput):
         """A sentence about slave nodes whose displacement along the normal is prescribed and that lie in the master, or
         an empty text: there is nothing that a multiplier could move. Collective."""
         prescribed = self.geometry.participates & (self.place < 0)
-        return prescribed_overlap(self.pair.name, self.comm, self.geometry, prescribed)
+        return prescribed_overlap(self.pair.name, self.comm, self.geometry, prescribed, self._initial.depth)
 
     def passed_through(self) -> str:
         """A sentence about nodes that have passed through the master since the last converged state, or an empty text.
         Collective."""
         had_master = np.isfinite(self.opening) if self.opening is not None else np.zeros(len(self.nodes), dtype=bool)
-        return describe(self.pair.name, self.comm, self.points, self.geometry.passed_through(had_master))
+        g = self.geometry
+        if self._obstacle is not None:
+            self._obstacle.displacement = g.displacement.tolist()
+            moved = (g.u - g.start).reshape(-1, self.gdim)[self.nodes]
+            moved = moved - (g.displacement - g.start_displacement)[: self.gdim]
+            passed = through_obstacle(self._obstacle, g.points - moved, g.points, g.offset, g.tolerance)
+        else:
+            passed = through_master(self.comm, had_master & ~g.participates, g.facet_sizes(), g.gap_on_the_way)
+        return describe(self.pair.name, self.comm, self.points, passed)
 
     def augment(self) -> bool:
         """Multipliers need no further rounds."""
@@ -623,10 +638,10 @@ class LagrangeContact(ContactOutput):
 
     def close_nearest(self) -> bool:
         """Close the nodes nearest to the master, if they nearly touch; were there any? Collective."""
-        near = self.geometry.nearest()
-        if near is None:
+        gap = nearly_touching(self.comm, self.gap, self.geometry.facet_sizes())
+        if gap is None:
             return False
-        self.active = self.active | (near & self.usable)
+        self.active = self.active | ((self.gap < gap) & self.usable)
         self._tell_partners()
         return True
 
@@ -645,10 +660,14 @@ class LagrangeContact(ContactOutput):
 
     def constraints(self) -> Any:
         """Constraints of the active nodes for the linear system: Constraints (C++)."""
-        rows = np.flatnonzero(self.active & self.usable)
+        rows = np.flatnonzero(self.active & self.usable).astype(np.int32)
         self._linear_tilt = self._tilt()
         return _cpp.multipliers.constrain(
-            self._state(), self._geometry(), *self._law(), self._linear_tilt, self.geometry.master_rows(rows)
+            self._state(),
+            self._geometry(),
+            *self._law(),
+            self._linear_tilt,
+            self.geometry.master_rows(rows.astype(np.int32)),
         )
 
     def friction_springs(self) -> tuple[PETSc.Mat, FloatArray] | None:
@@ -686,7 +705,7 @@ class LagrangeContact(ContactOutput):
 
     def tangent(self) -> PETSc.Mat | None:
         """Geometric stiffness of the contact forces [F/L]; None: it is zero. Collective."""
-        return self.geometry.stiffness(self.multiplier, self.traction, self.active & self._part)
+        return self.geometry.tangent(self.multiplier, self.traction, self.active & self._part)
 
     def rigid_body_constraints(self, motions: Any) -> list[FloatArray]:
         """Jumps at active nodes under the rigid body modes; see StaticContact. Collective.
@@ -695,7 +714,7 @@ class LagrangeContact(ContactOutput):
             motions: RigidBodyModes (C++).
         """
         held = np.flatnonzero(self.active & self.usable)
-        rows = self.geometry.rigid_body_jumps(motions, held)
+        rows = self._rigid_body_jumps(motions, held)
         along = np.einsum("na,anm->nm", self.normal[held], rows)
         if not self._friction:
             return [along]
@@ -704,12 +723,29 @@ class LagrangeContact(ContactOutput):
             rows[:, fresh] = np.einsum("na,nm->anm", self.normal[held][fresh], along[fresh])
         return list(rows)
 
+    def _rigid_body_jumps(self, motions: Any, held: IntArray) -> FloatArray:
+        """Displacements against the master of some nodes in all rigid motions, (gdim, held nodes, motions). Collective.
+
+        Args:
+            motions: RigidBodyModes.
+            held: index of the nodes.
+        """
+        rows = np.zeros((self.gdim, len(held), motions.num_modes))
+        touched = np.zeros(motions.count, dtype=np.int32)
+        geometries = [self.geometry, *(c.geometry for c, _ in self.partners)]
+        surfaces = [s for g in geometries for s in (g.slave, g.master) if s is not None]
+        touched[np.concatenate([motions.body[s.nodes.ravel()] for s in surfaces])] = 1
+        touched = np.sum(self.comm.allgather(touched), axis=0) > 0
+        for number in np.flatnonzero(np.repeat(touched, len(motions.names))):
+            rows[:, :, number] = self.geometry.jump(motions.everywhere(number).ravel())[held].T
+        return rows
+
     # --- results ---------------------------------------------------------------------------------------------------
 
     @property
     def initial(self) -> InitialPenetration:
         """Penetrations in the reference configuration."""
-        return self.geometry.initial
+        return self._initial
 
     @property
     def points(self) -> FloatArray:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from mpi4py import MPI
 
+from ... import _cpp
 from ...common.types import BoolArray, FloatArray, IntArray
-from .joined_nodes import JoinedNodes
+from ..nodal_sum import NodalSum
 
 if TYPE_CHECKING:
     from .lagrange import LagrangeContact
@@ -85,9 +86,9 @@ def over_constrained(contacts: Sequence[Any]) -> str:
 
 
 def _join(contacts: Sequence[LagrangeContact], numbers: Sequence[IntArray], count: int) -> None:
-    joined = JoinedNodes([c.geometry for c in contacts], numbers, count)
+    _cpp.multipliers.join([c.geometry for c in contacts], [n.astype(np.int32) for n in numbers], count)
     for k, contact in enumerate(contacts):
-        contact.partners = [(other, joined.rows_in(k, i)) for i, other in enumerate(contacts) if i != k]
+        contact.partners = [(other, contact.geometry.rows_in(i)) for i, other in enumerate(contacts) if i != k]
 
 
 def _tell_edges(contacts: Sequence[LagrangeContact], numbers: Sequence[IntArray]) -> None:
@@ -144,9 +145,10 @@ def _chained(a: LagrangeContact, b: LagrangeContact) -> bool:
     """Do slave nodes of one contact lie on the master of another? Collective."""
     if b.geometry.master is None:
         return False
-    marks = np.zeros(b.geometry.sum.num_nodes)
+    total = NodalSum(b.geometry.index_map, 1)
+    marks = np.zeros(total.num_nodes)
     marks[b.geometry.master.nodes.ravel()] = 1.0
-    on_master = b.geometry.sum(marks).ravel() > 0.0
+    on_master = total(marks).ravel() > 0.0
     return bool(a.comm.allreduce(bool(np.any(on_master[a.nodes])), MPI.LOR))
 
 
@@ -185,5 +187,5 @@ def _common(contact: LagrangeContact, one: Any, other: Any) -> tuple[int, list[l
 
 def _places(contact: LagrangeContact, nodes: IntArray) -> list[list[float]]:
     """Reference positions of the first of some nodes, of all ranks. Collective."""
-    here: FloatArray = contact.geometry.rest[nodes[:SHOWN]]
+    here: FloatArray = contact.problem.space.tabulate_dof_coordinates()[nodes[:SHOWN], : contact.gdim]
     return [place for found in contact.comm.allgather(here.round(9).tolist()) for place in found][:SHOWN]
