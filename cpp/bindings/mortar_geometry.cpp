@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "dolfinx_impact/enforcement/mortar/DeformableGeometry.h"
-#include "dolfinx_impact/enforcement/mortar/JoinedNodes.h"
 #include "dolfinx_impact/enforcement/mortar/RigidGeometry.h"
 #include "masks.h"
 #include <caster_petsc.h>
 #include <nanobind/stl/optional.h>
 
 using namespace dolfinx_impact::enforcement;
-using dolfinx_impact::gap::MasterRows;
 using dolfinx_impact::gap::Multipliers;
-using dolfinx_impact::gap::Rigid;
-using dolfinx_impact::surface::Facets;
-using dolfinx_impact::surface::FunctionSpace;
 
 namespace
 {
@@ -29,16 +24,6 @@ auto by_node(std::vector<std::int8_t> SlaveNodes::* member)
   return [member](const Geometry& g) { return mask(g.now().*member); };
 }
 
-nb::tuple as_tuple(const MasterRows& rows)
-{
-  return nb::make_tuple(copy(rows.pointers, {rows.pointers.size()}), copy(rows.columns, {rows.columns.size()}),
-                        copy(rows.values, {rows.values.size()}));
-}
-
-std::vector<std::int8_t> owned(const Mask& mask)
-{
-  return {view(mask).begin(), view(mask).end()};
-}
 } // namespace
 
 void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
@@ -47,14 +32,16 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
       .def(
           "__init__",
           [](MortarOptions* self, std::string name, double friction, Multipliers basis,
-             std::optional<int> quadrature_degree, double search_distance, bool axisymmetric, bool may_share_nodes)
+             std::optional<int> quadrature_degree, double search_distance, bool axisymmetric, bool remove_penetration,
+             bool may_share_nodes)
           {
-            new (self) MortarOptions{std::move(name), friction,     basis,          quadrature_degree,
-                                     search_distance, axisymmetric, may_share_nodes};
+            new (self)
+                MortarOptions{std::move(name), friction,           basis,          quadrature_degree, search_distance,
+                              axisymmetric,    remove_penetration, may_share_nodes};
           },
           nb::kw_only(), nb::arg("name") = "contact", nb::arg("friction") = 0.0, nb::arg("basis") = Multipliers::dual,
           nb::arg("quadrature_degree") = nb::none(), nb::arg("search_distance") = 0.0, nb::arg("axisymmetric") = false,
-          nb::arg("may_share_nodes") = true)
+          nb::arg("remove_penetration") = false, nb::arg("may_share_nodes") = true)
       .def_ro("name", &MortarOptions::name)
       .def_ro("friction", &MortarOptions::friction)
       .def_ro("basis", &MortarOptions::basis);
@@ -86,24 +73,13 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
           "points", [](const Geometry& g) { return vectors(g.now().points, g.num_nodes(), g.gdim()); },
           "Positions, (n, gdim) [L]")
       .def_prop_ro("u", [](const Geometry& g) { return array(g.now().u); })
-      .def_prop_ro("start", [](const Geometry& g) { return array(g.increment.start); })
       .def_prop_ro("displacement", [](const Geometry& g)
                    { return array(std::vector(g.increment.displacement.begin(), g.increment.displacement.end())); })
-      .def_prop_ro(
-          "start_displacement", [](const Geometry& g)
-          { return array(std::vector(g.increment.start_displacement.begin(), g.increment.start_displacement.end())); })
-      .def_prop_ro("around", by_node(&SlaveNodes::around))
-      .def_prop_ro("area", by_node(&SlaveNodes::area))
-      .def_prop_ro("aside", [](const Geometry& g) { return array(g.now().aside); })
       .def_prop_ro("participates", by_node(&SlaveNodes::participates))
       .def_prop_ro("part", by_node(&SlaveNodes::part))
       .def_prop_ro("carrier", by_node(&SlaveNodes::carrier))
-      .def_prop_ro("locked",
-                   [](const Geometry& g) { return mask(g.now().locked, {g.num_nodes(), std::size_t(g.gdim())}); })
       .def_prop_ro("weight", by_node(&SlaveNodes::weight), "Diagonal of D, (n) [L^2]")
       .def_prop_ro("cover", by_node(&SlaveNodes::cover), "What faces a master, (n) [L^2]")
-      .def_prop_ro("own_weight", by_node(&SlaveNodes::own_weight))
-      .def_prop_ro("own_cover", by_node(&SlaveNodes::own_cover))
       .def_prop_ro("gap", by_node(&SlaveNodes::gap), "Infinite without master, (n) [L]")
       .def_prop_ro("normal", [](const Geometry& g) { return vectors(g.now().normal, g.num_nodes(), g.gdim()); })
       .def(
@@ -115,27 +91,11 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
           "update_gap", [](Geometry& g, Array u) { g.update_gap(view(u)); }, nb::arg("u"),
           "Gaps, normals, weights. Collective")
       .def(
-          "evaluate_at",
-          [](Geometry& g, Array u)
-          {
-            GapAndSlip found = g.evaluate_at(view(u));
-            return nb::make_tuple(take(std::move(found.gap)), vectors(std::move(found.slip), g.num_nodes(), g.gdim()));
-          },
-          nb::arg("u"), "Gap (n) and slip (n, gdim) at other displacements. Collective")
-      .def(
-          "gap_on_the_way", [](Geometry& g, double fraction) { return take(g.gap_on_the_way(fraction)); },
-          nb::arg("fraction"), "Gaps against the pair's own master at a fraction of the increment. Collective")
-      .def(
           "jump", [](const Geometry& g, Array moved) { return vectors(g.jump(view(moved)), g.num_nodes(), g.gdim()); },
           nb::arg("moved"), "Mean displacements of slave against master, (n, gdim) [L]. Collective")
       .def(
           "slip", [](const Geometry& g) { return vectors(g.slip(), g.num_nodes(), g.gdim()); },
           "Of this increment, (n, gdim) [L]. Collective")
-      .def("ahead", [](const Geometry& g) { return vectors(g.ahead(), g.num_nodes(), g.gdim()); })
-      .def(
-          "master_rows",
-          [](const Geometry& g, Indices rows) { return as_tuple(g.master_rows({rows.data(), rows.size()})); },
-          nb::arg("rows"), "Rows of D^-1 M of some nodes: pointers, global nodes, values")
       .def(
           "springs", [](const Geometry& g, Indices rows, Array blocks)
           { return g.springs({rows.data(), rows.size()}, view(blocks)); }, nb::arg("rows"), nb::arg("blocks"),
@@ -151,32 +111,8 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
           "Derivative of minus the contact force at given multipliers, kept by this object; None: zero. Collective")
       .def(
           "forces", [](const Geometry& g, Array traction) { return take(g.forces(view(traction))); },
-          nb::arg("traction"), "Nodal forces on both bodies, owned dofs [F]. Collective")
-      .def("joined_forces", [](const Geometry& g, Array traction) { return take(g.joined_forces(view(traction))); })
-      .def("diagonal_stiffness",
-           [](const Geometry& g, Mat K)
-           {
-             auto found = g.diagonal_stiffness(K);
-             return nb::make_tuple(take(std::move(found[0])), take(std::move(found[1])));
-           })
-      .def("facet_sizes", [](const Geometry& g) { return take(g.facet_sizes()); })
-      .def("edge_angles", [](const Geometry& g) { return take(g.edge_angles()); })
-      .def("part_in_contact", [](const Geometry& g, Array pressure, Mask active)
-           { return take(g.part_in_contact(view(pressure), view(active))); })
-      .def("forget", &Geometry::forget)
-      .def("state", &Geometry::state, nb::keep_alive<0, 1>(), "What an increment starts from, views")
-      .def_prop_ro("joined", [](const Geometry& g) { return g.joined() != nullptr; })
-      .def("rows_in", [](const Geometry& g, int other) { return take(g.joined()->rows_in(g.member(), other)); })
-      .def("mean", [](const Geometry& g, const std::vector<double>& values)
-           { return take(g.joined()->mean(g.member(), values)); })
-      .def_prop_ro("member", &Geometry::member);
+          nb::arg("traction"), "Nodal forces on both bodies, owned dofs [F]. Collective");
   nb::class_<DeformableGeometry, Geometry>(m, "DeformableGeometry", "Between two deformable surfaces")
-      .def(
-          "__init__",
-          [](DeformableGeometry* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
-             const Facets& master, const MortarOptions& options, Mask fixed)
-          { new (self) DeformableGeometry(std::move(V), slave, master, options, owned(fixed)); },
-          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
       .def_prop_ro(
           "integrals", [](const DeformableGeometry& g) -> const auto& { return g.integrals(); },
           nb::rv_policy::reference_internal)
@@ -191,12 +127,6 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
           "jump_matrix", [](DeformableGeometry& g) { return g.integrals().jump_matrix(); }, nb::rv_policy::reference,
           "D - M, kept by this object [L^2]. Collective");
   nb::class_<RigidGeometry, Geometry>(m, "RigidGeometry", "Against a rigid obstacle")
-      .def(
-          "__init__",
-          [](RigidGeometry* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
-             std::shared_ptr<const Rigid> obstacle, const MortarOptions& options, Mask fixed)
-          { new (self) RigidGeometry(std::move(V), slave, std::move(obstacle), options, owned(fixed)); },
-          nb::arg("V"), nb::arg("slave"), nb::arg("obstacle"), nb::arg("options"), nb::arg("fixed"), "Collective")
       .def_prop_ro(
           "hessian",
           [](const RigidGeometry& g)
@@ -205,14 +135,4 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
             return nb::cast(copy(g.now().hessian, {g.num_nodes(), gdim, gdim}));
           },
           "Derivatives of the normals, (n, gdim, gdim) [1/L]");
-  m.def(
-      "join",
-      [](std::vector<Geometry*> geometries, const std::vector<Indices>& numbers, std::size_t count)
-      {
-        std::vector<std::vector<std::int32_t>> own;
-        for (const Indices& of : numbers)
-          own.emplace_back(of.data(), of.data() + of.size());
-        JoinedNodes::join(std::move(geometries), std::move(own), count);
-      },
-      nb::arg("geometries"), nb::arg("numbers"), nb::arg("count"), "Join nodes that have the same number. Collective");
 }

@@ -10,8 +10,9 @@ from dolfinx.la import InsertMode, vector
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..common.types import BoolArray, FloatArray
+from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+from ..contact.pair import ContactStatus
 from .flow import Flow
 from .motions import Spin
 from .streamlines import StreamlineDerivative, node_matrix
@@ -74,13 +75,9 @@ class RollingContact(LagrangeContact):
         self.slip_velocity: FloatArray = np.zeros((len(self.nodes), self.gdim))
         self.friction_power = 0.0
 
-    @property
-    def _friction(self) -> bool:
-        """Friction of increments, as in statics: there is none."""
-        return False
-
-    def _law(self) -> tuple[int, float]:
-        return self.gdim, 0.0
+    def _friction_of_increments(self) -> float:
+        """As in statics: there is none."""
+        return 0.0
 
     # --- velocities --------------------------------------------------------------------------------------------------
 
@@ -314,11 +311,19 @@ class RollingContact(LagrangeContact):
 
     def accept_step(self) -> None:
         """The increment has converged. Collective."""
-        self.opening = self._opened(self.geometry.gap)
+        gap = self.geometry.gap
+        self.opening = np.where(~self.active & (gap > self.geometry.tolerance), gap, 0.0)
         self.update_totals()
         if self.velocity_jump is not None:
             power = float(np.sum(self.geometry.cover[:, None] * self.friction_traction * self.slip_velocity))
             self.friction_power = -self.comm.allreduce(power)
+
+    @property
+    def status(self) -> IntArray:
+        """ContactStatus numbers, (n)."""
+        slips = self.sliding | (self.pair.friction == 0.0)
+        closed = self.active & self.geometry.part
+        return np.where(~closed, ContactStatus.open, np.where(slips, ContactStatus.slip, ContactStatus.stick))
 
     @property
     def slip(self) -> FloatArray:
