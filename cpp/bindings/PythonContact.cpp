@@ -177,17 +177,7 @@ void PythonContact::forget()
 
 std::vector<double> PythonContact::rigid_body_products(const operators::RigidBodyModes& modes) const
 {
-  const std::size_t num = modes.num_modes();
-  std::vector<double> out(num * num, 0.0);
-  for (nb::handle part : _contact.attr("rigid_body_constraints")(nb::cast(&modes, nb::rv_policy::reference)))
-  {
-    const std::vector<double> constraints = entries<double>(part);
-    for (std::size_t row = 0; row < constraints.size(); row += num)
-      for (std::size_t i = 0; i < num; ++i)
-        for (std::size_t j = 0; j < num; ++j)
-          out[i * num + j] += constraints[row + i] * constraints[row + j];
-  }
-  return out;
+  return entries<double>(_contact.attr("rigid_body_products")(nb::cast(&modes, nb::rv_policy::reference)));
 }
 
 bool PythonContact::close_nearest()

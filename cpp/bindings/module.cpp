@@ -34,8 +34,10 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::penalty(penalty);
   nb::module_ multipliers = m.def_submodule("multipliers", "Mortar integrals, active set and condensation");
   dolfinx_impact::bindings::multipliers(multipliers);
+  dolfinx_impact::bindings::mortar_geometry(multipliers);
   nb::module_ solve = m.def_submodule("solve", "Newton's method, linear systems and their solvers");
   dolfinx_impact::bindings::solve(solve);
+  dolfinx_impact::bindings::mortar_contact(multipliers);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   dolfinx_impact::bindings::integrators(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");

@@ -7,7 +7,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/la/petsc.h>
 #include <dolfinx_impact/enforcement/mortar/Condensation.h>
-#include <dolfinx_impact/enforcement/mortar/FrictionlessMortar.h>
+#include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/Tangent.h>
 #include <dolfinx_impact/surface/Surface.h>
@@ -75,20 +75,24 @@ bool run()
   const auto facets = [&](auto f) { return mesh::locate_entities_boundary(*mesh, 1, where(f)); };
   const auto slave = surface::make_surface(*V, facets([](double x, double y) { return y - x * x / (2 * radius); }));
   const auto master = surface::make_surface(*V, facets([](double, double y) { return y; }));
-  enforcement::FrictionlessMortar contact(V, slave, master);
   // Nothing moves below; the top is moved down.
   la::Vector<double> u(map, 2), du(map, 2), r(map, 2);
   u.set(0.0);
   std::vector<PetscInt> prescribed;
+  std::vector<std::int8_t> fixed(u.array().size(), 0);
   for (double end : {-size, size})
     for (std::int32_t node : fem::locate_dofs_geometrical(*V, where([=](double, double y) { return y - end; })))
-      for (int c = 0; c < 2 && node < map->size_local(); ++c)
+      for (int c = 0; c < 2; ++c)
       {
+        fixed[2 * node + c] = 1;
+        if (node >= map->size_local())
+          continue;
         prescribed.push_back(PetscInt(first) + 2 * node + c);
         u.mutable_array()[2 * node + c] = c == 1 && end > 0.0 ? -down : 0.0;
       }
   u.scatter_fwd();
-  const std::vector<double> start(u.array().size(), 0.0);
+  enforcement::MortarContact contact(V, slave, master, {.name = "blocks"}, fixed);
+  contact.begin_step(std::vector<double>(u.array().size(), 0.0), {});
   Vec U = la::petsc::create_vector_wrap(u), dU = la::petsc::create_vector_wrap(du);
   Vec R = la::petsc::create_vector_wrap(r);
   la::petsc::KrylovSolver solver(MPI_COMM_WORLD);
@@ -98,7 +102,7 @@ bool run()
   double change = 1.0;
   for (int iteration = 0; iteration < 30 && (changes > 0 || change > 1e-10); ++iteration)
   {
-    contact.update_gap(u.array(), start);
+    contact.update_gap(u.array());
     MatMult(bodies.matrix(), U, R);
     contact.update_multipliers(r.array().subspan(0, owned));
     changes = contact.update_active_set(iteration == 0);
@@ -123,18 +127,17 @@ bool run()
     VecAXPY(U, 1.0, dU);
     u.scatter_fwd();
   }
-  const std::vector<double> nodal = contact.contact_forces(); // on both bodies: their sum is zero
-  const std::vector<double>&p = contact.pressure(), &weight = contact.integrals().weight;
-  double peak = p.empty() ? 0.0 : std::ranges::max(p);
-  double sums[2] = {std::inner_product(p.begin(), p.end(), weight.begin(), 0.0),
-                    std::accumulate(nodal.begin(), nodal.end(), 0.0)};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  contact.accept_step();
+  const std::vector<double> nodal = contact.contact_forces(), p = contact.pressure();
+  const double force = contact.totals().force[1]; // on the upper block
+  double peak = p.empty() ? 0.0 : std::ranges::max(p), sum = std::accumulate(nodal.begin(), nodal.end(), 0.0);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD); // on both bodies: zero
   MPI_Allreduce(MPI_IN_PLACE, &peak, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   for (Vec* v : {&U, &dU, &R})
     VecDestroy(v);
-  const double exact = std::sqrt(sums[0] * E / (2.0 * (1.0 - nu * nu) * M_PI * radius)); // of both bodies together
-  PetscPrintf(MPI_COMM_WORLD, "force %.6f\npeak pressure / Hertz = %.4f\n", sums[0], peak / exact);
-  return changes == 0 && change < 1e-10 && std::abs(peak / exact - 1.0) < 0.01 && std::abs(sums[1]) < 1e-10 * sums[0];
+  const double exact = std::sqrt(force * E / (2.0 * (1.0 - nu * nu) * M_PI * radius)); // of both bodies together
+  PetscPrintf(MPI_COMM_WORLD, "force %.6f\npeak pressure / Hertz = %.4f\n", force, peak / exact);
+  return changes == 0 && change < 1e-10 && std::abs(peak / exact - 1.0) < 0.01 && std::abs(sum) < 1e-10 * force;
 }
 } // namespace
 

@@ -7,10 +7,8 @@ import pytest
 from contact_fault_injection import PATCH, failed, of_theirs, patches, solutions, times
 from fault_injection import assert_healthy
 
+import dolfinx_impact as di
 from dolfinx_impact import _cpp
-from dolfinx_impact.contact.mortar import mortar_geometry
-from dolfinx_impact.contact.mortar.geometry import RigidGeometry
-from dolfinx_impact.contact.mortar.mortar_geometry import MortarGeometry
 from dolfinx_impact.contact.penalty.penalty import PenaltyContact
 from dolfinx_impact.verify import contact, contact_bodies, contact_patch
 from dolfinx_impact.verify.report import Report
@@ -102,16 +100,10 @@ def scaled_property(monkeypatch, cls, name, change):
     monkeypatch.setattr(cls, name, property(lambda self: change(right(self))))
 
 
-def after(monkeypatch, cls, name, change):
-    """A method, and then a change of the object."""
-    right = getattr(cls, name)
-
-    def wrong(self, *args, **kwargs):
-        result = right(self, *args, **kwargs)
-        change(self)
-        return result
-
-    monkeypatch.setattr(cls, name, wrong)
+def changed(monkeypatch, cls, name, change):
+    """A property of a C++ class with other values."""
+    right = getattr(cls, name).fget
+    monkeypatch.setattr(cls, name, property(lambda self: change(right(self))), raising=False)
 
 
 @pytest.mark.parametrize(
@@ -196,7 +188,7 @@ def test_slip_that_open_points_keep(monkeypatch):
     ],
 )
 def test_values_at_nodes_that_are_wrong(name, change, forms, monkeypatch):
-    after(monkeypatch, MortarGeometry, "update_gap", lambda self: setattr(self, name, change(getattr(self, name))))
+    changed(monkeypatch, _cpp.multipliers.DeformableGeometry, name, change)
     rows = failed(patches(), forms, ["mortar_D", "mortar_M", "gap"])
     assert {r.name for r in rows} == {"deformable master"}
 
@@ -204,12 +196,18 @@ def test_values_at_nodes_that_are_wrong(name, change, forms, monkeypatch):
 @pytest.mark.parametrize("bound, case", [(0.0, ("triangle", "plane_strain", 1, 1)), (1.0, PATCH)])
 def test_normals_at_planes_of_symmetry(bound, case, monkeypatch):
     """1.9 degrees off the plane in the first case, 11.7 in the second: none, or all are put into the plane."""
-    monkeypatch.setattr(mortar_geometry, "SYMMETRY", bound)
+    right = _cpp.multipliers.DeformableGeometry.update_gap
+
+    def wrong(self, u):
+        self.symmetry = bound
+        right(self, u)
+
+    monkeypatch.setattr(_cpp.multipliers.DeformableGeometry, "update_gap", wrong)
     assert {r.name for r in failed(patches(case), ["normals"], ["mortar_D"])} == {"deformable master"}
 
 
 def test_nodes_against_obstacles(monkeypatch):
-    after(monkeypatch, RigidGeometry, "update_gap", lambda self: setattr(self, "gap", self.gap + 1e-9))
+    changed(monkeypatch, _cpp.multipliers.RigidGeometry, "gap", lambda v: v + 1e-9)
     rows = failed(patches(), ["mortar_gap"], ["mortar_force"])
     assert {r.name for r in rows} == {"rigid plane", "rigid sphere", "rigid cylinder"}
 
@@ -292,12 +290,12 @@ def test_one_entry_of_a_matrix_of_another_basis(basis, name, monkeypatch):
 
 
 def test_linear_multipliers_in_place_of_standard_ones(monkeypatch):
-    right = MortarGeometry.__init__
+    right = di.Lagrange.__init__
 
-    def wrong(self, spec, V, axisymmetric, fixed, basis="dual"):
-        right(self, spec, V, axisymmetric, fixed, "linear" if basis == "standard" else basis)
+    def wrong(self, pair, degree=None, basis="dual"):
+        right(self, pair, degree, "linear" if basis == "standard" else basis)
 
-    monkeypatch.setattr(MortarGeometry, "__init__", wrong)
+    monkeypatch.setattr(di.Lagrange, "__init__", wrong)
     forms = ["D", "M", "gamma", "gap", "participates", "slip", "force", "jump"]
     # The random forces differ as well, since there are fewer multipliers; shapes that differ are a failure.
     failed(patches(("hexahedron", "3d", 2, 1)), [f"standard_{f}" for f in forms], ["mortar_D", "linear_D"])
@@ -309,6 +307,6 @@ def test_functions_that_are_not_handed_over(monkeypatch):
         everywhere = np.ones(self.map.size_local + self.map.num_ghosts, dtype=np.int8)
         return _cpp.gap.mortar(*pair, self.integrals.segments, self.basis, everywhere)
 
-    monkeypatch.setattr(MortarGeometry, "mortar", property(all_carry))
+    monkeypatch.setattr(_cpp.multipliers.DeformableGeometry, "mortar", property(all_carry))
     rows = failed(patches(("quadrilateral", "plane_strain", 2, 1)), ["mortar_D", "standard_D"], ["normals", "gap"])
     assert {r.name for r in rows} == {"deformable master"}

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "MortarIntegrals.h"
+#include "../operators/nodal_sums.h"
 #include "../operators/petsc_check.h"
 #include "../search/pairs.h"
 #include "facing.h"
 #include <algorithm>
 #include <cmath>
-#include <dolfinx/la/Vector.h>
-#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -18,18 +17,6 @@ using operators::check;
 
 namespace
 {
-/// Sums over the ranks (or values of the owners), complete on ghosts. Collective.
-std::vector<double> over_ranks(std::shared_ptr<const IndexMap> map, std::vector<double> values, int block, bool forward)
-{
-  dolfinx::la::Vector<double> v(std::move(map), block);
-  std::copy(values.begin(), values.end(), v.mutable_array().begin());
-  if (!forward)
-    v.scatter_rev(std::plus<double>());
-  v.scatter_fwd();
-  std::copy(v.array().begin(), v.array().end(), values.begin());
-  return values;
-}
-
 std::vector<std::int64_t> global_nodes(const IndexMap& map)
 {
   std::vector<std::int32_t> local(map.size_local() + map.num_ghosts());
@@ -69,7 +56,7 @@ MultiplierNodes multiplier_nodes(const surface::FunctionSpace& V, const surface:
       values[2 * slave.nodes_of(f)[i]] += integrals[f * n + i];
       values[2 * slave.nodes_of(f)[i] + 1] += areas[f];
     }
-  values = over_ranks(map, std::move(values), 2, false);
+  values = operators::sum_over_ranks(map, std::move(values), 2);
   MultiplierNodes out;
   for (std::size_t f = 0; f < slave.size(); ++f)
     out.facet_area[slave.id[f]] = areas[f];
@@ -95,7 +82,7 @@ std::vector<double> MultiplierNodes::counted_area(const std::shared_ptr<const In
     for (int i = 0; i < n; ++i)
       if (counts[f * n + i])
         sums[slave.nodes_of(f)[i]] += facet_area.at(slave.id[f]);
-  sums = over_ranks(map, std::move(sums), 1, false);
+  sums = operators::sum_over_ranks(map, std::move(sums), 1);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     out[i] = sums[nodes[i]];
   return out;
@@ -129,7 +116,8 @@ MPI_Comm MortarIntegrals::comm() const
 
 std::vector<double> MortarIntegrals::summed(std::vector<double> values, int block, bool forward_only) const
 {
-  return over_ranks(_map, std::move(values), block, forward_only);
+  return forward_only ? operators::from_owners(_map, std::move(values), block)
+                      : operators::sum_over_ranks(_map, std::move(values), block);
 }
 
 void MortarIntegrals::update(std::span<const double> u, std::span<const double> start)

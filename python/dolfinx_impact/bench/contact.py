@@ -85,7 +85,7 @@ def tied_solution(model: PressedBodies) -> FloatArray:
         bc.set(target)
     residual = problem.assemble_residual().array.copy()
     contact.update_gap(problem.u.x.array)
-    contact.active[:] = contact.usable
+    contact.active = contact.usable
     contact.opening = np.zeros(len(contact.nodes))
     K = problem.tangent.assemble()
     diagonal = K.getDiagonal()

@@ -272,14 +272,14 @@ class StaticContact(Protocol):
 
     # --- bodies that are supported by contact alone ------------------------------------------------------------------
 
-    def rigid_body_constraints(self, motions: _cpp.solve.RigidBodyModes) -> list[FloatArray]:
-        """Rows of the active constraints applied to the rigid body modes. Collective.
+    def rigid_body_products(self, modes: _cpp.solve.RigidBodyModes) -> FloatArray:
+        """Products of the active constraints applied to the rigid body modes. Collective.
 
         Args:
-            motions: rigid body modes of the bodies.
+            modes: rigid body modes of the bodies.
 
         Returns:
-            Arrays (num_points, motions.num_modes).
+            Sums over this rank's constraints, (num_modes, num_modes).
         """
 
     def close_nearest(self) -> bool:

@@ -51,6 +51,7 @@ class _Rigid(Fixed):
         self._kind, self._point, self._direction, self._radius = kind, point, direction, radius
         self._displacement = self._velocity = _vector("displacement", (0.0, 0.0, 0.0))
         self._motion: Any = None
+        self._shared: dict[int, _cpp.gap.Rigid] = {}
 
     def __repr__(self) -> str:
         moved = f", displacement={self._displacement.tolist()}" if np.any(self._displacement) else ""
@@ -111,6 +112,18 @@ class _Rigid(Fixed):
             f"change the sign of the radius {self._radius:g} of the {self._kind} if the body is {place} it "
             "(positive: the obstacle is solid, negative: a hole that holds the body), or correct the slave's tag"
         )
+
+    def shared(self, gdim: int) -> _cpp.gap.Rigid:
+        """The obstacle at rest on the C++ side, one object for all contacts by multipliers, which know by it that they
+        have the same master.
+
+        Args:
+            gdim: dimension of the meshes.
+        """
+        if gdim not in self._shared:
+            self._shared[gdim] = self.obstacle(gdim)
+            self._shared[gdim].orientation_hint = self.orientation_hint()
+        return self._shared[gdim]
 
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         """The obstacle on the C++ side, on meshes of a dimension."""

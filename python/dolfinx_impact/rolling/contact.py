@@ -10,9 +10,9 @@ from dolfinx.la import InsertMode, vector
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..common.types import BoolArray, FloatArray
-from ..contact.mortar.geometry import RigidGeometry
+from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+from ..contact.pair import ContactStatus
 from .flow import Flow
 from .motions import Spin
 from .streamlines import StreamlineDerivative, node_matrix
@@ -67,7 +67,7 @@ class RollingContact(LagrangeContact):
         surfaces = [s for s in (self.geometry.slave, self.geometry.master) if s is not None]
         self._streamlines = StreamlineDerivative(problem.space, surfaces)
         self._derivative: PETSc.Mat | None = None
-        self._w: FloatArray = np.zeros((self.geometry.sum.num_nodes, self.gdim))
+        self._w: FloatArray = np.zeros((len(problem.fixed) // self.gdim, self.gdim))
         self.jump: PETSc.Mat | None = None
         self.velocity_jump: PETSc.Mat | None = None
         self.rate: float | None = None
@@ -75,13 +75,9 @@ class RollingContact(LagrangeContact):
         self.slip_velocity: FloatArray = np.zeros((len(self.nodes), self.gdim))
         self.friction_power = 0.0
 
-    @property
-    def _friction(self) -> bool:
-        """Friction of increments, as in statics: there is none."""
-        return False
-
-    def _law(self) -> tuple[int, float]:
-        return self.gdim, 0.0
+    def _friction_of_increments(self) -> float:
+        """As in statics: there is none."""
+        return 0.0
 
     # --- velocities --------------------------------------------------------------------------------------------------
 
@@ -99,11 +95,11 @@ class RollingContact(LagrangeContact):
         for matrix in (self.jump, self.velocity_jump):
             if matrix is not None:
                 matrix.destroy()
-        if isinstance(self.geometry, RigidGeometry):
+        if self.pair.rigid:
             at = self.geometry.numbers
             self.jump = node_matrix(self.problem.space, at, at, self.geometry.weight)
         else:
-            self.jump = self.geometry.jump_matrix().copy()  # type: ignore[attr-defined]
+            self.jump = self.geometry.jump_matrix().copy()
         self.velocity_jump = self.jump.matMult(self._derivative)
         self.held = self._held_components(self.jump)
 
@@ -163,7 +159,7 @@ class RollingContact(LagrangeContact):
         Collective."""
         assert self._derivative is not None
         owned = self.geometry.index_map.size_local
-        u = self.geometry.u[: self.gdim * owned].reshape(-1, self.gdim)
+        u = self.problem.u.x.array[: self.gdim * owned].reshape(-1, self.gdim)
         x, y = self._derivative.createVecRight(), self._derivative.createVecLeft()
         velocity = self._w[:owned].copy()
         for c in range(self.gdim):
@@ -315,11 +311,19 @@ class RollingContact(LagrangeContact):
 
     def accept_step(self) -> None:
         """The increment has converged. Collective."""
-        self.opening = self._opened(self.geometry.gap)
+        gap = self.geometry.gap
+        self.opening = np.where(~self.active & (gap > self.geometry.tolerance), gap, 0.0)
         self.update_totals()
         if self.velocity_jump is not None:
             power = float(np.sum(self.geometry.cover[:, None] * self.friction_traction * self.slip_velocity))
             self.friction_power = -self.comm.allreduce(power)
+
+    @property
+    def status(self) -> IntArray:
+        """ContactStatus numbers, (n)."""
+        slips = self.sliding | (self.pair.friction == 0.0)
+        closed = self.active & self.geometry.part
+        return np.where(~closed, ContactStatus.open, np.where(slips, ContactStatus.slip, ContactStatus.stick))
 
     @property
     def slip(self) -> FloatArray:

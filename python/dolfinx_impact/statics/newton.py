@@ -13,6 +13,8 @@ from .. import _cpp
 from ..assembly.fields import field_dofs, is_mixed
 from ..common.described import Described
 from ..common.types import FloatArray, IntArray
+from ..contact.mortar.lagrange import LagrangeContact
+from ..contact.protocol import StaticContact
 from .bodies import assemble_residual
 from .load_steps import StepLog
 
@@ -52,7 +54,7 @@ def equilibrium_of(problem: EquilibriumProblem) -> Any:
     return _cpp.solve.EquilibriumProblem(
         u._cpp_object,
         bodies,
-        [_cpp.solve.PythonContact(c) for c in problem.contact],
+        [_seen(contact) for contact in problem.contact],
         problem.fixed,
         problem.linear_solver._cpp_object,
         problem.axisymmetric,
@@ -60,6 +62,11 @@ def equilibrium_of(problem: EquilibriumProblem) -> Any:
         problem.exact_tangent,
         fields,
     )
+
+
+def _seen(contact: StaticContact) -> _cpp.solve.StaticContact:
+    """A contact as Newton's method in C++ sees it. What derived classes may have replaced is called through Python."""
+    return contact._cpp_object if type(contact) is LagrangeContact else _cpp.solve.PythonContact(contact)
 
 
 class Newton(Described):

@@ -13,7 +13,6 @@ from scipy.sparse import coo_matrix
 
 from .. import _cpp, contact
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
-from ..contact.mortar.mortar_geometry import MortarGeometry
 from ..materials import _Material
 from ..statics.problem import StaticProblem
 from . import bodies
@@ -229,12 +228,8 @@ def mortar(report: Report, body: TwoBodies, name: str, seed: int) -> None:
         _mortar(report, body, name, seed, basis)
 
 
-def _geometry(body: TwoBodies, basis: str, degree: int, bcs: Sequence[DirichletBC]) -> MortarGeometry:
-    method = contact.Lagrange(body.pair(), quadrature_degree=degree)
-    ours = bind(body, method, bcs)
-    if basis == "dual":
-        return ours.geometry
-    return MortarGeometry(method, body.V, ours.problem.axisymmetric, ours.problem.fixed, basis)
+def _geometry(body: TwoBodies, basis: str, degree: int, bcs: Sequence[DirichletBC]) -> Any:
+    return bind(body, contact.Lagrange(body.pair(), degree, basis), bcs).geometry
 
 
 def _mortar(report: Report, body: TwoBodies, name: str, seed: int, basis: str) -> None:
@@ -275,9 +270,7 @@ def _dense(entries: tuple[IntArray, IntArray, FloatArray], size: int) -> FloatAr
     return coo_matrix((values, (rows, cols)), shape=(size, size)).toarray()
 
 
-def _matrices(
-    rows: Rows, body: TwoBodies, ours: MortarGeometry, theirs: impact_reference.contact.Mortar, kind: str
-) -> None:
+def _matrices(rows: Rows, body: TwoBodies, ours: Any, theirs: impact_reference.contact.Mortar, kind: str) -> None:
     num = len(body.nodes)
     D, M = (body.nodal_matrix_to_ours(matrix).toarray() for matrix in (theirs.D, theirs.M))
     rows(f"{kind}_D", _dense(ours.mortar.D, num), D)
@@ -292,7 +285,7 @@ def _matrices(
 def _normal_derivative(
     rows: Rows,
     body: TwoBodies,
-    ours: MortarGeometry,
+    ours: Any,
     theirs: impact_reference.Contact,
     u: FloatArray,
     rng: np.random.Generator,

@@ -22,7 +22,7 @@ def test_integrals_survive_new_exchanges():
     assert np.abs(jump).max() > 0.1
     for distance in (0.5, 1.0, 1.5, 2.0):
         there = np.tile([distance, 0.0], len(moved) // 2)
-        geometry.start = there
+        geometry.begin_step(there)
         geometry.update_gap(there)
         _ = [fem.Function(u.function_space).x.petsc_vec for _ in range(3)]  # takes up what was set free
         assert np.allclose(geometry.jump(moved), jump, rtol=0.0, atol=1e-12)

@@ -588,7 +588,21 @@ class PenaltyContact(ContactOutput):
         """
         return -self._cpp.closing_forces() if self._closes_nearest else None
 
-    def rigid_body_constraints(self, motions: _cpp.solve.RigidBodyModes) -> list[FloatArray]:
+    def rigid_body_products(self, modes: _cpp.solve.RigidBodyModes) -> FloatArray:
+        """Products of the active constraints applied to the rigid body modes. Collective.
+
+        Args:
+            modes: rigid body modes of the bodies.
+
+        Returns:
+            Sums over this rank's closed points, (num_modes, num_modes).
+        """
+        products = np.zeros((modes.num_modes, modes.num_modes))
+        for rows in self._rigid_body_constraints(modes):
+            products += rows.T @ rows
+        return products
+
+    def _rigid_body_constraints(self, motions: _cpp.solve.RigidBodyModes) -> list[FloatArray]:
         """Relative displacements of slave and master at closed points under the rigid body modes. Collective.
 
         Args:

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "dolfinx_impact/enforcement/mortar/MortarContact.h"
+#include "dolfinx_impact/enforcement/mortar/shared_nodes.h"
+#include "masks.h"
+#include <caster_petsc.h>
+#include <nanobind/stl/optional.h>
+
+using namespace dolfinx_impact::enforcement;
+using dolfinx_impact::gap::Rigid;
+using dolfinx_impact::operators::RigidBodyModes;
+using dolfinx_impact::surface::Facets;
+using dolfinx_impact::surface::FunctionSpace;
+
+namespace
+{
+using namespace dolfinx_impact::bindings;
+typedef MortarContact Contact;
+
+/// Vectors by node of a contact, (n, gdim).
+nb::object by_node(const Contact& c, std::vector<double> values)
+{
+  return vectors(std::move(values), c.geometry().num_nodes(), c.geometry().gdim());
+}
+
+template <typename T, typename A>
+void assign(std::vector<T>& to, const A& values)
+{
+  const auto from = view(values);
+  if (from.size() != to.size())
+    throw std::invalid_argument("a value of every node of the contact is needed");
+  std::copy(from.begin(), from.end(), to.begin());
+}
+
+/// Functions that read and write an array of the state: numbers, vectors or masks by node; copies.
+auto get(std::vector<double> MortarState::* member)
+{
+  return [member](const Contact& c)
+  {
+    const std::vector<double>& values = c.nodal_state().*member;
+    return values.size() == c.geometry().num_nodes() ? array(values) : by_node(c, values);
+  };
+}
+
+auto get(std::vector<std::int8_t> MortarState::* member)
+{
+  return [member](const Contact& c) { return mask(c.nodal_state().*member); };
+}
+
+auto set(std::vector<double> MortarState::* member)
+{
+  return [member](Contact& c, Array values) { assign(c.nodal_state().*member, values); };
+}
+
+auto set(std::vector<std::int8_t> MortarState::* member)
+{
+  return [member](Contact& c, Mask values) { assign(c.nodal_state().*member, values); };
+}
+
+void bind_state(nb::class_<Contact, MultiplierContact>& c)
+{
+  c.def("state", &Contact::state, nb::keep_alive<0, 1>(), "What an increment starts from, views")
+      .def_prop_rw("active", get(&MortarState::active), set(&MortarState::active), "In contact, (n)")
+      .def_prop_rw("sliding", get(&MortarState::sliding), set(&MortarState::sliding), "Of those, slipping, (n)")
+      .def_prop_rw("direction", get(&MortarState::direction), set(&MortarState::direction))
+      .def_prop_rw("multiplier", get(&MortarState::multiplier), set(&MortarState::multiplier), "(n) [F/L^2]")
+      .def_prop_rw("friction_traction", get(&MortarState::friction_traction), set(&MortarState::friction_traction))
+      .def_prop_rw("traction_n", get(&MortarState::traction_n), set(&MortarState::traction_n))
+      .def_prop_rw("total_slip", get(&MortarState::total_slip), set(&MortarState::total_slip))
+      .def_prop_rw(
+          "opening",
+          [](const Contact& c) { return c.nodal_state().begun ? array(c.nodal_state().opening) : nb::none(); },
+          [](Contact& c, Array values)
+          {
+            assign(c.nodal_state().opening, values);
+            c.nodal_state().begun = 1;
+          },
+          "Gap at the start of the increment where a node is open, else zero; None before the first, (n) [L]")
+      .def_prop_rw(
+          "imposed", [](Contact& c) { return by_node(c, c.coulomb().imposed); }, [](Contact& c, Array values)
+          { assign(c.coulomb().imposed, values); }, "Tractions along prescribed directions, (n, gdim) [F/L^2]")
+      .def_prop_rw(
+          "linearised_gap",
+          [](const Contact& c)
+          {
+            const auto gap = c.linearised_gap();
+            return array(std::vector<double>(gap.begin(), gap.end()));
+          },
+          [](Contact& c, Array gap) { c.set_linearised(c.active(), view(gap), c.multiplier()); },
+          "Gaps of the linearised problem, (n) [L]");
+}
+
+void bind_load_steps(nb::class_<Contact, MultiplierContact>& c)
+{
+  c.def(
+       "begin_step",
+       [](Contact& c, Array u, std::optional<std::array<double, 3>> displacement, std::optional<Array> target)
+       { c.begin_step(view(u), displacement, target ? view(*target) : std::span<const double>()); }, nb::arg("u"),
+       nb::arg("displacement").none(), nb::arg("target").none() = nb::none(), "Begin an increment. Collective")
+      .def("accept_step", &Contact::accept_step, "Accept a converged increment. Collective")
+      .def("update_totals", &Contact::update_totals, "Force, moment, area and work of friction. Collective")
+      .def("prescribed_overlap", &Contact::prescribed_overlap)
+      .def("passed_through", &Contact::passed_through)
+      .def(
+          "update_gap", [](Contact& c, Array u) { c.update_gap(view(u)); }, nb::arg("u"),
+          "Search, gaps and normals. Collective")
+      .def(
+          "update_active_set", [](Contact& c, bool first, std::optional<std::int64_t> last)
+          { return c.update_active_set(first, last); }, nb::arg("first"), nb::arg("last").none() = nb::none(),
+          "Change the active set; number of nodes that would change. Collective")
+      .def("close_nearest", &Contact::close_nearest)
+      .def("update_nodal_stiffness", &Contact::update_nodal_stiffness, nb::arg("K"))
+      .def("contact_forces", [](const Contact& c) { return array(c.contact_forces()); })
+      .def(
+          "tangent",
+          [](Contact& c) -> nb::object
+          {
+            Mat A = c.tangent();
+            return A ? nb::cast(A, nb::rv_policy::reference) : nb::none();
+          },
+          "Geometric stiffness of the contact forces, kept by this object; None: zero. Collective")
+      .def("violation", &Contact::violation)
+      .def("largest_violation", &Contact::largest_violation)
+      .def("mesh_advice", &Contact::mesh_advice)
+      .def("smallest_gap", &Contact::smallest_gap)
+      .def("forget", &Contact::forget)
+      .def_prop_ro("num_active", &Contact::num_active)
+      .def(
+          "rigid_body_products",
+          [](const Contact& c, const RigidBodyModes& modes)
+          {
+            const std::size_t num = modes.num_modes();
+            return take(c.rigid_body_products(modes), {num, num});
+          },
+          nb::arg("modes"), "Products of the constraints' work on rigid body modes, of this rank. Collective");
+}
+
+void bind_linear_problems(nb::class_<Contact, MultiplierContact>& c)
+{
+  c.def(
+       "update_multipliers", [](Contact& c, Array residual) { c.update_multipliers(view(residual)); },
+       nb::arg("residual"), "Multipliers from equilibrium of the slave's nodes")
+      .def(
+          "set_multipliers", [](Contact& c, Array forces) { c.set_multipliers(view(forces)); }, nb::arg("forces"),
+          "Multipliers from a saddle point's forces")
+      .def("rotate_friction_traction", &Contact::rotate_friction_traction)
+      .def("constraints", &Contact::constraints, "Constraints of the active nodes for the linear system")
+      .def(
+          "friction_springs",
+          [](Contact& c) -> nb::object
+          {
+            auto found = c.friction_springs();
+            if (!found)
+              return nb::none();
+            return nb::make_tuple(nb::cast(found->first, nb::rv_policy::take_ownership),
+                                  take(std::move(found->second)));
+          },
+          "Matrix of the caller's own and forces, or None. Collective")
+      .def("imposed_friction_forces", [](const Contact& c) { return array(c.imposed_friction_forces()); })
+      .def(
+          "update_linearised_gap", [](Contact& c, Array increments) { c.update_linearised_gap(view(increments)); },
+          nb::arg("increments"), "Gaps and slips after a linear solution. Collective")
+      .def(
+          "linearised_response",
+          [](const Contact& c, Array increments, Array forces)
+          {
+            auto found = c.linearised_response(view(increments), view(forces));
+            return nb::make_tuple(take(std::move(found.first)), take(std::move(found.second)));
+          },
+          nb::arg("increments"), nb::arg("forces"), "What gaps and multipliers gain, without friction. Collective")
+      .def(
+          "correct_linearisation", [](Contact& c, Array u) { c.correct_linearisation(view(u)); }, nb::arg("u"),
+          "Second-order correction. Collective")
+      .def("num_turning", &Contact::num_turning)
+      .def(
+          "set_redundant", [](Contact& c, Indices nodes) { c.set_redundant({nodes.data(), nodes.size()}); },
+          nb::arg("nodes"))
+      .def("over_constrained", [](const Contact& c) { return array(c.over_constrained()); })
+      .def("gap_round_off", &Contact::gap_round_off)
+      .def(
+          "unit_gap", [](const Contact& c, std::int64_t number) { return array(c.unit_gap(number)); },
+          nb::arg("number"))
+      .def(
+          "unit_force", [](const Contact& c, std::int64_t number) { return array(c.unit_force(number)); },
+          nb::arg("number"), "Collective")
+      .def_prop_ro("last_change", &Contact::last_change);
+}
+
+void bind_results(nb::class_<Contact, MultiplierContact>& c)
+{
+  c.def_prop_ro("points", [](const Contact& c) { return by_node(c, c.points()); })
+      .def_prop_ro("gap", [](const Contact& c) { return array(c.gap()); })
+      .def_prop_ro("normal", [](const Contact& c) { return by_node(c, c.normal()); })
+      .def_prop_ro("pressure", [](const Contact& c) { return array(c.pressure()); })
+      .def_prop_ro("traction", [](const Contact& c) { return by_node(c, c.traction()); })
+      .def_prop_ro("slip", [](const Contact& c) { return by_node(c, c.slip()); })
+      .def_prop_ro("status",
+                   [](const Contact& c)
+                   {
+                     std::vector<std::int64_t> out;
+                     for (ContactStatus s : c.status())
+                       out.push_back(std::int64_t(s));
+                     return array(std::move(out));
+                   })
+      .def_prop_ro("weight", [](const Contact& c) { return array(c.weight()); })
+      .def("covered", [](const Contact& c) { return array(c.covered()); }, "Part of each area in contact. Collective");
+}
+
+std::vector<std::int8_t> owned(const Mask& mask)
+{
+  return {view(mask).begin(), view(mask).end()};
+}
+} // namespace
+
+void dolfinx_impact::bindings::mortar_contact(nb::module_& m)
+{
+  nb::class_<Contact, MultiplierContact> c(m, "MortarContact", "Contact of a pair by multipliers; arrays are copies");
+  c.def(
+       "__init__",
+       [](Contact* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Facets& master,
+          const MortarOptions& options, Mask fixed)
+       { new (self) Contact(std::move(V), slave, master, options, owned(fixed)); },
+       nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
+      .def(
+          "__init__",
+          [](Contact* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
+             std::shared_ptr<const Rigid> master, const MortarOptions& options, Mask fixed)
+          { new (self) Contact(std::move(V), slave, std::move(master), options, owned(fixed)); },
+          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
+      .def_prop_ro("name", &Contact::name)
+      .def_prop_ro(
+          "geometry", [](Contact& c) -> MortarGeometry& { return c.geometry(); }, nb::rv_policy::reference_internal)
+      .def_prop_ro("initial", &Contact::initial_penetration, nb::rv_policy::reference_internal)
+      .def_prop_ro(
+          "totals", [](Contact& c) -> ContactTotals& { return c.totals(); }, nb::rv_policy::reference_internal)
+      .def_prop_ro("friction", &Contact::friction, "The largest coefficient that acts at a node [1]")
+      .def_prop_ro(
+          "usable", [](const Contact& c) { return mask(c.usable()); },
+          "Nodes that carry a multiplier and may be moved along the normal, (n)")
+      .def_prop_ro("nodal_stiffness", [](const Contact& c) { return array(c.nodal_stiffness()); }, "(n) [F/L]");
+  bind_state(c);
+  bind_load_steps(c);
+  bind_linear_problems(c);
+  bind_results(c);
+  m.def(
+      "connect", [](const std::vector<Contact*>& contacts) { return connect(contacts); }, nb::arg("contacts"),
+      "Join the nodes that contacts share; are multipliers to be kept in the system? Collective");
+  m.def(
+      "over_constrained", [](const std::vector<Contact*>& contacts) { return over_constrained(contacts); },
+      nb::arg("contacts"), "Nodes that cannot fulfil the conditions of all their contacts, in words. Collective");
+}

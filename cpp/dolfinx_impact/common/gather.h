@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <mpi.h>
+#include <span>
+#include <vector>
+
+namespace dolfinx_impact::common
+{
+/// Numbers of all ranks one after the other, in the order of the ranks. Collective.
+inline std::vector<double> gather(MPI_Comm comm, std::span<const double> here)
+{
+  int size = 0, mine = int(here.size());
+  MPI_Comm_size(comm, &size);
+  std::vector<int> counts(size), starts(size + 1, 0);
+  MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  for (int r = 0; r < size; ++r)
+    starts[r + 1] = starts[r] + counts[r];
+  std::vector<double> out(starts[size]);
+  MPI_Allgatherv(here.data(), mine, MPI_DOUBLE, out.data(), counts.data(), starts.data(), MPI_DOUBLE, comm);
+  return out;
+}
+
+inline double largest(MPI_Comm comm, double here)
+{
+  MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return here;
+}
+
+inline double sum(MPI_Comm comm, double here)
+{
+  MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return here;
+}
+
+inline long long sum(MPI_Comm comm, long long here)
+{
+  MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_LONG_LONG, MPI_SUM, comm);
+  return here;
+}
+} // namespace dolfinx_impact::common

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../../gap/mortar.h"
+#include <optional>
+#include <string>
+
+namespace dolfinx_impact::enforcement
+{
+/// What may be chosen of a contact by multipliers.
+struct MortarOptions
+{
+  std::string name = "contact";                        ///< for messages
+  double friction = 0.0;                               ///< coefficient [1]
+  gap::Multipliers basis = gap::Multipliers::dual;     ///< against rigid masters: dual
+  std::optional<int> quadrature_degree = std::nullopt; ///< nothing: exact on flat, affine facets
+  double search_distance = 0.0;                        ///< slave and master are paired within it; 0: twice a facet [L]
+  bool axisymmetric = false;                           ///< x is the radius
+  bool remove_penetration = false;                     ///< gaps count from initial penetrations
+  bool may_share_nodes = true;                         ///< with other contacts
+};
+} // namespace dolfinx_impact::enforcement
