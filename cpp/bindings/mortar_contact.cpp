@@ -244,7 +244,4 @@ void dolfinx_impact::bindings::mortar_contact(nb::module_& m)
   m.def(
       "connect", [](const std::vector<Contact*>& contacts) { return connect(contacts); }, nb::arg("contacts"),
       "Join the nodes that contacts share; are multipliers to be kept in the system? Collective");
-  m.def(
-      "over_constrained", [](const std::vector<Contact*>& contacts) { return over_constrained(contacts); },
-      nb::arg("contacts"), "Nodes that cannot fulfil the conditions of all their contacts, in words. Collective");
 }

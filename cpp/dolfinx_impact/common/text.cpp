@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "text.h"
-#include <charconv>
 #include <cstdio>
 
 namespace dolfinx_impact::common
@@ -18,14 +17,6 @@ std::string components(std::span<const double> x, const char* format)
   for (double value : x)
     out += (out.empty() ? "" : ", ") + text(format, value);
   return out;
-}
-
-std::string shortest(double value)
-{
-  char digits[32];
-  const std::to_chars_result end = std::to_chars(digits, digits + sizeof digits, value);
-  const std::string out(digits, end.ptr);
-  return out.find_first_of(".en") == std::string::npos ? out + ".0" : out;
 }
 
 std::string joined(const std::vector<std::string>& texts, const char* between)

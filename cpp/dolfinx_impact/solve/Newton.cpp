@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "Newton.h"
+#include "../common/gather.h"
+#include "../common/places.h"
 #include "../common/text.h"
 #include "../operators/petsc_check.h"
 #include "LinearisedActiveSet.h"
@@ -340,8 +342,6 @@ std::string Newton::over_constrained() const
 {
   constexpr std::size_t shown = 3;
   std::vector<std::string> sentences;
-  int size = 0;
-  MPI_Comm_size(_comm, &size);
   for (const enforcement::MultiplierContact* contact : _multipliers)
   {
     const std::vector<std::int32_t> nodes = contact->over_constrained();
@@ -359,25 +359,15 @@ std::string Newton::over_constrained() const
       if (other != contact && common)
         names += " and " + other->name();
     }
-    // Reference positions of the first of them.
+    // Reference positions of the first of them, of all ranks.
     const std::vector<double> x = _problem->space().tabulate_dof_coordinates(false);
-    std::vector<double> mine(shown * 3, std::numeric_limits<double>::quiet_NaN()), all(size * shown * 3);
+    std::vector<double> here;
     for (std::size_t i = 0; i < std::min(shown, nodes.size()); ++i)
-      std::copy_n(x.data() + 3 * nodes[i], 3, mine.data() + 3 * i);
-    MPI_Allgather(mine.data(), int(mine.size()), MPI_DOUBLE, all.data(), int(mine.size()), MPI_DOUBLE, _comm);
-    std::string places;
-    std::size_t told = 0;
-    for (std::size_t i = 0; i < all.size() && told < shown; i += 3)
-    {
-      if (std::isnan(all[i]))
-        continue;
-      places += told++ ? ", [" : "[";
-      for (int c = 0; c < _gdim; ++c)
-        places += (c ? ", " : "") + common::shortest(std::round(1e9 * all[i + c]) / 1e9 + 0.0);
-      places += "]";
-    }
-    sentences.push_back(std::to_string(count) + " nodes, the first at [" + places +
-                        "], cannot fulfil the conditions of " + names +
+      here.insert(here.end(), x.data() + 3 * nodes[i], x.data() + 3 * nodes[i] + _gdim);
+    std::vector<double> first = common::gather(_comm, here);
+    first.resize(std::min(first.size(), shown * _gdim));
+    sentences.push_back(std::to_string(count) + " nodes, the first at " + common::places(first, _gdim) +
+                        ", cannot fulfil the conditions of " + names +
                         " at once: leave them out of one of the tags, or free their supports");
   }
   return joined(sentences);

@@ -14,7 +14,6 @@ from ..assembly.fields import field_dofs, is_mixed
 from ..common.described import Described
 from ..common.types import FloatArray, IntArray
 from ..contact.mortar.lagrange import LagrangeContact
-from ..contact.protocol import StaticContact
 from .bodies import assemble_residual
 from .load_steps import StepLog
 
@@ -54,7 +53,7 @@ def equilibrium_of(problem: EquilibriumProblem) -> Any:
     return _cpp.solve.EquilibriumProblem(
         u._cpp_object,
         bodies,
-        [_seen(contact) for contact in problem.contact],
+        [contact_in_cpp(contact) for contact in problem.contact],
         problem.fixed,
         problem.linear_solver._cpp_object,
         problem.axisymmetric,
@@ -64,8 +63,12 @@ def equilibrium_of(problem: EquilibriumProblem) -> Any:
     )
 
 
-def _seen(contact: StaticContact) -> _cpp.solve.StaticContact:
-    """A contact as Newton's method in C++ sees it. What derived classes may have replaced is called through Python."""
+def contact_in_cpp(contact: Any) -> _cpp.solve.StaticContact:
+    """A contact as Newton's method in C++ sees it. What derived classes may have replaced is called through Python.
+
+    Args:
+        contact: contact of a static or implicit problem.
+    """
     return contact._cpp_object if type(contact) is LagrangeContact else _cpp.solve.PythonContact(contact)
 
 

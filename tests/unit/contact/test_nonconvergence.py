@@ -12,6 +12,7 @@ import dolfinx_impact as di
 from dolfinx_impact import _cpp, meshes
 from dolfinx_impact.contact.penalty.facets import MARGIN, WIDEST, FacetKeeper
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
+from dolfinx_impact.statics import newton
 from dolfinx_impact.statics.progress import SolveProgress
 from dolfinx_impact.statics.snes import Solver
 
@@ -80,6 +81,7 @@ def test_increments_of_round_off_are_refused(monkeypatch):
 def test_a_condition_that_stays_violated_is_named(monkeypatch):
     """Nothing changes any more, but a gap stays: the error says which, and cutting back is not tried."""
     blocks = Blocks(di.Lagrange)
+    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)  # whose methods can be exchanged
     monkeypatch.setattr(LagrangeContact, "violation", lambda self: 1e-3)
     with pytest.raises(RuntimeError) as error:
         blocks.problem.solve(max_iterations=5)

@@ -7,9 +7,10 @@ from dolfinx import fem
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes
+from dolfinx_impact import _cpp, meshes
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.contact.penalty.penalty import PenaltyContact
+from dolfinx_impact.statics import newton
 
 METHODS = {"Lagrange": (di.Lagrange, LagrangeContact), "Penalty": (di.Penalty, PenaltyContact)}
 
@@ -48,6 +49,7 @@ def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkey
         forces[2 * node + 1] *= 1.001
         return forces
 
+    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)  # whose methods can be exchanged
     monkeypatch.setattr(contact_class, "contact_forces", wrong)
     place = ", ".join(f"{v:.4g}" for v in problem.space.tabulate_dof_coordinates()[node, :2])
     with pytest.raises(RuntimeError, match="do not balance those of the bodies") as error:
@@ -61,6 +63,7 @@ def test_methods_of_petsc_are_checked_too(snes, monkeypatch):
     options = {"snes_type": snes, "ksp_type": "preonly", "pc_type": "lu"}
     solve, problem = blocks(di.Penalty, "static", options=options)
     right = PenaltyContact.contact_forces
+    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)
     monkeypatch.setattr(PenaltyContact, "contact_forces", lambda self: 0.999 * right(self))
     with pytest.raises(RuntimeError, match="do not balance those of the bodies"):
         solve()
@@ -85,6 +88,7 @@ def test_two_contacts_are_summed_up(monkeypatch):
     np.testing.assert_allclose(problem.contact[0].force[1], -problem.contact[1].force[1], rtol=1e-9)
     right, second = LagrangeContact.contact_forces, problem.contact[1]
     factor = lambda contact: 2.0 if contact is second else 1.0  # noqa: E731
+    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)
     monkeypatch.setattr(LagrangeContact, "contact_forces", lambda self: factor(self) * right(self))
     lid.displacement = (0.0, -0.006)
     with pytest.raises(RuntimeError, match="do not balance.*contacts: .*, ") as error:

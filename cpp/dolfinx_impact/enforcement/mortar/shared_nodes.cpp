@@ -251,31 +251,4 @@ bool connect(std::span<MortarContact* const> contacts)
     tell_edges(contacts, found);
   return any_chained || apart;
 }
-
-std::string over_constrained(std::span<MortarContact* const> contacts)
-{
-  std::string out;
-  for (const MortarContact* contact : contacts)
-  {
-    const MPI_Comm comm = contact->geometry().comm();
-    const std::vector<std::int32_t> nodes = contact->over_constrained();
-    const long long number = common::sum(comm, (long long)nodes.size());
-    if (number == 0)
-      continue;
-    std::string names = contact->name();
-    for (const MortarContact* other : contacts)
-    {
-      if (other == contact)
-        continue;
-      const bool here = std::ranges::any_of(other->nodes(), [&](std::int32_t node)
-                                            { return std::ranges::find(nodes, node) != nodes.end(); });
-      if (common::largest(comm, here) > 0.0)
-        names += " and " + other->name();
-    }
-    out += (out.empty() ? "" : "; ") + std::to_string(number) + " nodes, the first at " + node_places(*contact, nodes) +
-           ", cannot fulfil the conditions of " + names +
-           " at once: leave them out of one of the tags, or free their supports";
-  }
-  return out;
-}
 } // namespace dolfinx_impact::enforcement

@@ -12,7 +12,4 @@ namespace dolfinx_impact::enforcement
 /// @throws std::invalid_argument on all ranks, if two pairs have the same facets twice, or each has the other's slave
 /// for its master, or share slave nodes where they may not
 bool connect(std::span<MortarContact* const> contacts);
-
-/// Nodes that cannot fulfil the conditions of all their contacts, in words; empty without any. Collective.
-std::string over_constrained(std::span<MortarContact* const> contacts);
 } // namespace dolfinx_impact::enforcement

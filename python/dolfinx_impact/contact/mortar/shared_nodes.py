@@ -25,12 +25,3 @@ def connect(contacts: Sequence[Any]) -> bool:
             nodes in a problem that cannot solve for them; on all ranks.
     """
     return bool(_cpp.multipliers.connect([c._cpp_object for c in contacts if c.has_multipliers]))
-
-
-def over_constrained(contacts: Sequence[Any]) -> str:
-    """A sentence about nodes that cannot fulfil the conditions of all their contacts, or an empty text. Collective.
-
-    Args:
-        contacts: contacts by multipliers.
-    """
-    return str(_cpp.multipliers.over_constrained([c._cpp_object for c in contacts]))
