@@ -90,6 +90,19 @@ def rng(request, seed):
     return np.random.default_rng([seed, zlib.crc32(request.node.nodeid.encode())])
 
 
+@pytest.fixture
+def contacts_in_python(monkeypatch):
+    """Contacts by multipliers of a derived class: Newton's method calls them through Python, where a test may have
+    replaced their methods."""
+    import dolfinx_impact as di
+    from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
+
+    class Derived(LagrangeContact):
+        pass
+
+    monkeypatch.setattr(di.Lagrange, "_bind", lambda self, problem: Derived(self, problem))
+
+
 @pytest.fixture(autouse=True)
 def handler_of_interrupts():
     """A test leaves the handler of SIGINT as it was. gmsh.initialize() gives the signal its default action, with which

@@ -28,7 +28,7 @@ def assert_same(one, other):
 
 @pytest.mark.parametrize("friction", (0.0, 0.3))
 @pytest.mark.parametrize("dim", (2, 3))
-def test_a_saddle_point_has_the_solution_of_the_condensed_system(dim, friction, monkeypatch):
+def test_a_saddle_point_has_the_solution_of_the_condensed_system(dim, friction, monkeypatch, contacts_in_python):
     """The same dual multipliers, condensed and as unknowns, with nodes that stick, slip and open."""
     condensed = pressed(MPI.COMM_SELF, dim, di.Lagrange, friction, rtol=RTOL)
     taken, take = [], LagrangeContact.set_multipliers  # that saddle points alone call
@@ -97,7 +97,7 @@ def test_responses_of_the_bodies_lead_to_the_same_active_set(cell, monkeypatch):
     assert_same(fast.answer, Ball(cell).answer)
 
 
-def test_wrong_responses_are_mended_by_the_next_solution(monkeypatch):
+def test_wrong_responses_are_mended_by_the_next_solution(monkeypatch, contacts_in_python):
     """Columns of the dense problem half as large as they are: other nodes change, the result is the same."""
     right = Ball("quadrilateral")
     respond = LagrangeContact.linearised_response
@@ -149,7 +149,7 @@ def test_saddle_points_refuse_multigrid():
         pressed(MPI.COMM_SELF, 2, partial(di.Lagrange, basis="standard"), options={"pc_type": "gamg"})
 
 
-def test_a_singular_dense_problem_is_left_to_linear_solutions(monkeypatch):
+def test_a_singular_dense_problem_is_left_to_linear_solutions(monkeypatch, contacts_in_python):
     """Responses that are zero: the dense problem has no solution, the contact has."""
     right = Ball("quadrilateral")
     respond = LagrangeContact.linearised_response

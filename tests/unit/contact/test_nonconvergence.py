@@ -77,7 +77,7 @@ def test_increments_of_round_off_are_refused(monkeypatch):
         blocks.problem.solve(cut_backs=10000)
 
 
-def test_a_condition_that_stays_violated_is_named(monkeypatch):
+def test_a_condition_that_stays_violated_is_named(monkeypatch, contacts_in_python):
     """Nothing changes any more, but a gap stays: the error says which, and cutting back is not tried."""
     blocks = Blocks(di.Lagrange)
     monkeypatch.setattr(LagrangeContact, "violation", lambda self: 1e-3)

@@ -35,7 +35,7 @@ def blocks(method, kind, friction=0.0, **options):
 @pytest.mark.parametrize("friction", (0.0, 0.3))
 @pytest.mark.parametrize("kind", ("static", "Newmark"))
 @pytest.mark.parametrize("name", METHODS)
-def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkeypatch):
+def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkeypatch, contacts_in_python):
     """The force on one node of the slave is reported a thousandth too large: the node and the pair are named."""
     method, contact_class = METHODS[name]
     solve, problem = blocks(method, kind, friction)
@@ -66,7 +66,7 @@ def test_methods_of_petsc_are_checked_too(snes, monkeypatch):
         solve()
 
 
-def test_two_contacts_are_summed_up(monkeypatch):
+def test_two_contacts_are_summed_up(monkeypatch, contacts_in_python):
     """Each is right by itself, but one of them is reported twice, as by two pairs that take the same force."""
     m = meshes.make("two_blocks", MPI.COMM_SELF, lower_cells=(4, 2), upper_cells=(5, 2))
     V = fem.functionspace(m.mesh, ("Lagrange", 1, (2,)))
