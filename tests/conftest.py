@@ -90,6 +90,15 @@ def rng(request, seed):
     return np.random.default_rng([seed, zlib.crc32(request.node.nodeid.encode())])
 
 
+@pytest.fixture
+def contacts_in_python(monkeypatch):
+    """Newton's method calls the methods of contacts in Python, where a test may have replaced them."""
+    from dolfinx_impact import _cpp
+    from dolfinx_impact.statics import newton
+
+    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)
+
+
 @pytest.fixture(autouse=True)
 def handler_of_interrupts():
     """A test leaves the handler of SIGINT as it was. gmsh.initialize() gives the signal its default action, with which

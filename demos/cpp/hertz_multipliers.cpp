@@ -20,9 +20,8 @@ using namespace dolfinx_impact;
 
 namespace
 {
-constexpr double E = 1000.0, nu = 0.3, radius = 50.0, size = 10.0,
-                 down = 0.03; // half the blocks' width is their height
-constexpr int num = 48;       // cells along half of the width
+constexpr double E = 1000.0, nu = 0.3, radius = 50.0, size = 10.0, down = 0.03; // size: height and half width
+constexpr int num = 48;                                                         // cells along half of the width
 
 /// Two blocks of quadrilaterals, fine where they touch. The upper one's surface is y = x^2/(2 radius).
 std::shared_ptr<mesh::Mesh<double>> blocks()
@@ -85,14 +84,13 @@ bool run()
       for (int c = 0; c < 2; ++c)
       {
         fixed[2 * node + c] = 1;
-        if (node >= map->size_local())
-          continue;
-        prescribed.push_back(PetscInt(first) + 2 * node + c);
+        if (node < map->size_local())
+          prescribed.push_back(PetscInt(first) + 2 * node + c);
         u.mutable_array()[2 * node + c] = c == 1 && end > 0.0 ? -down : 0.0;
       }
   u.scatter_fwd();
   enforcement::MortarContact contact(V, slave, master, {.name = "blocks"}, fixed);
-  contact.begin_step(std::vector<double>(u.array().size(), 0.0), {});
+  contact.begin_step(std::vector<double>(fixed.size(), 0.0), {});
   Vec U = la::petsc::create_vector_wrap(u), dU = la::petsc::create_vector_wrap(du);
   Vec R = la::petsc::create_vector_wrap(r);
   la::petsc::KrylovSolver solver(MPI_COMM_WORLD);

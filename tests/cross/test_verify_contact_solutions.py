@@ -73,7 +73,7 @@ def test_another_penalty(monkeypatch):
     failed(solutions(), ["static_penalty"], ["static_lagrange"])
 
 
-def test_nodes_that_stick_where_they_should_slip(monkeypatch):
+def test_nodes_that_stick_where_they_should_slip(monkeypatch, contacts_in_python):
     """Half of the law of friction: nodes that should slip stick."""
     right = LagrangeContact.update_active_set
 

@@ -153,7 +153,7 @@ def test_history_that_is_committed_too_soon_is_seen(monkeypatch):
     assert {"displacement", "plastic energy"} <= {row.name.split(" of the ")[0] for row in report.failures()}
 
 
-def test_friction_that_is_committed_twice_is_seen(monkeypatch):
+def test_friction_that_is_committed_twice_is_seen(monkeypatch, contacts_in_python):
     right = LagrangeContact.accept_step
 
     def wrong(self):

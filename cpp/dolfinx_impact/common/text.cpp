@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "text.h"
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 
 namespace dolfinx_impact::common
@@ -17,6 +19,30 @@ std::string components(std::span<const double> x, const char* format)
   for (double value : x)
     out += (out.empty() ? "" : ", ") + text(format, value);
   return out;
+}
+
+std::string shortest(double value)
+{
+  char digits[32];
+  const std::to_chars_result end = std::to_chars(digits, digits + sizeof digits, value);
+  const std::string out(digits, end.ptr);
+  return out.find_first_of(".en") == std::string::npos ? out + ".0" : out;
+}
+
+std::string place(std::span<const double> x)
+{
+  std::string out;
+  for (double value : x)
+    out += (out.empty() ? "" : ", ") + shortest(std::nearbyint(value * 1e9) / 1e9);
+  return "[" + out + "]";
+}
+
+std::string places(std::span<const double> x, int gdim)
+{
+  std::string out;
+  for (std::size_t i = 0; i < x.size(); i += gdim)
+    out += (out.empty() ? "" : ", ") + place(x.subspan(i, gdim));
+  return "[" + out + "]";
 }
 
 std::string joined(const std::vector<std::string>& texts, const char* between)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Newton.h"
 #include "../common/gather.h"
-#include "../common/places.h"
 #include "../common/text.h"
 #include "../operators/petsc_check.h"
 #include "LinearisedActiveSet.h"

@@ -13,17 +13,12 @@ from petsc4py import PETSc
 import dolfinx_impact as di
 from dolfinx_impact.bench import contact as bench_contact
 from dolfinx_impact import _cpp
-from dolfinx_impact.statics import linear_solver, newton
+from dolfinx_impact.statics import linear_solver
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 
 # Newton's tolerance, 1e-12 of the largest force, over the part of the forces that one node carries, and over how much
 # less a node that slips resists.
 SAME, RTOL = 1e-8, 1e-12
-
-
-def in_python(monkeypatch):
-    """Newton's method calls the methods of contacts in Python, where they can be exchanged."""
-    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)
 
 
 def assert_same(one, other):
@@ -34,10 +29,9 @@ def assert_same(one, other):
 
 @pytest.mark.parametrize("friction", (0.0, 0.3))
 @pytest.mark.parametrize("dim", (2, 3))
-def test_a_saddle_point_has_the_solution_of_the_condensed_system(dim, friction, monkeypatch):
+def test_a_saddle_point_has_the_solution_of_the_condensed_system(dim, friction, monkeypatch, contacts_in_python):
     """The same dual multipliers, condensed and as unknowns, with nodes that stick, slip and open."""
     condensed = pressed(MPI.COMM_SELF, dim, di.Lagrange, friction, rtol=RTOL)
-    in_python(monkeypatch)
     taken, take = [], LagrangeContact.set_multipliers  # that saddle points alone call
     monkeypatch.setattr(LagrangeContact, "set_multipliers", lambda *args: taken.append(take(*args)))
 
@@ -109,10 +103,9 @@ def test_responses_of_the_bodies_lead_to_the_same_active_set(cell):
     assert_same(fast.answer, slow.answer)
 
 
-def test_wrong_responses_are_mended_by_the_next_solution(monkeypatch):
+def test_wrong_responses_are_mended_by_the_next_solution(monkeypatch, contacts_in_python):
     """Columns of the dense problem half as large as they are: other nodes change, the result is the same."""
     right = Ball("quadrilateral")
-    in_python(monkeypatch)
     respond = LagrangeContact.linearised_response
     monkeypatch.setattr(LagrangeContact, "linearised_response", lambda *args: tuple(0.5 * v for v in respond(*args)))
     wrong = Ball("quadrilateral")
@@ -162,10 +155,9 @@ def test_saddle_points_refuse_multigrid():
         pressed(MPI.COMM_SELF, 2, partial(di.Lagrange, basis="standard"), options={"pc_type": "gamg"})
 
 
-def test_a_singular_dense_problem_is_left_to_linear_solutions(monkeypatch):
+def test_a_singular_dense_problem_is_left_to_linear_solutions(monkeypatch, contacts_in_python):
     """Responses that are zero: the dense problem has no solution, the contact has."""
     right = Ball("quadrilateral")
-    in_python(monkeypatch)
     respond = LagrangeContact.linearised_response
     monkeypatch.setattr(LagrangeContact, "linearised_response", lambda *args: tuple(0.0 * v for v in respond(*args)))
     assert_same(Ball("quadrilateral").answer, right.answer)

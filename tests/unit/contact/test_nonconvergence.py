@@ -12,7 +12,6 @@ import dolfinx_impact as di
 from dolfinx_impact import _cpp, meshes
 from dolfinx_impact.contact.penalty.facets import MARGIN, WIDEST, FacetKeeper
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
-from dolfinx_impact.statics import newton
 from dolfinx_impact.statics.progress import SolveProgress
 from dolfinx_impact.statics.snes import Solver
 
@@ -78,10 +77,9 @@ def test_increments_of_round_off_are_refused(monkeypatch):
         blocks.problem.solve(cut_backs=10000)
 
 
-def test_a_condition_that_stays_violated_is_named(monkeypatch):
+def test_a_condition_that_stays_violated_is_named(monkeypatch, contacts_in_python):
     """Nothing changes any more, but a gap stays: the error says which, and cutting back is not tried."""
     blocks = Blocks(di.Lagrange)
-    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)  # whose methods can be exchanged
     monkeypatch.setattr(LagrangeContact, "violation", lambda self: 1e-3)
     with pytest.raises(RuntimeError) as error:
         blocks.problem.solve(max_iterations=5)

@@ -7,10 +7,9 @@ from dolfinx import fem
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import _cpp, meshes
+from dolfinx_impact import meshes
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.contact.penalty.penalty import PenaltyContact
-from dolfinx_impact.statics import newton
 
 METHODS = {"Lagrange": (di.Lagrange, LagrangeContact), "Penalty": (di.Penalty, PenaltyContact)}
 
@@ -36,7 +35,7 @@ def blocks(method, kind, friction=0.0, **options):
 @pytest.mark.parametrize("friction", (0.0, 0.3))
 @pytest.mark.parametrize("kind", ("static", "Newmark"))
 @pytest.mark.parametrize("name", METHODS)
-def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkeypatch):
+def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkeypatch, contacts_in_python):
     """The force on one node of the slave is reported a thousandth too large: the node and the pair are named."""
     method, contact_class = METHODS[name]
     solve, problem = blocks(method, kind, friction)
@@ -49,7 +48,6 @@ def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkey
         forces[2 * node + 1] *= 1.001
         return forces
 
-    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)  # whose methods can be exchanged
     monkeypatch.setattr(contact_class, "contact_forces", wrong)
     place = ", ".join(f"{v:.4g}" for v in problem.space.tabulate_dof_coordinates()[node, :2])
     with pytest.raises(RuntimeError, match="do not balance those of the bodies") as error:
@@ -59,17 +57,16 @@ def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkey
 
 
 @pytest.mark.parametrize("snes", ("newtonls", "newtontr"))
-def test_methods_of_petsc_are_checked_too(snes, monkeypatch):
+def test_methods_of_petsc_are_checked_too(snes, monkeypatch, contacts_in_python):
     options = {"snes_type": snes, "ksp_type": "preonly", "pc_type": "lu"}
     solve, problem = blocks(di.Penalty, "static", options=options)
     right = PenaltyContact.contact_forces
-    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)
     monkeypatch.setattr(PenaltyContact, "contact_forces", lambda self: 0.999 * right(self))
     with pytest.raises(RuntimeError, match="do not balance those of the bodies"):
         solve()
 
 
-def test_two_contacts_are_summed_up(monkeypatch):
+def test_two_contacts_are_summed_up(monkeypatch, contacts_in_python):
     """Each is right by itself, but one of them is reported twice, as by two pairs that take the same force."""
     m = meshes.make("two_blocks", MPI.COMM_SELF, lower_cells=(4, 2), upper_cells=(5, 2))
     V = fem.functionspace(m.mesh, ("Lagrange", 1, (2,)))
@@ -88,7 +85,6 @@ def test_two_contacts_are_summed_up(monkeypatch):
     np.testing.assert_allclose(problem.contact[0].force[1], -problem.contact[1].force[1], rtol=1e-9)
     right, second = LagrangeContact.contact_forces, problem.contact[1]
     factor = lambda contact: 2.0 if contact is second else 1.0  # noqa: E731
-    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)
     monkeypatch.setattr(LagrangeContact, "contact_forces", lambda self: factor(self) * right(self))
     lid.displacement = (0.0, -0.006)
     with pytest.raises(RuntimeError, match="do not balance.*contacts: .*, ") as error:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "mortar_messages.h"
 #include "../../common/gather.h"
-#include "../../common/places.h"
 #include "../../common/text.h"
 #include <algorithm>
 #include <cmath>

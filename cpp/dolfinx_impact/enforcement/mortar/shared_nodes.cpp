@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "shared_nodes.h"
 #include "../../common/gather.h"
-#include "../../common/places.h"
+#include "../../common/text.h"
 #include "../../common/vectors.h"
 #include "../../operators/nodal_sums.h"
 #include "JoinedNodes.h"
