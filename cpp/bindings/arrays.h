@@ -2,6 +2,7 @@
 #pragma once
 // Arrays in and out: views that are checked, results that own their memory.
 #include "module.h"
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -12,6 +13,11 @@ typedef nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::c
 typedef nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> Values;
 /// An array that is written to. Its argument needs noconvert(): results would go into a copy of another type.
 typedef nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> MutableValues;
+
+inline std::span<const double> view(const Values& values)
+{
+  return {values.data(), values.size()};
+}
 
 /// NumPy array that owns a moved vector.
 template <typename T>

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/ContactTotals.h"
+#include "dolfinx_impact/enforcement/StaticContact.h"
 #include <algorithm>
 #include <caster_mpi.h>
+#include <caster_petsc.h>
 
 using namespace dolfinx_impact::enforcement;
 
@@ -12,14 +14,85 @@ using namespace dolfinx_impact::bindings;
 typedef nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> Rows;
 typedef nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Marks;
 
-std::span<const double> view(const Rows& rows)
+std::span<const double> flat(const Rows& rows)
 {
   return {rows.data(), rows.size()};
+}
+
+auto numbers(const std::vector<ContactStatus>& status)
+{
+  std::vector<std::int8_t> out(status.size());
+  std::transform(status.begin(), status.end(), out.begin(), [](ContactStatus s) { return std::int8_t(s); });
+  return take(std::move(out));
+}
+
+void bind_static_contact(nb::module_& m)
+{
+  nb::class_<StaticContact>(m, "StaticContact", "A contact of one pair in equilibrium; arrays are flat copies")
+      .def_prop_ro("name", &StaticContact::name)
+      .def_prop_ro("fault", &StaticContact::fault)
+      .def("check_parameters", &StaticContact::check_parameters)
+      .def(
+          "begin_step",
+          [](StaticContact& c, Values u, const std::optional<std::array<double, 3>>& displacement,
+             const std::optional<Values>& target)
+          { c.begin_step(view(u), displacement, target ? view(*target) : std::span<const double>()); },
+          nb::arg("u"), nb::arg("displacement").none(), nb::arg("target") = nb::none())
+      .def_prop_ro("displacement", &StaticContact::displacement)
+      .def("state", &StaticContact::state, nb::keep_alive<0, 1>(), "What an increment starts from; views")
+      .def("accept_step", &StaticContact::accept_step)
+      .def("augment", &StaticContact::augment)
+      .def("prescribed_overlap", &StaticContact::prescribed_overlap)
+      .def("passed_through", &StaticContact::passed_through)
+      .def(
+          "update_gap", [](StaticContact& c, Values u) { c.update_gap(view(u)); }, nb::arg("u"))
+      .def("update_active_set", &StaticContact::update_active_set, nb::arg("first"), nb::arg("last").none())
+      .def("contact_forces", [](const StaticContact& c) { return take(c.contact_forces()); })
+      .def("add_residual", &StaticContact::add_residual, nb::arg("b"))
+      .def("update_nodal_stiffness", &StaticContact::update_nodal_stiffness, nb::arg("K"))
+      .def("tangent", &StaticContact::tangent, nb::rv_policy::reference, "PETSc matrix, kept by this object")
+      .def("set_convex", &StaticContact::set_convex, nb::arg("convex"))
+      .def_prop_ro("symmetric", &StaticContact::symmetric)
+      .def_prop_ro("num_active", &StaticContact::num_active)
+      .def("violation", &StaticContact::violation)
+      .def("round_off", &StaticContact::round_off)
+      .def("largest_violation", &StaticContact::largest_violation)
+      .def("mesh_advice", &StaticContact::mesh_advice)
+      .def("smallest_gap", &StaticContact::smallest_gap)
+      .def("forget", &StaticContact::forget)
+      .def(
+          "rigid_body_products",
+          [](const StaticContact& c, const dolfinx_impact::operators::RigidBodyModes& modes)
+          {
+            const std::size_t num = modes.num_modes();
+            return take(c.rigid_body_products(modes), {num, num});
+          },
+          nb::arg("modes"), "Products of the constraints' work on rigid body modes, of this rank. Collective")
+      .def("close_nearest", &StaticContact::close_nearest)
+      .def("closing_forces", [](const StaticContact& c) { return take(c.closing_forces()); })
+      .def_prop_ro(
+          "points", [](const StaticContact& c) { return take(c.points()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "gap", [](const StaticContact& c) { return take(c.gap()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "normal", [](const StaticContact& c) { return take(c.normal()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "pressure", [](const StaticContact& c) { return take(c.pressure()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "traction", [](const StaticContact& c) { return take(c.traction()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "slip", [](const StaticContact& c) { return take(c.slip()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "status", [](const StaticContact& c) { return numbers(c.status()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "weight", [](const StaticContact& c) { return take(c.weight()); }, nb::rv_policy::move)
+      .def("covered", [](const StaticContact& c) { return take(c.covered()); });
 }
 } // namespace
 
 void dolfinx_impact::bindings::enforcement(nb::module_& m)
 {
+  bind_static_contact(m);
   nb::class_<ContactTotals>(m, "ContactTotals", "Totals of a contact over all ranks; force and moment have 3 entries")
       .def(nb::init<>())
       .def_rw("known", &ContactTotals::known)
@@ -46,7 +119,7 @@ void dolfinx_impact::bindings::enforcement(nb::module_& m)
                            [](std::int8_t s) { return ContactStatus(s); });
             t.update(
                 comm.get(),
-                {int(gdim), view(x), view(traction), view(slip), states, {weight.data(), num}, {covered.data(), num}});
+                {int(gdim), flat(x), flat(traction), flat(slip), states, {weight.data(), num}, {covered.data(), num}});
           },
           nb::arg("comm"), nb::arg("x"), nb::arg("traction"), nb::arg("slip"), nb::arg("status"), nb::arg("weight"),
           nb::arg("covered"), "Sum up a converged increment. Collective");

@@ -17,11 +17,6 @@ namespace
 using namespace dolfinx_impact::bindings;
 typedef nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> Marks;
 
-std::span<const double> view(const Values& values)
-{
-  return {values.data(), values.size()};
-}
-
 void check_points(std::size_t size, std::size_t wanted, const char* what)
 {
   if (size != wanted)

@@ -123,15 +123,7 @@ void bind_load_steps(nb::class_<Contact, MultiplierContact>& c)
       .def("mesh_advice", &Contact::mesh_advice)
       .def("smallest_gap", &Contact::smallest_gap)
       .def("forget", &Contact::forget)
-      .def_prop_ro("num_active", &Contact::num_active)
-      .def(
-          "rigid_body_products",
-          [](const Contact& c, const RigidBodyModes& modes)
-          {
-            const std::size_t num = modes.num_modes();
-            return take(c.rigid_body_products(modes), {num, num});
-          },
-          nb::arg("modes"), "Products of the constraints' work on rigid body modes, of this rank. Collective");
+      .def_prop_ro("num_active", &Contact::num_active);
 }
 
 void bind_linear_problems(nb::class_<Contact, MultiplierContact>& c)

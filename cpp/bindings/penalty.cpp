@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/penalty/QuadraturePenalty.h"
 #include <algorithm>
+#include <caster_mpi.h>
 #include <caster_petsc.h>
 
 using namespace dolfinx_impact::enforcement;
@@ -126,20 +127,15 @@ void bind_state(nb::module_& m)
           "traction", [vectors](const PenaltyState& s) { return vectors(s, s.traction); }, nb::rv_policy::move)
       .def_prop_ro("slip", [vectors](const PenaltyState& s) { return vectors(s, s.slip); }, nb::rv_policy::move);
 }
-std::span<const double> view(const Values& values)
-{
-  return {values.data(), values.size()};
-}
-
-QuadraturePenalty::Setup setup(std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Rows& points,
-                               const Values& weights, bool axisymmetric)
+PenaltyForces::Setup setup(std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Rows& points,
+                           const Values& weights, bool axisymmetric)
 {
   if (points.shape(0) != weights.size() || points.shape(1) != std::size_t(slave.geometry.tdim()))
     throw std::invalid_argument("a rule: points of shape (number, dimension of the facet), as many weights");
   return {std::move(V), slave, {points.data(), points.size()}, view(weights), axisymmetric};
 }
 
-void bind_contact(nb::module_& m)
+void bind_forces(nb::module_& m)
 {
   const auto reference = nb::rv_policy::reference_internal;
   nb::class_<PenaltyParameters>(m, "PenaltyParameters", "Penalties [F/L^3], friction [1], touch [F/L^2]")
@@ -147,50 +143,159 @@ void bind_contact(nb::module_& m)
       .def_rw("tangential", &PenaltyParameters::tangential)
       .def_rw("friction", &PenaltyParameters::friction)
       .def_rw("touch", &PenaltyParameters::touch);
-  nb::class_<QuadraturePenalty>(m, "QuadraturePenalty", "Penalty contact of one pair")
+  nb::class_<PenaltyForces>(m, "PenaltyForces", "Gaps, tractions, forces and tangent of one pair")
       .def(
           "__init__",
-          [](QuadraturePenalty* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Facets& master,
+          [](PenaltyForces* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Facets& master,
              Rows points, Values weights, bool axisymmetric, double search_distance)
           {
             new (self)
-                QuadraturePenalty(setup(std::move(V), slave, points, weights, axisymmetric), master, search_distance);
+                PenaltyForces(setup(std::move(V), slave, points, weights, axisymmetric), master, search_distance);
           },
           nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("points"), nb::arg("weights"),
           nb::arg("axisymmetric") = false, nb::arg("search_distance") = 0.0)
       .def(
           "__init__",
-          [](QuadraturePenalty* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
+          [](PenaltyForces* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
              std::shared_ptr<Rigid> master, Rows points, Values weights, bool axisymmetric)
-          {
-            new (self) QuadraturePenalty(setup(std::move(V), slave, points, weights, axisymmetric), std::move(master));
-          },
+          { new (self) PenaltyForces(setup(std::move(V), slave, points, weights, axisymmetric), std::move(master)); },
           nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("points"), nb::arg("weights"),
           nb::arg("axisymmetric") = false)
       .def_prop_ro(
-          "parameters", [](QuadraturePenalty& p) -> PenaltyParameters& { return p.parameters; }, reference)
+          "parameters", [](PenaltyForces& p) -> PenaltyParameters& { return p.parameters; }, reference)
       .def_prop_ro(
-          "history", [](QuadraturePenalty& p) -> PenaltyHistory& { return p.history; }, reference)
-      .def_prop_ro("points", &QuadraturePenalty::points, reference)
-      .def_prop_ro("state", &QuadraturePenalty::state, reference)
-      .def_prop_ro("map", &QuadraturePenalty::map)
-      .def_prop_ro("search", &QuadraturePenalty::search, reference)
-      .def_prop_ro("num_matrices", &QuadraturePenalty::num_matrices)
-      .def("energy", &QuadraturePenalty::energy, "Energy of the springs, this rank's part")
+          "history", [](PenaltyForces& p) -> PenaltyHistory& { return p.history; }, reference)
+      .def_prop_ro(
+          "points", [](PenaltyForces& p) -> Points& { return p.points(); }, reference)
+      .def_prop_ro("state", &PenaltyForces::state, reference)
+      .def_prop_ro("map", &PenaltyForces::map)
+      .def_prop_ro(
+          "search", [](PenaltyForces& p) { return p.search(); }, reference)
+      .def_prop_ro("num_matrices", &PenaltyForces::num_matrices)
+      .def("energy", &PenaltyForces::energy, "Energy of the springs, this rank's part")
       .def(
-          "update_gap", [](QuadraturePenalty& p, Values u, Values start, bool stay)
+          "update_gap", [](PenaltyForces& p, Values u, Values start, bool stay)
           { p.update_gap(view(u), view(start), stay); }, nb::arg("u"), nb::arg("start"), nb::arg("stay"))
       .def(
-          "evaluate", [](QuadraturePenalty& p, Values increment, std::array<double, 3> rigid)
+          "evaluate", [](PenaltyForces& p, Values increment, std::array<double, 3> rigid)
           { p.evaluate(view(increment), rigid); }, nb::arg("increment"), nb::arg("rigid"))
-      .def("evaluate", [](QuadraturePenalty& p) { p.evaluate(); })
-      .def("forget", &QuadraturePenalty::forget, "Forget candidates and the places of the tangent")
-      .def("accept_step", &QuadraturePenalty::accept_step)
-      .def("add_residual", &QuadraturePenalty::add_residual, nb::arg("b"))
-      .def("contact_forces", [](const QuadraturePenalty& p) { return take(p.contact_forces()); })
-      .def("closing_forces", [](const QuadraturePenalty& p) { return take(p.closing_forces()); })
-      .def("tangent", &QuadraturePenalty::tangent, nb::arg("convex") = false, nb::rv_policy::reference,
+      .def("evaluate", [](PenaltyForces& p) { p.evaluate(); })
+      .def("forget", &PenaltyForces::forget, "Forget candidates and the places of the tangent")
+      .def("accept_step", &PenaltyForces::accept_step)
+      .def("add_residual", &PenaltyForces::add_residual, nb::arg("b"))
+      .def("contact_forces", [](const PenaltyForces& p) { return take(p.contact_forces()); })
+      .def("closing_forces", [](const PenaltyForces& p) { return take(p.closing_forces()); })
+      .def("tangent", &PenaltyForces::tangent, nb::arg("convex") = false, nb::rv_policy::reference,
            "PETSc matrix, kept by this object");
+}
+
+void bind_parts(nb::module_& m)
+{
+  nb::class_<FacetKeeper>(m, "FacetKeeper", "Keeps points from alternating between facets")
+      .def(
+          "__init__", [](FacetKeeper* self, dolfinx_wrappers::MPICommWrapper comm)
+          { new (self) FacetKeeper(comm.get()); }, nb::arg("comm"))
+      .def_ro_static("margin", &FacetKeeper::margin)
+      .def_ro_static("widest", &FacetKeeper::widest)
+      .def_prop_ro("stay", &FacetKeeper::stay)
+      .def(
+          "begin", [](FacetKeeper& k, MutableValues margins) { k.begin({margins.data(), margins.size()}); },
+          nb::arg("margins").noconvert())
+      .def(
+          "watch",
+          [](FacetKeeper& k, Indices facets, bool kept, MutableValues margins)
+          {
+            if (margins.size() != facets.size())
+              throw std::invalid_argument("a margin is needed for every point");
+            return k.watch({facets.data(), facets.size()}, kept, {margins.data(), margins.size()});
+          },
+          nb::arg("facets"), nb::arg("kept"), nb::arg("margins").noconvert())
+      .def("leave", &FacetKeeper::leave);
+  nb::class_<Uzawa>(m, "Uzawa", "Multipliers at the corners of the slave's facets")
+      .def_prop_ro(
+          "multiplier", [](const Uzawa& u) { return copy(u.multiplier, {u.multiplier.size()}); }, nb::rv_policy::move)
+      .def_prop_ro("rounds", &Uzawa::rounds)
+      .def_prop_ro("penetration", &Uzawa::penetration);
+  nb::class_<PenaltyOptions>(m, "PenaltyOptions", "Parameters of penalty contact at quadrature points")
+      .def(nb::init<>())
+      .def_rw("penalty", &PenaltyOptions::penalty)
+      .def_rw("tangential", &PenaltyOptions::tangential)
+      .def_rw("friction", &PenaltyOptions::friction)
+      .def_rw("augmented", &PenaltyOptions::augmented)
+      .def_rw("tolerance", &PenaltyOptions::tolerance)
+      .def_rw("max_augmentations", &PenaltyOptions::max_augmentations)
+      .def_rw("quadrature_degree", &PenaltyOptions::quadrature_degree)
+      .def_rw("search_distance", &PenaltyOptions::search_distance)
+      .def_rw("remove_penetration", &PenaltyOptions::remove_penetration)
+      .def_rw("axisymmetric", &PenaltyOptions::axisymmetric);
+}
+
+/// The tangent that a function of Python's assembles; its result lives until the next call.
+QuadraturePenalty::BodyTangent tangent_of(nb::callable assemble)
+{
+  return [assemble = std::move(assemble), kept = std::make_shared<nb::object>()]
+  {
+    *kept = assemble();
+    nb::detail::make_caster<Mat> matrix;
+    if (!matrix.from_python(*kept, 0, nullptr))
+      throw nb::type_error("the tangent of the bodies must be a matrix of PETSc");
+    return matrix.value;
+  };
+}
+
+void bind_contact(nb::module_& m)
+{
+  const auto reference = nb::rv_policy::reference_internal;
+  nb::class_<QuadraturePenalty, StaticContact>(m, "QuadraturePenalty", "Penalty contact of one pair in increments")
+      .def(
+          "__init__",
+          [](QuadraturePenalty* self, std::string name, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
+             const Facets& master, const PenaltyOptions& options, nb::callable bodies)
+          {
+            new (self)
+                QuadraturePenalty(std::move(name), std::move(V), slave, master, options, tangent_of(std::move(bodies)));
+          },
+          nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("bodies"))
+      .def(
+          "__init__",
+          [](QuadraturePenalty* self, std::string name, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
+             const Rigid& master, const PenaltyOptions& options, nb::callable bodies)
+          {
+            new (self)
+                QuadraturePenalty(std::move(name), std::move(V), slave, master, options, tangent_of(std::move(bodies)));
+          },
+          nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("bodies"))
+      .def_prop_ro("penalty", &QuadraturePenalty::penalty)
+      .def_prop_ro("tangential", &QuadraturePenalty::tangential)
+      .def_prop_ro("convex", &QuadraturePenalty::convex)
+      .def_prop_ro("has_begun", &QuadraturePenalty::has_begun)
+      .def_prop_ro("closes_nearest", &QuadraturePenalty::closes_nearest)
+      .def_prop_ro("initial", &QuadraturePenalty::initial, reference)
+      .def_prop_ro("totals", &QuadraturePenalty::totals, reference)
+      .def_prop_ro("forces", &QuadraturePenalty::forces, reference)
+      .def_prop_ro("uzawa", &QuadraturePenalty::uzawa, reference)
+      .def(
+          "resume",
+          [](QuadraturePenalty& p, double penalty, double tangential, Values u,
+             nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> status,
+             nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> facets)
+          {
+            std::vector<ContactStatus> states(status.size());
+            std::transform(status.data(), status.data() + status.size(), states.begin(),
+                           [](std::int8_t s) { return ContactStatus(s); });
+            p.resume(penalty, tangential, view(u), std::move(states), {facets.data(), facets.size()});
+          },
+          nb::arg("penalty"), nb::arg("tangential"), nb::arg("u"), nb::arg("status"), nb::arg("facets"))
+      .def("facet_ids", [](const QuadraturePenalty& p) { return take(p.facet_ids()); })
+      .def(
+          "nodal_means",
+          [](const QuadraturePenalty& p, nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> values)
+          {
+            auto [nodes, means] = p.nodal_means({values.data(), values.size()}, values.shape(1));
+            const std::size_t num = nodes.size();
+            return nb::make_tuple(take(std::move(nodes)), take(std::move(means), {num, values.shape(1)}));
+          },
+          nb::arg("values"), "Owned nodes and means of point values there");
 }
 } // namespace
 
@@ -198,5 +303,7 @@ void dolfinx_impact::bindings::penalty(nb::module_& m)
 {
   bind_points(m);
   bind_state(m);
+  bind_forces(m);
+  bind_parts(m);
   bind_contact(m);
 }

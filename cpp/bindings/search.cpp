@@ -46,10 +46,6 @@ std::shared_ptr<Facets> facets(const std::shared_ptr<const Exchange>& exchange, 
   return {std::const_pointer_cast<Exchange>(exchange), const_cast<Facets*>(&part)};
 }
 
-std::span<const double> view(const Values& values)
-{
-  return {values.data(), values.size()};
-}
 } // namespace
 
 void dolfinx_impact::bindings::search(nb::module_& m)

@@ -34,11 +34,6 @@ std::vector<std::int8_t> bytes(const Mask& mask)
   return {mask.data(), mask.data() + mask.size()};
 }
 
-std::span<const double> view(const Values& values)
-{
-  return {values.data(), values.size()};
-}
-
 nb::object as_ksp(KSP ksp)
 {
   if (!PyPetscKSP_New && import_petsc4py() != 0)
@@ -423,7 +418,6 @@ void dolfinx_impact::bindings::solve(nb::module_& m)
 {
   bind_eigenvalues(m);
   bind_rigid_body_modes(m);
-  nb::class_<StaticContact>(m, "StaticContact", "A contact of one pair, as Newton's method sees it");
   nb::class_<MultiplierContact, StaticContact>(m, "MultiplierContact", "One whose normal tractions are unknowns");
   nb::class_<PythonContact, MultiplierContact>(m, "PythonContact", "A contact written in Python")
       .def(nb::init<nb::object>(), nb::arg("contact"));

@@ -2,9 +2,8 @@
 // A block is pressed on a rigid plane and dragged along it: Newton's method with penalty contact and Coulomb friction,
 // residual and tangent added to PETSc's objects, without Python. Pressed, the force is that of two springs in series;
 // dragged, friction is the coefficient times the normal force. Runs on any number of ranks.
-#include <algorithm>
+#include <array>
 #include <basix/finite-element.h>
-#include <basix/quadrature.h>
 #include <cmath>
 #include <cstdio>
 #include <dolfinx/fem/FunctionSpace.h>
@@ -15,7 +14,6 @@
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/Tangent.h>
 #include <dolfinx_impact/surface/Surface.h>
-#include <functional>
 #include <numeric>
 #include <spdlog/spdlog.h>
 #include <vector>
@@ -56,12 +54,9 @@ bool run()
   bodies.assemble();
 
   const auto bottom = mesh::locate_entities_boundary(*mesh, 1, at_height(0.0));
-  const auto rule = basix::quadrature::make_quadrature<double>(
-      basix::quadrature::type::Default, basix::cell::type::interval, basix::polyset::type::standard, 4);
   const gap::Rigid plane{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {0, 1, 0}};
-  enforcement::QuadraturePenalty contact({V, surface::make_surface(*V, bottom), rule[0], rule[1]},
-                                         std::make_shared<gap::Rigid>(plane));
-  contact.parameters = {.normal = penalty, .tangential = penalty, .friction = friction};
+  enforcement::QuadraturePenalty contact("block on plane", V, surface::make_surface(*V, bottom), plane,
+                                         {.penalty = penalty, .friction = friction});
 
   const PetscInt first = 2 * map->local_range()[0];
   std::vector<PetscInt> prescribed; // components of the top's nodes, in turn
@@ -78,19 +73,17 @@ bool run()
        {std::pair{"ksp_type", "preonly"}, {"pc_type", "lu"}, {"pc_factor_mat_solver_type", "mumps"}})
     la::petsc::options::set(key, value);
   solver.set_from_options();
-  double force[2][2] = {}, change = 0.0; // forces of both steps
+  std::array<double, 3> force[2]; // on the block, of both steps
+  double change = 0.0;
   for (int step = 0; step < 2 && change < 1e-12; ++step)
   {
-    const std::vector<double> start(u.array().begin(), u.array().end());
+    contact.begin_step(u.array(), std::array{0.0, 0.0, 0.0}); // the plane does not move
     for (std::size_t i = 0; i < prescribed.size(); ++i)
       u.mutable_array()[prescribed[i] - first] = i % 2 ? -pressed : step * 0.5 * height;
     u.scatter_fwd();
     for (int iteration = 0; iteration < 20 && (iteration == 0 || change > 1e-12); ++iteration)
     {
-      std::vector<double> increment(start.size());
-      std::transform(u.array().begin(), u.array().end(), start.begin(), increment.begin(), std::minus<double>());
-      contact.update_gap(u.array(), start, iteration > 0);
-      contact.evaluate(increment);
+      contact.update_gap(u.array());
       MatMult(bodies.matrix(), x, R);
       contact.add_residual(R);
       Mat J;
@@ -106,10 +99,7 @@ bool run()
       MatDestroy(&J);
     }
     contact.accept_step();
-    const std::vector<double> nodal = contact.contact_forces();
-    for (std::size_t i = 0; i < nodal.size(); ++i)
-      force[step][i % 2] += nodal[i];
-    MPI_Allreduce(MPI_IN_PLACE, force[step], 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    force[step] = contact.totals().force;
   }
   for (Vec* v : {&x, &dx, &R})
     VecDestroy(v);

@@ -9,7 +9,7 @@ from fault_injection import assert_healthy
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
-from dolfinx_impact.contact.penalty.penalty import PenaltyContact
+from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
 from dolfinx_impact.verify import contact, contact_bodies, contact_patch
 from dolfinx_impact.verify.report import Report
 
@@ -118,21 +118,21 @@ def changed(monkeypatch, cls, name, change):
     ],
 )
 def test_values_at_points_that_are_wrong(name, form, change, monkeypatch):
-    scaled_property(monkeypatch, PenaltyContact, name, change)
+    scaled_property(monkeypatch, QuadraturePenalty, name, change)
     # Friction counts from where a point closes: gaps of the history decide forces as well.
     rows = failed(patches(), [form], ["mortar_D"] + ["penalty_force"] * (name != "gap"))
     assert "deformable master" in {r.name for r in rows}
 
 
 def test_a_point_without_master_that_is_closed(monkeypatch):
-    scaled_property(monkeypatch, PenaltyContact, "status", lambda v: np.where(v == 0, 2, v))
+    scaled_property(monkeypatch, QuadraturePenalty, "status", lambda v: np.where(v == 0, 2, v))
     failed(patches(), ["status"])
 
 
 @pytest.mark.parametrize("factor", [-1.0, 1 + 1e-8, float("nan")])
 def test_forces_of_the_penalty(factor, monkeypatch):
-    right = PenaltyContact.contact_forces
-    monkeypatch.setattr(PenaltyContact, "contact_forces", lambda self: factor * right(self))
+    right = QuadraturePenalty.contact_forces
+    monkeypatch.setattr(QuadraturePenalty, "contact_forces", lambda self: factor * right(self))
     rows = failed(patches(), ["penalty_force"], ["penalty_tangent", "gap"])
     assert {r.name for r in rows} == {"deformable master", "rigid plane", "rigid sphere", "rigid cylinder"}
     assert all("UFL" in r.note for r in rows)
@@ -165,7 +165,7 @@ def test_friction_with_another_coefficient(monkeypatch):
 
 
 def test_slip_that_open_points_keep(monkeypatch):
-    right = PenaltyContact.accept_step
+    right = QuadraturePenalty.accept_step
 
     def wrong(self):
         before = self.history.slip
@@ -173,7 +173,7 @@ def test_slip_that_open_points_keep(monkeypatch):
         n = np.repeat(self.status == 0, self.gdim)
         self.history.slip = np.where(n, before + 1e-3, self.history.slip)
 
-    monkeypatch.setattr(PenaltyContact, "accept_step", wrong)
+    monkeypatch.setattr(QuadraturePenalty, "accept_step", wrong)
     assert {r.form for r in failed(patches(), ["friction_slip"])} == {"contact.friction_slip"}
 
 

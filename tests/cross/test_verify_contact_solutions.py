@@ -8,24 +8,24 @@ from fault_injection import assert_healthy
 
 from dolfinx_impact import contact as contact_package
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
-from dolfinx_impact.contact.penalty.penalty import PenaltyContact
+from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
 from dolfinx_impact.verify import contact_static
 from dolfinx_impact.verify.report import Report
 
 
 def test_multipliers_that_are_never_augmented(monkeypatch):
-    monkeypatch.setattr(PenaltyContact, "augment", lambda self: False)
+    monkeypatch.setattr(QuadraturePenalty, "augment", lambda self: False)
     failed(solutions(), ["static_augmented"], ["static_penalty", "static_lagrange"])
 
 
 def test_one_round_of_augmentation_too_few(monkeypatch):
-    right, seen = PenaltyContact.augment, []
+    right, seen = QuadraturePenalty.augment, []
 
     def wrong(self):
         seen.append(self)
         return right(self) if len(seen) < 3 else False
 
-    monkeypatch.setattr(PenaltyContact, "augment", wrong)
+    monkeypatch.setattr(QuadraturePenalty, "augment", wrong)
     failed(solutions(), [], ["static_lagrange"])
     assert len(seen) >= 3
 

@@ -11,7 +11,7 @@ import pytest
 from fault_injection import scaled
 
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
-from dolfinx_impact.contact.penalty.penalty import PenaltyContact
+from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
 from dolfinx_impact.dynamics.implicit.inertia import Inertia
 from dolfinx_impact.dynamics.implicit.motion import StepMotion
 from dolfinx_impact.dynamics.implicit.moving_body import MovingBody
@@ -166,8 +166,8 @@ def test_friction_that_is_committed_twice_is_seen(monkeypatch, contacts_in_pytho
 
 def test_friction_that_is_not_committed_is_seen(monkeypatch):
     """In every other step. (Twice would be no fault with penalty: it takes over the state of the last residual.)"""
-    right, count = PenaltyContact.accept_step, itertools.count()
-    monkeypatch.setattr(PenaltyContact, "accept_step", lambda self: right(self) if next(count) % 2 else None)
+    right, count = QuadraturePenalty.accept_step, itertools.count()
+    monkeypatch.setattr(QuadraturePenalty, "accept_step", lambda self: right(self) if next(count) % 2 else None)
     assert {"displacement", "friction energy"} <= failed(case_of("disc on a block, penalty"))
 
 

@@ -37,6 +37,9 @@ public:
   virtual std::string fault() const { return ""; }
 
   // --- load steps ------------------------------------------------------------------------------------------------
+  /// Refuse parameters that do not fit the problem, before a solution.
+  /// @throws std::invalid_argument on all ranks
+  virtual void check_parameters() {}
   /// Begin an increment.
   /// @param[in] u displacements, owned and ghosts [L]
   /// @param[in] displacement of a rigid master at the end of the increment; nothing for deformable masters [L]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "nodal.h"
 #include "normals.h"
-#include <basix/quadrature.h>
+#include "quadrature.h"
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -10,26 +10,10 @@ namespace dolfinx_impact::surface
 {
 namespace
 {
-struct Rule
-{
-  std::vector<double> points, weights;
-};
-
-Rule rule(FacetShape shape, int degree)
-{
-  using basix::cell::type;
-  const type cell = shape == FacetShape::interval   ? type::interval
-                    : shape == FacetShape::triangle ? type::triangle
-                                                    : type::quadrilateral;
-  auto [points, weights] = basix::quadrature::make_quadrature<double>(basix::quadrature::type::Default, cell,
-                                                                      basix::polyset::type::standard, degree);
-  return {points, weights};
-}
-
 /// Parts of a facet's area that its nodes have: integrals of squared shape functions, adding up to one.
 std::vector<double> shares(const FacetElement& element)
 {
-  const Rule exact = rule(element.shape, 2 * element.degree * element.tdim());
+  const QuadratureRule exact = quadrature(element.shape, 2 * element.degree * element.tdim());
   std::vector<double> out(element.num_nodes(), 0.0);
   double phi[FacetElement::max_nodes], sum = 0.0;
   for (std::size_t q = 0; q < exact.weights.size(); ++q)
@@ -54,7 +38,7 @@ void add_nodal_areas(const Facets& facets, bool axisymmetric, std::vector<double
     throw std::invalid_argument("nodal areas need a factor for each of " + std::to_string(facets.size()) + " facets");
   const FacetElement& element = facets.displacement;
   const int n = element.num_nodes(), tdim = element.tdim();
-  const Rule gauss = rule(element.shape, 5);
+  const QuadratureRule gauss = quadrature(element.shape, 5);
   const std::vector<double> share = element.degree == 2 ? shares(element) : std::vector<double>();
   for (std::size_t f = 0; f < facets.size(); ++f)
     for (std::size_t q = 0; q < gauss.weights.size(); ++q)

@@ -19,41 +19,52 @@ class InitialPenetration(Described):
     """Penetrations of the contact points in the reference configuration of bodies and obstacles. Collective.
 
     Args:
-        pair: the pair of surfaces.
-        V: displacement space.
-        slave: this rank's facets of the slave.
-        master: this rank's facets of the master; None: the master is rigid.
-        x: positions of the contact points, (n, gdim) [L].
-        gap: gaps of the contact points, (n), infinite without master [L].
+        found: the C++ object.
+        comm: communicator of the mesh.
 
     Attributes:
         num_points: number of contact points of all ranks that penetrate.
         depth: their largest penetration [L].
         where: position of the largest penetration, gdim components; None without penetration [L].
         offset: values to be added to all later gaps, (n) [L].
-
-    Raises:
-        ValueError: every point penetrates by more than half of the thinner body; on all ranks.
     """
 
     where: list[float] | None
 
-    def __init__(
-        self,
+    def __init__(self, found: _cpp.gap.InitialPenetration, comm: MPI.Comm) -> None:
+        self.num_points, self.depth = found.num_points, found.depth
+        self.where, self.offset = found.where or None, found.offset
+        if found.warning and comm.rank == 0:
+            LOG.warning(found.warning)
+
+    @classmethod
+    def of(
+        cls,
         pair: ContactPair,
         V: FunctionSpace,
         slave: _cpp.surface.Facets,
         master: _cpp.surface.Facets | None,
         x: FloatArray,
         gap: FloatArray,
-    ) -> None:
-        made = _cpp.gap.InitialPenetration(
-            pair.name, V._cpp_object, slave, master, np.ravel(x), gap, pair.remove_penetration
-        )
-        self.num_points, self.depth = made.num_points, made.depth
-        self.where, self.offset = made.where or None, made.offset
-        if made.warning and V.mesh.comm.rank == 0:
-            LOG.warning(made.warning)
+    ) -> "InitialPenetration":
+        """Find them. Collective.
+
+        Args:
+            pair: the pair of surfaces.
+            V: displacement space.
+            slave: this rank's facets of the slave.
+            master: this rank's facets of the master; None: the master is rigid.
+            x: positions of the contact points, (n, gdim) [L].
+            gap: gaps of the contact points, (n), infinite without master [L].
+
+        Returns:
+            The penetrations.
+
+        Raises:
+            ValueError: every point penetrates by more than half of the thinner body; on all ranks.
+        """
+        arguments = pair.name, V._cpp_object, slave, master, np.ravel(x), gap, pair.remove_penetration
+        return cls(_cpp.gap.InitialPenetration(*arguments), V.mesh.comm)
 
 
 def check_side(pair: ContactPair, V: FunctionSpace, slave: _cpp.surface.Facets, obstacle: _cpp.gap.Rigid) -> None:

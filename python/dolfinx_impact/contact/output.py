@@ -243,7 +243,7 @@ class ContactOutput:
         """Make a function of an array over the contact points, for ParaView. Collective.
 
         The function is on the mesh of the displacement and zero at other nodes. Values at quadrature points (penalty)
-        become means at the slave's nodes; see PenaltyContact.at_nodes.
+        become means at the slave's nodes; see QuadraturePenalty.at_nodes.
 
         Args:
             problem: problem of the contact.

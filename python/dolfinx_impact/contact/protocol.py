@@ -146,14 +146,14 @@ class StaticContact(Protocol):
                 are read; None: they do not change [L].
         """
 
-    def save_state(self) -> dict[str, Any]:
+    def save_state(self) -> Any:
         """Copy the state from which an increment starts.
 
         Returns:
-            Arrays by name, for restore_state.
+            The copy, for restore_state.
         """
 
-    def restore_state(self, state: dict[str, Any]) -> None:
+    def restore_state(self, state: Any) -> None:
         """Restore the state from which an increment started.
 
         Args:

@@ -45,7 +45,8 @@ from .transport import Transport
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
-    from ..contact.penalty.penalty import Penalty, PenaltyContact
+    from ..contact.penalty.penalty import Penalty
+    from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
 AHEAD = 1.1  # of the rates: so far beyond them a linear body's critical speed is looked for
@@ -157,7 +158,7 @@ class RollingProblem(Unique):
         return f"RollingProblem({self.motions}, {self._equilibrium!r})"
 
     @property
-    def contact(self) -> tuple[LagrangeContact | PenaltyContact, ...]:
+    def contact(self) -> tuple[LagrangeContact | QuadraturePenalty, ...]:
         """Contacts with their results."""
         return self._equilibrium.contact
 

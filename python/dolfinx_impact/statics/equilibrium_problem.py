@@ -16,7 +16,7 @@ from .linear_solver import LinearSolver
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import LagrangeContact
-    from ..contact.penalty.penalty import PenaltyContact
+    from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
 class EquilibriumProblem(Protocol):
@@ -45,7 +45,7 @@ class EquilibriumProblem(Protocol):
     exact_tangent: bool
 
     @property
-    def contact(self) -> Sequence[LagrangeContact | PenaltyContact]:
+    def contact(self) -> Sequence[LagrangeContact | QuadraturePenalty]:
         """Contacts."""
 
     @property

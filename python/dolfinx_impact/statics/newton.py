@@ -14,6 +14,7 @@ from ..assembly.fields import field_dofs, is_mixed
 from ..common.described import Described
 from ..common.types import FloatArray, IntArray
 from ..contact.mortar.lagrange import LagrangeContact
+from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 from .bodies import assemble_residual
 from .load_steps import StepLog
 
@@ -69,7 +70,8 @@ def contact_in_cpp(contact: Any) -> _cpp.solve.StaticContact:
     Args:
         contact: contact of a static or implicit problem.
     """
-    return contact._cpp_object if type(contact) is LagrangeContact else _cpp.solve.PythonContact(contact)
+    own = type(contact) in (LagrangeContact, QuadraturePenalty)
+    return contact._cpp_object if own else _cpp.solve.PythonContact(contact)
 
 
 class Newton(Described):
@@ -144,9 +146,6 @@ class Newton(Described):
 
         Args:
             K: stiffness of the bodies [F/L].
-            residual: residual without contact forces of multipliers, over owned degrees of freedom [F].
-            jump: increments of the prescribed displacements, over `fixed` [L].
-            rtol: relative tolerance of the linear solution [1].
 
         Returns:
             What went wrong; empty if nothing did.

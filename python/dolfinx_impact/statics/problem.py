@@ -45,7 +45,8 @@ from .load_step_recorder import LoadStepRecorder
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
-    from ..contact.penalty.penalty import Penalty, PenaltyContact
+    from ..contact.penalty.penalty import Penalty
+    from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
 __all__ = ["Report", "StaticProblem"]
 
@@ -148,7 +149,7 @@ class StaticProblem(Unique):
         for d in dofs:
             self.fixed[d] = True
         self.recorders: list[LoadStepRecorder] = []
-        self.contact: tuple[LagrangeContact | PenaltyContact, ...] = tuple([c._bind(self) for c in contact])
+        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
         # Only multipliers with the dual basis can be condensed, and only one constraint at a node. Otherwise, all stay
         # in the system.
         shared = connect(self.contact)

@@ -195,7 +195,7 @@ def _points(rows: Rows, ours: Any, points: impact_reference.contact.Points, plac
     rows("normals", ours.normal[faces], normal[faces])
     rows("point_area", ours.weight, points.weight[place])
     rows("pressure", ours.pressure, points.pressure[place])
-    rows("friction_traction", ours._cpp.state.tangential, points.traction[place])
+    rows("friction_traction", ours.evaluated.tangential, points.traction[place])
 
 
 # --- multipliers -----------------------------------------------------------------------------------------------------

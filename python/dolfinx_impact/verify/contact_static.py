@@ -307,7 +307,7 @@ def compare_penalty(report: Report, form: str, case: Case, augmented: bool = Fal
         case, supports, method, solve, lambda ours: their_points.append(match_points(body, ours, other))
     ):
         at = their_points[0]
-        tractions = ours._cpp.state.tangential, theirs.traction[at]
+        tractions = ours.evaluated.tangential, theirs.traction[at]
         _rows(report, form, case, name, problem, ours, theirs, theirs.pressure[at], tractions, theirs.status[at])
 
 

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp, meshes
-from dolfinx_impact.contact.penalty.facets import MARGIN, WIDEST, FacetKeeper
+from dolfinx_impact._cpp.penalty import FacetKeeper
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.statics.progress import SolveProgress
 from dolfinx_impact.statics.snes import Solver
@@ -126,42 +126,24 @@ def test_cycles_of_two_and_three_are_seen():
     assert increment([0.18, 0.22] * 2, [8, 9, 8, 8]) == 0
 
 
-class Points:
-    """Two points; the facets they are on."""
-
-    size, margin = 2, None
-
-    def __init__(self):
-        self.master = np.array([16, 3])
-
-
-class Search:
-    kept = True
-
-
 def test_points_that_come_back_stay_farther():
     """A point to and fro between facets 16 and 17 may stay farther beside each time, up to the widest; others not."""
-    points = Points()
-    keeper = FacetKeeper(MPI.COMM_SELF, points, Search())
-    closed = np.array([True, True])
-    moved = []
-    for k in range(12):
-        points.master = np.array([16 + k % 2, 3])
-        moved.append(keeper.watch(closed))
+    keeper, margins = FacetKeeper(MPI.COMM_SELF), np.zeros(2)
+    keeper.begin(margins)
+    moved = [keeper.watch(np.array([16 + k % 2, 3], dtype=np.int32), True, margins) for k in range(12)]
     assert moved == [0] + 11 * [1]
-    assert points.margin.tolist() == [WIDEST, MARGIN]
-    keeper.begin()
-    assert points.margin.tolist() == [MARGIN, MARGIN]
+    assert margins.tolist() == [FacetKeeper.widest, FacetKeeper.margin]
+    keeper.begin(margins)
+    assert margins.tolist() == [FacetKeeper.margin, FacetKeeper.margin]
 
 
 def test_a_return_ends_the_iterations_without_staying():
-    points = Points()
-    keeper = FacetKeeper(MPI.COMM_SELF, points, Search())
+    keeper, margins = FacetKeeper(MPI.COMM_SELF), np.zeros(2)
+    keeper.begin(margins)
     assert keeper.leave() and not keeper.stay and not keeper.leave()
     for facet in (16, 17, 16):
         assert not keeper.stay
-        points.master = np.array([facet, 3])
-        keeper.watch(np.array([True, True]))
+        keeper.watch(np.array([facet, 3], dtype=np.int32), True, margins)
     assert keeper.stay
 
 

@@ -9,9 +9,9 @@ from mpi4py import MPI
 import dolfinx_impact as di
 from dolfinx_impact import meshes
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
-from dolfinx_impact.contact.penalty.penalty import PenaltyContact
+from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
 
-METHODS = {"Lagrange": (di.Lagrange, LagrangeContact), "Penalty": (di.Penalty, PenaltyContact)}
+METHODS = {"Lagrange": (di.Lagrange, LagrangeContact), "Penalty": (di.Penalty, QuadraturePenalty)}
 
 
 def blocks(method, kind, friction=0.0, **options):
@@ -60,8 +60,8 @@ def test_wrong_forces_of_a_contact_are_not_accepted(name, kind, friction, monkey
 def test_methods_of_petsc_are_checked_too(snes, monkeypatch, contacts_in_python):
     options = {"snes_type": snes, "ksp_type": "preonly", "pc_type": "lu"}
     solve, problem = blocks(di.Penalty, "static", options=options)
-    right = PenaltyContact.contact_forces
-    monkeypatch.setattr(PenaltyContact, "contact_forces", lambda self: 0.999 * right(self))
+    right = QuadraturePenalty.contact_forces
+    monkeypatch.setattr(QuadraturePenalty, "contact_forces", lambda self: 0.999 * right(self))
     with pytest.raises(RuntimeError, match="do not balance those of the bodies"):
         solve()
 

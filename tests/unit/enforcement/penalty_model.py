@@ -37,7 +37,7 @@ def smooth(V, amplitude, phase=0.0, comm=None):
 
 
 class Deformable:
-    """A pair of deformable bodies: QuadraturePenalty as functions of the displacements (owned and ghost dofs)."""
+    """A pair of deformable bodies: PenaltyForces as functions of the displacements (owned and ghost dofs)."""
 
     rigid_increment = (0.0, 0.0, 0.0)
 
@@ -61,7 +61,7 @@ class Deformable:
 
     def _set(self, dim, friction, V, *arguments):
         self.dim, self.friction = dim, friction
-        self.penalty = _cpp.penalty.QuadraturePenalty(V._cpp_object, *arguments)
+        self.penalty = _cpp.penalty.PenaltyForces(V._cpp_object, *arguments)
         given = self.penalty.parameters
         given.normal, given.tangential, given.friction = CHI, 0.7 * CHI, friction
         self.points, self.history = self.penalty.points, self.penalty.history

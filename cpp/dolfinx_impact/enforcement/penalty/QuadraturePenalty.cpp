@@ -1,147 +1,629 @@
 // SPDX-License-Identifier: MIT
 #include "QuadraturePenalty.h"
-#include "../../operators/petsc_check.h"
-#include "../StaticContact.h"
-#include <dolfinx/la/Vector.h>
-#include <functional>
+#include "../../common/text.h"
+#include "../../gap/crossing.h"
+#include "../../gap/mortar.h"
+#include "../../gap/nearly_touching.h"
+#include "../../gap/obstacle_side.h"
+#include "../../operators/body_size.h"
+#include "../../operators/nodal_sums.h"
+#include "automatic_penalty.h"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace dolfinx_impact::enforcement
 {
-
-QuadraturePenalty::QuadraturePenalty(Setup setup, std::unique_ptr<search::PairSearch> search,
-                                     std::shared_ptr<const gap::Rigid> rigid)
-    : _space(setup.V), _slave(std::move(setup.slave)), _rigid(std::move(rigid)), _search(std::move(search)),
-      _points(gap::make_points(_slave, setup.points, setup.weights, setup.axisymmetric))
+namespace
 {
-  history = make_history(_points);
-  const std::size_t num = _points.size(), size = num * _points.gdim;
-  _state = {std::vector<ContactStatus>(num, ContactStatus::open), std::vector<double>(num), std::vector<double>(size),
-            std::vector<double>(size), std::vector<double>(size)};
-}
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Gaps below this part of the bodies' size count as closed, so that round-off does not decide at first contact.
+constexpr double touch = 1e-12;
+/// A slave is much coarser than its master from this ratio of the sizes of their facets on.
+constexpr double coarse = 2.0;
+/// Least cosine between a master's normal and the slave's inward one where the surfaces face each other. Beside the rim
+/// the direction to the master lies along the slave, cosine zero; where surfaces touch, normals differ by a facet's
+/// turn.
+constexpr double least_facing = 0.5;
+/// Part of the bodies' size below which a change of closest points is round-off.
+constexpr double still = 1e-12;
 
-QuadraturePenalty::QuadraturePenalty(const Setup& setup, const surface::Facets& master, double search_distance)
-    : QuadraturePenalty(setup, std::make_unique<search::PairSearch>(setup.V, setup.slave, master, search_distance),
-                        nullptr)
+/// Diagonal of the box around each facet in the reference configuration [L].
+std::vector<double> facet_sizes(const surface::Facets& facets)
 {
-}
-
-QuadraturePenalty::QuadraturePenalty(Setup setup, std::shared_ptr<const gap::Rigid> master)
-    : QuadraturePenalty(std::move(setup), nullptr, std::move(master))
-{
-  if (!_rigid)
-    throw std::invalid_argument("a rigid master is needed");
-}
-
-std::shared_ptr<const dolfinx::common::IndexMap> QuadraturePenalty::map() const
-{
-  return _search ? _search->map() : _space->dofmap()->index_map;
-}
-
-PenaltyPair QuadraturePenalty::pair() const
-{
-  return {_points, slave(), master(), parameters, history, _increment, _rigid_increment};
-}
-
-void QuadraturePenalty::update_gap(std::span<const double> u, std::span<const double> start, bool stay)
-{
-  if (_search)
+  const int n = facets.geometry.num_nodes(), gdim = facets.gdim;
+  std::vector<double> out(facets.size());
+  for (std::size_t f = 0; f < out.size(); ++f)
   {
-    _search->update(u, start);
-    gap::update(_points, _search->slave(), _search->closest(), _search->reach(), stay && _search->kept());
-    return;
+    double squared = 0.0;
+    for (int c = 0; c < gdim; ++c)
+    {
+      double low = infinity, high = -infinity;
+      for (int i = 0; i < n; ++i)
+      {
+        low = std::min(low, facets.X_of(f)[i * gdim + c]);
+        high = std::max(high, facets.X_of(f)[i * gdim + c]);
+      }
+      squared += (high - low) * (high - low);
+    }
+    out[f] = std::sqrt(squared);
   }
-  for (std::int32_t node : _slave.nodes)
-    if (std::size_t(node + 1) * _slave.gdim > u.size())
-      throw std::invalid_argument("the displacements are fewer than the surface's nodes");
-  surface::move(_slave, u.data());
-  gap::update(_points, _slave, *_rigid);
-}
-
-void QuadraturePenalty::forget()
-{
-  if (_search)
-    _search->forget();
-  _matrix.forget();
-}
-
-void QuadraturePenalty::evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment)
-{
-  if (_search)
-  {
-    _increment.resize(_search->exchange()->size());
-    _search->exchange()->forward(increment, _increment);
-  }
-  else
-    _increment.assign(increment.begin(), increment.end());
-  _rigid_increment = rigid_increment;
-  evaluate();
-}
-
-void QuadraturePenalty::evaluate()
-{
-  _state = enforcement::evaluate(pair());
-}
-
-/// Forces of a state on both bodies, owned entries.
-std::vector<double> QuadraturePenalty::nodal_forces(const PenaltyState& state) const
-{
-  const auto nodes = map();
-  const std::size_t owned = std::size_t(nodes->size_local()) * _slave.gdim;
-  std::vector<double> out(owned, 0.0);
-  if (_search)
-  {
-    std::vector<double> values(_search->exchange()->size(), 0.0);
-    add_force(pair(), state, values);
-    _search->exchange()->reverse(values, out);
-    return out;
-  }
-  dolfinx::la::Vector<double> values(nodes, _slave.gdim);
-  values.set(0.0);
-  add_force(pair(), state, values.mutable_array());
-  values.scatter_rev(std::plus<double>());
-  std::copy_n(values.array().begin(), owned, out.begin());
   return out;
 }
 
-std::vector<double> QuadraturePenalty::contact_forces() const
+/// Sizes of the facets of the points.
+std::vector<double> point_sizes(const surface::Facets& facets, const gap::Points& points)
 {
-  return nodal_forces(_state);
+  const std::vector<double> sizes = facet_sizes(facets);
+  std::vector<double> out(points.size());
+  for (std::size_t q = 0; q < out.size(); ++q)
+    out[q] = sizes[points.facet[q]];
+  return out;
+}
+
+std::vector<double> difference(std::span<const double> a, std::span<const double> b)
+{
+  std::vector<double> out(a.size());
+  std::transform(a.begin(), a.end(), b.begin(), out.begin(), std::minus<double>());
+  return out;
+}
+
+const PenaltyOptions& checked(const PenaltyOptions& o)
+{
+  if (o.penalty < 0.0 || o.tangential < 0.0 || o.friction < 0.0 || !(o.tolerance > 0.0) || o.max_augmentations < 1)
+    throw std::invalid_argument("penalties and friction are not negative, a tolerance and max_augmentations positive");
+  return o;
+}
+} // namespace
+
+QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
+                                     surface::Facets slave, std::optional<surface::Facets> master,
+                                     std::shared_ptr<gap::Rigid> rigid, const PenaltyOptions& options,
+                                     BodyTangent bodies)
+    : _name(std::move(name)), _space(std::move(V)), _options(checked(options)), _bodies(std::move(bodies)),
+      _slave(std::move(slave)), _master(std::move(master)), _rigid(std::move(rigid)),
+      _size(operators::body_size(*_space->mesh())),
+      _rule(surface::quadrature(_slave.displacement.shape, _options.quadrature_degree > 0
+                                                               ? _options.quadrature_degree
+                                                               : 2 * _slave.displacement.degree + 2)),
+      _forces(_rigid ? PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric}, _rigid)
+                     : PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric}, *_master,
+                                     _options.search_distance)),
+      _uzawa(_space->dofmap()->index_map, _slave, _rule), _penalty(_options.penalty), _tangential(_options.tangential)
+{
+  const auto map = _space->dofmap()->index_map;
+  _forces.parameters.friction = _options.friction;
+  _start.assign(std::size_t(map->size_local() + map->num_ghosts()) * _slave.gdim, 0.0);
+  _u = _start;
+  _touched.assign(at().size(), 0);
+  _last_status.assign(at().size(), ContactStatus::open);
+  if (_rigid)
+    gap::check_side(_name, *_space, _slave, *_rigid);
+  else
+  {
+    _keeper.emplace(comm());
+    _keeper->begin(_forces.points().margin);
+  }
+  locate(_start);
+  _initial.emplace(_name, *_space, _slave, _master ? &*_master : nullptr, at().x, at().gap,
+                   _options.remove_penetration);
+  _forces.history.offset = _initial->offset();
+  _gap_before = gap();
+}
+
+QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
+                                     surface::Facets slave, surface::Facets master, const PenaltyOptions& options,
+                                     BodyTangent bodies)
+    : QuadraturePenalty(std::move(name), std::move(V), std::move(slave), std::optional(std::move(master)), nullptr,
+                        options, std::move(bodies))
+{
+}
+
+QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
+                                     surface::Facets slave, gap::Rigid master, const PenaltyOptions& options,
+                                     BodyTangent bodies)
+    : QuadraturePenalty(std::move(name), std::move(V), std::move(slave), std::nullopt,
+                        std::make_shared<gap::Rigid>(std::move(master)), options, std::move(bodies))
+{
+}
+
+double QuadraturePenalty::sum_over_ranks(double value) const
+{
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, comm());
+  return value;
+}
+
+// --- load steps ----------------------------------------------------------------------------------------------------
+
+double QuadraturePenalty::automatic() const
+{
+  if (!_bodies)
+    throw std::invalid_argument(_name + ": an automatic penalty needs the tangent of the bodies");
+  return automatic_penalty(_bodies(), *_space, _slave, _master ? &*_master : nullptr, _rule, _options.axisymmetric);
+}
+
+void QuadraturePenalty::check_parameters()
+{
+  if (_options.penalty > 0.0 && _bodies)
+    check_penalty(_name, _options.penalty, automatic());
+}
+
+std::optional<std::array<double, 3>> QuadraturePenalty::displacement() const
+{
+  return _rigid ? std::optional(_displacement) : std::nullopt;
+}
+
+std::array<double, 3> QuadraturePenalty::rigid_increment() const
+{
+  std::array<double, 3> out;
+  for (int c = 0; c < 3; ++c)
+    out[c] = _displacement[c] - _start_displacement[c];
+  return out;
+}
+
+state::State QuadraturePenalty::state()
+{
+  using state::Place;
+  const std::size_t per_facet = at().per_facet, gdim = at().gdim;
+  const std::size_t num_owned = _space->dofmap()->index_map->size_local();
+  PenaltyHistory& h = _forces.history;
+  state::State out(_name);
+  out.add("multiplier", Place::facet, h.multiplier, per_facet);
+  out.add("traction", Place::facet, h.traction, per_facet * gdim);
+  out.add("slip", Place::facet, h.slip, per_facet * gdim);
+  out.add("touched", Place::facet, _touched, per_facet);
+  out.add("corners", Place::node, state::View(std::span(_uzawa.multiplier).first(num_owned)));
+  out.add("start", Place::node, state::View(std::span(_start).first(num_owned * gdim)), gdim);
+  out.add("start_displacement", Place::all, state::View(std::span<double>(_start_displacement)), 3);
+  out.add("displacement", Place::all, state::View(std::span<double>(_displacement)), 3);
+  return out;
+}
+
+void QuadraturePenalty::begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
+                                   std::span<const double>)
+{
+  if (_penalty == 0.0)
+    _penalty = automatic();
+  if (_tangential == 0.0)
+    _tangential = _penalty;
+  _start.assign(u.begin(), u.end());
+  _forces.parameters.normal = _penalty;
+  _forces.parameters.tangential = _tangential;
+  _touch = touch * _size * _penalty;
+  _uzawa.begin();
+  _fault.clear();
+  if (_keeper)
+    _keeper->begin(_forces.points().margin);
+  if (_options.friction > 0.0) // the slip of a point is measured from the place where it closes
+  {
+    locate(_start);
+    const std::vector<double> now = gap();
+    for (std::size_t q = 0; q < now.size(); ++q)
+      _forces.history.gap[q] = _touched[q] || now[q] <= touch * _size ? 0.0 : now[q];
+  }
+  if (displacement)
+  {
+    _start_displacement = _displacement;
+    _displacement = *displacement;
+  }
+}
+
+void QuadraturePenalty::accept_step()
+{
+  _forces.accept_step();
+  const std::vector<ContactStatus> now = status();
+  std::transform(now.begin(), now.end(), _touched.begin(), [](ContactStatus s) { return s != ContactStatus::open; });
+  _gap_before = gap();
+  const std::vector<double> tractions = traction(), part = covered();
+  _totals.update(comm(), {at().gdim, at().x, tractions, _forces.state().slip, now, at().weight, part});
+}
+
+bool QuadraturePenalty::augment()
+{
+  if (leave_facets())
+    return true;
+  if (!_options.augmented)
+    return false;
+  const double tolerance = _options.tolerance * _size;
+  auto multiplier = _uzawa.augment(gap_without_overhang(), at().weight, _penalty, tolerance);
+  if (!multiplier)
+    return false;
+  _forces.history.multiplier = std::move(*multiplier);
+  if (_uzawa.rounds() <= _options.max_augmentations)
+    return true;
+  _fault = _name + ": " + _uzawa.fault(_penalty, tolerance);
+  return false;
+}
+
+/// Gaps, infinite at open points that the master does not face: theirs are the way to its rim, which no pressure could
+/// close. On a slave's facet that the master covers in part they would keep the mean gap open.
+std::vector<double> QuadraturePenalty::gap_without_overhang()
+{
+  const int gdim = at().gdim, n = _slave.displacement.num_nodes();
+  std::vector<double> sums(_u.size(), 0.0), out = gap();
+  surface::move(_slave, _u.data());
+  gap::add_normals(_slave, sums);
+  for (std::size_t q = 0; q < out.size(); ++q)
+  {
+    double inward[3] = {}, squared = 0.0, facing = 0.0;
+    for (int c = 0; c < gdim; ++c)
+    {
+      for (int i = 0; i < n; ++i)
+        inward[c] += sums[std::size_t(_slave.nodes_of(at().facet[q])[i]) * gdim + c];
+      squared += inward[c] * inward[c];
+    }
+    for (int c = 0; c < gdim; ++c)
+      facing += at().normal[q * gdim + c] * inward[c] / std::max(std::sqrt(squared), 1e-300);
+    if (out[q] > 0.0 && facing < least_facing)
+      out[q] = infinity;
+  }
+  return out;
+}
+
+/// Release points from their facets, once in an increment, and project them anew. Collective.
+/// @returns whether a closest point or a traction changes, so that the iteration must continue
+bool QuadraturePenalty::leave_facets()
+{
+  if (!_keeper || !_keeper->leave())
+    return false;
+  const std::vector<double> closest_before = closest_points(), traction_before = traction();
+  update_gap(std::vector<double>(_u));
+  const std::vector<double> closest = closest_points(), traction_now = traction();
+  double change = 0.0;
+  for (std::size_t i = 0; i < closest.size(); ++i)
+  {
+    if (_forces.state().status[i / at().gdim] != ContactStatus::open)
+      change = std::max(change, std::abs(closest[i] - closest_before[i]));
+    change = std::max(change, std::abs(traction_now[i] - traction_before[i]) / _penalty);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_DOUBLE, MPI_MAX, comm());
+  return change > still * _size;
+}
+
+/// Closest points on the master, [q*gdim + c] [L]; without meaning for points without master.
+std::vector<double> QuadraturePenalty::closest_points() const
+{
+  std::vector<double> out = at().x;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (const double gap = at().gap[i / at().gdim]; std::isfinite(gap))
+      out[i] -= gap * at().normal[i];
+  return out;
+}
+
+std::string QuadraturePenalty::passed_through()
+{
+  const int gdim = at().gdim, n = _slave.displacement.num_nodes();
+  std::vector<std::int8_t> passed(at().size(), 0);
+  if (_rigid)
+  {
+    const std::vector<double> moved = difference(_u, _start);
+    const std::array<double, 3> rigid = rigid_increment();
+    std::vector<double> from = at().x;
+    double shape[surface::FacetElement::max_nodes];
+    for (std::size_t q = 0; q < at().size(); ++q)
+    {
+      _slave.displacement.values(at().xi.data() + 2 * q, shape);
+      for (int c = 0; c < gdim; ++c)
+      {
+        from[q * gdim + c] += rigid[c];
+        for (int i = 0; i < n; ++i)
+          from[q * gdim + c] -= shape[i] * moved[std::size_t(_slave.nodes_of(at().facet[q])[i]) * gdim + c];
+      }
+    }
+    passed = gap::through_obstacle(*_rigid, from, at().x, _initial->offset(), touch * _size);
+  }
+  else
+  {
+    const std::vector<double> here = _u, now = gap();
+    for (std::size_t q = 0; q < passed.size(); ++q)
+      passed[q] = std::isfinite(_gap_before[q]) && std::isinf(now[q]);
+    int any = std::ranges::any_of(passed, [](std::int8_t p) { return p != 0; });
+    MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm());
+    if (any)
+    {
+      const auto gap_on_the_way = [&](double part)
+      {
+        std::vector<double> there = _start;
+        for (std::size_t i = 0; i < there.size(); ++i)
+          there[i] += part * (here[i] - there[i]);
+        locate(there);
+        return gap();
+      };
+      passed = gap::through_master(comm(), passed, point_sizes(_slave, at()), gap_on_the_way);
+      update_gap(here);
+    }
+  }
+  return gap::describe_crossing(_name, comm(), gdim, at().x, passed);
+}
+
+// --- checkpoints ---------------------------------------------------------------------------------------------------
+
+void QuadraturePenalty::resume(double penalty, double tangential, std::span<const double> u,
+                               std::vector<ContactStatus> status, std::span<const std::int64_t> facets)
+{
+  if (status.size() != at().size() || facets.size() != at().size())
+    throw std::invalid_argument("a checkpoint has status and facet of every point");
+  _penalty = penalty;
+  _tangential = tangential;
+  _start_displacement = _displacement;
+  begin_step(u, displacement());
+  update_gap(u);
+  if (_keeper) // points a little beside a facet that they were kept on go back on it
+  {
+    keep_facets(facets);
+    _keeper->begin(_forces.points().margin, FacetKeeper::widest);
+    update_gap(u);
+  }
+  // A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
+  _resumed_status = _last_status = std::move(status);
+  _gap_before = gap();
+  _totals.slip = slip();
+}
+
+std::vector<std::int64_t> QuadraturePenalty::facet_ids() const
+{
+  std::vector<std::int64_t> out(at().size(), -1);
+  if (_master)
+    for (std::size_t q = 0; q < out.size(); ++q)
+      if (at().master[q] >= 0)
+        out[q] = _forces.master()->id[at().master[q]];
+  return out;
+}
+
+void QuadraturePenalty::keep_facets(std::span<const std::int64_t> ids)
+{
+  const std::vector<std::int64_t>& known = _forces.master()->id;
+  std::vector<std::int32_t> order(known.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](std::int32_t f) { return known[f]; });
+  for (std::size_t q = 0; q < ids.size(); ++q)
+  {
+    const auto place = std::ranges::lower_bound(order, ids[q], {}, [&](std::int32_t f) { return known[f]; });
+    _forces.points().master[q] = place != order.end() && known[*place] == ids[q] ? *place : -1;
+  }
+}
+
+// --- Newton iterations ---------------------------------------------------------------------------------------------
+
+/// Update closest points and gaps. Collective.
+void QuadraturePenalty::locate(std::span<const double> u)
+{
+  if (_rigid)
+    _rigid->displacement = _displacement;
+  _forces.update_gap(u, _start, _seen && _keeper && _keeper->stay());
+}
+
+void QuadraturePenalty::update_gap(std::span<const double> u)
+{
+  if (!_touch) // a state is asked for before anything was solved
+    begin_step(u, displacement());
+  _start = operators::from_owners(_space->dofmap()->index_map, std::move(_start), at().gdim);
+  _u.assign(u.begin(), u.end());
+  _resumed_status.reset();
+  locate(_u);
+  _seen = true;
+  _forces.parameters.touch = *_touch;
+  _forces.evaluate(difference(_u, _start), rigid_increment());
+  _touch = 0.0;
+  _closes_nearest = false;
+}
+
+int QuadraturePenalty::update_active_set(bool, std::optional<std::int64_t>)
+{
+  const std::vector<ContactStatus> now = status();
+  int changed = 0;
+  std::vector<std::int32_t> facets(now.size());
+  for (std::size_t q = 0; q < now.size(); ++q)
+  {
+    changed += now[q] != _last_status[q];
+    facets[q] = now[q] != ContactStatus::open ? at().master[q] : -1;
+  }
+  if (_keeper)
+    changed += _keeper->watch(facets, _forces.search()->kept(), _forces.points().margin);
+  _last_status = now;
+  MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_SUM, comm());
+  return changed;
+}
+
+bool QuadraturePenalty::symmetric() const
+{
+  const std::vector<ContactStatus> now = status();
+  return sum_over_ranks(has_friction() && std::ranges::count(now, ContactStatus::slip) > 0) == 0.0;
+}
+
+std::int64_t QuadraturePenalty::num_active() const
+{
+  const std::vector<ContactStatus> now = status();
+  std::int64_t number = std::int64_t(now.size()) - std::ranges::count(now, ContactStatus::open);
+  MPI_Allreduce(MPI_IN_PLACE, &number, 1, MPI_INT64_T, MPI_SUM, comm());
+  return number;
+}
+
+/// Penalty times the rounding of positions, at points that are closed, or open by no more than that.
+double QuadraturePenalty::round_off() const
+{
+  double sum = 0.0;
+  const std::vector<double> now = gap();
+  for (std::size_t q = 0; q < now.size(); ++q)
+  {
+    const int gdim = at().gdim;
+    double squared = 0.0;
+    for (int c = 0; c < gdim; ++c)
+      squared += at().x[q * gdim + c] * at().x[q * gdim + c];
+    const double rounding = std::numeric_limits<double>::epsilon() * std::sqrt(squared);
+    if (now[q] <= rounding)
+      sum += std::pow(_penalty * at().weight[q] * rounding, 2);
+  }
+  return std::sqrt(sum_over_ranks(sum));
+}
+
+std::string QuadraturePenalty::mesh_advice() const
+{
+  if (!_master)
+    return "";
+  double sums[4]; // sizes of the slave's facets and their number, of the master's
+  for (int side = 0; side < 2; ++side)
+  {
+    const std::vector<double> sizes = facet_sizes(side == 0 ? _slave : *_master);
+    sums[2 * side] = std::accumulate(sizes.begin(), sizes.end(), 0.0);
+    sums[2 * side + 1] = double(sizes.size());
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, comm());
+  const double ratio = (sums[0] / sums[1]) / (sums[2] / sums[3]);
+  if (ratio < coarse)
+    return "";
+  return _name + ": the slave's facets are " + common::text("%.1f", ratio) +
+         " times as long as the master's, which is dented between its points: exchange slave and master, refine the "
+         "slave, or take multipliers";
+}
+
+double QuadraturePenalty::smallest_gap() const
+{
+  const std::vector<double> now = gap();
+  double least = now.empty() ? infinity : std::ranges::min(now);
+  MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, comm());
+  return least;
+}
+
+// --- bodies that are supported by contact alone --------------------------------------------------------------------
+
+std::vector<double> QuadraturePenalty::rigid_body_products(const operators::RigidBodyModes& modes) const
+{
+  const int gdim = at().gdim, num = modes.num_modes(), per_body = modes.per_body();
+  std::vector<double> out(std::size_t(num) * num, 0.0);
+  std::vector<std::int32_t> body(modes.body().begin(), modes.body().end());
+  if (_master) // the search knows facets of other ranks as well
+  {
+    const auto near = _forces.map();
+    std::vector<double> known(near->size_local() + near->num_ghosts(), 0.0);
+    std::copy_n(body.begin(), modes.num_owned(), known.begin());
+    known = operators::from_owners(near, std::move(known), 1);
+    body.assign(known.begin(), known.end());
+  }
+  const std::vector<ContactStatus> now = status();
+  const std::vector<double> closest = closest_points();
+  std::vector<double> row(num, 0.0);
+  for (std::size_t q = 0; q < now.size(); ++q)
+  {
+    if (now[q] == ContactStatus::open)
+      continue;
+    const double* n = at().normal.data() + q * gdim;
+    const std::int32_t own = body[_forces.slave().nodes_of(at().facet[q])[0]];
+    const std::int32_t other = _master ? body[_forces.master()->nodes_of(at().master[q])[0]] : own;
+    // With friction the point is held in all directions; but nothing holds a point along the surface that closes only
+    // in this increment.
+    const bool sticks = has_friction() && !(_forces.history.gap[q] > 0.0);
+    for (int k = 0; k < (sticks ? gdim : 1); ++k)
+    {
+      double direction[3];
+      for (int c = 0; c < gdim; ++c)
+        direction[c] = !sticks ? n[c] : c == k ? 1.0 : 0.0;
+      modes.add_work(own, at().x.data() + q * gdim, direction, 1.0, row);
+      if (_master)
+        modes.add_work(other, closest.data() + q * gdim, direction, -1.0, row);
+      for (int i = 0; i < (other == own ? per_body : 2 * per_body); ++i)
+        for (int j = 0; j < (other == own ? per_body : 2 * per_body); ++j)
+        {
+          const int a = i < per_body ? own * per_body + i : (other - 1) * per_body + i;
+          const int b = j < per_body ? own * per_body + j : (other - 1) * per_body + j;
+          out[std::size_t(a) * num + b] += row[a] * row[b];
+        }
+      for (std::int32_t b : {own, other})
+        std::fill_n(row.begin() + b * per_body, per_body, 0.0);
+    }
+  }
+  return out;
+}
+
+bool QuadraturePenalty::close_nearest()
+{
+  const std::optional<double> near = gap::nearly_touching(comm(), gap(), point_sizes(_slave, at()));
+  if (!near || num_active() > 0)
+    return false;
+  _forces.parameters.touch = *near * _penalty;
+  _forces.evaluate();
+  _closes_nearest = true;
+  return true;
 }
 
 std::vector<double> QuadraturePenalty::closing_forces() const
 {
-  return nodal_forces(stretched(pair(), _state));
+  if (!_closes_nearest)
+    return {};
+  std::vector<double> out = _forces.closing_forces();
+  for (double& force : out)
+    force = -force;
+  return out;
 }
 
-void QuadraturePenalty::add_residual(Vec b) const
+// --- results -------------------------------------------------------------------------------------------------------
+
+std::vector<double> QuadraturePenalty::gap() const
 {
-  const std::vector<double> force = nodal_forces(_state);
-  operators::Entries entries(b);
-  if (entries.size() != force.size())
-    throw std::invalid_argument("the residual has an entry for every owned degree of freedom of the space");
-  for (std::size_t i = 0; i < force.size(); ++i)
-    entries[i] -= force[i];
+  std::vector<double> out = at().gap;
+  for (std::size_t q = 0; q < out.size(); ++q)
+    out[q] += _forces.history.offset[q];
+  return out;
 }
 
-Mat QuadraturePenalty::tangent(bool convex)
+std::vector<ContactStatus> QuadraturePenalty::status() const
 {
-  const PenaltyPair now = pair();
-  operators::NodalMatrix::Couplings couplings;
-  std::int32_t nodes[18];
-  const std::int64_t num_master = now.master ? std::int64_t(now.master->size()) : 1;
-  for (std::size_t q = 0; q < _points.size(); ++q)
+  return _resumed_status ? *_resumed_status : _forces.state().status;
+}
+
+std::vector<double> QuadraturePenalty::traction() const
+{
+  // Evaluated again, friction at its limit is scaled to it once more, which rounds.
+  const std::vector<double>& tangential = _resumed_status ? _forces.history.traction : _forces.state().tangential;
+  const std::vector<ContactStatus> now = status();
+  std::vector<double> out(at().normal.size(), 0.0);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (const std::size_t q = i / at().gdim; now[q] != ContactStatus::open)
+      out[i] = _forces.state().pressure[q] * at().normal[i] + tangential[i];
+  return out;
+}
+
+std::vector<double> QuadraturePenalty::covered() const
+{
+  const std::vector<ContactStatus> now = status();
+  std::vector<double> out(now.size());
+  std::transform(now.begin(), now.end(), out.begin(), [](ContactStatus s) { return s != ContactStatus::open; });
+  return out;
+}
+
+std::pair<std::vector<std::int32_t>, std::vector<double>> QuadraturePenalty::nodal_means(std::span<const double> values,
+                                                                                         std::size_t columns) const
+{
+  if (values.size() != at().size() * columns)
+    throw std::invalid_argument("nodal means need the values of every point");
+  const auto map = _space->dofmap()->index_map;
+  const int n = _slave.displacement.num_nodes();
+  const std::size_t width = columns + 1; // the last one: weights
+  std::vector<double> sums((map->size_local() + map->num_ghosts()) * width, 0.0);
+  double shape[surface::FacetElement::max_nodes];
+  for (std::size_t q = 0; q < at().size(); ++q)
   {
-    const std::int64_t key = _points.facet[q] * num_master + (now.master ? _points.master[q] : 0);
-    if (_state.status[q] == ContactStatus::open || (!couplings.keys.empty() && couplings.keys.back() == key))
-      continue;
-    const std::size_t num = coupled_nodes(now, q, nodes);
-    couplings.add(key, {nodes, num}, {nodes, num});
+    _slave.displacement.values(at().xi.data() + 2 * q, shape);
+    for (int i = 0; i < n; ++i)
+    {
+      double* sum = sums.data() + std::size_t(_slave.nodes_of(at().facet[q])[i]) * width;
+      const double weight = at().weight[q] * shape[i] * shape[i];
+      for (std::size_t c = 0; c < columns; ++c)
+        sum[c] += weight * values[q * columns + c];
+      sum[columns] += weight;
+    }
   }
-  _matrix.reset(map(), _slave.gdim, couplings);
-  enforcement::tangent(now, _state, convex, [&](std::span<const std::int32_t> at, std::span<const double> block)
-                       { _matrix.add(at, at, block); });
-  _matrix.finish();
-  return _matrix.matrix();
+  sums = operators::sum_over_ranks(map, std::move(sums), int(width));
+  std::pair<std::vector<std::int32_t>, std::vector<double>> out;
+  for (std::int32_t node = 0; node < map->size_local(); ++node)
+    if (const double* sum = sums.data() + std::size_t(node) * width; sum[columns] != 0.0)
+    {
+      out.first.push_back(node);
+      for (std::size_t c = 0; c < columns; ++c)
+        out.second.push_back(sum[c] / sum[columns]);
+    }
+  return out;
 }
 } // namespace dolfinx_impact::enforcement

@@ -1,88 +1,164 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../../operators/NodalMatrix.h"
-#include "../../search/closest_point/PairSearch.h"
-#include "penalty.h"
+#include "../../gap/InitialPenetration.h"
+#include "../ContactTotals.h"
+#include "../StaticContact.h"
+#include "FacetKeeper.h"
+#include "PenaltyForces.h"
+#include "Uzawa.h"
+#include <functional>
 #include <memory>
-#include <petscvec.h>
+#include <optional>
 
 namespace dolfinx_impact::enforcement
 {
-/// Penalty contact of one pair: search, gaps and tractions at the slave's quadrature points, residual and tangent.
-/// What is solved for and when a step ends is the caller's; PenaltyHistory is the state between steps.
-class QuadraturePenalty
+/// Parameters of penalty contact at quadrature points.
+struct PenaltyOptions
+{
+  double penalty = 0.0;            ///< pressure per penetration; 0: automatic_penalty [F/L^3]
+  double tangential = 0.0;         ///< tangential traction per slip, with friction; 0: equal to the penalty [F/L^3]
+  double friction = 0.0;           ///< coefficient [1]
+  bool augmented = false;          ///< increments are repeated with augmented multipliers (Uzawa)
+  double tolerance = 1e-8;         ///< largest mean penetration if augmented, relative to the size of the bodies [1]
+  int max_augmentations = 200;     ///< of an increment
+  int quadrature_degree = 0;       ///< of the rule on slave facets; 0: 2 degree + 2
+  double search_distance = 0.0;    ///< see search::PairSearch [L]
+  bool remove_penetration = false; ///< gaps count from the penetrations of the reference configuration
+  bool axisymmetric = false;       ///< x is the radius
+};
+
+/// Penalty contact of one pair in increments, docs/contact.md. Its points are the quadrature points of this rank's
+/// slave facets. The increment moves PenaltyForces' points, keeps them on their facets, augments multipliers, and makes
+/// tractions and slips history when it is accepted.
+class QuadraturePenalty final : public StaticContact
 {
 public:
-  /// What a pair consists of, and where its points are.
-  struct Setup
-  {
-    std::shared_ptr<const surface::FunctionSpace> V; ///< displacement space
-    surface::Facets slave;                           ///< this rank's facets (make_surface)
-    std::span<const double> points, weights;         ///< rule on the slave's reference facet
-    bool axisymmetric = false;                       ///< x is the radius
-  };
+  /// Assembles the tangent of the bodies at their present state, borrowed until the next call [F/L]. Collective.
+  typedef std::function<Mat()> BodyTangent;
 
   /// A deformable master. Collective.
-  /// @param[in] search_distance see search::PairSearch [L]
-  QuadraturePenalty(const Setup& setup, const surface::Facets& master, double search_distance = 0.0);
-  /// A rigid one; it may be moved between updates (Rigid::displacement).
-  QuadraturePenalty(Setup setup, std::shared_ptr<const gap::Rigid> master);
+  /// @param[in] name of the pair, for messages
+  /// @param[in] V displacement space
+  /// @param[in] slave, master this rank's facets (make_surface)
+  /// @param[in] bodies an automatic penalty is made from, and a given one is compared with; may be empty if one is
+  /// given
+  /// @throws std::invalid_argument on all ranks, if the bodies penetrate too deep or an option is not as it says
+  QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
+                    surface::Facets master, const PenaltyOptions& options, BodyTangent bodies = {});
+  /// A rigid one, at its place in the reference configuration; its displacement comes with begin_step. Collective.
+  /// @throws std::invalid_argument on all ranks, also if the obstacle's surface does not face the slave
+  QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
+                    gap::Rigid master, const PenaltyOptions& options, BodyTangent bodies = {});
 
-  PenaltyParameters parameters;
+  const std::string& name() const override { return _name; }
+  std::string fault() const override { return _fault; }
+  void check_parameters() override;
+  void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
+                  std::span<const double> target = {}) override;
+  std::optional<std::array<double, 3>> displacement() const override;
+  state::State state() override;
+  void accept_step() override;
+  bool augment() override;
+  std::string passed_through() override;
+  void update_gap(std::span<const double> u) override;
+  int update_active_set(bool first, std::optional<std::int64_t> last = {}) override;
+  std::vector<double> contact_forces() const override { return _forces.contact_forces(); }
+  void add_residual(Vec b) const override { _forces.add_residual(b); }
+  /// Nothing: the penalty is the scale of force per displacement.
+  void update_nodal_stiffness(Mat) override {}
+  Mat tangent() override { return _forces.tangent(_convex); }
+  void set_convex(bool convex) override { _convex = convex; }
+  bool has_friction() const override { return _options.friction > 0.0; }
+  bool symmetric() const override;
+  std::int64_t num_active() const override;
+  double round_off() const override;
+  std::string mesh_advice() const override;
+  double smallest_gap() const override;
+  void forget() override { _forces.forget(); }
+  std::vector<double> rigid_body_products(const operators::RigidBodyModes& modes) const override;
+  bool close_nearest() override;
+  std::vector<double> closing_forces() const override;
+  std::vector<double> points() const override { return _forces.points().x; }
+  std::vector<double> gap() const override;
+  std::vector<double> normal() const override { return _forces.points().normal; }
+  std::vector<double> pressure() const override { return _forces.state().pressure; }
+  std::vector<double> traction() const override;
+  std::vector<double> slip() const override { return _forces.state().slip; }
+  std::vector<ContactStatus> status() const override;
+  std::vector<double> weight() const override { return _forces.points().weight; }
+  std::vector<double> covered() const override;
 
-  /// Closest points and gaps. Collective.
-  /// @param[in] u, start displacements, now and when the step began, owned and ghosts [L]
-  /// @param[in] stay points a little beside the facet that they were on stay on it
-  void update_gap(std::span<const double> u, std::span<const double> start, bool stay = false);
-  /// Pressures, tractions, slips and status, after update_gap. Collective.
-  /// @param[in] increment displacements since the step began, owned and ghosts [L]
-  /// @param[in] rigid_increment that of a rigid master [L]
-  void evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment = {});
-  /// Evaluate again, with another PenaltyParameters::touch.
-  void evaluate();
+  /// Penalty in use; 0 before the first increment with an automatic one [F/L^3].
+  double penalty() const { return _penalty; }
+  /// Tangential penalty in use; 0 before the first increment [F/L^3].
+  double tangential() const { return _tangential; }
+  bool convex() const { return _convex; }
+  const PenaltyOptions& options() const { return _options; }
+  const gap::InitialPenetration& initial() const { return *_initial; }
+  ContactTotals& totals() { return _totals; }
+  PenaltyForces& forces() { return _forces; }
+  Uzawa& uzawa() { return _uzawa; }
+  /// Are the points of close_nearest closed in this iteration?
+  bool closes_nearest() const { return _closes_nearest; }
+  /// Has an increment begun?
+  bool has_begun() const { return _touch.has_value(); }
 
-  /// Subtract the contact forces from a residual, whose entries are those of V's owned nodes. Collective.
-  void add_residual(Vec b) const;
-  /// Contact forces on both bodies, owned entries [F]. Collective.
-  std::vector<double> contact_forces() const;
-  /// Forces of `stretched`: they draw closed points that are apart together, owned entries [F]. Collective.
-  std::vector<double> closing_forces() const;
-  /// Minus the derivative of the contact forces, V's entries; borrowed, valid until the next call. Collective.
-  /// @param[in] convex its positive semi-definite part, see enforcement::tangent
-  Mat tangent(bool convex = false);
-  /// Forget candidates and the places of the tangent, so that runs with and without a restart go on alike.
-  void forget();
-  /// The state is that of the last converged step from now on.
-  void accept_step() { advance(_state, history); }
-
-  gap::Points& points() { return _points; }
-  const PenaltyState& state() const { return _state; }
-  PenaltyHistory history;
-  /// Facets after update_gap, and the map that numbers their nodes.
-  const surface::Facets& slave() const { return _search ? _search->slave() : _slave; }
-  const surface::Facets* master() const { return _search ? &_search->master() : nullptr; }
-  std::shared_ptr<const dolfinx::common::IndexMap> map() const;
-  /// Search of a deformable master, else null.
-  search::PairSearch* search() { return _search.get(); }
-  /// Energy of springs whose gradient is minus the contact force, without friction and multipliers; this rank's part
-  /// [F L].
-  double energy() const { return enforcement::energy(pair(), _state); }
-  /// How many matrices the tangent has needed so far.
-  int num_matrices() const { return _matrix.num_created(); }
+  /// Continue from the values of a checkpoint in `state`, whose last converged state is the present one. Collective.
+  /// @param[in] penalty, tangential in use; 0: not yet known [F/L^3]
+  /// @param[in] u displacements, owned and ghosts [L]
+  /// @param[in] status of the points
+  /// @param[in] facets of the master that points are kept on, see facet_ids
+  void resume(double penalty, double tangential, std::span<const double> u, std::vector<ContactStatus> status,
+              std::span<const std::int64_t> facets);
+  /// Facet of the master that each point is on, by a number that does not depend on the ranks; -1: none.
+  std::vector<std::int64_t> facet_ids() const;
+  /// Means of point values at the slave's nodes, weighted with squares of the shape functions. Collective.
+  /// @param[in] values [point*columns + c]
+  /// @returns owned nodes, and means, [i*columns + c]
+  std::pair<std::vector<std::int32_t>, std::vector<double>> nodal_means(std::span<const double> values,
+                                                                        std::size_t columns) const;
 
 private:
-  QuadraturePenalty(Setup setup, std::unique_ptr<search::PairSearch> search, std::shared_ptr<const gap::Rigid> rigid);
-  PenaltyPair pair() const;
-  std::vector<double> nodal_forces(const PenaltyState& state) const;
+  QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
+                    std::optional<surface::Facets> master, std::shared_ptr<gap::Rigid> rigid,
+                    const PenaltyOptions& options, BodyTangent bodies);
+  MPI_Comm comm() const { return _space->mesh()->comm(); }
+  const gap::Points& at() const { return _forces.points(); }
+  double sum_over_ranks(double value) const;
+  double automatic() const;
+  void locate(std::span<const double> u);
+  void keep_facets(std::span<const std::int64_t> ids);
+  bool leave_facets();
+  std::vector<double> closest_points() const;
+  std::vector<double> gap_without_overhang();
+  std::array<double, 3> rigid_increment() const;
 
+  std::string _name;
   std::shared_ptr<const surface::FunctionSpace> _space;
-  surface::Facets _slave; ///< moved with u where the master is rigid
-  std::shared_ptr<const gap::Rigid> _rigid;
-  std::unique_ptr<search::PairSearch> _search;
-  gap::Points _points;
-  PenaltyState _state;
-  std::vector<double> _increment; ///< by nodes of the map
-  std::array<double, 3> _rigid_increment{};
-  operators::NodalMatrix _matrix;
+  PenaltyOptions _options;
+  BodyTangent _bodies;
+  surface::Facets _slave; ///< nodes of the space; moved where that is said
+  std::optional<surface::Facets> _master;
+  std::shared_ptr<gap::Rigid> _rigid;
+  double _size; ///< of the bodies [L]
+  surface::QuadratureRule _rule;
+  PenaltyForces _forces;
+  Uzawa _uzawa;
+  std::optional<FacetKeeper> _keeper; ///< of deformable masters
+  std::optional<gap::InitialPenetration> _initial;
+  ContactTotals _totals;
+  double _penalty, _tangential;
+  std::string _fault;
+  bool _convex = false;
+  bool _seen = false;           ///< points have been assigned to facets; not in the reference configuration
+  bool _closes_nearest = false; ///< in this iteration
+  /// Trial pressure below zero up to which points close in an increment's first evaluation; nothing: none has begun.
+  std::optional<double> _touch;
+  std::vector<double> _u, _start; ///< displacements now and when the increment began; ghosts follow in update_gap
+  std::array<double, 3> _displacement{}, _start_displacement{}; ///< of a rigid master
+  std::vector<std::int8_t> _touched;                            ///< points that were closed in the last converged state
+  std::vector<double> _gap_before;                              ///< in the last converged state
+  std::vector<ContactStatus> _last_status;                      ///< of the last iteration
+  std::optional<std::vector<ContactStatus>> _resumed_status;    ///< that of a checkpoint, until the next evaluation
 };
 } // namespace dolfinx_impact::enforcement

@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from ...common.described import Described
 from ...common.types import FloatArray
-from ...contact.penalty.penalty import PenaltyContact
+from ...contact.penalty.quadrature_penalty import QuadraturePenalty
 from ..run_history import ENERGIES
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class EnergyAccount(Described):
         self.works.damping += sums[2]
 
 
-def stored_in_contact(contact: LagrangeContact | PenaltyContact) -> float:
+def stored_in_contact(contact: LagrangeContact | QuadraturePenalty) -> float:
     """Energy of the springs of a penalty contact; zero with multipliers. Collective.
 
     Args:
@@ -98,7 +98,7 @@ def stored_in_contact(contact: LagrangeContact | PenaltyContact) -> float:
     Returns:
         Energy [F L].
     """
-    if not isinstance(contact, PenaltyContact) or contact.penalty is None or contact.tangential is None:
+    if not isinstance(contact, QuadraturePenalty) or contact.penalty is None or contact.tangential is None:
         return 0.0
     normal = contact.pressure
     tangential = contact.traction - normal[:, None] * contact.normal
@@ -112,7 +112,7 @@ def energies(
     kinetic: float,
     stored: float | None,
     works: Works,
-    contacts: Sequence[LagrangeContact | PenaltyContact],
+    contacts: Sequence[LagrangeContact | QuadraturePenalty],
     has_history: bool,
 ) -> dict[str, float]:
     """Energies at the present time. Collective.

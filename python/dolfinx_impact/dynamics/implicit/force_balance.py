@@ -23,7 +23,7 @@ from .moving_body import MovingBody
 
 if TYPE_CHECKING:
     from ...contact.mortar.lagrange import LagrangeContact
-    from ...contact.penalty.penalty import PenaltyContact
+    from ...contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
 class ForceBalance(Described):
@@ -44,7 +44,7 @@ class ForceBalance(Described):
         body: MovingBody,
         loads: LoadsInTime,
         external: ufl.Form | None,
-        contacts: Sequence[LagrangeContact | PenaltyContact],
+        contacts: Sequence[LagrangeContact | QuadraturePenalty],
         fixed: BoolArray,
     ) -> None:
         self._u, self._body, self._loads, self._contacts, self._fixed = u, body, loads, contacts, fixed

@@ -15,7 +15,7 @@ from ..functions_of_time import FunctionsOfTime
 
 if TYPE_CHECKING:
     from ...contact.mortar.lagrange import LagrangeContact
-    from ...contact.penalty.penalty import PenaltyContact
+    from ...contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
 class ObstacleMotions(Described):
@@ -26,7 +26,7 @@ class ObstacleMotions(Described):
         functions: functions of time of the problem; those of the motions are added.
     """
 
-    def __init__(self, contacts: Sequence[LagrangeContact | PenaltyContact], functions: FunctionsOfTime) -> None:
+    def __init__(self, contacts: Sequence[LagrangeContact | QuadraturePenalty], functions: FunctionsOfTime) -> None:
         self._num_contacts = len(contacts)
         self._motions: list[tuple[FloatArray, Amplitude] | None] = []
         for contact in contacts:

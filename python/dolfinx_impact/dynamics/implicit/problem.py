@@ -69,7 +69,8 @@ from .stepper import MOST_STEPS, ImplicitStepper
 
 if TYPE_CHECKING:
     from ...contact.mortar.lagrange import Lagrange, LagrangeContact
-    from ...contact.penalty.penalty import Penalty, PenaltyContact
+    from ...contact.penalty.penalty import Penalty
+    from ...contact.penalty.quadrature_penalty import QuadraturePenalty
     from ...statics.body import BodyTangent
 
 IMPACT = ("mass_redistribution", "none")
@@ -256,7 +257,7 @@ class NewmarkProblem(Unique):
         self.moving_body = MovingBody(
             self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting, bodies)
         )
-        self.contact: tuple[LagrangeContact | PenaltyContact, ...] = tuple([c._bind(self) for c in contact])
+        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
         self.obstacles = ObstacleMotions(self.contact, self.functions)
         self.read = ReadOnce(motion, self.contact)
         self.equations = StepEquations(

@@ -19,7 +19,7 @@ from .moving_body import MovingBody
 
 if TYPE_CHECKING:
     from ...contact.mortar.lagrange import LagrangeContact
-    from ...contact.penalty.penalty import PenaltyContact
+    from ...contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
 class StepEquations(Described):
@@ -44,7 +44,7 @@ class StepEquations(Described):
         material: _Material | MaterialMap | None,
         axisymmetric: bool,
         body: MovingBody,
-        contact: Sequence[LagrangeContact | PenaltyContact],
+        contact: Sequence[LagrangeContact | QuadraturePenalty],
         fixed: BoolArray,
         options: dict[str, Any] | None,
         prefix: str,

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "PenaltyForces.h"
+#include "../../operators/petsc_check.h"
+#include <dolfinx/la/Vector.h>
+#include <functional>
+#include <stdexcept>
+
+namespace dolfinx_impact::enforcement
+{
+
+PenaltyForces::PenaltyForces(Setup setup, std::unique_ptr<search::PairSearch> search,
+                             std::shared_ptr<const gap::Rigid> rigid)
+    : _space(setup.V), _slave(std::move(setup.slave)), _rigid(std::move(rigid)), _search(std::move(search)),
+      _points(gap::make_points(_slave, setup.points, setup.weights, setup.axisymmetric))
+{
+  history = make_history(_points);
+  const std::size_t num = _points.size(), size = num * _points.gdim;
+  _state = {std::vector<ContactStatus>(num, ContactStatus::open), std::vector<double>(num), std::vector<double>(size),
+            std::vector<double>(size), std::vector<double>(size)};
+}
+
+PenaltyForces::PenaltyForces(const Setup& setup, const surface::Facets& master, double search_distance)
+    : PenaltyForces(setup, std::make_unique<search::PairSearch>(setup.V, setup.slave, master, search_distance), nullptr)
+{
+}
+
+PenaltyForces::PenaltyForces(Setup setup, std::shared_ptr<const gap::Rigid> master)
+    : PenaltyForces(std::move(setup), nullptr, std::move(master))
+{
+  if (!_rigid)
+    throw std::invalid_argument("a rigid master is needed");
+}
+
+std::shared_ptr<const dolfinx::common::IndexMap> PenaltyForces::map() const
+{
+  return _search ? _search->map() : _space->dofmap()->index_map;
+}
+
+PenaltyPair PenaltyForces::pair() const
+{
+  return {_points, slave(), master(), parameters, history, _increment, _rigid_increment};
+}
+
+void PenaltyForces::update_gap(std::span<const double> u, std::span<const double> start, bool stay)
+{
+  if (_search)
+  {
+    _search->update(u, start);
+    gap::update(_points, _search->slave(), _search->closest(), _search->reach(), stay && _search->kept());
+    return;
+  }
+  for (std::int32_t node : _slave.nodes)
+    if (std::size_t(node + 1) * _slave.gdim > u.size())
+      throw std::invalid_argument("the displacements are fewer than the surface's nodes");
+  surface::move(_slave, u.data());
+  gap::update(_points, _slave, *_rigid);
+}
+
+void PenaltyForces::forget()
+{
+  if (_search)
+    _search->forget();
+  _matrix.forget();
+}
+
+void PenaltyForces::evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment)
+{
+  if (_search)
+  {
+    _increment.resize(_search->exchange()->size());
+    _search->exchange()->forward(increment, _increment);
+  }
+  else
+    _increment.assign(increment.begin(), increment.end());
+  _rigid_increment = rigid_increment;
+  evaluate();
+}
+
+void PenaltyForces::evaluate()
+{
+  _state = enforcement::evaluate(pair());
+}
+
+/// Forces of a state on both bodies, owned entries.
+std::vector<double> PenaltyForces::nodal_forces(const PenaltyState& state) const
+{
+  const auto nodes = map();
+  const std::size_t owned = std::size_t(nodes->size_local()) * _slave.gdim;
+  std::vector<double> out(owned, 0.0);
+  if (_search)
+  {
+    std::vector<double> values(_search->exchange()->size(), 0.0);
+    add_force(pair(), state, values);
+    _search->exchange()->reverse(values, out);
+    return out;
+  }
+  dolfinx::la::Vector<double> values(nodes, _slave.gdim);
+  values.set(0.0);
+  add_force(pair(), state, values.mutable_array());
+  values.scatter_rev(std::plus<double>());
+  std::copy_n(values.array().begin(), owned, out.begin());
+  return out;
+}
+
+std::vector<double> PenaltyForces::contact_forces() const
+{
+  return nodal_forces(_state);
+}
+
+std::vector<double> PenaltyForces::closing_forces() const
+{
+  return nodal_forces(stretched(pair(), _state));
+}
+
+void PenaltyForces::add_residual(Vec b) const
+{
+  const std::vector<double> force = nodal_forces(_state);
+  operators::Entries entries(b);
+  if (entries.size() != force.size())
+    throw std::invalid_argument("the residual has an entry for every owned degree of freedom of the space");
+  for (std::size_t i = 0; i < force.size(); ++i)
+    entries[i] -= force[i];
+}
+
+Mat PenaltyForces::tangent(bool convex)
+{
+  const PenaltyPair now = pair();
+  operators::NodalMatrix::Couplings couplings;
+  std::int32_t nodes[18];
+  const std::int64_t num_master = now.master ? std::int64_t(now.master->size()) : 1;
+  for (std::size_t q = 0; q < _points.size(); ++q)
+  {
+    const std::int64_t key = _points.facet[q] * num_master + (now.master ? _points.master[q] : 0);
+    if (_state.status[q] == ContactStatus::open || (!couplings.keys.empty() && couplings.keys.back() == key))
+      continue;
+    const std::size_t num = coupled_nodes(now, q, nodes);
+    couplings.add(key, {nodes, num}, {nodes, num});
+  }
+  _matrix.reset(map(), _slave.gdim, couplings);
+  enforcement::tangent(now, _state, convex, [&](std::span<const std::int32_t> at, std::span<const double> block)
+                       { _matrix.add(at, at, block); });
+  _matrix.finish();
+  return _matrix.matrix();
+}
+} // namespace dolfinx_impact::enforcement

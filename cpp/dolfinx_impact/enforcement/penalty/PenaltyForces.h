@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../../operators/NodalMatrix.h"
+#include "../../search/closest_point/PairSearch.h"
+#include "penalty.h"
+#include <memory>
+#include <petscvec.h>
+
+namespace dolfinx_impact::enforcement
+{
+/// Search, gaps and tractions of one pair at the slave's quadrature points, and the forces and the tangent that follow
+/// from them. Increments are QuadraturePenalty's; PenaltyHistory is what they change.
+class PenaltyForces
+{
+public:
+  /// What a pair consists of, and where its points are.
+  struct Setup
+  {
+    std::shared_ptr<const surface::FunctionSpace> V; ///< displacement space
+    surface::Facets slave;                           ///< this rank's facets (make_surface)
+    std::span<const double> points, weights;         ///< rule on the slave's reference facet
+    bool axisymmetric = false;                       ///< x is the radius
+  };
+
+  /// A deformable master. Collective.
+  /// @param[in] search_distance see search::PairSearch [L]
+  PenaltyForces(const Setup& setup, const surface::Facets& master, double search_distance = 0.0);
+  /// A rigid one; it may be moved between updates (Rigid::displacement).
+  PenaltyForces(Setup setup, std::shared_ptr<const gap::Rigid> master);
+
+  PenaltyParameters parameters;
+
+  /// Closest points and gaps. Collective.
+  /// @param[in] u, start displacements, now and when the step began, owned and ghosts [L]
+  /// @param[in] stay points a little beside the facet that they were on stay on it
+  void update_gap(std::span<const double> u, std::span<const double> start, bool stay = false);
+  /// Pressures, tractions, slips and status, after update_gap. Collective.
+  /// @param[in] increment displacements since the step began, owned and ghosts [L]
+  /// @param[in] rigid_increment that of a rigid master [L]
+  void evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment = {});
+  /// Evaluate again, with another PenaltyParameters::touch.
+  void evaluate();
+
+  /// Subtract the contact forces from a residual, whose entries are those of V's owned nodes. Collective.
+  void add_residual(Vec b) const;
+  /// Contact forces on both bodies, owned entries [F]. Collective.
+  std::vector<double> contact_forces() const;
+  /// Forces of `stretched`: they draw closed points that are apart together, owned entries [F]. Collective.
+  std::vector<double> closing_forces() const;
+  /// Minus the derivative of the contact forces, V's entries; borrowed, valid until the next call. Collective.
+  /// @param[in] convex its positive semi-definite part, see enforcement::tangent
+  Mat tangent(bool convex = false);
+  /// Forget candidates and the places of the tangent, so that runs with and without a restart go on alike.
+  void forget();
+  /// The state is that of the last converged step from now on.
+  void accept_step() { advance(_state, history); }
+
+  gap::Points& points() { return _points; }
+  const gap::Points& points() const { return _points; }
+  const PenaltyState& state() const { return _state; }
+  PenaltyHistory history;
+  /// Facets after update_gap, and the map that numbers their nodes.
+  const surface::Facets& slave() const { return _search ? _search->slave() : _slave; }
+  const surface::Facets* master() const { return _search ? &_search->master() : nullptr; }
+  std::shared_ptr<const dolfinx::common::IndexMap> map() const;
+  /// Search of a deformable master, else null.
+  search::PairSearch* search() { return _search.get(); }
+  const search::PairSearch* search() const { return _search.get(); }
+  /// Energy of springs whose gradient is minus the contact force, without friction and multipliers; this rank's part
+  /// [F L].
+  double energy() const { return enforcement::energy(pair(), _state); }
+  /// How many matrices the tangent has needed so far.
+  int num_matrices() const { return _matrix.num_created(); }
+
+private:
+  PenaltyForces(Setup setup, std::unique_ptr<search::PairSearch> search, std::shared_ptr<const gap::Rigid> rigid);
+  PenaltyPair pair() const;
+  std::vector<double> nodal_forces(const PenaltyState& state) const;
+
+  std::shared_ptr<const surface::FunctionSpace> _space;
+  surface::Facets _slave; ///< moved with u where the master is rigid
+  std::shared_ptr<const gap::Rigid> _rigid;
+  std::unique_ptr<search::PairSearch> _search;
+  gap::Points _points;
+  PenaltyState _state;
+  std::vector<double> _increment; ///< by nodes of the map
+  std::array<double, 3> _rigid_increment{};
+  operators::NodalMatrix _matrix;
+};
+} // namespace dolfinx_impact::enforcement

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: MIT
+"""Penalty contact of static problems, seen from Python; docs/contact.md."""
+
+import weakref
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ... import _cpp
+from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
+from ..initial_penetration import InitialPenetration
+from ..pair import ContactStatus
+from ..protocol import StaticContactProblem
+from ..saved_history import SavedHistory
+from ..static_view import StaticContactView
+
+if TYPE_CHECKING:  # it imports this module
+    from .penalty import Penalty
+
+
+class QuadraturePenalty(StaticContactView):
+    """Penalty contact of one pair in a static problem; points are the quadrature points of this rank's slave facets.
+
+    Args:
+        spec: parameters of the contact.
+        problem: the problem.
+
+    Attributes:
+        displacement: displacement of a rigid master at the end of the present increment, (3) [L].
+        start_displacement: its displacement at the beginning, (3) [L].
+        has_multipliers: False, there are no multipliers to condense.
+    """
+
+    has_multipliers = False
+
+    def __init__(self, spec: "Penalty", problem: StaticContactProblem) -> None:
+        self.spec, self.pair, self.problem = spec, spec.pair, problem
+        V, pair = problem.space, spec.pair
+        self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
+        self.slave, self.master = pair.surfaces(V)
+        self.obstacle = None
+        if pair.rigid:
+            self.obstacle = pair.rigid_master.obstacle(self.gdim)
+            self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
+        options = _cpp.penalty.PenaltyOptions()
+        options.penalty, options.tangential = spec.penalty or 0.0, spec.tangential or 0.0
+        options.friction, options.axisymmetric = pair.friction, problem.axisymmetric
+        options.augmented, options.tolerance = spec.augmented, spec.tolerance
+        options.max_augmentations, options.quadrature_degree = spec.max_augmentations, spec.quadrature_degree or 0
+        options.search_distance, options.remove_penetration = pair.search_distance or 0.0, pair.remove_penetration
+        owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever
+
+        def bodies() -> Any:
+            made = owner()
+            assert made is not None  # it calls its contact
+            return made.tangent.assemble()
+
+        self._cpp_object = _cpp.penalty.QuadraturePenalty(
+            pair.name, V._cpp_object, self.slave, self.obstacle or self.master, options, bodies
+        )
+        self._totals = self._cpp_object.totals
+        self._initial = InitialPenetration(self._cpp_object.initial, self.comm)
+
+    @property
+    def initial(self) -> InitialPenetration:
+        """Penetrations in the reference configuration."""
+        return self._initial
+
+    @property
+    def kind(self) -> str:
+        """Name of the method that enforces the contact."""
+        return "penalty at quadrature points"
+
+    def facets(self) -> tuple[Any, Any]:
+        """Facets of slave and master on this rank (C++); None: the master is rigid."""
+        return self.slave, self.master
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options by name, for the signature of a checkpoint."""
+        names = ("penalty", "tangential", "augmented", "tolerance", "quadrature_degree", "max_augmentations")
+        return {name: getattr(self.spec, name) for name in names}
+
+    @property
+    def penalty(self) -> float | None:
+        """Penalty in use; None before the first increment with an automatic one [F/L^3]."""
+        return self._cpp_object.penalty or None
+
+    @property
+    def tangential(self) -> float | None:
+        """Tangential penalty in use; None before the first increment [F/L^3]."""
+        return self._cpp_object.tangential or None
+
+    @property
+    def displacement(self) -> FloatArray:
+        return self._state_array("displacement")
+
+    @property
+    def start_displacement(self) -> FloatArray:
+        """Displacement of a rigid master at the beginning of the present increment, (3) [L]."""
+        return self._state_array("start_displacement")
+
+    @property
+    def convex(self) -> bool:
+        """Whether `tangent` returns the positive semi-definite part of the tangent only."""
+        return bool(self._cpp_object.convex)
+
+    @convex.setter
+    def convex(self, value: bool) -> None:
+        self._cpp_object.set_convex(value)
+
+    @property
+    def history(self) -> _cpp.penalty.PenaltyHistory:
+        """What the points remember of the last converged state (C++)."""
+        return self._cpp_object.forces.history
+
+    @property
+    def evaluated(self) -> _cpp.penalty.PenaltyState:
+        """The points in the present state (C++)."""
+        return self._cpp_object.forces.state
+
+    @property
+    def uzawa(self) -> _cpp.penalty.Uzawa:
+        """Augmented multipliers (C++)."""
+        return self._cpp_object.uzawa
+
+    def _state_array(self, name: str) -> FloatArray:
+        return np.array(self._cpp_object.state().array(name)).reshape(-1)
+
+    def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
+        """Begin an increment; the penalty is printed if it is computed now. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+            displacement: displacement of a rigid master at the end of the increment, (3); None for deformable masters
+                [L].
+            target: prescribed displacements at the end of the increment; not used [L].
+        """
+        known = self.penalty is not None
+        super().begin_step(u, displacement, target)
+        if not known and self.comm.rank == 0:
+            print(f"{self.pair.name}: penalty {self.penalty:.3e} from material and mesh", flush=True)
+
+    def update_gap(self, u: FloatArray) -> None:
+        """Update candidates, gaps, normals and tractions. Collective.
+
+        Args:
+            u: displacements, owned and ghost dofs [L].
+        """
+        if not self._cpp_object.has_begun:  # a state is asked for before anything was solved
+            self.begin_step(u, self.pair.rigid_master.displacement if self.pair.rigid else None)
+        super().update_gap(u)
+
+    def update_multipliers(self, residual: FloatArray) -> None:
+        """Do nothing: tractions follow from gaps.
+
+        Args:
+            residual: nodal residual without contact forces, owned dofs [F].
+        """
+
+    def closing_forces(self) -> FloatArray | None:
+        """Forces that close the gaps of the points of close_nearest. Collective.
+
+        Returns:
+            Forces to be subtracted from the right-hand side, owned dofs; None without such points [F].
+        """
+        return self._cpp_object.closing_forces() if self._cpp_object.closes_nearest else None
+
+    # --- checkpoints -------------------------------------------------------------------------------------------------
+
+    def save_history(self) -> SavedHistory:
+        """What the next increment starts from, for a checkpoint."""
+        made, state, per_facet = self._cpp_object, self._cpp_object.state(), self._cpp_object.forces.points.per_facet
+        rows: dict[str, Any] = {name: state.array(name) for name in ("multiplier", "touched")}
+        rows |= {"status": self.status, "facet": made.facet_ids()}
+        columns: dict[str, FloatArray] = {
+            name: np.array(v, dtype=float).reshape(-1, per_facet) for name, v in rows.items()
+        }
+        for name in ("traction", "slip"):
+            columns[name] = state.array(name).reshape(-1, per_facet * self.gdim).copy()
+        places = {"master": self.displacement, "penalties": np.array([made.penalty, made.tangential])}
+        corners = state.array("corners")[:, None].copy() if self.spec.augmented else None
+        return SavedHistory(True, self.slave.id, columns, self.save_totals() | places, corners)
+
+    def restore_history(self, saved: SavedHistory, u: FloatArray) -> None:
+        """Continue from a checkpoint. Collective.
+
+        Args:
+            saved: as save_history returned it.
+            u: displacements of the checkpoint, owned and ghost dofs [L].
+        """
+        rows, state = saved.columns, self._cpp_object.state()
+        for name in ("multiplier", "traction", "slip", "touched"):
+            array = state.array(name)
+            array[...] = rows[name].reshape(array.shape)
+        if saved.corners is not None:
+            state.array("corners")[...] = saved.corners[:, 0]
+        state.array("displacement")[...] = saved.totals["master"].reshape(state.array("displacement").shape)
+        status, facets = rows["status"].ravel().astype(np.int8), rows["facet"].ravel().astype(np.int64)
+        self._cpp_object.resume(*map(float, saved.totals["penalties"]), u, status, facets)
+        self.restore_totals(saved.totals)
+
+    # --- results -----------------------------------------------------------------------------------------------------
+
+    def nodal(self, values: ArrayLike) -> tuple[IntArray, FloatArray]:
+        """Means of point values at the slave's nodes, weighted with squares of the shape functions. Collective.
+
+        Args:
+            values: values at the points, (n) or (n, ...).
+
+        Returns:
+            Owned nodes, (m), and means, (m, number of values per point).
+        """
+        given = np.asarray(values, dtype=float)
+        columns = int(np.prod(given.shape[1:]))
+        nodes, means = self._cpp_object.nodal_means(np.ascontiguousarray(given.reshape(len(given), columns)))
+        return nodes, means
+
+    def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
+        """Values of the contact points by nodes. Collective.
+
+        Real values become means over the points with finite ones, as a gap without master is infinite; a node without
+        finite values gets an infinite one. Integers, as status, become the one with the largest part of the node's
+        area.
+
+        Args:
+            values: an array over the contact points, (n) or (n, gdim).
+
+        Returns:
+            Numbers of nodes on this rank, (m), and their values, (m) or (m, gdim).
+        """
+        values = np.asarray(values)
+        if np.issubdtype(values.dtype, np.integer):
+            nodes, parts = self.nodal(values[:, None] == np.arange(len(ContactStatus)))
+            return nodes, np.argmax(parts, axis=1).astype(float)
+        known = np.isfinite(values)
+        nodes, sums = self.nodal(np.where(known, values, 0.0))
+        parts = self.nodal(known)[1]
+        means = np.divide(sums, parts, out=np.full_like(sums, np.inf), where=parts > 0.0)
+        return nodes, means.reshape(-1, *values.shape[1:])
