@@ -96,7 +96,7 @@ class Rollers:
         of the force over the friction it could reach, by a fifth of it where friction goes to zero.
         """
         u, before, found = self.problem.u.x.array, self.shift, []
-        start, state = u.copy(), self.contact.save_state()
+        start, state = u.copy(), self.contact.state().copy()
         trial = guess
         while True:
             self.shift = before + trial
@@ -114,7 +114,7 @@ class Rollers:
                 trial = low[0] + part * (high[0] - low[0])
             else:
                 trial += math.copysign(0.1 * guess, force)
-            self.contact.restore_state(state)
+            self.contact.state().assign(state)
             u[:] = start
 
     def roll(self, way, step, creep):

@@ -15,10 +15,10 @@ The order of the calls in one increment of Newton's method:
                            update_nodal_stiffness, tangent, closing_forces
         per linear problem (multipliers): constraints, friction_springs, [solution], update_linearised_gap,
                                           update_multipliers or set_multipliers, update_active_set
-    augment, then accept_step or restore_state
+    augment, then accept_step, or the copied state is assigned
 """
 
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from dolfinx import la
 from dolfinx.fem import Function, FunctionSpace
@@ -146,19 +146,9 @@ class StaticContact(Protocol):
                 are read; None: they do not change [L].
         """
 
-    def save_state(self) -> Any:
-        """Copy the state from which an increment starts.
-
-        Returns:
-            The copy, for restore_state.
-        """
-
-    def restore_state(self, state: Any) -> None:
-        """Restore the state from which an increment started.
-
-        Args:
-            state: as save_state returned it.
-        """
+    def state(self) -> _cpp.state.State:
+        """State from which an increment starts, as named arrays, views of this contact's memory: copy it before, assign
+        the copy to go back."""
 
     def accept_step(self) -> None:
         """Accept a converged increment: slips, tractions and multipliers become history, totals are updated.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What static contacts in C++ have in common, as Python sees it."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from petsc4py import PETSc
@@ -48,21 +48,10 @@ class StaticContactView(ContactOutput):
         """
         self._cpp_object.begin_step(u, None if displacement is None else list(map(float, displacement)), target)
 
-    def save_state(self) -> Any:
-        """Copy the state from which an increment starts.
-
-        Returns:
-            The copy, a State.
-        """
-        return self._cpp_object.state().copy()
-
-    def restore_state(self, state: Any) -> None:
-        """Restore the state from which an increment started.
-
-        Args:
-            state: as save_state returned it.
-        """
-        self._cpp_object.state().assign(state)
+    def state(self) -> _cpp.state.State:
+        """State from which an increment starts, as named arrays, views of this contact's memory: copy it before, assign
+        the copy to go back."""
+        return self._cpp_object.state()
 
     def accept_step(self) -> None:
         """Accept a converged increment: tractions and slips become history, totals are updated. Collective."""

@@ -10,6 +10,7 @@ from dolfinx.la import InsertMode, vector
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from ..contact.pair import ContactStatus
@@ -51,8 +52,6 @@ class RollingContact(LagrangeContact):
         problem: static problem of the bodies.
 
     Attributes:
-        slip_velocity: of slave against master, (n, gdim) [L/T].
-        friction_power: power that friction takes out of the motion, of all ranks [F L/T].
         held: components in which neither body can move, mask (n, gdim): there is no slip to speak of.
         rate: largest velocity jump per displacement, set by the solver; None: not known yet [1/T].
         jump, velocity_jump: matrices (nodes, nodes): weighted displacements of slave against master, and weighted
@@ -72,12 +71,30 @@ class RollingContact(LagrangeContact):
         self.velocity_jump: PETSc.Mat | None = None
         self.rate: float | None = None
         self.held: BoolArray = np.zeros((len(self.nodes), self.gdim), dtype=bool)
-        self.slip_velocity: FloatArray = np.zeros((len(self.nodes), self.gdim))
-        self.friction_power = 0.0
+        self._slip_velocity: FloatArray = np.zeros((len(self.nodes), self.gdim))
+        self._friction_power: FloatArray = np.zeros(1)
 
     def _friction_of_increments(self) -> float:
         """As in statics: there is none."""
         return 0.0
+
+    @property
+    def slip_velocity(self) -> FloatArray:
+        """Slip velocity of slave against master, (n, gdim) [L/T]."""
+        return self._slip_velocity
+
+    @slip_velocity.setter
+    def slip_velocity(self, values: FloatArray) -> None:
+        self._slip_velocity[...] = values
+
+    @property
+    def friction_power(self) -> float:
+        """Power that friction takes out of the motion, of all ranks [F L/T]."""
+        return float(self._friction_power[0])
+
+    @friction_power.setter
+    def friction_power(self, value: float) -> None:
+        self._friction_power[0] = value
 
     # --- velocities --------------------------------------------------------------------------------------------------
 
@@ -302,12 +319,13 @@ class RollingContact(LagrangeContact):
         left = np.linalg.norm(turned, axis=1)
         self.friction_traction = turned * np.where(left > 0.0, size / np.where(left > 0.0, left, 1.0), 0.0)[:, None]
 
-    def save_state(self) -> dict[str, Any]:
-        """State that an increment starts from, as a dict of copies."""
-        return super().save_state() | {
-            "slip_velocity": self.slip_velocity.copy(),
-            "friction_power": self.friction_power,
-        }
+    def state(self) -> _cpp.state.State:
+        """State from which an increment starts, as named arrays, views of this contact's memory: copy it before, assign
+        the copy to go back."""
+        state = super().state()
+        state.add("slip_velocity", _cpp.state.Place.node, self._slip_velocity)
+        state.add("friction_power", _cpp.state.Place.all, self._friction_power)
+        return state
 
     def accept_step(self) -> None:
         """The increment has converged. Collective."""

@@ -426,7 +426,7 @@ class RollingProblem(Unique):
     def _state(self) -> Callable[[], None]:
         """A function that brings the present state back."""
         p = self._equilibrium
-        good, states = self.u.x.array.copy(), [c.save_state() for c in p.contact]
+        good, states = self.u.x.array.copy(), [c.state().copy() for c in p.contact]
         ramps = [pair for load in p.loads if hasattr(load, "ramps") for pair in load.ramps()]
         reached = [value.copy() for _, value in ramps]
         history = self._transport.state() if self._transport else None
@@ -434,7 +434,7 @@ class RollingProblem(Unique):
         def bring_back() -> None:
             self.u.x.array[:] = good
             for contact, state in zip(p.contact, states):
-                contact.restore_state(state)
+                contact.state().assign(state)
             for (_, value), before in zip(ramps, reached):
                 value[...] = before
             if self._transport and history is not None:

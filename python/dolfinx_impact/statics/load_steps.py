@@ -4,11 +4,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
 from mpi4py import MPI
 
 from .. import _cpp
@@ -58,20 +56,6 @@ class Report:
         return (
             f"Report: {end}, {steps}, cut back {self.cut_backs} times" if self.cut_backs else f"Report: {end}, {steps}"
         )
-
-    def add(self, increment: _cpp.solve.Increment, fraction: float) -> None:
-        """Add a converged increment.
-
-        Args:
-            increment: its iterations.
-            fraction: fraction of the load step reached at its end [1].
-        """
-        self.iterations.append(increment.iterations)
-        self.residual_norms.append(increment.residual_norms)
-        self.active_set_sizes.append(increment.active_set_sizes)
-        self.contact_changes.append(increment.changes)
-        self.unsettled.append(increment.unsettled)
-        self.fractions.append(fraction)
 
     def table(self) -> str:
         """The increments as a text table.
@@ -129,71 +113,6 @@ class StepLog:
         self(f"  iteration {i:2d}: residual {norm:.3e} (relative {relative}), {size} in contact, {changes} changed")
 
 
-class LoadPath:
-    """Loads, prescribed displacements and obstacles between the last solve and their present values.
-
-    Args:
-        problem: StaticProblem.
-    """
-
-    def __init__(self, problem: StaticProblem) -> None:
-        self.problem = problem
-        self.start = problem.u.x.array.copy()
-        target = problem.u.copy()
-        for bc in problem.bcs:
-            bc.set(target.x.array)
-        target.x.scatter_forward()
-        self.target = target.x.array.copy()
-        # A load of a user's own class without `ramps` acts in full from the first increment.
-        ramped = [load for load in problem.loads if hasattr(load, "ramps")]
-        self.loads = [(c, reached) for load in ramped for c, reached in load.ramps()]
-        self.load_ends = [np.array(c.value) for c, _ in self.loads]
-        self.obstacles = [c for c in problem.contact if c.pair.rigid]
-        self.obstacle_starts = [c.displacement.copy() for c in self.obstacles]
-        self.obstacle_ends = [c.pair.rigid_master.displacement for c in self.obstacles]
-
-    def values(self, fraction: float) -> FloatArray:
-        """Prescribed displacements at a fraction of the step.
-
-        Args:
-            fraction: fraction of the step [1].
-
-        Returns:
-            Displacements over all degrees of freedom, of which only prescribed entries are used [L].
-        """
-        return self.target if fraction == 1.0 else self.start + fraction * (self.target - self.start)
-
-    def apply(self, fraction: float) -> list[FloatArray]:
-        """Set the loads to a fraction of the step.
-
-        Args:
-            fraction: fraction of the step [1].
-
-        Returns:
-            Displacement of each obstacle, (3) [L].
-        """
-        for (constant, reached), end in zip(self.loads, self.load_ends):
-            constant.value = reached + fraction * (end - reached)
-        return [a + fraction * (b - a) for a, b in zip(self.obstacle_starts, self.obstacle_ends)]
-
-    def finish(self, fraction: float) -> None:
-        """Store the loads at a fraction as the start of the next solve, and set them to the user's values again.
-
-        Args:
-            fraction: fraction of the step that was reached [1].
-        """
-        for (constant, reached), end in zip(self.loads, self.load_ends):
-            reached[...] = reached + fraction * (end - reached)
-            constant.value = end
-
-
-def _back(problem: StaticProblem, good: FloatArray, states: Sequence[dict[str, Any]]) -> None:
-    """Restore displacements and contacts to the start of the increment."""
-    problem.u.x.array[:] = good
-    for contact, state in zip(problem.contact, states):
-        contact.restore_state(state)
-
-
 class IncrementSolver(Protocol):
     """What `run_steps` asks of a solver of increments."""
 
@@ -239,68 +158,33 @@ def run_steps(
     Raises:
         RuntimeError: an increment did not converge; the problem is in its last converged state.
     """
-    report, log, path = Report(), StepLog(problem.space.mesh.comm, verbose, progress), LoadPath(problem)
-    width, done, halved = 1.0 / steps, 0.0, 0
+    log = StepLog(problem.space.mesh.comm, verbose, progress)
+    target = problem.u.copy()
+    for bc in problem.bcs:
+        bc.set(target.x.array)
+    target.x.scatter_forward()
+    # A load of a user's own class without `ramps` acts in full from the first increment.
+    ramped = [load for load in problem.loads if hasattr(load, "ramps")]
+    ramps = [(constant.value, reached) for load in ramped for constant, reached in load.ramps()]
+    masters = [c.pair.rigid_master if c.pair.rigid else None for c in problem.contact]
+    obstacles = [None if master is None else [float(v) for v in master.displacement] for master in masters]
     for recorder in problem.recorders:
         recorder.begin()
-    closed = [c.num_active > 0 for c in problem.contact]
-    good = problem.u.x.array.copy()
-    while done < 1.0 - 1e-12:
-        fraction = min(done + width, 1.0)
-        if fraction <= done:
-            path.finish(done)
-            raise RuntimeError(f"increments of {width:.1e} of the way are round-off: ask for fewer cut_backs")
-        if fraction > 1.0 - 1e-9:
-            fraction = 1.0
-        log(f"increment {len(report.iterations) + 1}: to {fraction:.4f} of the way")
-        log.progress.begin(len(report.iterations) + 1, done, fraction)
-        states = [c.save_state() for c in problem.contact]
-        displacements = iter(path.apply(fraction))
-        target = path.values(fraction)
-        for contact in problem.contact:
-            contact.begin_step(problem.u.x.array, next(displacements) if contact.pair.rigid else None, target)
-        try:
-            increment = solver.run(target, log)
-        except BaseException:  # Ctrl-C, a user's function: return to the last converged state
-            _back(problem, good, states)
-            path.finish(done)
-            raise
-        if not increment.fault:
-            overlaps = [text for text in [c.prescribed_overlap() for c in problem.contact] if text]
-            if overlaps:
-                increment.failed("; ".join(overlaps), hopeless=True)
-        if not increment.fault:
-            problem.body.accept_step()
-            for contact in problem.contact:
-                contact.accept_step()
-            report.add(increment, fraction)
-            known = increment.closed or closed
-            closed = [was or at_start or c.num_active > 0 for was, at_start, c in zip(closed, known, problem.contact)]
-            good, done = problem.u.x.array.copy(), fraction
-            try:
-                for recorder in problem.recorders:
-                    recorder.after(fraction)
-            except BaseException:
-                path.finish(done)
-                raise
-            continue
-        _back(problem, good, states)
-        if increment.hopeless:
-            path.finish(done)
-            raise RuntimeError(increment.fault)
-        if halved == cut_backs:
-            path.finish(done)
-            where = f" (reached {done:.4f} of the way)" if done > 0 else ""
-            end = "" if increment.fault.endswith("?") and not where else "."
-            raise RuntimeError(f"{increment.fault}{where}{end} {increment.advice}".rstrip())
-        halved, width = halved + 1, width / 2
-        report.cut_backs += 1
-        report.rejected_iterations.append(increment.iterations)
-        log(f"  cut back to increments of {width:.3e}: {increment.fault}")
-    path.finish(1.0)
-    lost = _cpp.solve.open_contacts(solver.equilibrium, closed)
-    if lost and problem.space.mesh.comm.rank == 0:
-        LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(lost)}")
-    report.seconds = solver.seconds
+
+    def accepted(fraction: float) -> None:
+        for recorder in problem.recorders:
+            recorder.after(fraction)
+
+    found = _cpp.solve.run_load_steps(
+        solver.equilibrium, target.x.array, ramps, obstacles, lambda goal: solver.run(goal, log), steps, cut_backs, log,
+        log.progress.begin, accepted,
+    )  # fmt: skip
+    if found.lost and problem.space.mesh.comm.rank == 0:
+        LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(found.lost)}")
+    report = Report(
+        iterations=found.iterations, residual_norms=found.residual_norms, active_set_sizes=found.active_set_sizes,
+        contact_changes=found.contact_changes, fractions=found.fractions, cut_backs=found.cut_backs,
+        rejected_iterations=found.rejected_iterations, unsettled=found.unsettled, seconds=solver.seconds,
+    )  # fmt: skip
     log(report.table())
     return report

@@ -15,9 +15,11 @@ from dolfinx import fem
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes
+from dolfinx_impact import _cpp, meshes
+from dolfinx_impact.statics import newton
 
 kind, stage, method = sys.argv[1:]
+newton.contact_in_cpp = _cpp.solve.PythonContact  # whose methods can be exchanged
 m = meshes.make("two_blocks", MPI.COMM_WORLD, lower_cells=(3, 2), upper_cells=(2, 2), gap=0.0)
 V = fem.functionspace(m.mesh, ("Lagrange", 1, (2,)))
 foot = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[1], 0.0))
@@ -41,10 +43,10 @@ else:
     run = lambda: p.advance(p.time + 0.02, dt=0.01, progress=False)
 run()
 owner, name = {
-    "residual": lambda: (equations, "assemble_residual"),
+    "residual": lambda: (equations.body, "add_residual"),
     "tangent": lambda: (equations.tangent, "assemble"),
     "contact": lambda: (p.contact[0], "update_gap"),
-    "linear solver": lambda: (p.linear_solver, "solve"),
+    "fault": lambda: (equations.body, "fault"),
     "recorder": lambda: (recorder, "after"),
 }[stage]()
 if MPI.COMM_WORLD.rank == 1:
@@ -57,7 +59,7 @@ run()
 print("no error")
 """
 
-STAGES = ("residual", "tangent", "contact", "linear solver")
+STAGES = ("residual", "tangent", "contact", "fault")
 TABLE = [*itertools.product(("static", "implicit"), STAGES, ("Lagrange", "Penalty"))]
 TABLE += [("explicit", "recorder", "Penalty"), ("explicit", "recorder", "Kinematic")]
 

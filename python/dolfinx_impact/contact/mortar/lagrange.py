@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Contact by Lagrange multipliers: dual mortar, primal-dual active set, multipliers condensed; docs/contact.md."""
 
-import copy
 import functools
 import logging
 from typing import Any
@@ -211,21 +210,10 @@ class LagrangeContact(ContactOutput):
 
     # --- load steps --------------------------------------------------------------------------------------------------
 
-    def save_state(self) -> dict[str, Any]:
-        """State that an increment starts from, as a dict of copies."""
-        return {"contact": self._cpp_object.state().copy()}
-
-    def restore_state(self, state: dict[str, Any]) -> None:
-        """Back to a saved state.
-
-        Args:
-            state: of save_state.
-        """
-        for name, value in state.items():
-            if name == "contact":
-                self._cpp_object.state().assign(value)
-            else:
-                setattr(self, name, copy.copy(value))
+    def state(self) -> _cpp.state.State:
+        """State from which an increment starts, as named arrays, views of this contact's memory: copy it before, assign
+        the copy to go back."""
+        return self._cpp_object.state()
 
     def save_history(self) -> SavedHistory:
         """What the next increment starts from, for a checkpoint."""

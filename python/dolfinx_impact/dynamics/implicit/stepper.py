@@ -188,7 +188,7 @@ class ImplicitStepper(Described):
         # What others wrote into the displacement function since the last step does not count.
         u.array[: p.num_owned] = self.state.displacement
         u.scatter_forward()
-        before = Before(u.array.copy(), [c.save_state() for c in p.contact], p.motion.save())
+        before = Before(u.array.copy(), [c.state().copy() for c in p.contact], p.motion.save())
         error: float | None = None
         self.update(update, end)
         values = self.sample(step, end)
@@ -386,7 +386,7 @@ class ImplicitStepper(Described):
         p = self.problem
         p.u.x.array[:] = before.displacement
         for contact, state in zip(p.contact, before.contacts):
-            contact.restore_state(state)
+            contact.state().assign(state)
         p.motion.bring_back(before.motion)
 
     def _update_gaps(self, before: Before) -> None:
