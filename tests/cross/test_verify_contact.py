@@ -130,7 +130,7 @@ def test_a_point_without_master_that_is_closed(monkeypatch):
 
 
 @pytest.mark.parametrize("factor", [-1.0, 1 + 1e-8, float("nan")])
-def test_forces_of_the_penalty(factor, monkeypatch):
+def test_forces_of_the_penalty(factor, monkeypatch, contacts_in_python):
     right = QuadraturePenalty.contact_forces
     monkeypatch.setattr(QuadraturePenalty, "contact_forces", lambda self: factor * right(self))
     rows = failed(patches(), ["penalty_force"], ["penalty_tangent", "gap"])
@@ -164,7 +164,7 @@ def test_friction_with_another_coefficient(monkeypatch):
     failed(solutions(0.3), ["friction_penalty", "friction_lagrange"])
 
 
-def test_slip_that_open_points_keep(monkeypatch):
+def test_slip_that_open_points_keep(monkeypatch, contacts_in_python):
     right = QuadraturePenalty.accept_step
 
     def wrong(self):
